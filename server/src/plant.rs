@@ -33,7 +33,7 @@ use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, Ticket};
 use arcline_instruction_set::predefined::motion_status;
-use arcline_instruction_set::{BindError, Ending, MotionControl};
+use arcline_instruction_set::{AxisId, BindError, Ending, MotionControl};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
@@ -258,12 +258,12 @@ impl Plant {
 
     /// Looks at executions, but does not wait for the lock. The first argument tells whether a jog of
     /// an axis runs, may come to, or is being stopped.
-    pub(crate) fn try_with_executions<R>(&self, look: impl FnOnce(&dyn Fn(u16, Ticket) -> bool) -> R) -> Option<R> {
+    pub(crate) fn try_with_executions<R>(&self, look: impl FnOnce(&dyn Fn(AxisId, Ticket) -> bool) -> R) -> Option<R> {
         let mut state = self.0.try_lock()?;
         state.refresh();
         let State { records, link, .. } = &mut *state;
         let snapshot = link.snapshots.output_buffer();
-        let runs = |axis: u16, ticket: Ticket| {
+        let runs = |axis: AxisId, ticket: Ticket| {
             let axis = snapshot.axes.get(usize::from(axis));
             let status = axis.map_or(0, |axis| axis.motion_status);
             // A stop ends the instruction, not the motion.

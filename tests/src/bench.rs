@@ -368,8 +368,8 @@ impl Directory for Bench {
         let machine = &self.project.machine;
         match object {
             Object::MotionGroup => machine.is_group(name).then_some(0),
-            Object::Axis => machine.axis(name),
-            Object::CoordinateSystem => machine.system(name),
+            Object::Axis => machine.axis(name).map(|axis| axis.0),
+            Object::CoordinateSystem => machine.system(name).map(|system| system.0),
         }
     }
 

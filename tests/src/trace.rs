@@ -50,7 +50,7 @@ impl Trace {
     /// A change of an axis's faults.
     pub(crate) fn fault_change(&mut self, change: &FaultChange) {
         self.0.write_u64(change.tick);
-        self.0.write_u16(change.axis);
+        self.0.write_u16(change.axis.0);
         let sets = [change.set, change.again, change.clear];
         self.0.write(format!("{sets:?} {:?}", change.by).as_bytes());
     }

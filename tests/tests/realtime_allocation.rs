@@ -12,7 +12,8 @@ use arcline_config::Project;
 use arcline_controller::image::{Image, Staged};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{
-    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, TagAddress, WrittenArray, bind,
+    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, SystemId, TagAddress, WrittenArray,
+    bind,
 };
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -110,8 +111,8 @@ impl Directory for Names<'_> {
     fn object(&self, object: Object, name: &str) -> Option<u16> {
         match object {
             Object::MotionGroup => self.0.machine.is_group(name).then_some(0),
-            Object::Axis => self.0.machine.axis(name),
-            Object::CoordinateSystem => self.0.machine.system(name),
+            Object::Axis => self.0.machine.axis(name).map(|axis| axis.0),
+            Object::CoordinateSystem => self.0.machine.system(name).map(|system| system.0),
         }
     }
 
@@ -574,7 +575,7 @@ fn no_override_allocates() {
         }
         if tick % 13 == 0 {
             let rate = [0.0, 1.0, 0.3, 2.0, 0.0, 0.7][(tick / 13) as usize % 6];
-            for system in [deep, contours] {
+            for system in [deep, contours].map(SystemId) {
                 let _ = outer.link.commands.push(Command::Override { system, rate });
             }
         }

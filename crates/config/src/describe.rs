@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use arcline_controller::machine::{AxisKind, AxisLimits, Corner, Home, HomeMode, HomeSequence};
+use arcline_instruction_set::SystemId;
 
 use crate::Project;
 
@@ -91,7 +92,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         }
         writeln!(out)?;
     }
-    let system_name = |place: u16| {
+    let system_name = |place: SystemId| {
         machine
             .systems
             .get(usize::from(place))

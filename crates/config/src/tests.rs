@@ -4,7 +4,7 @@ use arcline_controller::machine::{
     AxisKind, AxisLimits, Build, Corner, Deviation, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode,
     HomeSequence, HomeSwitch, Orientation, Start, Travel, Wrist,
 };
-use arcline_instruction_set::Mnemonic;
+use arcline_instruction_set::{AxisId, Mnemonic, SystemId};
 
 use crate::{DEFAULT, describe, load};
 
@@ -55,11 +55,11 @@ fn the_default_is_what_the_contract_says() {
         .iter()
         .map(|system| (system.name.as_str(), system.axes.as_slice()))
         .collect();
-    let expected: [(&str, &[u16]); 4] = [
-        ("CS1", &[0, 1, 2]),
-        ("CS2", &[0, 1, 3]),
-        ("CS3", &[4, 5, 6]),
-        ("XY", &[0, 1]),
+    let expected: [(&str, &[AxisId]); 4] = [
+        ("CS1", &[0, 1, 2].map(AxisId)),
+        ("CS2", &[0, 1, 3].map(AxisId)),
+        ("CS3", &[4, 5, 6].map(AxisId)),
+        ("XY", &[0, 1].map(AxisId)),
     ];
     assert_eq!(systems, expected);
     for system in &machine.systems {
@@ -83,7 +83,7 @@ fn the_default_is_what_the_contract_says() {
         .iter()
         .map(|t| (t.name.as_str(), t.source, t.target))
         .collect();
-    assert_eq!(transforms, [("T1", 1, 2)]);
+    assert_eq!(transforms, [("T1", SystemId(1), SystemId(2))]);
     let tags: Vec<_> = project
         .instruction_tags
         .iter()
@@ -122,7 +122,7 @@ fn everything_has_its_default() {
     );
     assert_eq!(axis.kind, AxisKind::Servo(Drive::default()));
     let system = &project.machine.systems[0];
-    assert_eq!((system.axes.as_slice(), system.queue_depth), (&[0u16][..], 1));
+    assert_eq!((system.axes.as_slice(), system.queue_depth), (&[AxisId(0)][..], 1));
     assert_eq!((system.actual_tolerance, system.command_tolerance), (0.0, 0.0));
     assert_eq!(
         (project.machine.period_ns, project.machine.group.as_str()),
@@ -186,7 +186,7 @@ fn everything_can_be_said() {
             project.machine.transforms[0].source,
             project.machine.transforms[0].target
         ),
-        (0, 1)
+        (SystemId(0), SystemId(1))
     );
     assert_eq!(project.instruction_tags[0].target, "X");
     assert_eq!(project.instruction_tags[1].target, "G");

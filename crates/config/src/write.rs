@@ -6,7 +6,7 @@ use arcline_controller::machine::{
     Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Geometry, Home,
     HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
 };
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet};
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
 use toml::{Table, Value};
 
@@ -62,7 +62,7 @@ pub fn table(project: &Project) -> Table {
         "coordinate_system",
         machine.systems.iter().map(|one| system(one, machine)),
     );
-    let system_name = |place: u16| {
+    let system_name = |place: SystemId| {
         let system = machine.systems.get(usize::from(place));
         text(system.map_or("", |system| &system.name))
     };

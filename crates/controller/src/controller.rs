@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use arcline_drive::Drives;
-use arcline_instruction_set::{Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object};
+use arcline_instruction_set::{AxisId, Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object, SystemId};
 use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
@@ -24,7 +24,7 @@ pub enum Command {
     /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
     Override {
         /// Index of the coordinate system.
-        system: u16,
+        system: SystemId,
         /// The share.
         rate: f64,
     },
@@ -40,7 +40,7 @@ pub enum Command {
     /// Put causes of faults on an axis, and take all others away that were put there.
     Inject {
         /// Index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// The causes.
         causes: FaultSet,
     },
@@ -58,7 +58,7 @@ pub enum StopRequest {
     /// The jog that an instruction began on an axis: see [`Motion::end_jog`].
     Jog {
         /// Index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// The instruction.
         ticket: Ticket,
         /// Why it ends.
@@ -118,7 +118,7 @@ pub trait Port {
 #[derive(Debug)]
 pub struct PlannedContour {
     /// Index of the coordinate system.
-    pub system: u16,
+    pub system: SystemId,
     /// The generation of the request.
     pub generation: u32,
     /// The plan; `None`: none was found.
@@ -236,7 +236,7 @@ impl Controller {
     }
 
     /// Takes a share of the programmed speeds of a coordinate system's moves: see [`Motion::set_override`]. Real-time.
-    pub fn set_override(&mut self, system: u16, rate: f64) {
+    pub fn set_override(&mut self, system: SystemId, rate: f64) {
         self.motion.set_override(system, rate);
     }
 
@@ -246,7 +246,7 @@ impl Controller {
     }
 
     /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.
-    pub fn inject(&mut self, axis: u16, causes: FaultSet) {
+    pub fn inject(&mut self, axis: AxisId, causes: FaultSet) {
         self.motion.inject(axis, causes);
     }
 
@@ -261,7 +261,7 @@ impl Controller {
     }
 
     /// Stops the jog that an instruction began on an axis, at full deceleration: see [`Motion::end_jog`]. Real-time.
-    pub fn end_jog(&mut self, axis: u16, ticket: Ticket, why: JogEnd) {
+    pub fn end_jog(&mut self, axis: AxisId, ticket: Ticket, why: JogEnd) {
         self.motion.end_jog(axis, ticket, why);
     }
 

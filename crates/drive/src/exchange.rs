@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use arcline_instruction_set::FaultSet;
+use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_profile::KinematicState;
 
 /// Latches of an axis: of homing, and of both registration inputs.
@@ -27,7 +27,7 @@ pub trait Drives: fmt::Debug + Send {
     /// that the last exchange ended. `stood`: for how long the set-points have stood at its end, seconds.
     ///
     /// Drives that know only what their feedback says answer [`Settled::Unknown`].
-    fn settled(&self, axes: &[u16], tolerance: f64, stood: f64) -> Settled {
+    fn settled(&self, axes: &[AxisId], tolerance: f64, stood: f64) -> Settled {
         let _ = (axes, tolerance, stood);
         Settled::Unknown
     }

@@ -19,6 +19,7 @@ mod form;
 mod instruction;
 mod instruction_tag;
 mod mnemonic;
+mod object_id;
 pub mod operands;
 pub mod predefined;
 mod queue;
@@ -43,5 +44,6 @@ pub use instruction_tag::{
     set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
+pub use object_id::{AxisId, SystemId};
 pub use safety_margin::BlendedSequence;
 pub use words::{Enumeration, Word, Words, list as enumerations, normalized};

@@ -5,7 +5,7 @@
 use std::ops::Deref;
 
 use crate::instruction::Kind;
-use crate::{Call, Enumeration, MotionError, OperandIndex, RealArray, TagAddress, WrittenArray};
+use crate::{AxisId, Call, Enumeration, MotionError, OperandIndex, RealArray, SystemId, TagAddress, WrittenArray};
 
 pub use crate::catalog::typed::*;
 
@@ -106,10 +106,17 @@ impl FromCall for Option<WrittenArray> {
     }
 }
 
-/// The index of another motion object.
-impl FromCall for Option<u16> {
+/// Another axis.
+impl FromCall for Option<AxisId> {
     fn from_call(call: &Call, operand: usize) -> Self {
-        call.object(operand)
+        call.object(operand).map(AxisId)
+    }
+}
+
+/// Another coordinate system.
+impl FromCall for Option<SystemId> {
+    fn from_call(call: &Call, operand: usize) -> Self {
+        call.object(operand).map(SystemId)
     }
 }
 

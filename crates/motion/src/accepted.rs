@@ -1,6 +1,6 @@
 //! Coordinated moves as they were accepted: what somebody outside needs to draw them.
 
-use arcline_instruction_set::{ControlSlot, Mnemonic};
+use arcline_instruction_set::{ControlSlot, Mnemonic, SystemId};
 use arcline_planner::geometry::Path;
 
 use crate::control::Ticket;
@@ -18,7 +18,7 @@ pub struct AcceptedMove {
     /// The instruction.
     pub mnemonic: Mnemonic,
     /// Index of the coordinate system.
-    pub system: u16,
+    pub system: SystemId,
     /// The programmed path, in positions as they are now.
     pub path: Path,
     /// How far from the end of the path its successor may begin, position units; 0: it begins there, infinite: as soon as

@@ -2,6 +2,7 @@
 //!
 //! Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
 
+use arcline_instruction_set::AxisId;
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
 use arcline_instruction_set::enumerations::Reference;
@@ -32,9 +33,22 @@ impl Axes {
         }
     }
 
+    /// All axes, in the order of the configuration.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = AxisId> + use<> {
+        AxisId::first(self.axes.len())
+    }
+
+    pub(crate) fn get(&self, axis: AxisId) -> Option<&Axis> {
+        self.axes.get(axis.index())
+    }
+
+    pub(crate) fn get_mut(&mut self, axis: AxisId) -> Option<&mut Axis> {
+        self.axes.get_mut(axis.index())
+    }
+
     /// A master as its slaves read it now. A master without torque moves where its drive does. Before the exchange of a tick, the
     /// actual position is the one that is expected of it.
-    pub(crate) fn master_at(&self, master: u16, reference: Reference, clock: &Clock) -> MasterAt {
+    pub(crate) fn master_at(&self, master: AxisId, reference: Reference, clock: &Clock) -> MasterAt {
         let axis = &self[master];
         let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
         let (point, read) = match reference {
@@ -54,7 +68,7 @@ impl Axes {
 
     /// Brings the followers of an axis to where their masters are at the present tick: its links, the moves that they drive, its
     /// cams and its gear.
-    pub(crate) fn follow_masters(&mut self, axis: u16, clock: &Clock) {
+    pub(crate) fn follow_masters(&mut self, axis: AxisId, clock: &Clock) {
         self.read_links(axis, clock);
         self.follow_cams(axis, clock);
         let Some(master) = self[axis].gear().map(|gear| gear.master) else {
@@ -68,7 +82,7 @@ impl Axes {
         }
     }
 
-    fn read_links(&mut self, axis: u16, clock: &Clock) {
+    fn read_links(&mut self, axis: AxisId, clock: &Clock) {
         if !self[axis].links.is_empty() {
             let mut links = self[axis].links;
             for link in links.iter_mut() {
@@ -88,7 +102,7 @@ impl Axes {
         }
     }
 
-    fn follow_cams(&mut self, axis: u16, clock: &Clock) {
+    fn follow_cams(&mut self, axis: AxisId, clock: &Clock) {
         for slot in Axis::CAMS {
             if let Some(Source::Axis { master, reference }) = self[axis].cam(slot).map(Cam::source) {
                 let at = self.master_at(master, reference, clock);
@@ -114,44 +128,30 @@ impl DerefMut for Axes {
     }
 }
 
-impl Index<u16> for Axes {
+impl Index<AxisId> for Axes {
     type Output = Axis;
 
-    fn index(&self, axis: u16) -> &Axis {
-        &self.axes[usize::from(axis)]
+    fn index(&self, axis: AxisId) -> &Axis {
+        &self.axes[axis.index()]
     }
 }
 
-impl IndexMut<u16> for Axes {
-    fn index_mut(&mut self, axis: u16) -> &mut Axis {
-        &mut self.axes[usize::from(axis)]
-    }
-}
-
-impl Index<usize> for Axes {
-    type Output = Axis;
-
-    fn index(&self, axis: usize) -> &Axis {
-        &self.axes[axis]
-    }
-}
-
-impl IndexMut<usize> for Axes {
-    fn index_mut(&mut self, axis: usize) -> &mut Axis {
-        &mut self.axes[axis]
+impl IndexMut<AxisId> for Axes {
+    fn index_mut(&mut self, axis: AxisId) -> &mut Axis {
+        &mut self.axes[axis.index()]
     }
 }
 
 /// A list of different axes, of bounded length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AxisList<const MOST: usize> {
-    axes: [u16; MOST],
+    axes: [AxisId; MOST],
     count: usize,
 }
 
 impl<const MOST: usize> AxisList<MOST> {
     /// Adds an axis that is not in the list; one for which there is no room is left out.
-    pub(crate) fn add(&mut self, axis: u16) {
+    pub(crate) fn add(&mut self, axis: AxisId) {
         if !self.contains(&axis)
             && let Some(end) = self.axes.get_mut(self.count)
         {
@@ -161,7 +161,7 @@ impl<const MOST: usize> AxisList<MOST> {
     }
 
     /// The index of an axis in the list.
-    pub(crate) fn index_of(&self, axis: u16) -> Option<usize> {
+    pub(crate) fn index_of(&self, axis: AxisId) -> Option<usize> {
         self.iter().position(|own| *own == axis)
     }
 }
@@ -169,28 +169,28 @@ impl<const MOST: usize> AxisList<MOST> {
 impl<const MOST: usize> Default for AxisList<MOST> {
     fn default() -> Self {
         AxisList {
-            axes: [0; MOST],
+            axes: [AxisId::default(); MOST],
             count: 0,
         }
     }
 }
 
 impl<const MOST: usize> Deref for AxisList<MOST> {
-    type Target = [u16];
+    type Target = [AxisId];
 
-    fn deref(&self) -> &[u16] {
+    fn deref(&self) -> &[AxisId] {
         &self.axes[..self.count]
     }
 }
 
-impl<const MOST: usize> Extend<u16> for AxisList<MOST> {
-    fn extend<I: IntoIterator<Item = u16>>(&mut self, axes: I) {
+impl<const MOST: usize> Extend<AxisId> for AxisList<MOST> {
+    fn extend<I: IntoIterator<Item = AxisId>>(&mut self, axes: I) {
         axes.into_iter().for_each(|axis| self.add(axis));
     }
 }
 
-impl<const MOST: usize> FromIterator<u16> for AxisList<MOST> {
-    fn from_iter<I: IntoIterator<Item = u16>>(axes: I) -> Self {
+impl<const MOST: usize> FromIterator<AxisId> for AxisList<MOST> {
+    fn from_iter<I: IntoIterator<Item = AxisId>>(axes: I) -> Self {
         let mut list = AxisList::default();
         list.extend(axes);
         list
@@ -198,6 +198,6 @@ impl<const MOST: usize> FromIterator<u16> for AxisList<MOST> {
 }
 
 /// Whether two lists of axes have one in common.
-pub(crate) fn share(some: &[u16], others: &[u16]) -> bool {
+pub(crate) fn share(some: &[AxisId], others: &[AxisId]) -> bool {
     some.iter().any(|axis| others.contains(axis))
 }

@@ -2,7 +2,7 @@
 //!
 //! Not here: what ends an instruction (`motion`, `instructions`), and names: both hold indices. Nothing allocates.
 
-use arcline_instruction_set::{ControlSlot, FaultSet, JogEnd, Mnemonic};
+use arcline_instruction_set::{AxisId, ControlSlot, FaultSet, JogEnd, Mnemonic};
 
 use crate::control::{Execution, Ticket};
 
@@ -24,7 +24,7 @@ pub enum Cause {
     /// Faults of an axis.
     Fault {
         /// Index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// The faults, of one update.
         faults: FaultSet,
     },
@@ -50,7 +50,7 @@ pub struct FaultChange {
     /// When.
     pub tick: u64,
     /// Index of the axis.
-    pub axis: u16,
+    pub axis: AxisId,
     /// Faults that were raised.
     pub set: FaultSet,
     /// Of those, the ones that a reset had just cleared: their cause had never gone.

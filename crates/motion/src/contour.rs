@@ -1,6 +1,7 @@
 //! Coordinate systems whose moves are travelled as planned contours: between the queue of moves and the
 //! planning, which is done outside the tick.
 
+use arcline_instruction_set::SystemId;
 use std::sync::Arc;
 
 use arcline_planner::geometry::Point;
@@ -14,7 +15,7 @@ use crate::system::Activity;
 #[derive(Clone, Debug)]
 pub struct ContourRequest {
     /// Index of the coordinate system.
-    pub system: u16,
+    pub system: SystemId,
     /// Tells this request from others of the same system.
     pub generation: u32,
     /// The moves, to rest.
@@ -29,7 +30,7 @@ impl ContourRequest {
     /// Room for the longest queue that can be configured, so that a tick can fill it without allocating.
     pub fn new() -> Self {
         ContourRequest {
-            system: 0,
+            system: SystemId::default(),
             generation: 0,
             moves: Vec::with_capacity(crate::machine::MAX_QUEUE_DEPTH + 1),
             extends: None,
@@ -61,14 +62,14 @@ impl Default for ContourRequest {
 impl Motion {
     /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
     pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
-        for (index, system) in self.systems.iter_mut().enumerate() {
+        for (id, system) in self.systems.ids().zip(self.systems.iter_mut()) {
             if system.activity != Activity::Moving {
                 continue;
             }
             request.moves.clear();
             let base = system.time_base(&self.clock);
             if let Some(batch) = system.travel.batch(&base, |motion| request.moves.push(motion)) {
-                request.system = index as u16;
+                request.system = id;
                 request.generation = batch.generation;
                 request.extends = batch.extends;
                 request.limits = system.axis_limits;
@@ -80,9 +81,9 @@ impl Motion {
 
     /// Begins to travel a planned contour at the present tick, or goes on with it, if it is still wanted and in time.
     /// Real-time.
-    pub fn install_contour(&mut self, system: u16, generation: u32, planned: Option<Arc<Trajectory>>) {
-        let index = usize::from(system);
-        let Some(system) = self.systems.get_mut(index) else {
+    pub fn install_contour(&mut self, system: SystemId, generation: u32, planned: Option<Arc<Trajectory>>) {
+        let id = system;
+        let Some(system) = self.systems.get_mut(id) else {
             self.retired.extend(planned);
             return;
         };
@@ -95,12 +96,12 @@ impl Motion {
         let installed = system.travel.install(generation, planned, &base);
         match installed {
             Ok(Installed::Started) => {
-                if let Err(error) = self.lead_system(index, lead, self.clock.now()) {
-                    self.refuse(index, error);
+                if let Err(error) = self.lead_system(id, lead, self.clock.now()) {
+                    self.refuse(id, error);
                     return;
                 }
-                self.systems[index].stale = true;
-                self.activate(index);
+                self.systems[id].stale = true;
+                self.activate(id);
             }
             // The set-points are the same up to the splice.
             Ok(Installed::Extended(old)) => self.retired.push(old),

@@ -1,7 +1,7 @@
 //! The Dynamics Configuration Bits of axes and coordinate systems, which clients set while the machine runs
 //! (spec/axis-and-data-types.md §9.6).
 
-use arcline_instruction_set::Object;
+use arcline_instruction_set::{AxisId, Object, SystemId};
 
 use crate::machine::DynamicsBits;
 use crate::motion::Motion;
@@ -10,16 +10,15 @@ impl Motion {
     /// Sets the Dynamics Configuration Bits of an axis or a coordinate system, for the instructions and stops that come after it;
     /// a ramp that is planned already stays as it is. An object that does not exist changes nothing. Real-time.
     pub fn set_dynamics_bits(&mut self, object: Object, index: u16, bits: DynamicsBits) {
-        let index = usize::from(index);
         match object {
             Object::MotionGroup => {}
             Object::Axis => {
-                if let Some(axis) = self.axes.get_mut(index) {
+                if let Some(axis) = self.axes.get_mut(AxisId(index)) {
                     axis.bounds = bits;
                 }
             }
             Object::CoordinateSystem => {
-                if let Some(system) = self.systems.get_mut(index) {
+                if let Some(system) = self.systems.get_mut(SystemId(index)) {
                     system.travel.set_bounds(bits);
                 }
             }

@@ -1,5 +1,6 @@
 //! The feed override of a coordinate system: a share of the programmed speed of every coordinated move.
 
+use arcline_instruction_set::SystemId;
 use arcline_planner::Clock;
 
 use crate::machine::AxisLimits;
@@ -14,9 +15,9 @@ impl Motion {
     /// that are active and pending and all later ones. Accelerations and jerks stay as programmed. 0 holds the
     /// active move, at rest on its path. Of no effect on a stop that is under way. Anything that is not a
     /// number, and a system that does not exist, changes nothing. Real-time.
-    pub fn set_override(&mut self, system: u16, share: f64) {
+    pub fn set_override(&mut self, system: SystemId, share: f64) {
         let clock = self.clock;
-        if let Some(system) = self.systems.get_mut(usize::from(system))
+        if let Some(system) = self.systems.get_mut(system)
             && !share.is_nan()
         {
             // Moves whose joints are at their limits cannot be faster.

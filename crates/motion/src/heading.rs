@@ -4,6 +4,7 @@
 //! The axes show fixed X-Y-Z angles: Ry within a quarter turn of 0, Rx and Rz in the turn that goes on. Beyond a quarter turn of Ry
 //! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
 
+use arcline_instruction_set::SystemId;
 use arcline_planner::geometry::{Path, Point, Turn, angle_rates, angles, continued, nearest, rotation, turn_rates};
 use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Sample, Turning};
@@ -105,7 +106,7 @@ fn shown_at_end(turn: &Turn, from: &Point) -> (Point, bool) {
 
 impl Motion {
     /// Rx, Ry, Rz at the end of the last move in the queue where one of its moves turns, in the frame in which the queue began.
-    pub(crate) fn queued_heading(&self, index: usize) -> Option<Point> {
+    pub(crate) fn queued_heading(&self, index: SystemId) -> Option<Point> {
         let system = &self.systems[index];
         if system.activity != Activity::Moving {
             return None;
@@ -114,18 +115,18 @@ impl Motion {
     }
 
     /// The same, or where the axes are commanded to be.
-    pub(crate) fn heading(&self, index: usize) -> Point {
+    pub(crate) fn heading(&self, index: SystemId) -> Point {
         self.queued_heading(index).unwrap_or_else(|| self.angles_of(index))
     }
 
     /// The turn of a move behind the queue that keeps the orientation; none where there is no orientation.
-    pub(crate) fn still(&self, index: usize) -> Option<Turn> {
+    pub(crate) fn still(&self, index: SystemId) -> Option<Turn> {
         self.systems[index].description.orientation?;
         Some(Turn::keeping(&self.heading(index)))
     }
 
     /// What Rx, Ry, Rz were redefined by since the queue took them.
-    pub(crate) fn heading_shift(&self, index: usize) -> Point {
+    pub(crate) fn heading_shift(&self, index: SystemId) -> Point {
         match self.queued_heading(index) {
             Some(_) => self.oriented(index, |axis| axis.sum.shift_of(Slot::System)),
             None => Point::zeros(),
@@ -133,7 +134,7 @@ impl Motion {
     }
 
     /// How the coordinated motion of a system turns at the present.
-    pub(crate) fn turning(&self, index: usize) -> Option<Turning> {
+    pub(crate) fn turning(&self, index: SystemId) -> Option<Turning> {
         let limits = self.systems[index].travel.turn_limits()?;
         let moves = |axis: &Axis| {
             axis.sum
@@ -155,29 +156,29 @@ impl Motion {
         })
     }
 
-    fn oriented(&self, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
+    fn oriented(&self, index: SystemId, quantity: impl Fn(&Axis) -> f64) -> Point {
         let mut of = Point::zeros();
         for (axis, of) in self.systems[index].description.oriented().iter().zip(of.iter_mut()) {
-            *of = self.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
+            *of = self.axes.get(*axis).map_or(0.0, &quantity);
         }
         of
     }
 
     /// Where the axes Rx, Ry, Rz are commanded to be.
-    fn angles_of(&self, index: usize) -> Point {
+    fn angles_of(&self, index: SystemId) -> Point {
         self.oriented(index, |axis| axis.command.position)
     }
 
     /// A deceleration along the path, of a share of the Maximum Deceleration, with which the turn of the active move keeps to that
     /// share of its own maximum too. What only turns has that as its own.
-    pub(crate) fn kept_by_turn(&self, index: usize, deceleration: f64) -> f64 {
+    pub(crate) fn kept_by_turn(&self, index: SystemId, deceleration: f64) -> f64 {
         let active = self.systems[index].travel.active();
         active.map_or(deceleration, |active| {
             self.kept_by(index, deceleration, &active.path, active.turn.as_ref())
         })
     }
 
-    fn kept_by(&self, index: usize, deceleration: f64, path: &Path, turn: Option<&Turn>) -> f64 {
+    fn kept_by(&self, index: SystemId, deceleration: f64, path: &Path, turn: Option<&Turn>) -> f64 {
         let description = &self.systems[index].description;
         let (Some(turns), Some(turn)) = (description.orientation, turn) else {
             return deceleration;
@@ -194,7 +195,7 @@ impl Motion {
 
     /// The limits of a stop of the active move as such of the move that it blends with, where one of them turns: the way of each may be
     /// angles or positions.
-    pub(crate) fn of_tail(&self, index: usize, limits: &Limits) -> Option<Limits> {
+    pub(crate) fn of_tail(&self, index: SystemId, limits: &Limits) -> Option<Limits> {
         let system = &self.systems[index];
         system.description.orientation?;
         let (path, turn) = system.travel.tail()?;
@@ -208,7 +209,7 @@ impl Motion {
     }
 
     /// The axes' part of a turn at the present tick.
-    pub(crate) fn seat_turned(&mut self, index: usize, sample: &Sample) {
+    pub(crate) fn seat_turned(&mut self, index: SystemId, sample: &Sample) {
         let Some(turned) = &sample.turned else { return };
         let shown = turned.angles();
         let [velocity, acceleration] = angle_rates(&shown, &turned.rate, &turned.change);
@@ -216,19 +217,15 @@ impl Motion {
     }
 
     /// The axes stand exactly at the end of the active move's turn.
-    pub(crate) fn hold_heading(&mut self, index: usize) {
+    pub(crate) fn hold_heading(&mut self, index: SystemId) {
         if let Some(end) = self.systems[index].active().and_then(|active| active.heading) {
             self.seat_angles(index, [end, Point::zeros(), Point::zeros()]);
         }
     }
 
-    fn seat_angles(&mut self, index: usize, [position, velocity, acceleration]: [Point; 3]) {
+    fn seat_angles(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
         for (place, axis) in self.systems[index].description.oriented().iter().enumerate() {
-            if let Some(axis) = self
-                .axes
-                .get_mut(usize::from(*axis))
-                .filter(|_| place < MAX_PRIMARY_AXES)
-            {
+            if let Some(axis) = self.axes.get_mut(*axis).filter(|_| place < MAX_PRIMARY_AXES) {
                 axis.set_coordinated(KinematicState {
                     position: component(&position, place),
                     velocity: component(&velocity, place),

@@ -16,7 +16,7 @@ pub use arcline_kinematics::{Geometry, Parameters, Wrist};
 pub use arcline_planner::precise::Deviation;
 pub use arcline_planner::profile::Bounds as DynamicsBits;
 
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
+use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultSet, SystemId};
 
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
@@ -66,13 +66,13 @@ impl Machine {
     }
 
     /// Place of the axis of that name, case ignored.
-    pub fn axis(&self, name: &str) -> Option<u16> {
-        place(self.axes.iter().map(|axis| axis.name.as_str()), name)
+    pub fn axis(&self, name: &str) -> Option<AxisId> {
+        place(self.axes.iter().map(|axis| axis.name.as_str()), name).map(AxisId)
     }
 
     /// Place of the coordinate system of that name, case ignored.
-    pub fn system(&self, name: &str) -> Option<u16> {
-        place(self.systems.iter().map(|system| system.name.as_str()), name)
+    pub fn system(&self, name: &str) -> Option<SystemId> {
+        place(self.systems.iter().map(|system| system.name.as_str()), name).map(SystemId)
     }
 
     /// Place of the transform of that name, case ignored.
@@ -319,7 +319,7 @@ pub struct CoordinateSystem {
     pub name: String,
     /// Places of its axes in [`Machine::axes`], in order, each once: 1 to [`MAX_PRIMARY_AXES`], or as many as `orientation`
     /// or a wrist in `robot` says. See [`CoordinateSystem::linear`].
-    pub axes: Vec<u16>,
+    pub axes: Vec<AxisId>,
     /// 100 % of speed, above 0, u/s.
     pub max_speed: f64,
     /// 100 % of acceleration, above 0, u/s².
@@ -354,12 +354,12 @@ pub struct CoordinateSystem {
 
 impl CoordinateSystem {
     /// The axes that coordinated moves interpolate as a vector: at most [`MAX_PRIMARY_AXES`], the first ones. Real-time.
-    pub fn linear(&self) -> &[u16] {
+    pub fn linear(&self) -> &[AxisId] {
         &self.axes[..self.axes.len().min(MAX_PRIMARY_AXES)]
     }
 
     /// The axes behind them: Rx, Ry, Rz, or the joints J4 to J6; mostly none. Real-time.
-    pub fn oriented(&self) -> &[u16] {
+    pub fn oriented(&self) -> &[AxisId] {
         &self.axes[self.axes.len().min(MAX_PRIMARY_AXES)..]
     }
 }
@@ -434,9 +434,9 @@ pub struct Transform {
     /// Name of the link.
     pub name: String,
     /// Place of the source system in [`Machine::systems`].
-    pub source: u16,
+    pub source: SystemId,
     /// Place of the target system in [`Machine::systems`], another one.
-    pub target: u16,
+    pub target: SystemId,
 }
 
 /// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
@@ -469,8 +469,8 @@ mod tests {
             systems: vec![],
             transforms: vec![Transform {
                 name: "T1".into(),
-                source: 0,
-                target: 1,
+                source: SystemId(0),
+                target: SystemId(1),
             }],
         };
         assert_eq!(machine.transform("t1"), Some(0));

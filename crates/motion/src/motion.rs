@@ -17,7 +17,7 @@ mod transforms;
 use std::sync::Arc;
 
 use arcline_drive::{Feedback, SetPoint};
-use arcline_instruction_set::{Call, Flag, JogEnd, Mnemonic, MotionControl};
+use arcline_instruction_set::{AxisId, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, SystemId};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -37,7 +37,7 @@ use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
-use crate::system::System;
+use crate::system::{System, Systems};
 use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
 
@@ -48,7 +48,7 @@ pub use probes::Input;
 pub struct Motion {
     pub(crate) clock: Clock,
     pub(crate) axes: Axes,
-    pub(crate) systems: Vec<System>,
+    pub(crate) systems: Systems,
     /// What went out to the drives at the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
     /// What came in from them.
@@ -79,7 +79,7 @@ pub struct Motion {
 #[derive(Clone, Copy, Debug)]
 struct Message {
     execution: Execution,
-    axis: u16,
+    axis: AxisId,
     /// The state of the axis until its drive has answered.
     asked: Option<AxisState>,
 }
@@ -151,21 +151,21 @@ impl Motion {
     }
 
     /// A false rung condition of the instruction with this motion control tag.
-    pub fn rung_false(&mut self, control: arcline_instruction_set::ControlSlot) {
+    pub fn rung_false(&mut self, control: ControlSlot) {
         self.controls.rung_false(control, self.clock.tick);
     }
 
     /// Closes the tick: what instructions began at it shows in its commands, and every change is reported.
     pub fn finish(&mut self, report: impl FnMut(&Event)) {
         let mut changed = false;
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             if std::mem::take(&mut self.systems[index].stale) {
                 self.sample_system(index);
                 changed = true;
             }
         }
         self.refresh_axes(changed);
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.calculate(index);
         }
         self.show_links();
@@ -183,7 +183,7 @@ impl Motion {
     /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
     /// Real-time as far as `report` is; bounded by the axes.
     pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
-        for (index, axis) in (0..).zip(self.axes.iter_mut()) {
+        for (index, axis) in self.axes.ids().zip(self.axes.iter_mut()) {
             if let Some(change) = axis.faults.take_change(self.clock.tick, index) {
                 report(&change);
             }
@@ -195,7 +195,7 @@ impl Motion {
         if !instructions::is_queued(call.mnemonic) || instructions::merges(call) {
             return true;
         }
-        let system = call.target.and_then(|index| self.systems.get(usize::from(index)));
+        let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
         system.is_none_or(|system| !system.is_busy() || !system.travel.is_full())
     }
 
@@ -216,34 +216,33 @@ impl Motion {
     /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
     pub fn stop_all(&mut self) {
         self.controls.because(Cause::StopAll);
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.end_stop(index);
             self.abort_system(index, |_| false);
         }
         self.unlink_all();
-        for axis in 0..self.axes.len() {
-            self.stop_axis(axis as u16, None);
+        for axis in self.axes.ids() {
+            self.stop_axis(axis, None);
         }
         self.controls.because(Cause::Itself);
     }
 
     /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way
     /// on the axis as hard. It cannot be refused; a jog that another instruction began goes on. Real-time.
-    pub fn end_jog(&mut self, axis: u16, ticket: Ticket, why: JogEnd) {
-        let at = usize::from(axis);
-        if at >= self.axes.len() {
+    pub fn end_jog(&mut self, axis: AxisId, ticket: Ticket, why: JogEnd) {
+        if self.axes.get(axis).is_none() {
             return;
         }
         for slot in [Slot::Jog, Slot::Stop] {
-            let Some(generator) = self.axes[at].sum.get(slot) else {
+            let Some(generator) = self.axes[axis].sum.get(slot) else {
                 continue;
             };
             let own = generator.execution.is_some_and(|execution| execution.ticket == ticket);
             let (stopping, execution) = (generator.stopping, generator.execution);
-            let limits = self.axes[at].dynamics.stop(generator.s_curve);
+            let limits = self.axes[axis].dynamics.stop(generator.s_curve);
             if stopping {
-                self.axes[at].brake(slot, &limits, execution, self.clock.now());
-                self.axes[at].stale = true;
+                self.axes[axis].brake(slot, &limits, execution, self.clock.now());
+                self.axes[axis].stale = true;
             } else if own {
                 self.controls.because(Cause::Jog(why));
                 self.stop_generator(axis, slot, &limits, None);
@@ -272,7 +271,7 @@ impl Motion {
     }
 
     /// What a motion control tag shows.
-    pub fn control(&self, slot: arcline_instruction_set::ControlSlot) -> MotionControl {
+    pub fn control(&self, slot: ControlSlot) -> MotionControl {
         self.controls.word(slot)
     }
 
@@ -284,10 +283,10 @@ impl Motion {
     /// Every coordinate system at the present tick, in configuration order.
     pub fn systems(&self) -> impl Iterator<Item = SystemSnapshot> {
         let present = self.present();
-        let systems = self.systems.iter().enumerate();
-        systems.map(move |(index, system)| SystemSnapshot {
+        let systems = self.systems.ids().zip(self.systems.iter());
+        systems.map(move |(id, system)| SystemSnapshot {
             time_left: system.time_left(&self.clock),
-            ..status::system(system, &self.axes, present.role(index))
+            ..status::system(system, &self.axes, present.role(id))
         })
     }
 
@@ -297,7 +296,7 @@ impl Motion {
     }
 
     /// Sets DN at the next update; `asked`: once the drive has answered and the axis has left this state.
-    pub(crate) fn done_next_update(&mut self, execution: Execution, axis: u16, asked: Option<AxisState>) {
+    pub(crate) fn done_next_update(&mut self, execution: Execution, axis: AxisId, asked: Option<AxisState>) {
         if self.messages.len() < MESSAGES {
             self.messages.push(Message { execution, axis, asked });
         } else {
@@ -306,14 +305,14 @@ impl Motion {
     }
 
     /// Whether the positions of an axis are being redefined.
-    pub(crate) fn is_redefining(&self, axis: u16) -> bool {
+    pub(crate) fn is_redefining(&self, axis: AxisId) -> bool {
         let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
         self.messages.iter().any(redefines)
     }
 
     /// Sets DN at the next update.
     pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
-        self.done_next_update(execution, 0, None);
+        self.done_next_update(execution, AxisId::default(), None);
     }
 
     /// Ends a move's instruction: it will never report again.
@@ -356,7 +355,7 @@ impl Motion {
     fn finish_where(&mut self, done: impl Fn(&Message, Option<AxisState>) -> bool) {
         let mut messages = std::mem::take(&mut self.messages);
         messages.retain(|message| {
-            let axis = self.axes.get(usize::from(message.axis));
+            let axis = self.axes.get(message.axis);
             let done = done(message, axis.map(|axis| axis.state));
             if done {
                 self.done(message.execution);
@@ -369,8 +368,8 @@ impl Motion {
 
 /// The coordinate systems of a machine. A corner may change the velocity of an axis by what its Maximum
 /// Acceleration allows within one update (spec/coordinated-instructions.md §7.5).
-fn systems(machine: &Machine) -> Vec<System> {
-    let step = |axis: &u16| {
+fn systems(machine: &Machine) -> Systems {
+    let step = |axis: &AxisId| {
         let axis = machine.axes.get(usize::from(*axis));
         axis.map_or(0.0, |axis| axis.max_acceleration * machine.period())
     };

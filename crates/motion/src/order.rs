@@ -9,18 +9,19 @@ use crate::machine::MAX_SYSTEM_AXES;
 use crate::transforms::TransformId;
 use crate::transforms::compute::Part;
 use crate::transforms::transform::Transform;
+use arcline_instruction_set::{AxisId, SystemId};
 
 /// A part of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// The coordinated move of a system that is linked to a master.
-    System(u16),
+    System(SystemId),
     /// An axis's own generators, with those that follow masters.
-    Own(u16),
+    Own(AxisId),
     /// A part of a transform.
     Transform(Part),
     /// The whole command of an axis; its drive follows it.
-    Whole(u16),
+    Whole(AxisId),
 }
 
 /// The axes of a machine follow each other in a circle.
@@ -36,9 +37,9 @@ pub(crate) struct Planned(());
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Follower<'a> {
     /// An axis and its master.
-    Axis(u16, u16),
+    Axis(AxisId, AxisId),
     /// A coordinate system and its master.
-    System(usize, u16),
+    System(SystemId, AxisId),
     /// A transform.
     Target(TransformId, &'a Transform),
 }
@@ -115,8 +116,8 @@ impl Order {
         self.edges.begin();
         add(&mut self.edges);
         self.edges.list.sort_unstable();
-        for axis in 0..self.edges.axes {
-            self.visit(self.edges.number(Step::Whole(axis as u16)))?;
+        for axis in AxisId::first(self.edges.axes) {
+            self.visit(self.edges.number(Step::Whole(axis)))?;
         }
         Ok(Planned(()))
     }
@@ -150,14 +151,13 @@ impl Order {
 
 impl Edges {
     fn new(axes: usize, systems: usize) -> Self {
-        let [per_axis, per_system] = [0..axes as u16, 0..systems as u16];
-        let own = per_axis.clone().map(Step::Own);
-        let whole = per_axis.map(Step::Whole);
+        let own = AxisId::first(axes).map(Step::Own);
+        let whole = AxisId::first(axes).map(Step::Whole);
         let parts = [Part::Feedback, Part::SetPoints, Part::Before];
-        let parts = parts
-            .into_iter()
-            .flat_map(|part| (0..systems).map(move |system| Step::Transform(part(TransformId::of_target(system)))));
-        let of_systems = per_system.clone().map(Step::System);
+        let parts = parts.into_iter().flat_map(|part| {
+            SystemId::first(systems).map(move |system| Step::Transform(part(TransformId::of_target(system))))
+        });
+        let of_systems = SystemId::first(systems).map(Step::System);
         let by_transform = 5 * MAX_SYSTEM_AXES + 1 + 5 * systems;
         let by_system = MAX_SYSTEM_AXES + MOST_SYSTEM_MASTERS + by_transform;
         Edges {
@@ -171,14 +171,14 @@ impl Edges {
     /// Every axis needs its own generators first, and none follows another one.
     fn begin(&mut self) {
         self.list.clear();
-        for axis in 0..self.axes as u16 {
+        for axis in AxisId::first(self.axes) {
             self.need(Step::Whole(axis), Step::Own(axis));
         }
     }
 
     /// A coordinate system of these axes follows masters, if there are any.
-    pub(crate) fn system(&mut self, index: usize, axes: &[u16], masters: impl Iterator<Item = u16>) {
-        let system = Step::System(index as u16);
+    pub(crate) fn system(&mut self, index: SystemId, axes: &[AxisId], masters: impl Iterator<Item = AxisId>) {
+        let system = Step::System(index);
         let before = self.list.len();
         for master in masters {
             self.need(system, Step::Whole(master));
@@ -191,14 +191,14 @@ impl Edges {
     }
 
     /// An axis follows a master.
-    pub(crate) fn axis(&mut self, slave: u16, master: u16) {
+    pub(crate) fn axis(&mut self, slave: AxisId, master: AxisId) {
         self.need(Step::Own(slave), Step::Whole(master));
     }
 
     /// Transforms under way.
     pub(crate) fn transforms<'a>(&mut self, get: impl Fn(TransformId) -> Option<&'a Transform>) {
         let systems = self.systems;
-        let ids = || (0..systems).map(TransformId::of_target);
+        let ids = || SystemId::first(systems).map(TransformId::of_target);
         let all = || ids().filter_map(|id| Some((id, get(id)?)));
         for (id, transform) in all() {
             let [feedback, set_points, before] =
@@ -243,12 +243,12 @@ impl Edges {
     fn number(&self, step: Step) -> u16 {
         let (axes, systems) = (self.axes as u16, self.systems as u16);
         match step {
-            Step::Own(axis) => axis,
-            Step::Whole(axis) => axes + axis,
-            Step::Transform(Part::Feedback(id)) => 2 * axes + id.target_system() as u16,
-            Step::Transform(Part::SetPoints(id)) => 2 * axes + systems + id.target_system() as u16,
-            Step::Transform(Part::Before(id)) => 2 * axes + 2 * systems + id.target_system() as u16,
-            Step::System(index) => 2 * axes + 3 * systems + index,
+            Step::Own(axis) => axis.0,
+            Step::Whole(axis) => axes + axis.0,
+            Step::Transform(Part::Feedback(id)) => 2 * axes + id.target_system().0,
+            Step::Transform(Part::SetPoints(id)) => 2 * axes + systems + id.target_system().0,
+            Step::Transform(Part::Before(id)) => 2 * axes + 2 * systems + id.target_system().0,
+            Step::System(index) => 2 * axes + 3 * systems + index.0,
         }
     }
 }
@@ -260,12 +260,20 @@ mod tests {
     type Gear = (u16, u16);
     type Sides = ([u16; 2], [u16; 2]);
 
-    fn feedback(target: usize) -> Step {
-        Step::Transform(Part::Feedback(TransformId::of_target(target)))
+    fn own(axis: u16) -> Step {
+        Step::Own(AxisId(axis))
     }
 
-    fn set_points(target: usize) -> Step {
-        Step::Transform(Part::SetPoints(TransformId::of_target(target)))
+    fn whole(axis: u16) -> Step {
+        Step::Whole(AxisId(axis))
+    }
+
+    fn feedback(target: u16) -> Step {
+        Step::Transform(Part::Feedback(TransformId::of_target(SystemId(target))))
+    }
+
+    fn set_points(target: u16) -> Step {
+        Step::Transform(Part::SetPoints(TransformId::of_target(SystemId(target))))
     }
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
@@ -277,17 +285,18 @@ mod tests {
     fn plan_driven(gears: &[Gear], transforms: &[Sides], driven: Option<(&[u16], u16)>) -> Result<Vec<Step>, Circle> {
         let transforms: Vec<Transform> = transforms
             .iter()
-            .map(|(source, target)| Transform::between(source, target))
+            .map(|(source, target)| Transform::between(&source.map(AxisId), &target.map(AxisId)))
             .collect();
         let mut order = Order::new(9, transforms.len().max(usize::from(driven.is_some())));
         let planned = order.plan(|edges| {
             if let Some((axes, master)) = driven {
-                edges.system(0, axes, std::iter::once(master));
+                let axes: Vec<_> = axes.iter().copied().map(AxisId).collect();
+                edges.system(SystemId(0), &axes, std::iter::once(AxisId(master)));
             }
             for (slave, master) in gears {
-                edges.axis(*slave, *master);
+                edges.axis(AxisId(*slave), AxisId(*master));
             }
-            edges.transforms(|id| transforms.get(id.target_system()));
+            edges.transforms(|id| transforms.get(id.index()));
         })?;
         order.take(planned);
         Ok(order.steps)
@@ -297,22 +306,22 @@ mod tests {
     fn what_is_followed_comes_first() {
         type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], &'a [(Step, Step)]);
         let cases: [Case<'_>; 5] = [
-            ("a master", &[(0, 5)], &[], &[(Step::Whole(5), Step::Own(0))]),
+            ("a master", &[(0, 5)], &[], &[(whole(5), own(0))]),
             (
                 "a master of a master",
                 &[(0, 5), (5, 8)],
                 &[],
-                &[(Step::Whole(8), Step::Own(5)), (Step::Whole(5), Step::Own(0))],
+                &[(whole(8), own(5)), (whole(5), own(0))],
             ),
             (
                 "a source and its target, both ways",
                 &[],
                 &[([4, 5], [0, 1])],
                 &[
-                    (Step::Own(4), set_points(0)),
-                    (Step::Own(0), feedback(0)),
-                    (feedback(0), Step::Whole(4)),
-                    (set_points(0), Step::Whole(0)),
+                    (own(4), set_points(0)),
+                    (own(0), feedback(0)),
+                    (feedback(0), whole(4)),
+                    (set_points(0), whole(0)),
                 ],
             ),
             (
@@ -322,14 +331,14 @@ mod tests {
                 &[
                     (set_points(1), set_points(0)),
                     (feedback(0), feedback(1)),
-                    (feedback(1), Step::Whole(4)),
+                    (feedback(1), whole(4)),
                 ],
             ),
             (
                 "a gear behind a transform",
                 &[(1, 0)],
                 &[([4, 5], [0, 8])],
-                &[(set_points(0), Step::Own(1))],
+                &[(set_points(0), own(1))],
             ),
         ];
         for (why, gears, transforms, pairs) in cases {
@@ -350,13 +359,13 @@ mod tests {
         let steps = plan_driven(&[(5, 7), (8, 0)], &[], Some((&[0, 1], 5))).expect("there is no circle");
         let place = |step: Step| steps.iter().position(|other| *other == step);
         let chain = [
-            Step::Whole(7),
-            Step::Own(5),
-            Step::Whole(5),
-            Step::System(0),
-            Step::Own(0),
-            Step::Whole(0),
-            Step::Own(8),
+            whole(7),
+            own(5),
+            whole(5),
+            Step::System(SystemId(0)),
+            own(0),
+            whole(0),
+            own(8),
         ];
         for pair in chain.windows(2) {
             assert!(place(pair[0]) < place(pair[1]), "{pair:?} in {steps:?}");

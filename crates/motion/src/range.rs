@@ -7,6 +7,7 @@
 use arcline_instruction_set::{MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point};
 
+use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::system::{System, component};
 
@@ -28,12 +29,12 @@ pub(crate) fn verify(axis: &Axis, position: f64, operand: OperandIndex) -> Resul
 /// `ParameterOutOfRange` (13) with the operand that leads there.
 pub(crate) fn verify_point(
     system: &System,
-    axes: &[Axis],
+    axes: &Axes,
     point: &Point,
     operand: OperandIndex,
 ) -> Result<(), MotionError> {
     for (place, axis) in system.description.linear().iter().enumerate() {
-        if let Some(axis) = axes.get(usize::from(*axis)) {
+        if let Some(axis) = axes.get(*axis) {
             verify(axis, component(point, place), operand)?;
         }
     }
@@ -45,12 +46,7 @@ pub(crate) fn verify_point(
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the operand that leads there.
-pub(crate) fn verify_path(
-    system: &System,
-    axes: &[Axis],
-    path: &Path,
-    operand: OperandIndex,
-) -> Result<(), MotionError> {
+pub(crate) fn verify_path(system: &System, axes: &Axes, path: &Path, operand: OperandIndex) -> Result<(), MotionError> {
     let Path::Arc(arc) = path else {
         return verify_point(system, axes, &path.end(), operand);
     };

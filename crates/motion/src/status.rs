@@ -9,6 +9,7 @@ use arcline_instruction_set::{FaultWord, Flag};
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
+use crate::axes::Axes;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
 use crate::masters::cam::Cam;
@@ -198,7 +199,7 @@ fn phase(axis: &Axis) -> Phase {
 }
 
 /// Vector speed of what coordinated motion does, units/s; the rest of it too where the axes brake by themselves.
-fn path_speed(system: &System, axes: &[Axis]) -> f64 {
+fn path_speed(system: &System, axes: &Axes) -> f64 {
     let Some(stop) = system.stop.filter(|_| !system.is_busy()) else {
         return system.shown.speed;
     };
@@ -207,7 +208,7 @@ fn path_speed(system: &System, axes: &[Axis]) -> f64 {
         .linear()
         .iter()
         .filter(|axis| stop.braking.contains(**axis));
-    let squares = braking.filter_map(|axis| axes.get(usize::from(*axis))).map(|axis| {
+    let squares = braking.filter_map(|axis| axes.get(*axis)).map(|axis| {
         let parts = [Slot::System, Slot::Stop].map(|slot| axis.sum.get(slot).map_or(0.0, |part| part.now.velocity));
         (parts[0] + parts[1]).powi(2)
     });
@@ -215,7 +216,7 @@ fn path_speed(system: &System, axes: &[Axis]) -> f64 {
 }
 
 /// One coordinate system as its tag shows it.
-pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapshot {
+pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot {
     let mut shown = SystemSnapshot {
         path_speed: path_speed(system, axes),
         path_position: system.shown.distance,
@@ -230,7 +231,7 @@ pub(crate) fn system(system: &System, axes: &[Axis], role: Role) -> SystemSnapsh
         ..SystemSnapshot::default()
     };
     for (place, axis) in system.description.axes.iter().enumerate() {
-        let Some(axis) = axes.get(usize::from(*axis)) else {
+        let Some(axis) = axes.get(*axis) else {
             continue;
         };
         let faulted = axis.faults.axis_fault(axis.is_virtual) != 0;

@@ -2,6 +2,7 @@
 
 use crate::control::Execution;
 use crate::machine::MAX_AXES;
+use arcline_instruction_set::AxisId;
 
 /// What a running stop waits for.
 #[derive(Clone, Copy, Debug)]
@@ -18,14 +19,14 @@ pub(crate) struct Stop {
 pub(crate) struct AxisSet([u64; MAX_AXES / 64]);
 
 impl AxisSet {
-    pub(crate) fn insert(&mut self, axis: u16) {
-        if let Some(word) = self.0.get_mut(usize::from(axis / 64)) {
-            *word |= 1 << (axis % 64);
+    pub(crate) fn insert(&mut self, axis: AxisId) {
+        if let Some(word) = self.0.get_mut(usize::from(axis.0 / 64)) {
+            *word |= 1 << (axis.0 % 64);
         }
     }
 
     /// Takes all of some axes in where it has one of them already.
-    pub(crate) fn join(&mut self, axes: &[u16]) {
+    pub(crate) fn join(&mut self, axes: &[AxisId]) {
         if axes.iter().any(|axis| self.contains(*axis)) {
             axes.iter().for_each(|axis| self.insert(*axis));
         }
@@ -37,10 +38,10 @@ impl AxisSet {
         }
     }
 
-    pub(crate) fn contains(&self, axis: u16) -> bool {
+    pub(crate) fn contains(&self, axis: AxisId) -> bool {
         self.0
-            .get(usize::from(axis / 64))
-            .is_some_and(|word| word & (1 << (axis % 64)) != 0)
+            .get(usize::from(axis.0 / 64))
+            .is_some_and(|word| word & (1 << (axis.0 % 64)) != 0)
     }
 
     pub(crate) fn is_empty(&self) -> bool {

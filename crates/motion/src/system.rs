@@ -1,12 +1,15 @@
 //! One coordinate system: its moves and their motion, its stop, and what its tags show.
 
+use std::ops::{Deref, DerefMut, Index, IndexMut};
+
+use arcline_instruction_set::{AxisId, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
-use crate::axis::Axis;
+use crate::axes::Axes;
 use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
@@ -58,6 +61,59 @@ pub(crate) enum Activity {
     Moving,
     /// A stop along the path; the instruction has ended.
     Stopping,
+}
+
+/// Every coordinate system of a machine at the present tick.
+#[derive(Debug)]
+pub(crate) struct Systems(Vec<System>);
+
+impl Systems {
+    /// All coordinate systems, in the order of the configuration.
+    pub(crate) fn ids(&self) -> impl Iterator<Item = SystemId> + use<> {
+        SystemId::first(self.0.len())
+    }
+
+    pub(crate) fn get(&self, system: SystemId) -> Option<&System> {
+        self.0.get(system.index())
+    }
+
+    pub(crate) fn get_mut(&mut self, system: SystemId) -> Option<&mut System> {
+        self.0.get_mut(system.index())
+    }
+}
+
+impl FromIterator<System> for Systems {
+    fn from_iter<I: IntoIterator<Item = System>>(systems: I) -> Self {
+        Systems(systems.into_iter().collect())
+    }
+}
+
+impl Deref for Systems {
+    type Target = [System];
+
+    fn deref(&self) -> &[System] {
+        &self.0
+    }
+}
+
+impl DerefMut for Systems {
+    fn deref_mut(&mut self) -> &mut [System] {
+        &mut self.0
+    }
+}
+
+impl Index<SystemId> for Systems {
+    type Output = System;
+
+    fn index(&self, system: SystemId) -> &System {
+        &self.0[system.index()]
+    }
+}
+
+impl IndexMut<SystemId> for Systems {
+    fn index_mut(&mut self, system: SystemId) -> &mut System {
+        &mut self.0[system.index()]
+    }
 }
 
 /// A coordinate system at the present tick.
@@ -155,7 +211,7 @@ impl System {
     }
 
     /// The axes that its coordinated moves may have taken: those that they move, and Rx, Ry, Rz, which some of them turn.
-    pub(crate) fn taken(&self) -> &[u16] {
+    pub(crate) fn taken(&self) -> &[AxisId] {
         match self.description.orientation {
             Some(_) => &self.description.axes,
             None => self.description.linear(),
@@ -203,10 +259,10 @@ impl System {
     }
 
     /// Whether axes brake by themselves since a coordinated move that took them was ended.
-    pub(crate) fn brakes(&self, axes: &[Axis]) -> bool {
+    pub(crate) fn brakes(&self, axes: &Axes) -> bool {
         !self.braking.is_empty()
             && self.taken().iter().any(|index| {
-                let axis = axes.get(usize::from(*index)).filter(|_| self.braking.contains(*index));
+                let axis = axes.get(*index).filter(|_| self.braking.contains(*index));
                 axis.is_some_and(|axis| axis.has_coordinated_motion() && !axis.is_coordinated())
             })
     }
@@ -272,11 +328,11 @@ impl System {
     }
 
     /// Whether it moves an axis as a master leads it.
-    pub(crate) fn guides(&self, axis: u16) -> bool {
+    pub(crate) fn guides(&self, axis: AxisId) -> bool {
         self.guide.is_some() && self.has(axis)
     }
 
-    pub(crate) fn has(&self, axis: u16) -> bool {
+    pub(crate) fn has(&self, axis: AxisId) -> bool {
         self.description.axes.contains(&axis)
     }
 

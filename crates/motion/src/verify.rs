@@ -5,15 +5,16 @@
 //! conflicts of step 11 with the instructions. Steps 2 and 3 cannot fail: the controller is always in Run and a
 //! machine has exactly one group.
 
-use arcline_instruction_set::{AxisIndex, Culprit, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, Culprit, MotionError};
 
 use arcline_planner::geometry::Point;
 
+use crate::axes::Axes;
 use crate::axis::{Axis, AxisState};
 use crate::system::{Activity, System, component};
 
 /// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.
-pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError> {
     axes_on(system, axes)?;
     match first(system, axes, Axis::is_faulted) {
         Some(place) => Err(MotionError::AxisInFaultedState(place)),
@@ -22,7 +23,7 @@ pub(crate) fn axes_ready(system: &System, axes: &[Axis]) -> Result<(), MotionErr
 }
 
 /// Step 8 of a stop: no axis in shutdown, every axis with its servo on but for those that a fault has switched off.
-pub(crate) fn axes_on(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
     if let Some(place) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
         return Err(MotionError::ShutdownState(place));
     }
@@ -33,7 +34,7 @@ pub(crate) fn axes_on(system: &System, axes: &[Axis]) -> Result<(), MotionError>
 }
 
 /// Step 8, after [`axes_ready`]: no axis is homed. Lowest index first.
-pub(crate) fn not_homing(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+pub(crate) fn not_homing(system: &System, axes: &Axes) -> Result<(), MotionError> {
     match first(system, axes, Axis::is_homed_actively) {
         Some(place) => Err(MotionError::HomeInProcess(place)),
         None => Ok(()),
@@ -41,7 +42,7 @@ pub(crate) fn not_homing(system: &System, axes: &[Axis]) -> Result<(), MotionErr
 }
 
 /// Step 9: every started motion must be stoppable, by the system and by each axis.
-pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result<(), MotionError> {
+pub(crate) fn stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(), MotionError> {
     if system.description.max_deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::CoordinateSystem));
     }
@@ -61,7 +62,7 @@ pub(crate) fn stoppable(system: &System, axes: &[Axis], s_curve: bool) -> Result
 }
 
 /// Step 11: no stop of this system or of one of its axes is under way.
-pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionError> {
+pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionError> {
     if let Some(place) = first(system, axes, Axis::is_stopping) {
         return Err(MotionError::NotAllowedWhileStopping(place));
     }
@@ -73,9 +74,9 @@ pub(crate) fn not_stopping(system: &System, axes: &[Axis]) -> Result<(), MotionE
 }
 
 /// Step 12, overtravel: no axis outside of its travel moves on a point further out.
-pub(crate) fn no_overtravel(system: &System, axes: &[Axis], end: &Point) -> Result<(), MotionError> {
-    let out = |(place, axis): (usize, &u16)| {
-        let axis = axes.get(usize::from(*axis));
+pub(crate) fn no_overtravel(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
+    let out = |(place, axis): (usize, &AxisId)| {
+        let axis = axes.get(*axis);
         axis.is_some_and(|axis| axis.faults.forbids(component(end, place) - axis.command.position))
     };
     if system.description.linear().iter().enumerate().any(out) {
@@ -84,11 +85,11 @@ pub(crate) fn no_overtravel(system: &System, axes: &[Axis], end: &Point) -> Resu
     Ok(())
 }
 
-fn first(system: &System, axes: &[Axis], at_fault: impl Fn(&Axis) -> bool) -> Option<AxisIndex> {
+fn first(system: &System, axes: &Axes, at_fault: impl Fn(&Axis) -> bool) -> Option<AxisIndex> {
     let place = system
         .description
         .axes
         .iter()
-        .position(|axis| axes.get(usize::from(*axis)).is_some_and(&at_fault))?;
+        .position(|axis| axes.get(*axis).is_some_and(&at_fault))?;
     Some(AxisIndex(place as u8))
 }

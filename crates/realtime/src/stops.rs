@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use arcline_controller::{StopRequest, Ticket};
-use arcline_instruction_set::JogEnd;
+use arcline_instruction_set::{AxisId, JogEnd};
 
 /// The senders' end; clones are the same one. Every method may be called from any thread, and none blocks.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl Stops {
 
     /// Stops the jog that an instruction began on an axis (by its place in the machine), at the axis's full deceleration. A jog that
     /// another instruction began goes on. `why` is the cause of its end, if nothing else has ended it.
-    pub fn end_jog(&self, axis: u16, ticket: Ticket, why: JogEnd) {
+    pub fn end_jog(&self, axis: AxisId, ticket: Ticket, why: JogEnd) {
         if let Some(jog) = self.0.jogs.get(usize::from(axis)) {
             // One instruction jogs an axis at a time: the newest.
             jog.fetch_max(word(ticket, why), Ordering::AcqRel);
@@ -104,7 +104,7 @@ impl StopReceiver {
             if let Some((ticket, why)) = request(jog.swap(0, Ordering::AcqRel)) {
                 self.next = Some(axis + 1);
                 return Some(StopRequest::Jog {
-                    axis: axis as u16,
+                    axis: AxisId::from_index(axis),
                     ticket,
                     why,
                 });
@@ -124,10 +124,10 @@ mod tests {
     fn a_request_is_seen_once_and_repetitions_are_one() {
         let (mut receiver, stops) = link(3);
         assert_eq!(receiver.next(), None);
-        stops.end_jog(2, Ticket(7), JogEnd::Lost);
-        stops.end_jog(2, Ticket(5), JogEnd::Released);
-        stops.end_jog(0, Ticket(6), JogEnd::Silent);
-        stops.end_jog(9, Ticket(8), JogEnd::Lost);
+        stops.end_jog(AxisId(2), Ticket(7), JogEnd::Lost);
+        stops.end_jog(AxisId(2), Ticket(5), JogEnd::Released);
+        stops.end_jog(AxisId(0), Ticket(6), JogEnd::Silent);
+        stops.end_jog(AxisId(9), Ticket(8), JogEnd::Lost);
         for _ in 0..100_000 {
             stops.stop_all();
         }
@@ -143,8 +143,8 @@ mod tests {
             seen,
             [
                 Some(StopRequest::All),
-                jog(0, 6, JogEnd::Silent),
-                jog(2, 7, JogEnd::Lost),
+                jog(AxisId(0), 6, JogEnd::Silent),
+                jog(AxisId(2), 7, JogEnd::Lost),
                 None
             ]
         );

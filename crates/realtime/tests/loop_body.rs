@@ -4,7 +4,7 @@ use arcline_controller::machine::{
     Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, Machine, ProgrammedStopMode, Start,
 };
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
+use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
 use arcline_realtime::{Link, Options, link, spawn, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
@@ -42,7 +42,7 @@ fn machine(period_ns: u64) -> Machine {
         ],
         systems: vec![CoordinateSystem {
             name: "CS1".to_owned(),
-            axes: vec![0, 1],
+            axes: vec![AxisId(0), AxisId(1)],
             max_speed: 500.0,
             max_acceleration: 5000.0,
             max_deceleration: 5000.0,

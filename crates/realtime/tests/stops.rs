@@ -4,7 +4,7 @@ use arcline_controller::machine::{
     Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, Machine, ProgrammedStopMode, Start,
 };
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Argument, Call, ControlSlot, JogEnd, MAX_OPERANDS, Mnemonic};
+use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, JogEnd, MAX_OPERANDS, Mnemonic};
 use arcline_realtime::{COMMANDS, Link, Rings, link, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
@@ -45,7 +45,7 @@ fn machine(period_ns: u64) -> Machine {
         ],
         systems: vec![CoordinateSystem {
             name: "CS1".to_owned(),
-            axes: vec![0, 1],
+            axes: vec![AxisId(0), AxisId(1)],
             max_speed: 500.0,
             max_acceleration: 5000.0,
             max_deceleration: 5000.0,
@@ -176,7 +176,7 @@ fn a_jog_ends_at_full_deceleration_whatever_was_programmed() {
                 let speed = bench.after(100);
                 assert!(speed > 99.0, "{why}: a weak stop is weak: {speed}");
             }
-            bench.link.stops.end_jog(Y, ticket, JogEnd::Lost);
+            bench.link.stops.end_jog(AxisId(Y), ticket, JogEnd::Lost);
             bench.after(1);
             for stop in behind {
                 bench.send(weak_stop(*stop));
@@ -194,11 +194,11 @@ fn the_jog_of_another_instruction_goes_on() {
     let (mut bench, ticket) = Bench::jogging(0.0);
     let newer = bench.send(jog(2, 0.0));
     bench.after(10);
-    bench.link.stops.end_jog(Y, ticket, JogEnd::Lost);
+    bench.link.stops.end_jog(AxisId(Y), ticket, JogEnd::Lost);
     assert_eq!(bench.after(100), 100.0, "another instruction jogs the axis now");
-    bench.link.stops.end_jog(0, newer, JogEnd::Silent);
+    bench.link.stops.end_jog(AxisId(0), newer, JogEnd::Silent);
     assert_eq!(bench.after(100), 100.0, "another axis");
-    bench.link.stops.end_jog(Y, newer, JogEnd::Silent);
+    bench.link.stops.end_jog(AxisId(Y), newer, JogEnd::Silent);
     assert_eq!(bench.after(20), 0.0);
 }
 

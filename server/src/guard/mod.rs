@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use arcline_controller::Ticket;
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::JogEnd;
+use arcline_instruction_set::{AxisId, JogEnd};
 use arcline_realtime::{Stops, prepare_beside_tick};
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::Notify;
@@ -180,7 +180,7 @@ impl Guard {
     }
 
     /// A MAJ of an owner was sent. `runs`: whether a ticket may still run.
-    pub(crate) fn begin(&self, owner: Principal, axis: u16, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
+    pub(crate) fn begin(&self, owner: Principal, axis: AxisId, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
         let Some(session) = owner.session() else { return };
         let held = is_button(owner);
         let until = held.then(|| self.now() + KEEP_WITHIN);
@@ -213,19 +213,19 @@ impl Guard {
     }
 
     /// A jog that is held by a button is still meant. `false`: there is none, or it is over.
-    pub(crate) fn keep(&self, session: u64, axis: u16) -> bool {
+    pub(crate) fn keep(&self, session: u64, axis: AxisId) -> bool {
         let now = self.now();
         self.table().keep(session, axis, now, now + KEEP_WITHIN)
     }
 
     /// The jogs that are held by a button: session and axis.
-    pub(crate) fn held(&self) -> Vec<(u64, u16)> {
+    pub(crate) fn held(&self) -> Vec<(u64, AxisId)> {
         self.table().kept()
     }
 
     /// The button of a jog was let go: whoever asks stops it, and the guard does so at full deceleration if it still moves after
     /// `grace`. `false`: there is no such jog.
-    pub(crate) fn release(&self, session: u64, axis: u16, grace: Duration) -> bool {
+    pub(crate) fn release(&self, session: u64, axis: AxisId, grace: Duration) -> bool {
         let from = self.now() + grace;
         let is_held = |jog: &Jog| is_of(jog, session) && is_button(jog.owner) && jog.axis == axis;
         let ended = self.table().end(from, JogEnd::Released, is_held);
@@ -237,12 +237,12 @@ impl Guard {
     }
 
     /// Ends the jogs of an owner that is lost. Returns their axes.
-    pub(crate) fn end(&self, owner: Principal) -> Vec<u16> {
+    pub(crate) fn end(&self, owner: Principal) -> Vec<AxisId> {
         let ended = self.table().end(self.now(), JogEnd::Lost, |jog| jog.owner == owner);
         self.stop(&ended, JogEnd::Lost);
         self.tell(&ended, JogEnd::Lost);
         self.0.wake.notify_one();
-        let mut axes: Vec<u16> = ended.iter().map(|jog| jog.axis).collect();
+        let mut axes: Vec<AxisId> = ended.iter().map(|jog| jog.axis).collect();
         axes.dedup();
         axes
     }

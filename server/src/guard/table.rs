@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_controller::Ticket;
-use arcline_instruction_set::JogEnd;
+use arcline_instruction_set::{AxisId, JogEnd};
 
 use crate::plant::Principal;
 
@@ -29,7 +29,7 @@ struct Jogs {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Jog {
     pub(super) owner: Principal,
-    pub(super) axis: u16,
+    pub(super) axis: AxisId,
     pub(super) ticket: Ticket,
     /// When it ends unless it is kept; `None`: it need not be kept.
     until: Option<Duration>,
@@ -38,7 +38,7 @@ pub(super) struct Jog {
 /// A jog that is to be stopped.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Ending {
-    pub(super) axis: u16,
+    pub(super) axis: AxisId,
     pub(super) ticket: Ticket,
     pub(super) why: JogEnd,
     /// From when on its stop is one at full deceleration.
@@ -78,7 +78,7 @@ impl Table {
     pub(super) fn begin(
         &mut self,
         owner: Principal,
-        axis: u16,
+        axis: AxisId,
         ticket: Ticket,
         until: Option<Duration>,
         runs: impl Fn(Ticket) -> bool,
@@ -97,7 +97,7 @@ impl Table {
     }
 
     /// A jog is still meant. `false`: it is not there, or over.
-    pub(super) fn keep(&mut self, session: u64, axis: u16, now: Duration, until: Duration) -> bool {
+    pub(super) fn keep(&mut self, session: u64, axis: AxisId, now: Duration, until: Duration) -> bool {
         let Some(client) = self.clients.get_mut(&session) else {
             return false;
         };
@@ -111,7 +111,7 @@ impl Table {
     }
 
     /// The clients that have a kept jog, with its axis.
-    pub(super) fn kept(&self) -> Vec<(u64, u16)> {
+    pub(super) fn kept(&self) -> Vec<(u64, AxisId)> {
         let jogs = self.clients.values().flat_map(|client| &client.jogs);
         let kept = jogs.filter(|jog| jog.until.is_some());
         kept.filter_map(|jog| Some((jog.owner.session()?, jog.axis))).collect()
@@ -158,7 +158,7 @@ impl Table {
     }
 
     /// Leaves out jogs of which it is known that they are over.
-    pub(super) fn prune(&mut self, runs: impl Fn(u16, Ticket) -> bool) {
+    pub(super) fn prune(&mut self, runs: impl Fn(AxisId, Ticket) -> bool) {
         for client in self.clients.values_mut() {
             client.jogs.retain(|jog| runs(jog.axis, jog.ticket));
         }
@@ -204,24 +204,24 @@ mod tests {
     #[test]
     fn a_jog_ends_when_it_is_not_kept() {
         let mut table = Table::default();
-        table.begin(ONE, 0, Ticket(5), Some(ms(150)), |_| true);
-        table.begin(TWO, 1, Ticket(6), None, |_| true);
-        assert!(table.keep(1, 0, ms(100), ms(250)));
-        assert!(!table.keep(1, 1, ms(100), ms(250)), "another axis");
-        assert!(!table.keep(2, 1, ms(100), ms(250)), "it need not be kept");
-        assert_eq!(table.kept(), [(1, 0)]);
+        table.begin(ONE, AxisId(0), Ticket(5), Some(ms(150)), |_| true);
+        table.begin(TWO, AxisId(1), Ticket(6), None, |_| true);
+        assert!(table.keep(1, AxisId(0), ms(100), ms(250)));
+        assert!(!table.keep(1, AxisId(1), ms(100), ms(250)), "another axis");
+        assert!(!table.keep(2, AxisId(1), ms(100), ms(250)), "it need not be kept");
+        assert_eq!(table.kept(), [(1, AxisId(0))]);
         assert!(table.overdue(ms(249)).is_empty());
         assert_eq!(tickets(&table.overdue(ms(250))), [5]);
-        assert!(!table.keep(1, 0, ms(251), ms(400)), "it is over");
+        assert!(!table.keep(1, AxisId(0), ms(251), ms(400)), "it is over");
         assert_eq!(table.jogging().collect::<Vec<_>>(), [2]);
     }
 
     #[test]
     fn a_stop_is_looked_after_until_the_axis_stands() {
         let mut table = Table::default();
-        table.begin(ONE, 0, Ticket(5), None, |_| true);
-        table.begin(ONE, 0, Ticket(9), None, |_| true);
-        table.begin(TWO, 1, Ticket(6), None, |_| true);
+        table.begin(ONE, AxisId(0), Ticket(5), None, |_| true);
+        table.begin(ONE, AxisId(0), Ticket(9), None, |_| true);
+        table.begin(TWO, AxisId(1), Ticket(6), None, |_| true);
         assert_eq!(
             tickets(&table.end(ms(10), JogEnd::Lost, |jog| jog.owner == ONE)),
             [5, 9]
@@ -246,7 +246,7 @@ mod tests {
     fn many_jogs_of_one_client_are_bounded_by_those_that_run() {
         let mut table = Table::default();
         for ticket in 1..=100_000 {
-            table.begin(ONE, 0, Ticket(ticket), None, |ticket| ticket.0 == 3);
+            table.begin(ONE, AxisId(0), Ticket(ticket), None, |ticket| ticket.0 == 3);
         }
         let jogs = table.end(ms(0), JogEnd::Lost, |_| true);
         assert!(jogs.len() <= MANY + 1, "{}", jogs.len());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use arcline_instruction_set::{Directory as _, Flag, Given, Mnemonic};
+use arcline_instruction_set::{AxisId, Directory as _, Flag, Given, Mnemonic, SystemId};
 use arcline_structured_text::{Answer, BoundCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
 use arcline_tag::{TagPath, Value};
 
@@ -197,11 +197,11 @@ impl Shared {
         self.apply(Principal::Viewer(viewer), Command::Resume(system)).await
     }
 
-    pub(super) fn axis(&self, name: &str) -> Result<u16, Refusal> {
+    pub(super) fn axis(&self, name: &str) -> Result<AxisId, Refusal> {
         self.plant.machine().axis(name).ok_or_else(|| no_object(name))
     }
 
-    fn system(&self, name: &str) -> Result<u16, Refusal> {
+    fn system(&self, name: &str) -> Result<SystemId, Refusal> {
         self.plant.machine().system(name).ok_or_else(|| no_object(name))
     }
 }

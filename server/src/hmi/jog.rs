@@ -6,7 +6,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 use arcline_config::ConnectionLoss;
-use arcline_instruction_set::{Flag, Mnemonic};
+use arcline_instruction_set::{AxisId, Flag, Mnemonic};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
@@ -25,7 +25,7 @@ const JOG: f64 = 1.0;
 
 /// The decelerations, u/s², with which viewers' jogs stop when the hand lets go; `None`: the axis's own.
 #[derive(Debug, Default)]
-pub(super) struct Jogs(BTreeMap<(ViewerId, u16), Option<f64>>);
+pub(super) struct Jogs(BTreeMap<(ViewerId, AxisId), Option<f64>>);
 
 impl Shared {
     /// Moves an axis until [`Shared::keep`] does not come any more. `speed`, `accel` and `decel` as numbers; `is_held`: the hand has not
@@ -98,7 +98,7 @@ impl Shared {
     }
 
     /// Stops a jog as it was asked to stop. The guard stops it, should this fail.
-    async fn stop_jog(&self, viewer: ViewerId, axis: u16, decel: Option<f64>) {
+    async fn stop_jog(&self, viewer: ViewerId, axis: AxisId, decel: Option<f64>) {
         let machine = self.plant.machine();
         let name = MotionObject::Axis(axis).name(machine);
         let change = if decel.is_some() { 1.0 } else { 0.0 };
@@ -110,7 +110,7 @@ impl Shared {
         let given = instruction(Mnemonic::Mas, name, &operands).given;
         let command = Command::Call(Call {
             mnemonic: Mnemonic::Mas,
-            target: Some(axis),
+            target: Some(axis.0),
             control: None,
             given: &given,
             text: None,

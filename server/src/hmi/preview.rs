@@ -9,7 +9,7 @@ use arcline_controller::image::Image;
 use arcline_controller::machine::{Machine, Start};
 use arcline_controller::{AcceptedMove, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
-use arcline_instruction_set::{Call, Flag, MotionError, Object};
+use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
 
 use super::peaks::{Peaks, Shape};
@@ -120,7 +120,7 @@ struct Seen {
     period: f64,
     axes: Vec<Peaks>,
     /// The axes of each coordinate system.
-    systems: Vec<Vec<u16>>,
+    systems: Vec<Vec<AxisId>>,
     /// Where the tools of robots were at the tick before, of each coordinate system; empty where there is no robot.
     tools: Vec<Option<[f64; 3]>>,
     /// What was accepted in this tick, and what is in process.
@@ -235,7 +235,7 @@ impl Observer for Seen {
                 self.limit = Some(format!("{}: {}, at {time:.3} s", axis.name, exceeded.text(&axis.units)));
             }
         }
-        let moved = |axis: &u16| {
+        let moved = |axis: &AxisId| {
             let place = usize::from(*axis);
             was[place].is_some_and(|before| before != rows[place][0])
         };

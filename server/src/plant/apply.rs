@@ -7,7 +7,7 @@
 
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
 use arcline_controller::{Ticket, UNNAMED};
-use arcline_instruction_set::bind;
+use arcline_instruction_set::{SystemId, bind};
 use arcline_tag::{DataType, TagPath, Value};
 use tokio::sync::oneshot;
 
@@ -237,14 +237,14 @@ impl Transaction<'_> {
     fn override_each(
         &mut self,
         systems: Systems,
-        percent: impl Fn(&Image, u16) -> Option<f32>,
+        percent: impl Fn(&Image, SystemId) -> Option<f32>,
     ) -> Result<Outcome, Refused> {
-        let systems = match systems {
-            Systems::One(system) => system..system.saturating_add(1),
-            Systems::All => 0..self.shared.machine.systems.len() as u16,
+        let (from, count) = match systems {
+            Systems::One(system) => (system.index(), 1),
+            Systems::All => (0, self.shared.machine.systems.len()),
         };
         let mut done = Ok(Outcome::Done);
-        for system in systems {
+        for system in SystemId::first(from + count).skip(from) {
             let Some(percent) = percent(self.image(), system) else {
                 continue;
             };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use arcline_config::ConnectionLoss;
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
-use arcline_instruction_set::{Attribute, Given, Mnemonic};
+use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
 
 use super::{CallRefused, Executed, Lost, Principal};
 use crate::retained::NotKept;
@@ -47,14 +47,14 @@ pub enum Command<'a> {
     /// Injects faults into an axis.
     InjectFaults {
         /// The index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// The faults, a bit each.
         bits: u32,
     },
     /// Sets the feed override of a coordinate system.
     SetFeedOverride {
         /// The index of the system.
-        system: u16,
+        system: SystemId,
         /// The override, percent.
         percent: f32,
     },
@@ -92,7 +92,7 @@ pub enum Command<'a> {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Systems {
     /// One, by its index.
-    One(u16),
+    One(SystemId),
     /// All that there are.
     All,
 }

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::Object;
+use arcline_instruction_set::{AxisId, Object, SystemId};
 
 /// A viewer.
 pub(crate) type ViewerId = u64;
@@ -21,8 +21,8 @@ pub(crate) struct Control {
 /// Something that can be driven, by its place.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum MotionObject {
-    Axis(u16),
-    System(u16),
+    Axis(AxisId),
+    System(SystemId),
     Group,
 }
 
@@ -48,8 +48,8 @@ impl MotionObject {
     /// An object of an instruction.
     pub(crate) fn of(object: Object, place: u16) -> Self {
         match object {
-            Object::Axis => Self::Axis(place),
-            Object::CoordinateSystem => Self::System(place),
+            Object::Axis => Self::Axis(AxisId(place)),
+            Object::CoordinateSystem => Self::System(SystemId(place)),
             Object::MotionGroup => Self::Group,
         }
     }
@@ -67,7 +67,7 @@ impl MotionObject {
     }
 
     /// Its axes.
-    pub(crate) fn axes(self, machine: &Machine) -> BTreeSet<u16> {
+    pub(crate) fn axes(self, machine: &Machine) -> BTreeSet<AxisId> {
         match self {
             Self::Axis(place) => BTreeSet::from([place]),
             Self::System(place) => {
@@ -76,7 +76,7 @@ impl MotionObject {
                     .map(|system| system.axes.iter().copied().collect())
                     .unwrap_or_default()
             }
-            Self::Group => (0..machine.axes.len() as u16).collect(),
+            Self::Group => AxisId::first(machine.axes.len()).collect(),
         }
     }
 }
@@ -146,7 +146,7 @@ impl Control {
         object: MotionObject,
     ) -> Result<(), Option<Conflict>> {
         let own = self.taken.iter().filter(|(_, by)| **by == viewer);
-        let own: BTreeSet<u16> = own.flat_map(|(object, _)| object.axes(machine)).collect();
+        let own: BTreeSet<AxisId> = own.flat_map(|(object, _)| object.axes(machine)).collect();
         if object.axes(machine).is_subset(&own) {
             Ok(())
         } else {

@@ -3,6 +3,7 @@
 
 use arcline_controller::Snapshot;
 use arcline_controller::image::Image;
+use arcline_instruction_set::SystemId;
 
 use super::{Command, Executions, LiveMoves, Logged, Plant, Principal, Systems};
 
@@ -45,7 +46,7 @@ impl Plant {
     /// Sets feed overrides, in percent, in configuration order. `false`: at least one is out of range, and stays as it
     /// was.
     pub fn set_feed_overrides(&self, principal: Principal, percent: &[f32]) -> bool {
-        let systems = 0..self.0.machine.systems.len() as u16;
+        let systems = SystemId::first(self.0.machine.systems.len());
         let (all, _) = self.transact(principal, |transaction| {
             let set = systems.zip(percent).map(|(system, percent)| {
                 let percent = *percent;

@@ -10,7 +10,7 @@ use arcline_config::ConnectionLoss;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{Call, Given, JogEnd, Mnemonic, bind};
+use arcline_instruction_set::{AxisId, Call, Given, JogEnd, Mnemonic, SystemId, bind};
 
 use super::policy::{COORDINATED_MOVE, stop_of};
 use super::principal::Principal;
@@ -64,9 +64,9 @@ impl Owned {
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Lost {
     /// Axes, by their place.
-    pub axes: Vec<u16>,
+    pub axes: Vec<AxisId>,
     /// Coordinate systems, by their place.
-    pub systems: Vec<u16>,
+    pub systems: Vec<SystemId>,
 }
 
 impl Lost {
@@ -118,18 +118,17 @@ impl State {
             if reaction == ConnectionLoss::Stop && !stops.iter().any(|(known, at, _)| (*known, *at) == (stop, target)) {
                 stops.push((stop, target, ticket));
             }
-            if reaction == ConnectionLoss::Hold && stop == COORDINATED_MOVE && !held.contains(&target) {
-                held.push(target);
+            if reaction == ConnectionLoss::Hold && stop == COORDINATED_MOVE && !held.contains(&SystemId(target)) {
+                held.push(SystemId(target));
             }
         }
         for ((mnemonic, what), target, ticket) in stops {
             self.stop_lost(mnemonic, what, target, ticket);
-            let list = if mnemonic == Mnemonic::Mcs {
-                &mut lost.systems
+            if mnemonic == Mnemonic::Mcs {
+                lost.systems.push(SystemId(target));
             } else {
-                &mut lost.axes
-            };
-            list.push(target);
+                lost.axes.push(AxisId(target));
+            }
         }
         for system in &held {
             if let Err(error) = self.image_mut().set_feed_override(*system, 0.0) {
@@ -168,7 +167,7 @@ impl State {
         }
         if mnemonic == Mnemonic::Mas {
             // A weaker stop of the whole axis may be under way.
-            self.link.stops.end_jog(target, ticket, JogEnd::Lost);
+            self.link.stops.end_jog(AxisId(target), ticket, JogEnd::Lost);
         }
     }
 }

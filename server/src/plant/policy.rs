@@ -5,7 +5,7 @@
 
 use arcline_controller::image::{Image, TagId, TagKind};
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::{Directory as _, Given, Mnemonic, Object, instruction_tag_target};
+use arcline_instruction_set::{AxisId, Directory as _, Given, Mnemonic, Object, SystemId, instruction_tag_target};
 
 use super::command::{Call, Command, Refused, Systems};
 use super::control::{Control, MotionObject};
@@ -58,7 +58,9 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
         Command::InjectFaults { axis, .. } => vec![MotionObject::Axis(*axis)],
         Command::SetFeedOverride { system, .. } => vec![MotionObject::System(*system)],
         Command::Resume(Systems::One(system)) => vec![MotionObject::System(*system)],
-        Command::Resume(Systems::All) => (0..machine.systems.len() as u16).map(MotionObject::System).collect(),
+        Command::Resume(Systems::All) => SystemId::first(machine.systems.len())
+            .map(MotionObject::System)
+            .collect(),
         Command::Call(call) => called(call, image),
         Command::Hold(_)
         | Command::CreateTag(_)
@@ -73,14 +75,14 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
 /// The objects that bytes of a tag move: those of the elements of the feed overrides and the injected faults.
 fn written(image: &Image, tag: TagId, offset: usize, length: usize) -> Vec<MotionObject> {
     let kind = match image.tag(tag).map(|tag| tag.kind) {
-        Some(TagKind::FeedOverride) => MotionObject::System,
-        Some(TagKind::FaultInject) => MotionObject::Axis,
+        Some(TagKind::FeedOverride) => |index| MotionObject::System(SystemId::from_index(index)),
+        Some(TagKind::FaultInject) => |index| MotionObject::Axis(AxisId::from_index(index)),
         _ => return Vec::new(),
     };
     let elements = image.bytes(tag).len() / ELEMENT;
     let from = offset / ELEMENT;
     let end = offset.saturating_add(length).div_ceil(ELEMENT).min(elements);
-    (from..end).map(|index| kind(index as u16)).collect()
+    (from..end).map(kind).collect()
 }
 
 /// The objects that an instruction moves.
@@ -99,7 +101,10 @@ fn called(call: &Call<'_>, image: &Image) -> Vec<MotionObject> {
             Given::Name(name) | Given::Word(name) => image.object(Object::CoordinateSystem, name),
             _ => None,
         });
-    target.into_iter().chain(others.map(MotionObject::System)).collect()
+    target
+        .into_iter()
+        .chain(others.map(|index| MotionObject::System(SystemId(index))))
+        .collect()
 }
 
 /// Stops need no control.

@@ -11,7 +11,7 @@ use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
 use arcline_controller::machine::DynamicsBits;
 use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Snapshot, Ticket};
 use arcline_instruction_set::{
-    Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex,
+    AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
 };
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
@@ -324,8 +324,9 @@ impl State {
         self.owned.begin(owner, ticket, call, &self.records);
         if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
             let records = &self.records;
-            self.guard
-                .begin(owner, axis, ticket, |ticket| records.get(ticket).is_none_or(may_run));
+            self.guard.begin(owner, AxisId(axis), ticket, |ticket| {
+                records.get(ticket).is_none_or(may_run)
+            });
         }
     }
 
@@ -424,7 +425,7 @@ impl State {
             }
             self.overrides[place] = now;
             self.push(Command::Override {
-                system: place as u16,
+                system: SystemId::from_index(place),
                 rate: f64::from(now) / 100.0,
             });
         }
@@ -444,7 +445,7 @@ impl State {
             }
             self.injected[place] = causes;
             self.push(Command::Inject {
-                axis: place as u16,
+                axis: AxisId::from_index(place),
                 causes,
             });
         }

@@ -6,7 +6,9 @@ use std::fmt;
 use arcline_controller::image::{Edge, Image, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, UNNAMED};
-use arcline_instruction_set::{BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, bind, describe};
+use arcline_instruction_set::{
+    AxisId, BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, SystemId, bind, describe,
+};
 use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError, unmade_control};
 use arcline_tag::{TagPath, Value};
 
@@ -195,11 +197,11 @@ impl<'m> Runner<'m> {
 
     /// Takes the overrides and injected faults that the image has; a hold would have no end, and is none.
     pub(crate) fn take_overrides(&mut self) {
-        for (system, percent) in (0..).zip(self.image.feed_overrides()) {
+        for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
             let share = if percent > 0.0 { f64::from(percent) / 100.0 } else { 1.0 };
             self.controller.set_override(system, share);
         }
-        for (axis, causes) in (0..).zip(self.image.injected_faults()) {
+        for (axis, causes) in (0..).map(AxisId).zip(self.image.injected_faults()) {
             self.controller.inject(axis, causes);
         }
         for (object, index, bits) in self.image.dynamics_bits() {
@@ -503,13 +505,13 @@ impl<'m> Runner<'m> {
         match edge {
             None => {}
             Some(Edge::FeedOverride) => {
-                for (system, percent) in (0..).zip(self.image.feed_overrides()) {
+                for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
                     self.controller.set_override(system, f64::from(percent) / 100.0);
                 }
                 self.shown = None;
             }
             Some(Edge::FaultInject) => {
-                for (axis, causes) in (0..).zip(self.image.injected_faults()) {
+                for (axis, causes) in (0..).map(AxisId).zip(self.image.injected_faults()) {
                     self.controller.inject(axis, causes);
                 }
             }

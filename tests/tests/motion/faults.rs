@@ -478,7 +478,7 @@ fn changes_of_faults_are_reported() {
     let words = |bench: &mut Bench| -> Vec<[String; 3]> {
         let changes = std::mem::take(&mut bench.fault_changes);
         let told = changes.iter().map(|change| {
-            assert_eq!(change.axis, 0);
+            assert_eq!(change.axis.index(), 0);
             [change.set, change.again, change.clear].map(|faults| Ending::words(faults).join(" "))
         });
         told.collect()

@@ -4,7 +4,7 @@
 //! The image is the only copy of these bits outside the controller: every way to set them writes them here, and the caller sends the
 //! controller the change ([`Edge::DynamicsBits`]). They begin at the machine's values, and a restart brings those back.
 
-use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity};
+use arcline_instruction_set::{Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity, SystemId};
 
 use super::{Edge, Image, WriteError};
 use crate::Snapshot;
@@ -48,12 +48,12 @@ impl Attributes {
 
 impl Image {
     /// The active move of a coordinate system; `None`: no such system.
-    pub fn progress(&self, system: u16) -> Option<Progress> {
+    pub fn progress(&self, system: SystemId) -> Option<Progress> {
         self.shown.progress.get(usize::from(system)).copied()
     }
 
     /// The faults of an axis; `None`: no such axis.
-    pub fn faults(&self, axis: u16) -> Option<FaultSet> {
+    pub fn faults(&self, axis: AxisId) -> Option<FaultSet> {
         self.shown.faults.get(usize::from(axis)).copied()
     }
 

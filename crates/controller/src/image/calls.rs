@@ -76,9 +76,8 @@ impl Directory for Image {
     fn object(&self, object: Object, name: &str) -> Option<u16> {
         match (self.find(name)?.kind, object) {
             (TagKind::MotionGroup, Object::MotionGroup) => Some(0),
-            (TagKind::Axis(place), Object::Axis) | (TagKind::CoordinateSystem(place), Object::CoordinateSystem) => {
-                Some(place)
-            }
+            (TagKind::Axis(axis), Object::Axis) => Some(axis.0),
+            (TagKind::CoordinateSystem(system), Object::CoordinateSystem) => Some(system.0),
             _ => None,
         }
     }

@@ -4,7 +4,7 @@
 //! The tag is the only place of injected causes outside the controller: whatever puts one there writes it, and the caller
 //! sends the controller what came of it ([`Edge::FaultInject`]).
 
-use arcline_instruction_set::FaultSet;
+use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_tag::{DataType, Elementary, TagType};
 
 use super::{Edge, Image, TagId, TagKind, WriteError};
@@ -23,7 +23,7 @@ impl Image {
     }
 
     /// What can be injected into an axis; `None` when there is no such axis.
-    pub fn possible_faults(&self, axis: u16) -> Option<FaultSet> {
+    pub fn possible_faults(&self, axis: AxisId) -> Option<FaultSet> {
         self.possible_faults.get(usize::from(axis)).copied()
     }
 
@@ -32,7 +32,7 @@ impl Image {
     /// # Errors
     /// [`WriteError::NoSuchFault`] for a bit that means nothing for the axis; [`WriteError::NoSuchTag`] when there is no
     /// such axis, or the tag's name is taken by another one.
-    pub fn inject_faults(&mut self, axis: u16, bits: u32) -> Result<Option<Edge>, WriteError> {
+    pub fn inject_faults(&mut self, axis: AxisId, bits: u32) -> Result<Option<Edge>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FaultInject);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(axis), &bits.to_le_bytes())

@@ -3,6 +3,7 @@
 //! The tag is the only place of an override outside the controller: whatever sets one writes it, and the caller
 //! sends the controller what came of it ([`Edge::FeedOverride`]).
 
+use arcline_instruction_set::SystemId;
 use arcline_tag::{DataType, Elementary, TagType};
 
 use super::{Edge, Image, TagId, TagKind, WriteError};
@@ -25,7 +26,7 @@ impl Image {
     }
 
     /// The last override of a coordinate system that was not 0, in percent: what resuming goes back to.
-    pub fn feed_override_before_hold(&self, system: u16) -> Option<f32> {
+    pub fn feed_override_before_hold(&self, system: SystemId) -> Option<f32> {
         self.before_hold.get(usize::from(system)).copied()
     }
 
@@ -33,7 +34,7 @@ impl Image {
     ///
     /// # Errors
     /// [`WriteError::OutOfRange`] outside of 0 to 200; [`WriteError::NoSuchTag`] when there is no such system.
-    pub fn set_feed_override(&mut self, system: u16, percent: f32) -> Result<Option<Edge>, WriteError> {
+    pub fn set_feed_override(&mut self, system: SystemId, percent: f32) -> Result<Option<Edge>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(system), &percent.to_le_bytes())

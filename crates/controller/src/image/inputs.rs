@@ -1,6 +1,7 @@
 //! Plain tags that the machine reads: positions that feed axes, registration inputs, words that enable output cams. A write of one gives
 //! [`Edge::Input`], and the caller sends the controller what came of it ([`Image::take_inputs`]).
 
+use arcline_instruction_set::AxisId;
 use arcline_motion::Input;
 use arcline_tag::{Elementary, TagPath, Value};
 
@@ -21,8 +22,8 @@ pub(super) struct Inputs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Means {
-    Position(u16),
-    Registration(u16, u8),
+    Position(AxisId),
+    Registration(AxisId, u8),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,7 @@ struct Place {
 impl Inputs {
     pub(super) fn new(machine: &Machine) -> Self {
         let mut inputs = Inputs::default();
-        for (axis, described) in (0..).zip(&machine.axes) {
+        for (axis, described) in (0..).map(AxisId).zip(&machine.axes) {
             let feed = described
                 .inputs
                 .feed

@@ -33,7 +33,9 @@ mod written;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use arcline_instruction_set::{FaultSet, instruction_tag_defaults, instruction_tag_template, predefined};
+use arcline_instruction_set::{
+    AxisId, FaultSet, SystemId, instruction_tag_defaults, instruction_tag_template, predefined,
+};
 use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 
 use crate::machine::Machine;
@@ -146,21 +148,17 @@ impl Image {
             TagType::scalar(predefined::motion_group()),
             TagKind::MotionGroup,
         );
-        for (place, axis) in (0..).zip(&machine.axes) {
+        for (id, axis) in (0..).map(AxisId).zip(&machine.axes) {
             let template = if axis.is_virtual() {
                 predefined::axis_virtual()
             } else {
                 predefined::axis_cip_drive()
             };
-            image.add(&axis.name, TagType::scalar(template), TagKind::Axis(place));
+            image.add(&axis.name, TagType::scalar(template), TagKind::Axis(id));
         }
-        for (place, system) in (0..).zip(&machine.systems) {
+        for (id, system) in (0..).map(SystemId).zip(&machine.systems) {
             let template = predefined::coordinate_system();
-            image.add(
-                &system.name,
-                TagType::scalar(template),
-                TagKind::CoordinateSystem(place),
-            );
+            image.add(&system.name, TagType::scalar(template), TagKind::CoordinateSystem(id));
         }
         for tag in instruction_tags {
             image.add_instruction(tag);

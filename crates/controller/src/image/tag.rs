@@ -1,6 +1,6 @@
 //! What a tag is: its id, name, type, and what it stands for. Its bytes are the image's.
 
-use arcline_instruction_set::{ControlSlot, Mnemonic};
+use arcline_instruction_set::{AxisId, ControlSlot, Mnemonic, SystemId};
 use arcline_tag::{TagPath, TagType};
 
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
@@ -22,9 +22,9 @@ pub enum TagKind {
     /// The motion group.
     MotionGroup,
     /// An axis, by its place in the machine.
-    Axis(u16),
+    Axis(AxisId),
     /// A coordinate system, by its place in the machine.
-    CoordinateSystem(u16),
+    CoordinateSystem(SystemId),
     /// A MOTION_INSTRUCTION.
     MotionControl(ControlSlot),
     /// An instruction as a tag.

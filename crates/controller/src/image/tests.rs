@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{
-    Argument, Directory, FaultKind, Flag, Given, Mnemonic, MotionControl, MotionError, bind,
+    Argument, AxisId, Directory, FaultKind, Flag, Given, Mnemonic, MotionControl, MotionError, bind,
 };
 use arcline_motion::{CallData, Cause};
 use arcline_tag::{Elementary, TagPath, Value};
@@ -45,7 +45,7 @@ fn machine() -> Machine {
         ],
         systems: vec![CoordinateSystem {
             name: "CS1".to_owned(),
-            axes: vec![0, 1],
+            axes: vec![AxisId(0), AxisId(1)],
             max_speed: 500.0,
             max_acceleration: 5000.0,
             max_deceleration: 5000.0,
@@ -413,9 +413,9 @@ fn only_faults_that_an_axis_can_have_are_injected() {
         let shown: Vec<u32> = image.injected_faults().map(FaultSet::bits).collect();
         assert_eq!(shown, injected, "{why}");
     }
-    assert_eq!(image.possible_faults(1).map(FaultSet::bits), Some(soft));
-    assert_eq!(image.inject_faults(1, 1), Ok(Some(Edge::FaultInject)));
-    assert!(image.inject_faults(2, 1).is_err(), "no such axis");
+    assert_eq!(image.possible_faults(AxisId(1)).map(FaultSet::bits), Some(soft));
+    assert_eq!(image.inject_faults(AxisId(1), 1), Ok(Some(Edge::FaultInject)));
+    assert!(image.inject_faults(AxisId(2), 1).is_err(), "no such axis");
 }
 
 #[test]
@@ -482,10 +482,13 @@ fn an_override_is_written_in_percent_and_within_its_range() {
             ),
         }
         assert_eq!(image.feed_overrides().collect::<Vec<_>>(), [shown], "{why}");
-        assert_eq!(image.feed_override_before_hold(0), Some(before), "{why}");
+        assert_eq!(image.feed_override_before_hold(SystemId(0)), Some(before), "{why}");
     }
-    assert_eq!(image.set_feed_override(0, 25.0), Ok(Some(Edge::FeedOverride)));
-    assert!(image.set_feed_override(1, 25.0).is_err(), "no such coordinate system");
+    assert_eq!(image.set_feed_override(SystemId(0), 25.0), Ok(Some(Edge::FeedOverride)));
+    assert!(
+        image.set_feed_override(SystemId(1), 25.0).is_err(),
+        "no such coordinate system"
+    );
     assert_eq!(number(&image, "FeedOverride"), 25.0);
     assert!(
         image.real_array("FeedOverride").is_none(),

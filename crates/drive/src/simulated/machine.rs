@@ -3,6 +3,7 @@
 //! A latch closes where the axis, as its encoder sees it, passes the trigger; the instant is found by bisection of what the drive
 //! does within the update. The mechanical stop holds an axis while its latch is armed.
 
+use arcline_instruction_set::AxisId;
 use arcline_profile::KinematicState;
 
 use super::{Drive, Sensor, Settings, Settling};
@@ -198,7 +199,7 @@ impl Drives for SimulatedDrives {
         Ok(())
     }
 
-    fn settled(&self, axes: &[u16], tolerance: f64, stood: f64) -> Settled {
+    fn settled(&self, axes: &[AxisId], tolerance: f64, stood: f64) -> Settled {
         let mut settling = Settling {
             drives: [Drive::ideal(0.0); MOST_AXES],
             ends: [0.0; MOST_AXES],

@@ -7,7 +7,7 @@ use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};
 use crate::operands::{OperandValue, Operands, Reader};
-use crate::{Mnemonic, TagAddress};
+use crate::{AxisId, Mnemonic, TagAddress};
 
 const CAM_PROFILE_NOTE: &str = "a calculated profile";
 const TARGET_NOTE: &str = "0 to below the axis's output_cam_execution_targets (35)";
@@ -71,7 +71,7 @@ instructions! {
     MAG = Mag on Axis, Process, EN_DN_ER_IP, Axes::ANY,
     "Gears the slave axis to a master axis.": [
         slave_axis = axis(),
-        master_axis: Option<u16> = reference(Object::Axis, ""),
+        master_axis: Option<AxisId> = other_axis(""),
         motion_control = control(),
         direction: GearDirection = word(),
         ratio: f64 = number(Range::Between(0.00001, 9.99999), "slave units per master unit; format Real")
@@ -116,7 +116,7 @@ instructions! {
     MDAC = Mdac on Axis, Immediate, EN_DN_ER_IP_AC, Axes::ANY,
     "Links the slave axis to a master axis for master driven motion.": [
         slave_axis = axis(),
-        master_axis: Option<u16> = reference(Object::Axis, ""),
+        master_axis: Option<AxisId> = other_axis(""),
         motion_control = control(),
         motion_type: MdacMotionType = word(),
         master_reference: Reference = word(),
@@ -125,7 +125,7 @@ instructions! {
     MAPC = Mapc on Axis, Process, EN_DN_ER_IP_PC, Axes::ANY,
     "Moves the slave axis by a cam profile over the position of a master axis.": [
         slave_axis = axis(),
-        master_axis: Option<u16> = reference(Object::Axis, ""),
+        master_axis: Option<AxisId> = other_axis(""),
         motion_control = control(),
         direction: GearDirection = word(),
         cam_profile: Option<TagAddress> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),

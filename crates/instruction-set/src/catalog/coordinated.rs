@@ -7,7 +7,7 @@ use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Axes, Instruction, Object, Range, Timing};
 use crate::operands::{OperandValue, Operands, Reader};
-use crate::{Mnemonic, RealArray, TagAddress, WrittenArray};
+use crate::{AxisId, Mnemonic, RealArray, SystemId, TagAddress, WrittenArray};
 
 const POSITION_NOTE: &str = "position units: end point or increments";
 const TOLERANCE_NOTE: &str = "position units; used by termination type 6";
@@ -98,7 +98,7 @@ instructions! {
     MDCC = Mdcc on CoordinateSystem, Immediate, EN_DN_ER_IP_AC, Axes::ANY,
     "Links a coordinate system to a master axis for master driven moves.": [
         slave_system = system(),
-        master_axis: Option<u16> = reference(Object::Axis, "no axis of the slave system"),
+        master_axis: Option<AxisId> = other_axis("no axis of the slave system"),
         motion_control = control(),
         master_reference: Reference = word(),
         nominal_master_velocity: f64 = number(
@@ -108,7 +108,7 @@ instructions! {
     MCT = Mct on CoordinateSystem, Process, EN_DN_ER_IP, Axes::ANY,
     "Starts a transform between two coordinate systems.": [
         source_system = system(),
-        target_system: Option<u16> = reference(Object::CoordinateSystem, ""),
+        target_system: Option<SystemId> = other_system(),
         motion_control = control(),
         orientation: RealArray = orientation(),
         translation: RealArray = translation(),
@@ -117,7 +117,7 @@ instructions! {
     MCTP = Mctp on CoordinateSystem, Immediate, EN_DN_ER, Axes::ANY,
     "Calculates a position in one coordinate system from one in another, without motion.": [
         source_system = system(),
-        target_system: Option<u16> = reference(Object::CoordinateSystem, ""),
+        target_system: Option<SystemId> = other_system(),
         motion_control = control(),
         orientation: RealArray = orientation(),
         translation: RealArray = translation(),
@@ -138,7 +138,7 @@ instructions! {
     MCTO = Mcto on CoordinateSystem, Process, EN_DN_ER_IP, Axes::ANY,
     "Starts a transform with orientation between a Cartesian and a robot system.": [
         cartesian_system = system(),
-        robot_system: Option<u16> = reference(Object::CoordinateSystem, ""),
+        robot_system: Option<SystemId> = other_system(),
         motion_control = control(),
         work_frame: Option<TagAddress> = frame(),
         tool_frame: Option<TagAddress> = frame(),
@@ -147,7 +147,7 @@ instructions! {
     MCTPO = Mctpo on CoordinateSystem, Immediate, EN_DN_ER, Axes::ANY,
     "Calculates a point with orientation from joint positions or the reverse, without motion.": [
         cartesian_system = system(),
-        robot_system: Option<u16> = reference(Object::CoordinateSystem, ""),
+        robot_system: Option<SystemId> = other_system(),
         motion_control = control(),
         work_frame: Option<TagAddress> = frame(),
         tool_frame: Option<TagAddress> = frame(),

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Condition, Kind, Object, Operand, Range};
-use crate::{Enumeration, RealArray, TagAddress, Words, WrittenArray};
+use crate::{AxisId, Enumeration, RealArray, SystemId, TagAddress, Words, WrittenArray};
 
 /// An operand whose references to others are names yet.
 #[derive(Clone, Copy)]
@@ -113,8 +113,12 @@ pub(super) const fn control() -> Row<()> {
     Row::new(Kind::MotionControl, "a MOTION_INSTRUCTION tag of its own")
 }
 
-pub(super) const fn reference(object: Object, note: &'static str) -> Row<Option<u16>> {
-    Row::new(Kind::Reference(object), note)
+pub(super) const fn other_axis(note: &'static str) -> Row<Option<AxisId>> {
+    Row::new(Kind::Reference(Object::Axis), note)
+}
+
+pub(super) const fn other_system() -> Row<Option<SystemId>> {
+    Row::new(Kind::Reference(Object::CoordinateSystem), "")
 }
 
 /// Any value of an enumeration.

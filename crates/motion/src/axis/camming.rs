@@ -2,6 +2,7 @@
 //!
 //! Not here: where a cam leads (`crate::masters::cam`). Real-time: nothing allocates.
 
+use arcline_instruction_set::AxisId;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
@@ -58,7 +59,7 @@ impl Axis {
     }
 
     /// The master axis of a cam of a kind.
-    pub(crate) fn cam_master(&self, slot: Slot) -> Option<u16> {
+    pub(crate) fn cam_master(&self, slot: Slot) -> Option<AxisId> {
         match self.cam(slot)?.source() {
             Source::Axis { master, .. } => Some(master),
             Source::Time { .. } => None,

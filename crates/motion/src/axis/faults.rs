@@ -4,7 +4,7 @@
 //! Not here: what a fault does to motion (`motion::faults`). Real-time: nothing allocates. Units: position units, seconds.
 
 use arcline_instruction_set::predefined::axis_fault;
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
+use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
 
 use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, AxisKind, ExceptionActions, Travel};
@@ -197,7 +197,7 @@ impl Faults {
     }
 
     /// What has changed since the last call.
-    pub(crate) fn take_change(&mut self, tick: u64, axis: u16) -> Option<FaultChange> {
+    pub(crate) fn take_change(&mut self, tick: u64, axis: AxisId) -> Option<FaultChange> {
         let refused = self.refused.take();
         if self.set.is_empty() && self.clear.is_empty() {
             return None;

@@ -1,7 +1,7 @@
 //! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
-use arcline_instruction_set::{AxisIndex, Culprit, Flag, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};
 use arcline_planner::Pace;
 use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
@@ -68,7 +68,7 @@ impl AxisMove {
     pub(super) fn begin(
         &self,
         motion: &mut Motion,
-        axis: u16,
+        axis: AxisId,
         slot: Slot,
         beginning: Beginning,
         plan: impl FnOnce(KinematicState) -> Profile,
@@ -80,11 +80,10 @@ impl AxisMove {
             led,
             events,
         } = beginning;
-        let at = usize::from(axis);
-        let taken = self.taken_over(&motion.axes[at], slot);
+        let taken = self.taken_over(&motion.axes[axis], slot);
         let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
-        let before = self.in_force(&motion.axes[at], slot, led.is_some());
+        let before = self.in_force(&motion.axes[axis], slot, led.is_some());
         if self.merges_into(slot) {
             motion.end_single_axis(axis, Some(slot));
         }
@@ -94,7 +93,7 @@ impl AxisMove {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
         };
-        let lead = relief(motion.axes[at].bounds, from, &limits, before.as_ref());
+        let lead = relief(motion.axes[axis].bounds, from, &limits, before.as_ref());
         let profile = Profile::led(lead, from, plan);
         let start = guide.map_or(motion.clock, |guide| guide.clock()).now();
         let mut generator = Generator::planned(profile, start);
@@ -112,8 +111,8 @@ impl AxisMove {
                 due: Some(motion.clock.tick),
             });
         }
-        motion.axes[at].begin(slot, generator);
-        motion.axes[at].stale = true;
+        motion.axes[axis].begin(slot, generator);
+        motion.axes[axis].stale = true;
         let mut accepted = Flag::Dn.mask() | Flag::Ip.mask();
         if guide.is_some() {
             accepted |= Flag::Ac.mask();
@@ -129,11 +128,11 @@ impl AxisMove {
     pub(super) fn led(
         &self,
         motion: &Motion,
-        axis: u16,
+        axis: AxisId,
         slot: Slot,
         lead: Option<Led>,
     ) -> Result<Option<(Led, Pace)>, MotionError> {
-        let state = &motion.axes[usize::from(axis)];
+        let state = &motion.axes[axis];
         let link = lead.and_then(|lead| state.links.iter().find(|link| link.id == lead.link));
         let (Some(lead), Some(link)) = (lead, link) else {
             return Ok(None);

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::GearDirection;
 use arcline_instruction_set::operands::OperandValue;
-use arcline_instruction_set::{AxisIndex, Flag, MotionError, OperandIndex};
+use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError, OperandIndex};
 
 use super::axis_moves;
 use crate::axis::Axis;
@@ -81,26 +81,26 @@ pub(super) struct Beginning {
 /// `ParameterOutOfRange` (13) with the scaling of the slave.
 pub(super) fn verify_reach(
     motion: &Motion,
-    axis: u16,
+    axis: AxisId,
     program: &Program,
     scaling: OperandIndex,
 ) -> Result<(), MotionError> {
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     let way = program.profile.reach() * program.slave_scale.abs();
     range::verify(state, state.command.position.abs() + way, scaling)
 }
 
 /// The cam waits for the end of the one under way.
-pub(super) fn wait(motion: &mut Motion, axis: u16, slot: Slot, program: Program, execution: Execution) {
+pub(super) fn wait(motion: &mut Motion, axis: AxisId, slot: Slot, program: Program, execution: Execution) {
     motion.end_pending_cams(axis, Some(slot));
-    let cams = motion.axes[usize::from(axis)].cams_mut(slot);
+    let cams = motion.axes[axis].cams_mut(slot);
     cams.direction = Some(program.slave_scale.signum());
     cams.pending = Some(Pending { program, execution });
     accept(motion, execution);
 }
 
 /// The cam begins now.
-pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execution: Execution) {
+pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, execution: Execution) {
     let Beginning {
         slot,
         program,
@@ -109,10 +109,10 @@ pub(super) fn begin(motion: &mut Motion, axis: u16, beginning: Beginning, execut
     } = beginning;
     if slot == Slot::PositionCam {
         motion.end_generator(axis, Slot::MasterOffset);
-        motion.axes[usize::from(axis)].cams_mut(slot).offset = Offset::default();
+        motion.axes[axis].cams_mut(slot).offset = Offset::default();
     }
     let clock = motion.clock;
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     state.cams_mut(slot).direction = Some(program.slave_scale.signum());
     let slave = state.command.position;
     let cam = Cam::new(program, lock, &master, slave, &clock);

@@ -18,7 +18,6 @@ use crate::order::{Circle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let Mag {
         master_axis,
         direction,
@@ -34,18 +33,18 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let master = motion.axis_of(&master_axis)?;
     let clutch = match *clutch {
         Clutch::Enabled => {
-            let own = motion.axes[at].dynamics.acceleration;
+            let own = motion.axes[axis].dynamics.acceleration;
             let rate = in_units(*accel_rate, *accel_units, own);
             positive(rate, accel_rate.index)?;
             Some(rate)
         }
         Clutch::Disabled => None,
     };
-    axis_moves::verify_axis(&motion.axes[at], false)?;
-    axis_moves::not_stopping(&motion.axes[at])?;
+    axis_moves::verify_axis(&motion.axes[axis], false)?;
+    axis_moves::not_stopping(&motion.axes[axis])?;
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
-    let running = motion.axes[at].gear().map(|gear| gear.ratio);
+    let running = motion.axes[axis].gear().map(|gear| gear.ratio);
     // Slave units per master unit. A count of a simulated axis is a position unit: its conversion constant is 1.
     let magnitude = match *ratio_format {
         RatioFormat::Real => *ratio,
@@ -63,8 +62,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let now = motion.clock.now();
     // A gearing before this one, or what is left of it, gives the speed to clutch from.
     let slave = KinematicState {
-        position: motion.axes[at].command.position,
-        velocity: motion.axes[at]
+        position: motion.axes[axis].command.position,
+        velocity: motion.axes[axis]
             .sum
             .get(Slot::Gear)
             .map_or(0.0, |generator| generator.now.velocity),
@@ -79,7 +78,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     // What is executed next at this tick finds the slave in motion.
     generator.now = gear.follow(&met, &motion.clock);
     generator.law = Law::Geared(gear);
-    let state = &mut motion.axes[at];
+    let state = &mut motion.axes[axis];
     state.begin(Slot::Gear, generator);
     state.stale = true;
     motion.order.take(order);

@@ -11,7 +11,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     let active = state.home.mode == HomeMode::Active;
     verify_configuration(state)?;
     if active && state.home.sequence != HomeSequence::Immediate {

@@ -28,7 +28,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         merge_speed: *merge_speed,
     };
     programmed.verify_units()?;
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     let link = state.links.newest(MdacMotionType::Jog);
     programmed.verify_link(link)?;
     let lead = programmed.lead(motion, link)?;

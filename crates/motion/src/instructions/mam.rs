@@ -122,7 +122,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         merge_speed: *merge_speed,
     };
     let axis = motion.target_axis(call)?;
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     let slot = destination.slot();
     destination.verify_ranges(motion, state, call)?;
     verify_units(&operands, slot, state)?;
@@ -135,14 +135,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     axis_moves::not_stopping(state)?;
     let target = destination.target(state)?;
     let moved = match state.cam_master(Slot::PositionCam) {
-        Some(master) if slot == Slot::MasterOffset => &motion.axes[usize::from(master)],
+        Some(master) if slot == Slot::MasterOffset => &motion.axes[master],
         _ => state,
     };
     range::verify(moved, target, position.index)?;
     let way = target - destination.present(state);
     // An offset is in units of the master, and so are its maxima.
     let maxima = match state.cam_master(Slot::PositionCam) {
-        Some(master) if slot == Slot::MasterOffset => &motion.axes[usize::from(master)].dynamics,
+        Some(master) if slot == Slot::MasterOffset => &motion.axes[master].dynamics,
         _ => {
             axis_moves::no_overtravel(state, way)?;
             &state.dynamics

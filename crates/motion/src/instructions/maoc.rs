@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::ExecutionSchedule;
 use arcline_instruction_set::operands::{Maoc, Operands};
-use arcline_instruction_set::{Call, Flag, MotionError, TagAddress};
+use arcline_instruction_set::{AxisId, Call, Flag, MotionError, TagAddress};
 
 use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
@@ -14,7 +14,7 @@ use crate::motion::Motion;
 use crate::output::{Arming, Program, Word};
 
 /// Ranges in the order of the faceplate.
-fn verify(motion: &Motion, axis: usize, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
+fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
     let Maoc {
         cam_start_position: start,
         cam_end_position: end,
@@ -47,8 +47,8 @@ fn verify(motion: &Motion, axis: usize, operands: &Maoc, call: &Call) -> Result<
 ///
 /// # Errors
 /// `IllegalExecutionTarget` (35) where the axis has none of that number.
-pub(super) fn target(motion: &Motion, axis: u16, number: i32) -> Result<usize, MotionError> {
-    let targets = motion.axes[usize::from(axis)].outputs.len();
+pub(super) fn target(motion: &Motion, axis: AxisId, number: i32) -> Result<usize, MotionError> {
+    let targets = motion.axes[axis].outputs.len();
     let target = usize::try_from(number).ok();
     target
         .filter(|target| *target < targets)
@@ -62,9 +62,8 @@ pub(super) fn execute(
     data: &ReceivedData,
 ) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let operands = Maoc::of(call);
-    verify(motion, at, &operands, call)?;
+    verify(motion, axis, &operands, call)?;
     let Maoc {
         execution_target,
         output,
@@ -79,7 +78,7 @@ pub(super) fn execute(
         cam_arm_position,
         position_reference,
     } = operands;
-    not_shut_down(&motion.axes[at])?;
+    not_shut_down(&motion.axes[axis])?;
     let target = target(motion, axis, *execution_target)?;
     let (cam, [output_bits, input_bits]) = data.output_cam()?;
     let program = Program {
@@ -90,7 +89,7 @@ pub(super) fn execute(
     let clock = motion.clock;
     let reference = *position_reference;
     let point = motion.axes.master_at(axis, reference, &motion.clock).point;
-    let state = &mut motion.axes[at];
+    let state = &mut motion.axes[axis];
     let word = |tag: Option<TagAddress>, bits: u32| {
         tag.map(|tag| Word {
             tag,

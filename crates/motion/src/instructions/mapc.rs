@@ -40,7 +40,6 @@ pub(super) fn execute(
     data: &ReceivedData,
 ) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let Mapc {
         master_axis,
         direction,
@@ -58,23 +57,23 @@ pub(super) fn execute(
     let pending = *execution_schedule == ExecutionSchedule::Pending;
     let crossing = crossing(*execution_schedule);
     if crossing.is_some() {
-        on_turn(&motion.axes[usize::from(master)], &master_lock_position)?;
+        on_turn(&motion.axes[master], &master_lock_position)?;
     }
     let profile = data.cam();
     let entry = *cam_lock_position;
     if !pending && profile.as_ref().is_ok_and(|profile| !profile.contains(entry)) {
         return Err(cam_lock_position.out_of_range());
     }
-    axis_moves::verify_axis(&motion.axes[at], false)?;
-    not_stopping(&motion.axes[at], Slot::PositionCam)?;
+    axis_moves::verify_axis(&motion.axes[axis], false)?;
+    not_stopping(&motion.axes[axis], Slot::PositionCam)?;
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let reference = *master_reference;
     let source = Source::Axis { master, reference };
-    verify_change(&motion.axes[at], Slot::PositionCam, source, pending)?;
+    verify_change(&motion.axes[axis], Slot::PositionCam, source, pending)?;
     let profile = profile?;
 
-    let before = motion.axes[at].cams(Slot::PositionCam).direction;
+    let before = motion.axes[axis].cams(Slot::PositionCam).direction;
     let program = Program {
         profile,
         source,
@@ -90,7 +89,7 @@ pub(super) fn execute(
         wait(motion, axis, Slot::PositionCam, program, execution);
         return Ok(());
     }
-    let state = &motion.axes[usize::from(master)];
+    let state = &motion.axes[master];
     let lock = crossing.map(|sense| Crossing {
         position: *master_lock_position - state.redefined,
         sense,

@@ -23,7 +23,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Windowed::Enabled if *min_position > *max_position => return Err(min_position.out_of_range()),
         Windowed::Enabled => Some([*min_position, *max_position]),
     };
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     not_shut_down(state)?;
     let input = *input_number as usize - 1;
     let Some(registration) = state.registrations.get_mut(input).filter(|input| input.exists) else {

@@ -58,10 +58,9 @@ fn stopped(stop_type: MasStopType) -> Stopped {
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let Mas { stop_type, rates } = motion.operands(call)?;
     let stopped = stopped(*stop_type);
-    let state = &motion.axes[at];
+    let state = &motion.axes[axis];
     switched_on(state)?;
     stoppable(state)?;
     let tick = motion.clock.tick;
@@ -74,7 +73,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Stopped::Kind(slot) => motion.end_pending_cams(axis, Some(slot)),
         Stopped::Nothing => {}
     }
-    let state = &motion.axes[at];
+    let state = &motion.axes[axis];
     match stopped {
         Stopped::All if state.in_motion() => {
             let limits = limits(
@@ -83,8 +82,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 state.command.velocity.abs(),
                 state.is_s_curve(),
             )?;
-            for index in 0..motion.systems.len() {
-                if motion.systems[index].has(axis) && motion.axes[at].is_coordinated() {
+            for index in motion.systems.ids() {
+                if motion.systems[index].has(axis) && motion.axes[axis].is_coordinated() {
                     motion.abort_system(index, |_| false);
                 }
             }

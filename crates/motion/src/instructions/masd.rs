@@ -1,6 +1,6 @@
 //! MASD, Motion Axis Shutdown (spec/axis-and-data-types.md §2).
 
-use arcline_instruction_set::{Call, MotionError};
+use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use crate::axis::AxisState;
 use crate::control::Execution;
@@ -15,10 +15,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
-pub(crate) fn shut_down(motion: &mut Motion, axis: u16) {
+pub(crate) fn shut_down(motion: &mut Motion, axis: AxisId) {
     motion.leave(axis);
     motion.disarm(axis);
     motion.unlink_slave(axis);
     motion.unlink_master(axis);
-    motion.axes[usize::from(axis)].disable(AxisState::Shutdown);
+    motion.axes[axis].disable(AxisState::Shutdown);
 }

@@ -1,6 +1,6 @@
 //! MASR, Motion Axis Shutdown Reset (spec/axis-and-data-types.md §2).
 
-use arcline_instruction_set::{Call, MotionError};
+use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use crate::axis::AxisState;
 use crate::control::Execution;
@@ -16,9 +16,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
 /// Clears faults and leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once. Returns whether no
 /// cause of a fault is left.
-pub(super) fn reset(motion: &mut Motion, axis: u16) -> bool {
+pub(super) fn reset(motion: &mut Motion, axis: AxisId) -> bool {
     let gone = motion.reset_faults(axis);
-    let axis = &mut motion.axes[usize::from(axis)];
+    let axis = &mut motion.axes[axis];
     if axis.state == AxisState::Shutdown {
         axis.state = if axis.is_virtual {
             AxisState::Running

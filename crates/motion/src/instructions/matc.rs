@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::{ExecutionSchedule, InstructionMode, MdacMotionType};
 use arcline_instruction_set::operands::{LockOperands, Matc};
-use arcline_instruction_set::{Call, MotionError};
+use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
@@ -23,13 +23,13 @@ use crate::system::Lead;
 /// link (93); a position that the master never shows (13).
 fn led(
     motion: &Motion,
-    at: usize,
+    axis: AxisId,
     mode: InstructionMode,
     lock: &LockOperands,
     schedule: ExecutionSchedule,
 ) -> Result<Option<(MasterLink, Lead)>, MotionError> {
     let master_driven = mode == InstructionMode::MasterDriven;
-    let link = motion.axes[at].links.newest(MdacMotionType::TimeCam);
+    let link = motion.axes[axis].links.newest(MdacMotionType::TimeCam);
     verify_lock(lock, master_driven, link)?;
     let Some(link) = link.filter(|_| master_driven) else {
         return Ok(None);
@@ -48,7 +48,6 @@ pub(super) fn execute(
     data: &ReceivedData,
 ) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let Matc {
         direction,
         cam_profile: _,
@@ -59,24 +58,24 @@ pub(super) fn execute(
         lock,
         instruction_mode,
     } = motion.operands(call)?;
-    let led = led(motion, at, *instruction_mode, &lock, *execution_schedule)?;
-    axis_moves::verify_axis(&motion.axes[at], false)?;
-    not_stopping(&motion.axes[at], Slot::TimeCam)?;
+    let led = led(motion, axis, *instruction_mode, &lock, *execution_schedule)?;
+    axis_moves::verify_axis(&motion.axes[axis], false)?;
+    not_stopping(&motion.axes[axis], Slot::TimeCam)?;
     let since = motion.clock.now();
     let source = led.map_or(Source::Time { since }, |(link, _)| Source::Axis {
         master: link.master.axis,
         reference: link.master.reference,
     });
     let pending = *execution_schedule == ExecutionSchedule::Pending;
-    verify_change(&motion.axes[at], Slot::TimeCam, source, pending)?;
+    verify_change(&motion.axes[axis], Slot::TimeCam, source, pending)?;
     let sense = led.map(|(_, lead)| lead.lock.sense);
-    let runs = motion.axes[at].cam(Slot::TimeCam).map(Cam::sense);
+    let runs = motion.axes[axis].cam(Slot::TimeCam).map(Cam::sense);
     if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let profile = data.cam()?;
 
-    let before = motion.axes[at].cams(Slot::TimeCam).direction;
+    let before = motion.axes[axis].cams(Slot::TimeCam).direction;
     let program = Program {
         entry: profile.start().0,
         profile,
@@ -98,7 +97,7 @@ pub(super) fn execute(
         None => cam::time(since, &motion.clock),
         Some((link, lead)) => {
             motion.take_up_link(axis, link.id);
-            let state = &motion.axes[usize::from(link.master.axis)];
+            let state = &motion.axes[link.master.axis];
             lock = lead.lock.position.map(|position| Crossing {
                 position: position - state.redefined,
                 sense,

@@ -16,7 +16,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         trigger_condition,
         position,
     } = motion.operands(call)?;
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     on_turn(state, &position)?;
     not_shut_down(state)?;
     if state.watch.is_armed() {

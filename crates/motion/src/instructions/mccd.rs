@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::Scope;
 use arcline_instruction_set::operands::Mccd;
-use arcline_instruction_set::{Call, Flag, MotionError};
+use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 
 use super::programmed::{Change, ChangeOperands, Rates};
 use crate::control::Execution;
@@ -94,7 +94,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// What had been calculated for the active move is given anew at the next update.
-fn calculate_again(motion: &mut Motion, index: usize, active: Execution) {
+fn calculate_again(motion: &mut Motion, index: SystemId, active: Execution) {
     let tick = motion.clock.tick;
     motion.systems[index].calculated.1 = tick + 1;
     let available = Flag::CalculatedDataAvailable;

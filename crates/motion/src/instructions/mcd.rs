@@ -54,7 +54,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         McdMotionType::Move => Slot::Move,
     };
     let clock = motion.clock;
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     let guide = state.sum.get(slot).and_then(|generator| generator.guide);
     operands.verify_mode(guide.is_some())?;
     let running = state.sum.get(slot).and_then(|generator| generator.program);

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::{JerkUnits, McsStopType, NoYes, RateUnits};
 use arcline_instruction_set::operands::{Mcs, StopOperands};
-use arcline_instruction_set::{Call, Flag, MotionError};
+use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::programmed::{positive, stop_change};
@@ -53,7 +53,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             stop_move(motion, index, &limits);
         }
         McsStopType::CoordinatedTransform => {
-            let own = |transform: &Transform, target| target == index || transform.source_system == index;
+            let own = |transform: &Transform, target: SystemId| target == index || transform.source_system == index;
             braking.extend(cancel(motion, &rates.release, own));
         }
         McsStopType::CoordinatedMove => {}
@@ -69,7 +69,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 }
 
 /// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (spec/coordinated-instructions.md §4.4, §15).
-fn verify_units(motion: &Motion, index: usize, operands: &StopOperands) -> Result<(), MotionError> {
+fn verify_units(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<(), MotionError> {
     if motion.systems[index].description.orientation.is_none() {
         return Ok(());
     }
@@ -92,7 +92,7 @@ struct Rates {
 
 impl Rates {
     /// For a stop along the path of the active move.
-    fn along_path(&self, motion: &Motion, index: usize) -> Limits {
+    fn along_path(&self, motion: &Motion, index: SystemId) -> Limits {
         let system = &motion.systems[index];
         // The limits of a master driven move are by its master's way.
         let active = system
@@ -115,7 +115,7 @@ impl Rates {
     }
 }
 
-fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates, MotionError> {
+fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<Rates, MotionError> {
     let system = &motion.systems[index];
     let description = &system.description;
     let changed = stop_change(operands, &Maxima::from(description));
@@ -145,8 +145,8 @@ fn rates(motion: &Motion, index: usize, operands: &StopOperands) -> Result<Rates
     })
 }
 
-/// Cancels transforms, chosen by themselves and the index of their target system. Returns the axes that brake.
-fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, usize) -> bool) -> AxisSet {
+/// Cancels transforms, chosen by themselves and their target system. Returns the axes that brake.
+fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, SystemId) -> bool) -> AxisSet {
     let mut braking = AxisSet::default();
     for id in motion.transforms.ids() {
         if motion
@@ -161,7 +161,7 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, usi
 }
 
 /// Stops the coordinated move on its path and empties the queue.
-pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
+pub(crate) fn stop_move(motion: &mut Motion, index: SystemId, limits: &Limits) {
     motion.cancel_pending(index);
     motion.end_active(index);
     motion.stop_on_path(index, limits);
@@ -169,9 +169,9 @@ pub(crate) fn stop_move(motion: &mut Motion, index: usize, limits: &Limits) {
 
 /// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
 /// of the system by itself out of what single-axis instructions began on it (spec/coordinated-instructions.md §15.1). Returns the axes that brake.
-fn stop_all(motion: &mut Motion, index: usize, operands: &StopOperands) -> Result<AxisSet, MotionError> {
+fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Result<AxisSet, MotionError> {
     let mut braking = AxisSet::default();
-    for other in 0..motion.systems.len() {
+    for other in motion.systems.ids() {
         if !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
@@ -179,7 +179,7 @@ fn stop_all(motion: &mut Motion, index: usize, operands: &StopOperands) -> Resul
         stop_move(motion, other, &limits);
         for place in 0..motion.systems[other].taken().len() {
             let axis = motion.systems[other].taken()[place];
-            motion.axes[usize::from(axis)].end_on_path();
+            motion.axes[axis].end_on_path();
             braking.insert(axis);
         }
     }
@@ -192,19 +192,19 @@ fn stop_all(motion: &mut Motion, index: usize, operands: &StopOperands) -> Resul
 }
 
 /// Whether a stop of all brakes the coordinated move of a system on its path.
-fn is_ending(motion: &Motion, index: usize) -> bool {
+fn is_ending(motion: &Motion, index: SystemId) -> bool {
     let mut axes = motion.systems[index].taken().iter();
-    axes.any(|axis| motion.axes[usize::from(*axis)].is_ending_on_path())
+    axes.any(|axis| motion.axes[*axis].is_ending_on_path())
 }
 
 /// Whether a stop of all of the one system stops the other one's coordinated moves.
-fn shares(motion: &Motion, index: usize, other: usize) -> bool {
+fn shares(motion: &Motion, index: SystemId, other: SystemId) -> bool {
     other == index || motion.systems[index].shared_axis(&motion.systems[other]).is_some()
 }
 
 /// A stop of all also stops moves of other systems, at their own maxima where the operands give no rates: there must be some.
-fn verify_sharing(motion: &Motion, index: usize, operands: &StopOperands) -> Result<(), MotionError> {
-    for other in 0..motion.systems.len() {
+fn verify_sharing(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<(), MotionError> {
+    for other in motion.systems.ids() {
         if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }

@@ -1,7 +1,7 @@
 //! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), and what MCTP shares with it.
 
 use arcline_instruction_set::operands::{Mct, OperandValue};
-use arcline_instruction_set::{AxisIndex, Call, Detail, Flag, MotionError, RealArray};
+use arcline_instruction_set::{AxisId, AxisIndex, Call, Detail, Flag, MotionError, RealArray, SystemId};
 use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::{Frame, Point};
 
@@ -101,7 +101,7 @@ pub(super) fn refused(detail: Detail) -> MotionError {
 pub(super) fn begin(
     motion: &mut Motion,
     execution: Execution,
-    target: usize,
+    target: SystemId,
     transform: Transform,
 ) -> Result<(), MotionError> {
     verify_linear(motion, &transform.source)?;
@@ -128,8 +128,8 @@ pub(super) fn begin(
 /// The two systems can be linked at all (spec/coordinated-instructions.md §19.3, §19.4, §19.6): with the robot that one of them may be.
 pub(super) fn verify_pair(
     motion: &Motion,
-    source: usize,
-    target: usize,
+    source: SystemId,
+    target: SystemId,
 ) -> Result<Option<(Robot, Joints)>, MotionError> {
     if source == target {
         return Err(refused(SAME_SYSTEM));
@@ -163,9 +163,9 @@ pub(super) fn verify_pair(
 }
 
 /// No other coordinated motion uses axes of the target.
-pub(super) fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionError> {
+pub(super) fn verify_free(motion: &Motion, target: SystemId) -> Result<(), MotionError> {
     let axes = &motion.systems[target].description.axes;
-    let mut others = motion.systems.iter().enumerate();
+    let mut others = motion.systems.ids().zip(motion.systems.iter());
     if others.any(|(index, other)| index != target && other.is_busy() && share(&other.description.axes, axes)) {
         return Err(MotionError::ConnectionConflict(TARGET_IN_USE));
     }
@@ -173,18 +173,16 @@ pub(super) fn verify_free(motion: &Motion, target: usize) -> Result<(), MotionEr
 }
 
 /// Command positions of a list of axes.
-pub(super) fn positions(motion: &Motion, axes: &[u16]) -> Positions {
+pub(super) fn positions(motion: &Motion, axes: &[AxisId]) -> Positions {
     let mut positions = Positions::default();
     for (axis, position) in axes.iter().zip(positions.iter_mut()) {
-        *position = motion.axes[usize::from(*axis)].command.position;
+        *position = motion.axes[*axis].command.position;
     }
     positions
 }
 
-pub(super) fn verify_linear(motion: &Motion, axes: &[u16]) -> Result<(), MotionError> {
-    let rotary = axes
-        .iter()
-        .position(|axis| motion.axes[usize::from(*axis)].unwind.is_some());
+pub(super) fn verify_linear(motion: &Motion, axes: &[AxisId]) -> Result<(), MotionError> {
+    let rotary = axes.iter().position(|axis| motion.axes[*axis].unwind.is_some());
     match rotary {
         Some(place) => Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(place as u8))),
         None => Ok(()),
@@ -192,13 +190,13 @@ pub(super) fn verify_linear(motion: &Motion, axes: &[u16]) -> Result<(), MotionE
 }
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
-fn verify_chain(motion: &mut Motion, target: usize, transform: &Transform) -> Result<Planned, MotionError> {
+fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<Planned, MotionError> {
     let id = TransformId::of_target(target);
     let same = motion.transforms.get(id);
     if same.is_some_and(|running| running.source_system == transform.source_system && !running.braking) {
         return Err(MotionError::TransformInProgress);
     }
-    let brakes = |axis: u16| {
+    let brakes = |axis: AxisId| {
         let mut braking = motion.transforms.iter().filter(|(_, other)| other.braking);
         motion.axes[axis].is_parting() || braking.any(|(_, other)| other.has(axis))
     };
@@ -218,7 +216,7 @@ fn verify_chain(motion: &mut Motion, target: usize, transform: &Transform) -> Re
 fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionError> {
     for side in [&transform.source, &transform.target] {
         let moving = side.iter().position(|axis| {
-            let axis = &motion.axes[usize::from(*axis)];
+            let axis = &motion.axes[*axis];
             let held = |slot| matches!(slot, Slot::Transform | Slot::Gear);
             axis.transforms.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(slot, _)| !held(slot))
         });
@@ -234,9 +232,9 @@ fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionEr
 fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
     let source = transform.source_of(&positions(motion, &transform.target))?;
     transform.verify(&source)?;
-    let deviates = |axis: u16, position: f64| (motion.axes[usize::from(axis)].command.position - position).abs();
+    let deviates = |axis: AxisId, position: f64| (motion.axes[axis].command.position - position).abs();
     for (place, (axis, position)) in transform.source.iter().zip(source.iter()).enumerate() {
-        let state = &motion.axes[usize::from(*axis)];
+        let state = &motion.axes[*axis];
         let settable = state.is_virtual && state.sum.is_idle();
         let beyond = position.abs() > state.range;
         if beyond || !settable && deviates(*axis, *position) > CONSISTENT {
@@ -244,7 +242,7 @@ fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
         }
     }
     for (axis, position) in transform.source.iter().zip(source.iter()) {
-        let state = &mut motion.axes[usize::from(*axis)];
+        let state = &mut motion.axes[*axis];
         if state.is_virtual && state.sum.is_idle() && state.command.position != *position {
             state.set_virtual(*position);
         }

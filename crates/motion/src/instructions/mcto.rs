@@ -2,7 +2,7 @@
 //! with it.
 
 use arcline_instruction_set::operands::{Mcto, OperandValue};
-use arcline_instruction_set::{Call, Detail, MotionError, OperandIndex, Range};
+use arcline_instruction_set::{Call, Detail, MotionError, OperandIndex, Range, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot};
 use arcline_planner::geometry::Point;
 
@@ -22,8 +22,8 @@ use crate::transforms::transform::{Map, Transform};
 pub(super) fn pair(
     motion: &Motion,
     call: &Call,
-    robot_system: &OperandValue<Option<u16>>,
-) -> Result<(usize, usize, OrientedRobot), MotionError> {
+    robot_system: &OperandValue<Option<SystemId>>,
+) -> Result<(SystemId, SystemId, OrientedRobot), MotionError> {
     let source = motion.target_system(call)?;
     let target = motion.system_of(robot_system)?;
     if source == target {

@@ -11,7 +11,6 @@ use crate::order::{Circle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
-    let at = usize::from(axis);
     let Mdac {
         master_axis,
         motion_type,
@@ -22,7 +21,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let serves = *motion_type;
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
-    let state = &motion.axes[at];
+    let state = &motion.axes[axis];
     if state.links.conflict(serves) {
         return Err(MotionError::MdscMdacAllConflict);
     }
@@ -40,7 +39,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::MdscInvalidModeOrMasterChange);
     }
     let link = motion.new_link(execution, master, reference, 0.0);
-    let ended = motion.axes[at].links.of_mut(serves).make(link);
+    let ended = motion.axes[axis].links.of_mut(serves).make(link);
     for execution in ended {
         motion.end_link(execution);
     }

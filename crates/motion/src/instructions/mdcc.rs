@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::Reference;
 use arcline_instruction_set::operands::Mdcc;
-use arcline_instruction_set::{Call, Flag, MotionError};
+use arcline_instruction_set::{AxisId, Call, Flag, MotionError};
 
 use crate::control::Execution;
 use crate::motion::Motion;
@@ -23,7 +23,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let order = motion.plan_order(Follower::System(index, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let system = &motion.systems[index];
-    let other_reference = |guided: u16, read: Reference| guided == master && read != reference;
+    let other_reference = |guided: AxisId, read: Reference| guided == master && read != reference;
     let active = system.links.active.map(|link| link.master);
     if system.is_busy() && active.is_some_and(|active| other_reference(active.axis, active.reference)) {
         return Err(MotionError::MdscInvalidModeOrMasterChange);

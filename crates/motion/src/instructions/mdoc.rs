@@ -19,7 +19,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             let target = maoc::target(motion, axis, *execution_target)?;
             target..target + 1
         }
-        DisarmType::All => 0..motion.axes[usize::from(axis)].outputs.len(),
+        DisarmType::All => 0..motion.axes[axis].outputs.len(),
     };
     for target in targets {
         motion.disarm_output(axis, target);

@@ -10,7 +10,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let axis = motion.target_axis(call)?;
     let Mdr { input_number } = motion.operands(call)?;
     let input = *input_number as usize - 1;
-    let registrations = &mut motion.axes[usize::from(axis)].registrations;
+    let registrations = &mut motion.axes[axis].registrations;
     let Some(registration) = registrations.get_mut(input).filter(|input| input.exists) else {
         return Err(MotionError::InstructionNotSupported);
     };

@@ -8,7 +8,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    if let Some(ended) = motion.axes[usize::from(axis)].watch.disarm() {
+    if let Some(ended) = motion.axes[axis].watch.disarm() {
         motion.end_move(ended, 0);
     }
     motion.done_next_update(execution, axis, None);

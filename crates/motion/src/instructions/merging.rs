@@ -3,8 +3,8 @@
 //!
 //! Not here: the path and the dynamics of the move ([`super::moves`]).
 
-use arcline_instruction_set::MotionError;
 use arcline_instruction_set::enumerations::Merge;
+use arcline_instruction_set::{MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
@@ -17,7 +17,7 @@ use crate::motion::Motion;
 use crate::system::{Activity, Lead, Planned};
 
 /// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
-pub(super) fn terminated(motion: &Motion, index: usize, merge: Merge) -> Momentum {
+pub(super) fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> Momentum {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
         // What a transform gives goes on.
@@ -36,7 +36,7 @@ pub(super) fn terminated(motion: &Motion, index: usize, merge: Merge) -> Momentu
 }
 
 /// The acceleration that the curvature of a terminated path gives: it ends with the path.
-fn centripetal(motion: &Motion, index: usize, merge: Merge) -> Point {
+fn centripetal(motion: &Motion, index: SystemId, merge: Merge) -> Point {
     let system = &motion.systems[index];
     if merge == Merge::Disabled || !system.is_busy() {
         return Point::zeros();
@@ -46,7 +46,7 @@ fn centripetal(motion: &Motion, index: usize, merge: Merge) -> Point {
 
 /// The limits that the terminated motion keeps by time, as far as they are known. The speed is that of all programmed speeds
 /// together, each in the direction of its motion.
-fn in_force(motion: &Motion, index: usize, merge: Merge) -> Option<Limits> {
+fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
     let system = &motion.systems[index];
     if merge == Merge::Disabled || system.guide.is_some() {
         return None;
@@ -58,7 +58,7 @@ fn in_force(motion: &Motion, index: usize, merge: Merge) -> Option<Limits> {
     let mut all = own;
     let mut programmed = own.map_or(Point::zeros(), |own| way_of_path(motion, index) * own.speed);
     for (axis, programmed) in system.description.linear().iter().zip(programmed.iter_mut()) {
-        let sum = &motion.axes.get(usize::from(*axis))?.sum;
+        let sum = &motion.axes.get(*axis)?.sum;
         let single = |slot: Slot| slot.is_single_axis() || slot == Slot::System && own.is_none();
         let moves = sum.motion_of(single);
         let Some(limits) = sum.in_force(single) else {
@@ -82,7 +82,7 @@ fn in_force(motion: &Motion, index: usize, merge: Merge) -> Option<Limits> {
 }
 
 /// The direction of what a coordinate system does; zeros where it stands.
-fn way_of_path(motion: &Motion, index: usize) -> Point {
+fn way_of_path(motion: &Motion, index: SystemId) -> Point {
     let now = |axis: &Axis| axis.sum.motion_of(|slot| slot == Slot::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
     let acceleration = command(motion, index, |axis| now(axis).acceleration);
@@ -92,7 +92,7 @@ fn way_of_path(motion: &Motion, index: usize) -> Point {
 
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
 /// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
-pub(super) fn terminate(motion: &mut Motion, index: usize, merge: Merge) {
+pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     motion.end_travel(index);
     motion.part_axes(index);
     if merge != Merge::AllMotion {
@@ -102,7 +102,7 @@ pub(super) fn terminate(motion: &mut Motion, index: usize, merge: Merge) {
         let axis = motion.systems[index].description.linear()[place];
         motion.end_single_axis(axis, None);
     }
-    for other in 0..motion.systems.len() {
+    for other in motion.systems.ids() {
         if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {
             motion.abort_system_but(other, index);
         }
@@ -132,7 +132,7 @@ pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
 /// master; then it may have another direction.
 pub(super) fn verify_lead(
     motion: &Motion,
-    index: usize,
+    index: SystemId,
     merge: Merge,
     lead: Lead,
     idle: bool,
@@ -158,7 +158,13 @@ pub(super) fn verify_lead(
 }
 
 /// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-pub(super) fn parameter(motion: &mut Motion, index: usize, merge: Merge, lead: Lead, link: &MasterLink) -> Parameter {
+pub(super) fn parameter(
+    motion: &mut Motion,
+    index: SystemId,
+    merge: Merge,
+    lead: Lead,
+    link: &MasterLink,
+) -> Parameter {
     let system = &motion.systems[index];
     if merge == Merge::Disabled && system.activity == Activity::Moving && lead.lock.position.is_none() {
         let led = |last: &&Move<Planned>| {

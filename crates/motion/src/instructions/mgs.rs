@@ -36,7 +36,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
 /// Stops all motion of all axes, in one mode or each axis in its own. Returns the axes that are not at rest yet.
 fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet {
-    for index in 0..motion.systems.len() {
+    for index in motion.systems.ids() {
         motion.end_stop(index);
         motion.abort_system(index, |_| false);
     }
@@ -45,11 +45,10 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
     for id in motion.transforms.ids() {
         motion.cancel_transform(id, &Release::default());
     }
-    for axis in 0..motion.axes.len() as u16 {
+    for axis in motion.axes.ids() {
         motion.end_passive_homing(axis);
         motion.end_pending_cams(axis, None);
-        let at = usize::from(axis);
-        let state = &motion.axes[at];
+        let state = &motion.axes[axis];
         let mode = mode.unwrap_or(state.stop_mode);
         let after = match mode {
             ProgrammedStopMode::FastStop => AfterStop::Hold,
@@ -57,8 +56,8 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
             ProgrammedStopMode::FastShutdown => AfterStop::Shutdown,
             ProgrammedStopMode::HardDisable => {
                 motion.end_generators(axis);
-                if motion.axes[at].state == AxisState::Running && !motion.axes[at].is_virtual {
-                    motion.axes[at].disable(AxisState::Stopped);
+                if motion.axes[axis].state == AxisState::Running && !motion.axes[axis].is_virtual {
+                    motion.axes[axis].disable(AxisState::Stopped);
                     braking.insert(axis);
                 }
                 continue;
@@ -68,9 +67,9 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
                 continue;
             }
         };
-        if motion.axes[at].in_motion() {
+        if motion.axes[axis].in_motion() {
             motion.stop_axis(axis, None);
-            motion.axes[at].after_stop = after;
+            motion.axes[axis].after_stop = after;
             braking.insert(axis);
         } else {
             motion.stand(axis, after);

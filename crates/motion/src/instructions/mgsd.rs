@@ -9,7 +9,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
     motion.verify_operands(call)?;
-    for axis in 0..motion.axes.len() as u16 {
+    for axis in motion.axes.ids() {
         masd::shut_down(motion, axis);
     }
     motion.done_at_next_update(execution);

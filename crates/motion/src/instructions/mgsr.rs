@@ -10,10 +10,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.target_group(call)?;
     motion.verify_operands(call)?;
     let mut all = true;
-    for axis in 0..motion.axes.len() as u16 {
+    for axis in motion.axes.ids() {
         all &= masr::reset(motion, axis);
     }
-    for system in &mut motion.systems {
+    for system in motion.systems.iter_mut() {
         system.shutdown = false;
     }
     if !all {

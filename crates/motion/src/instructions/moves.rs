@@ -4,7 +4,7 @@
 
 use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
-use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError};
+use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, Momentum, Move, Parameter, TurnResidual};
 
@@ -202,7 +202,7 @@ pub(super) struct TakenOver {
 /// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
 pub(super) fn launch(
     motion: &mut Motion,
-    index: usize,
+    index: SystemId,
     planned: Move<Planned>,
     programmed: Path,
     taken: TakenOver,
@@ -220,7 +220,7 @@ pub(super) fn launch(
         ticket: execution.ticket,
         control: execution.control,
         mnemonic: execution.mnemonic,
-        system: index as u16,
+        system: index,
         path: programmed,
         tolerance: match planned.ending {
             Ending::Blend { tolerance } if !planned.data.only_turns => tolerance,
@@ -256,7 +256,7 @@ pub(super) fn launch(
 }
 
 /// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
-pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: Merge) -> Result<(), MotionError> {
+pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if merge == Merge::Disabled && system.activity == Activity::Moving && system.travel.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
@@ -265,7 +265,7 @@ pub(super) fn verify_conflicts(motion: &Motion, index: usize, merge: Merge) -> R
     if merge == Merge::AllMotion {
         return Ok(());
     }
-    for (other_index, other) in motion.systems.iter().enumerate() {
+    for (other_index, other) in motion.systems.ids().zip(motion.systems.iter()) {
         if other_index != index
             && other.is_busy()
             && let Some(place) = system.shared_axis(other)

@@ -17,7 +17,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         position_select,
         position,
     } = motion.operands(call)?;
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     if *redefine_type == RedefineType::Absolute && state.unwind.is_some_and(|turn| !(0.0..turn).contains(&*position)) {
         return Err(position.out_of_range());
     }
@@ -27,7 +27,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::RedefinePositionInProcess);
     }
     motion.not_in_transform(axis)?;
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     let (command, actual) = (state.command.position, state.actual.position);
     let offset = match (*redefine_type, *position_select) {
         (RedefineType::Relative, _) => *position,

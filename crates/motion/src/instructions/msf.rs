@@ -10,13 +10,13 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    let state = &motion.axes[usize::from(axis)];
+    let state = &motion.axes[axis];
     if state.is_virtual || state.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
     if matches!(state.state, AxisState::Running | AxisState::Starting) {
         motion.leave(axis);
-        motion.axes[usize::from(axis)].disable(AxisState::Stopping);
+        motion.axes[axis].disable(AxisState::Stopping);
         motion.done_next_update(execution, axis, Some(AxisState::Stopping));
     } else {
         motion.done_next_update(execution, axis, None);

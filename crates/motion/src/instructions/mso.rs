@@ -9,7 +9,7 @@ use crate::motion::Motion;
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    let state = &mut motion.axes[usize::from(axis)];
+    let state = &mut motion.axes[axis];
     if state.is_virtual || state.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }

@@ -3,7 +3,7 @@
 //! Not here: paths between them. Units: position units.
 
 use arcline_instruction_set::enumerations::MoveType;
-use arcline_instruction_set::{MotionError, OperandIndex, RealArray};
+use arcline_instruction_set::{MotionError, OperandIndex, RealArray, SystemId};
 use arcline_planner::geometry::Point;
 
 use crate::axis::Axis;
@@ -13,16 +13,16 @@ use crate::rotary::Turn;
 use crate::system::{Activity, System, component};
 
 /// A quantity of each axis of a coordinate system as a point.
-pub(super) fn command(motion: &Motion, index: usize, quantity: impl Fn(&Axis) -> f64) -> Point {
+pub(super) fn command(motion: &Motion, index: SystemId, quantity: impl Fn(&Axis) -> f64) -> Point {
     let mut point = Point::zeros();
     for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
-        *coordinate = motion.axes.get(usize::from(*axis)).map_or(0.0, &quantity);
+        *coordinate = motion.axes.get(*axis).map_or(0.0, &quantity);
     }
     point
 }
 
 /// What positions were redefined by since the queue of a coordinate system began.
-pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
+pub(super) fn queue_shift(motion: &Motion, index: SystemId) -> Point {
     match motion.systems[index].activity {
         Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
         _ => Point::zeros(),
@@ -30,7 +30,7 @@ pub(super) fn queue_shift(motion: &Motion, index: usize) -> Point {
 }
 
 /// The end of the last move in the queue, or where the axes are commanded to be.
-pub(super) fn start_point(motion: &Motion, index: usize) -> Point {
+pub(super) fn start_point(motion: &Motion, index: SystemId) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
         system.travel.last().map(|last| last.path.end())
@@ -61,7 +61,7 @@ pub(super) fn primary<'a>(system: &System, operand: &'a RealArray) -> &'a [f64] 
 /// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
 pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
     let axes = system.description.linear().iter().enumerate();
-    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(usize::from(*axis))?.unwind?)))
+    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(*axis)?.unwind?)))
 }
 
 /// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude

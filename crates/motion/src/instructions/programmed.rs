@@ -200,7 +200,7 @@ pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> R
         LockDirection::PositionReverse => (Sense::Reverse, true),
     };
     let position = at_position.then_some(**lock_position);
-    let unwind = motion.axes[usize::from(link.master.axis)].unwind;
+    let unwind = motion.axes[link.master.axis].unwind;
     if let (Some(position), Some(unwind)) = (position, unwind)
         && !Turn::contains(unwind, position)
     {

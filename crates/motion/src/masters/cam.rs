@@ -4,6 +4,7 @@
 //! and nothing is integrated: the lock and the ends of the profile stand at positions of the master, not at ticks. Time
 //! is a master that moves one unit a second. Units: position units of either axis, seconds.
 
+use arcline_instruction_set::AxisId;
 use std::sync::Arc;
 
 use arcline_cam::Profile;
@@ -20,7 +21,7 @@ use crate::control::Execution;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
     /// The position of an axis.
-    Axis { master: u16, reference: Reference },
+    Axis { master: AxisId, reference: Reference },
     /// Seconds since it began.
     Time { since: Instant },
 }

@@ -170,6 +170,7 @@ impl MasterFollower {
 
 #[cfg(test)]
 mod tests {
+    use arcline_instruction_set::AxisId;
     use arcline_profile::KinematicState;
 
     use super::super::Reference;
@@ -196,7 +197,7 @@ mod tests {
     fn ways(lock: LockTo, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
         let clock = Clock::at(0, PERIOD_NS);
         let first = at(positions[0]);
-        let master = Master::new(0, Reference::Command, &first, &clock);
+        let master = Master::new(AxisId(0), Reference::Command, &first, &clock);
         let mut follower = MasterFollower::begin(
             Beginning {
                 link: 1,
@@ -247,7 +248,7 @@ mod tests {
     #[test]
     fn places_and_instants_lie_on_a_straight_line_within_an_update() {
         let clock = Clock::at(0, PERIOD_NS);
-        let master = Master::new(0, Reference::Command, &at(0.0), &clock);
+        let master = Master::new(AxisId(0), Reference::Command, &at(0.0), &clock);
         let lock = lock(Sense::Forward, None);
         let mut follower = MasterFollower::begin(
             Beginning {

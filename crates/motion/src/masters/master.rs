@@ -2,6 +2,7 @@
 //!
 //! Not here: its followers. Units: master units, seconds.
 
+use arcline_instruction_set::AxisId;
 use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
@@ -11,14 +12,14 @@ use super::MasterAt;
 /// A master axis, and its position as it is read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Master {
-    pub(crate) axis: u16,
+    pub(crate) axis: AxisId,
     pub(crate) reference: Reference,
     pub(super) reader: Reader,
 }
 
 impl Master {
     /// `at`: the axis at the clock's tick.
-    pub(crate) fn new(axis: u16, reference: Reference, at: &MasterAt, clock: &Clock) -> Self {
+    pub(crate) fn new(axis: AxisId, reference: Reference, at: &MasterAt, clock: &Clock) -> Self {
         Master {
             axis,
             reference,

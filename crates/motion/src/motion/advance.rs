@@ -4,12 +4,13 @@
 //! position units, times seconds.
 
 use arcline_drive::{Drives, Settled};
-use arcline_instruction_set::{Flag, MotionError};
+use arcline_instruction_set::{AxisId, Flag, MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Phase};
 use arcline_planner::{Clock, Ending, Instant, Move, Passage, Sample};
 
 use super::Motion;
+use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::axis::sum::Slot;
 use crate::cause::Cause;
@@ -18,7 +19,7 @@ use crate::stop::AxisSet;
 use crate::system::{Activity, Planned, Shown, component};
 
 impl Motion {
-    pub(crate) fn advance_system(&mut self, index: usize) {
+    pub(crate) fn advance_system(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         let base = system.time_base(&self.clock);
         system.travel.steer(&base);
@@ -49,7 +50,7 @@ impl Motion {
     }
 
     /// An instant of this update by what the active move is a function of, and in time.
-    fn moment(&self, index: usize, own: Instant) -> Moment {
+    fn moment(&self, index: SystemId, own: Instant) -> Moment {
         let guide = &self.systems[index].guide;
         let time = guide.as_ref().map_or(own, |guide| guide.instant_of(own, &self.clock));
         Moment { own, time }
@@ -57,7 +58,7 @@ impl Motion {
 
     /// The command is at the programmed end, or where a stop has led it. The instant at which the active
     /// move is complete, if it is.
-    fn reached(&mut self, index: usize, at: Instant) -> Option<Moment> {
+    fn reached(&mut self, index: SystemId, at: Instant) -> Option<Moment> {
         if self.systems[index].activity == Activity::Stopping {
             self.sample_system(index);
             self.retired.extend(self.systems[index].travel.clear());
@@ -89,7 +90,7 @@ impl Motion {
 
     /// The active move is complete; the next one becomes active at the same instant. One that cannot fails, and the move
     /// before it ends as if there had been none: those behind it would begin elsewhere, and are cancelled.
-    fn complete(&mut self, index: usize, moment: Moment) {
+    fn complete(&mut self, index: SystemId, moment: Moment) {
         let last = self.systems[index].travel.active().copied();
         if let Some(last) = &last {
             self.end_move(last.data.execution, Flag::Pc.mask());
@@ -127,7 +128,7 @@ impl Motion {
     /// which it begins.
     fn promote(
         &mut self,
-        index: usize,
+        index: SystemId,
         last: Option<&Move<Planned>>,
         next: &Move<Planned>,
         moment: Moment,
@@ -142,7 +143,7 @@ impl Motion {
     }
 
     /// A move that would have to follow the one that has just ended without rest, and cannot.
-    fn refuse_next(&mut self, index: usize, last: Option<&Move<Planned>>) {
+    fn refuse_next(&mut self, index: SystemId, last: Option<&Move<Planned>>) {
         let next = self.systems[index].travel.waiting().next();
         if let Some(Err(error)) = next.map(|next| verify_same_link(last, next)) {
             self.refuse(index, error);
@@ -150,7 +151,7 @@ impl Motion {
     }
 
     /// The move that was to begin cannot: it errs, and those behind it are cancelled.
-    pub(crate) fn refuse(&mut self, index: usize, error: MotionError) {
+    pub(crate) fn refuse(&mut self, index: SystemId, error: MotionError) {
         let (refused, trajectory) = self.systems[index].travel.refuse();
         self.retired.extend(trajectory);
         if let Some(refused) = refused {
@@ -162,7 +163,7 @@ impl Motion {
     }
 
     /// Another move has become the active one.
-    pub(crate) fn activate(&mut self, index: usize) {
+    pub(crate) fn activate(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         system.shown = system.shown.of_next_move();
         system.ended = None;
@@ -175,7 +176,7 @@ impl Motion {
     }
 
     /// Calculated Data of the active move, if its plan is another one than it was computed of (spec/coordinated-instructions.md §9).
-    pub(crate) fn calculate(&mut self, index: usize) {
+    pub(crate) fn calculate(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         let (plan, due) = system.calculated;
         let plans = system.travel.plans();
@@ -200,7 +201,7 @@ impl Motion {
     }
 
     /// The commands stand exactly on the programmed end of the active move.
-    fn set_end_position(&mut self, index: usize) {
+    fn set_end_position(&mut self, index: SystemId) {
         if let Some(active) = self.systems[index].travel.active() {
             let end = active.path.end();
             self.hold_at(index, &end);
@@ -209,10 +210,10 @@ impl Motion {
     }
 
     /// The commands stand exactly on a point.
-    fn hold_at(&mut self, index: usize, end: &Point) {
+    fn hold_at(&mut self, index: SystemId, end: &Point) {
         for place in 0..self.systems[index].description.linear().len() {
             let axis = self.systems[index].description.linear()[place];
-            if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+            if let Some(axis) = self.axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
                     position: component(end, place),
                     ..Default::default()
@@ -222,7 +223,7 @@ impl Motion {
     }
 
     /// Commands of a system's axes at the present tick, and ACCEL and DECEL of its active instruction.
-    pub(crate) fn sample_system(&mut self, index: usize) {
+    pub(crate) fn sample_system(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         let base = system.time_base(&self.clock);
         let Some((sample, planned)) = system.travel.sample(&base) else {
@@ -271,7 +272,7 @@ impl Motion {
     }
 
     /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
-    pub(crate) fn seat_axes(&mut self, index: usize) {
+    pub(crate) fn seat_axes(&mut self, index: SystemId) {
         let system = &self.systems[index];
         if let Some((sample, _)) = system.travel.sample(&system.time_base(&self.clock)) {
             seat(system.description.linear(), &mut self.axes, &sample);
@@ -282,7 +283,7 @@ impl Motion {
     /// The instant at which the axes came within the Actual Tolerance of the end at which their commands stand since `reached`: at
     /// once where every axis follows exactly, otherwise as the last exchange said. Unknown as yet, it is asked for behind the next
     /// one.
-    pub(crate) fn settled(&mut self, index: usize, reached: Instant) -> Option<Instant> {
+    pub(crate) fn settled(&mut self, index: SystemId, reached: Instant) -> Option<Instant> {
         let system = &mut self.systems[index];
         let axes = system.description.linear();
         let stood = reached.elapsed(&self.clock);
@@ -301,7 +302,7 @@ impl Motion {
 
     /// A move that waits for its axes goes on at the instant at which they came within the tolerance: the position of its successor at
     /// this tick is known now, and goes out at the next one.
-    pub(super) fn finish_settling(&mut self, index: usize, drives: &dyn Drives) {
+    pub(super) fn finish_settling(&mut self, index: SystemId, drives: &dyn Drives) {
         let system = &mut self.systems[index];
         let Some(reached) = system.settling.take() else {
             return;
@@ -328,20 +329,20 @@ impl Motion {
     }
 
     /// Axes that stand, or that another move has taken, brake no more.
-    pub(super) fn finish_braking(&mut self, index: usize) {
+    pub(super) fn finish_braking(&mut self, index: SystemId) {
         if !self.systems[index].brakes(&self.axes) {
             self.systems[index].braking = AxisSet::default();
         }
     }
 
-    pub(super) fn finish_stop(&mut self, index: usize) {
+    pub(super) fn finish_stop(&mut self, index: SystemId) {
         let system = &self.systems[index];
         let Some(stop) = system.stop else {
             return;
         };
-        let braking = |(place, axis): (usize, &Axis)| stop.braking.contains(place as u16) && axis.is_braking();
+        let braking = |(id, axis): (AxisId, &Axis)| stop.braking.contains(id) && axis.is_braking();
         if system.activity == Activity::Stopping
-            || (!stop.braking.is_empty() && self.axes.iter().enumerate().any(braking))
+            || (!stop.braking.is_empty() && self.axes.ids().zip(self.axes.iter()).any(braking))
         {
             return;
         }
@@ -351,14 +352,14 @@ impl Motion {
     }
 
     pub(super) fn update_tolerances(&mut self) {
-        for system in &mut self.systems {
+        for system in self.systems.iter_mut() {
             if system.activity != Activity::Moving {
                 continue;
             }
             if let Some(end) = system.travel.active().map(|active| active.path.end()) {
                 let axes = &self.axes;
                 let squares = system.description.linear().iter().enumerate().map(|(place, axis)| {
-                    let generator = axes.get(usize::from(*axis)).and_then(|axis| axis.sum.get(Slot::System));
+                    let generator = axes.get(*axis).and_then(|axis| axis.sum.get(Slot::System));
                     let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left
                 });
@@ -387,9 +388,9 @@ fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Resul
     }
 }
 
-fn seat(places: &[u16], axes: &mut [Axis], sample: &Sample) {
+fn seat(places: &[AxisId], axes: &mut Axes, sample: &Sample) {
     for (place, axis) in places.iter().enumerate() {
-        if let Some(axis) = axes.get_mut(usize::from(*axis)) {
+        if let Some(axis) = axes.get_mut(*axis) {
             axis.set_coordinated(KinematicState {
                 position: component(&sample.position, place),
                 velocity: component(&sample.velocity, place),

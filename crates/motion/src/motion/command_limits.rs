@@ -7,7 +7,7 @@
 //! limits of programs, which instructions and planners keep. Real-time: no allocation; bounded by the axes; after a refusal by
 //! their square.
 
-use arcline_instruction_set::{FaultKind, FaultSet};
+use arcline_instruction_set::{AxisId, FaultKind, FaultSet};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
@@ -25,14 +25,13 @@ impl Motion {
     pub(super) fn limit_commands(&mut self) {
         let mut refused = AxisSet::default();
         let mut first = None;
-        for index in 0..self.axes.len() {
-            let Some(command) = self.refused_command(index) else {
+        for id in self.axes.ids() {
+            let Some(command) = self.refused_command(id) else {
                 continue;
             };
-            let axis = index as u16;
-            refused.insert(axis);
-            first = first.or(Some(axis));
-            self.axes[index].faults.refuse(command);
+            refused.insert(id);
+            first = first.or(Some(id));
+            self.axes[id].faults.refuse(command);
         }
         let Some(axis) = first else { return };
         let faults = FaultSet::default().with(FaultKind::CommandLimit);
@@ -42,8 +41,8 @@ impl Motion {
     }
 
     /// The command of an axis at the present tick where it must not go out.
-    fn refused_command(&mut self, index: usize) -> Option<RefusedCommand> {
-        let (axis, last) = (&self.axes[index], &self.set_points[index]);
+    fn refused_command(&mut self, id: AxisId) -> Option<RefusedCommand> {
+        let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         let next = KinematicState {
             position: axis.command.position - axis.redefined,
             ..axis.command
@@ -58,7 +57,7 @@ impl Motion {
         }
         let before = [last.position, last.velocity];
         let limits = &axis.command_limits;
-        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.guides(index as u16));
+        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.guides(id));
         if limits.allow(before, &next, follows, axis, self.clock.period()) {
             return None;
         }
@@ -69,7 +68,7 @@ impl Motion {
         let execution = match source {
             Some(Slot::System) => {
                 let mut systems = self.systems.iter_mut();
-                let moving = systems.find(|system| system.is_busy() && system.has(index as u16));
+                let moving = systems.find(|system| system.is_busy() && system.has(id));
                 moving.and_then(|system| system.active()).map(|active| active.execution)
             }
             _ => execution,
@@ -85,7 +84,7 @@ impl Motion {
     /// Some axes and every axis that moves with one of them: of a coordinate system that moves it, on either side of a transform,
     /// or after a master.
     fn moving_with(&self, mut axes: AxisSet) -> AxisSet {
-        for _ in 0..self.axes.len() {
+        for _ in self.axes.ids() {
             let before = axes;
             for system in self.systems.iter().filter(|system| system.is_busy()) {
                 axes.join(&system.description.axes);
@@ -95,9 +94,9 @@ impl Motion {
                     transform.axes().for_each(|axis| axes.insert(axis));
                 }
             }
-            for (index, axis) in self.axes.iter().enumerate() {
+            for (id, axis) in self.axes.ids().zip(self.axes.iter()) {
                 if masters_of_axis(axis).any(|master| axes.contains(master)) {
-                    axes.insert(index as u16);
+                    axes.insert(id);
                 }
             }
             if axes == before {
@@ -110,29 +109,29 @@ impl Motion {
     /// Every motion of some axes ends; each axis brakes at its Maximum Deceleration from its last set-point.
     fn brake_from_last_set_points(&mut self, axes: &AxisSet) {
         let began = Clock::at(self.clock.tick.saturating_sub(1), self.clock.period_ns).now();
-        for index in 0..self.axes.len() {
-            if axes.contains(index as u16) && self.axes[index].has_torque() {
-                self.end_all_motion(index);
+        for id in self.axes.ids() {
+            if axes.contains(id) && self.axes[id].has_torque() {
+                self.end_all_motion(id);
             }
         }
-        for index in 0..self.systems.len() {
-            if self.systems[index]
+        for id in self.systems.ids() {
+            if self.systems[id]
                 .description
                 .axes
                 .iter()
                 .any(|axis| axes.contains(*axis))
             {
-                self.end_stop(index);
-                self.abort_system(index, |_| true);
-                self.systems[index].braking = *axes;
+                self.end_stop(id);
+                self.abort_system(id, |_| true);
+                self.systems[id].braking = *axes;
             }
         }
-        for index in 0..self.axes.len() {
-            if axes.contains(index as u16) && self.axes[index].has_torque() {
-                self.cancel_transforms_of(index as u16);
-                self.unlink_slave(index as u16);
-                let last = self.set_points[index];
-                let axis = &mut self.axes[index];
+        for id in self.axes.ids() {
+            if axes.contains(id) && self.axes[id].has_torque() {
+                self.cancel_transforms_of(id);
+                self.unlink_slave(id);
+                let last = self.set_points[id.index()];
+                let axis = &mut self.axes[id];
                 axis.brake_from(
                     KinematicState {
                         position: last.position + axis.redefined,
@@ -147,17 +146,16 @@ impl Motion {
     }
 
     /// Everything that moves an axis ends without PC; the axis is where its last set-point is.
-    fn end_all_motion(&mut self, index: usize) {
-        let axis = index as u16;
-        self.end_passive_homing(axis);
-        self.end_pending_cams(axis, None);
+    fn end_all_motion(&mut self, id: AxisId) {
+        self.end_passive_homing(id);
+        self.end_pending_cams(id, None);
         for slot in Slot::ALL {
-            if let Some(execution) = self.axes[index].sum.get(slot).and_then(|generator| generator.execution) {
+            if let Some(execution) = self.axes[id].sum.get(slot).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }
-        let position = self.set_points[index].position + self.axes[index].redefined;
-        let axis = &mut self.axes[index];
+        let position = self.set_points[id.index()].position + self.axes[id].redefined;
+        let axis = &mut self.axes[id];
         axis.sum.place(position);
         axis.command = KinematicState::at_rest(position);
     }

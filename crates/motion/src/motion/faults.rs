@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
-use arcline_instruction_set::{ExceptionAction, FaultSet};
+use arcline_instruction_set::{AxisId, ExceptionAction, FaultSet};
 
 use super::Motion;
 use crate::axis::AxisState;
@@ -12,17 +12,17 @@ use crate::instructions::shut_down;
 impl Motion {
     /// Puts causes of faults on an axis, to be found at the next update, and takes those away that were put there before.
     /// Causes that the axis cannot have, and an axis that does not exist, change nothing. Real-time.
-    pub fn inject(&mut self, axis: u16, causes: FaultSet) {
-        if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+    pub fn inject(&mut self, axis: AxisId, causes: FaultSet) {
+        if let Some(axis) = self.axes.get_mut(axis) {
             axis.faults.inject(causes);
         }
     }
 
     /// Clears the faults of an axis. A faulted one is then stopped, a shut down one stays so. Returns whether no
     /// cause is left, which would fault it again at the next update.
-    pub(crate) fn reset_faults(&mut self, axis: u16) -> bool {
+    pub(crate) fn reset_faults(&mut self, axis: AxisId) -> bool {
         let by = self.controls.cause();
-        let axis = &mut self.axes[usize::from(axis)];
+        let axis = &mut self.axes[axis];
         let gone = axis.faults.reset(by);
         if axis.state == AxisState::Faulted {
             axis.state = AxisState::Stopped;
@@ -33,7 +33,7 @@ impl Motion {
     /// Looks at every axis, and does what its faults ask for.
     pub(super) fn check_faults(&mut self) {
         let period = self.clock.period();
-        for index in 0..self.axes.len() {
+        for index in self.axes.ids() {
             let axis = &mut self.axes[index];
             let mut observed = axis.observed();
             observed.lost = axis
@@ -42,14 +42,14 @@ impl Motion {
                 .is_some_and(|feeding| feeding.is_stale(&self.clock));
             if let Some(action) = axis.faults.check(&observed, period) {
                 let faults = axis.faults.raised();
-                let axis = index as u16;
+                let axis = index;
                 self.controls.because(Cause::Fault { axis, faults });
                 self.act(axis, action);
                 self.controls.because(Cause::Itself);
             }
             if self.axes[index].state == AxisState::Aborting && self.axes[index].has_gone_off() {
                 // Nothing brakes it any more.
-                self.end_generators(index as u16);
+                self.end_generators(index);
             }
             let axis = &mut self.axes[index];
             if axis.state == AxisState::Aborting && !axis.in_motion() {
@@ -63,20 +63,19 @@ impl Motion {
         }
     }
 
-    fn act(&mut self, axis: u16, action: ExceptionAction) {
-        let at = usize::from(axis);
+    fn act(&mut self, axis: AxisId, action: ExceptionAction) {
         match action {
             ExceptionAction::Ignore | ExceptionAction::Alarm | ExceptionAction::FaultStatusOnly => {}
             ExceptionAction::StopPlanner => self.stop_planner(axis),
-            ExceptionAction::StopDrive if self.axes[at].is_virtual => self.stop_planner(axis),
-            ExceptionAction::StopDrive => match self.axes[at].state {
+            ExceptionAction::StopDrive if self.axes[axis].is_virtual => self.stop_planner(axis),
+            ExceptionAction::StopDrive => match self.axes[axis].state {
                 AxisState::Running | AxisState::Starting => {
                     self.stop_planner(axis);
-                    self.axes[at].state = AxisState::Aborting;
+                    self.axes[axis].state = AxisState::Aborting;
                 }
                 AxisState::Stopped | AxisState::Stopping => {
                     self.unlink_slave(axis);
-                    self.axes[at].state = AxisState::Faulted;
+                    self.axes[axis].state = AxisState::Faulted;
                 }
                 AxisState::Aborting | AxisState::Faulted | AxisState::Shutdown => {}
             },
@@ -85,15 +84,15 @@ impl Motion {
     }
 
     /// Everything that moves the axis ends; it decelerates by itself, and so do the axes that moved with it.
-    fn stop_planner(&mut self, axis: u16) {
-        for index in 0..self.systems.len() {
+    fn stop_planner(&mut self, axis: AxisId) {
+        for index in self.systems.ids() {
             if self.systems[index].has(axis) {
                 self.end_stop(index);
                 self.abort_system(index, |_| false);
             }
         }
         self.unlink_slave(axis);
-        if self.axes[usize::from(axis)].dynamics.deceleration > 0.0 {
+        if self.axes[axis].dynamics.deceleration > 0.0 {
             self.stop_axis(axis, None);
         } else {
             // Nothing that could be stopped was ever started.

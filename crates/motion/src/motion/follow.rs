@@ -8,6 +8,7 @@ use super::Motion;
 use crate::axis::Axis;
 use crate::order::{Circle, Follower, Planned, Step};
 use crate::system::System;
+use arcline_instruction_set::{AxisId, SystemId};
 
 impl Motion {
     /// Commands of all axes at the present tick, in order.
@@ -19,7 +20,6 @@ impl Motion {
             };
             match step {
                 Step::System(index) => {
-                    let index = usize::from(index);
                     if self.systems[index].follows() {
                         followers += 1;
                         self.read_masters(index);
@@ -31,8 +31,8 @@ impl Motion {
                 _ => self.compute(step),
             }
             if let Step::Whole(axis) = step {
-                self.axes[usize::from(axis)].advance_homing(&self.clock);
-                let state = &self.axes[usize::from(axis)];
+                self.axes[axis].advance_homing(&self.clock);
+                let state = &self.axes[axis];
                 followers += usize::from(state.is_transformed() || masters_of_axis(state).next().is_some());
             }
         }
@@ -53,7 +53,6 @@ impl Motion {
     fn compute(&mut self, step: Step) {
         match step {
             Step::System(index) => {
-                let index = usize::from(index);
                 if self.systems[index].follows() {
                     self.read_masters(index);
                     if self.systems[index].is_busy() {
@@ -71,7 +70,7 @@ impl Motion {
     }
 
     /// Where the masters of a coordinate system are now, and how far they lead its move.
-    fn read_masters(&mut self, index: usize) {
+    fn read_masters(&mut self, index: SystemId) {
         let Motion {
             systems, axes, clock, ..
         } = self;
@@ -111,14 +110,14 @@ impl Motion {
             ..
         } = self;
         order.plan(|edges| {
-            for (index, system) in systems.iter().enumerate() {
+            for (index, system) in systems.ids().zip(systems.iter()) {
                 let more = match more {
                     Follower::System(slave, master) if slave == index => Some(master),
                     _ => None,
                 };
                 edges.system(index, &system.description.axes, masters_of_system(system).chain(more));
             }
-            for (slave, axis) in (0..).zip(axes.iter()) {
+            for (slave, axis) in axes.ids().zip(axes.iter()) {
                 masters_of_axis(axis).for_each(|master| edges.axis(slave, master));
             }
             if let Follower::Axis(slave, master) = more {
@@ -132,7 +131,7 @@ impl Motion {
     }
 }
 
-pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = u16> {
+pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = AxisId> {
     let gear = axis.gear().map(|gear| gear.master.axis);
     let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
     let guided = axis.sum.active().filter_map(|(_, generator)| generator.guide);
@@ -143,7 +142,7 @@ pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = u16> {
         .chain(guided.map(|guide| guide.master.axis))
 }
 
-fn masters_of_system(system: &System) -> impl Iterator<Item = u16> {
+fn masters_of_system(system: &System) -> impl Iterator<Item = AxisId> {
     let guide = system.guide.map(|guide| guide.master.axis);
     let links = system.links.iter().map(|link| link.master.axis);
     links.chain(guide)

@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes.
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{AxisId, Flag};
 use arcline_planner::profile::Limits;
 
 use super::Motion;
@@ -21,7 +21,7 @@ impl Motion {
             self.advance_followers();
             return;
         }
-        for index in 0..self.axes.len() {
+        for index in self.axes.ids() {
             self.axes[index].advance(&self.clock);
             self.axes[index].advance_homing(&self.clock);
         }
@@ -29,11 +29,11 @@ impl Motion {
 
     /// What instructions began at this tick shows in the commands of it. `changed`: coordinated motion began or changed.
     pub(super) fn refresh_axes(&mut self, mut changed: bool) {
-        for index in 0..self.axes.len() {
+        for index in self.axes.ids() {
             if std::mem::take(&mut self.axes[index].stale) {
                 changed = true;
                 self.axes[index].advance(&self.clock);
-                self.report_generators(index as u16);
+                self.report_generators(index);
             }
         }
         if changed && !self.order.is_empty() {
@@ -42,8 +42,8 @@ impl Motion {
     }
 
     /// Ends one generator of an axis without PC.
-    pub(crate) fn end_generator(&mut self, axis: u16, slot: Slot) {
-        if let Some(ended) = self.axes[usize::from(axis)].end(slot)
+    pub(crate) fn end_generator(&mut self, axis: AxisId, slot: Slot) {
+        if let Some(ended) = self.axes[axis].end(slot)
             && let Some(execution) = ended.execution
         {
             self.end_move(execution, 0);
@@ -51,10 +51,10 @@ impl Motion {
     }
 
     /// Ends the cams of an axis that wait for the end of others, without PC: of one kind, or of both.
-    pub(crate) fn end_pending_cams(&mut self, axis: u16, only: Option<Slot>) {
+    pub(crate) fn end_pending_cams(&mut self, axis: AxisId, only: Option<Slot>) {
         for slot in Axis::CAMS {
             if only.is_none_or(|only| only == slot)
-                && let Some(pending) = self.axes[usize::from(axis)].cams_mut(slot).pending.take()
+                && let Some(pending) = self.axes[axis].cams_mut(slot).pending.take()
             {
                 self.end_move(pending.execution, 0);
             }
@@ -62,7 +62,7 @@ impl Motion {
     }
 
     /// Ends what single-axis instructions began on an axis, but for one kind of it.
-    pub(crate) fn end_single_axis(&mut self, axis: u16, but: Option<Slot>) {
+    pub(crate) fn end_single_axis(&mut self, axis: AxisId, but: Option<Slot>) {
         self.end_pending_cams(axis, None);
         for slot in Slot::ALL {
             if slot.is_single_axis() && but != Some(slot) {
@@ -72,7 +72,7 @@ impl Motion {
     }
 
     /// Ends everything on an axis without PC, and the transforms that it is part of.
-    pub(crate) fn end_generators(&mut self, axis: u16) {
+    pub(crate) fn end_generators(&mut self, axis: AxisId) {
         self.cancel_transforms_of(axis);
         self.end_pending_cams(axis, None);
         for slot in Slot::ALL {
@@ -82,19 +82,18 @@ impl Motion {
 
     /// Stops everything on an axis as one deceleration at the axis's own maxima, and reports to `execution` when it
     /// stands. Coordinated motion must have been ended; transforms that the axis is part of are cancelled.
-    pub(crate) fn stop_axis(&mut self, axis: u16, execution: Option<Execution>) {
-        let state = &self.axes[usize::from(axis)];
+    pub(crate) fn stop_axis(&mut self, axis: AxisId, execution: Option<Execution>) {
+        let state = &self.axes[axis];
         let limits = state.dynamics.stop(state.is_s_curve());
         self.stop_axis_at(axis, &limits, execution);
     }
 
     /// As [`Motion::stop_axis`], but for coordinated motion and for what cancelled transforms had moved: these brake by themselves.
     /// The stop reports to nobody. Whether anything brakes.
-    pub(crate) fn stop_own(&mut self, axis: u16) -> bool {
-        let at = usize::from(axis);
+    pub(crate) fn stop_own(&mut self, axis: AxisId) -> bool {
         self.end_passive_homing(axis);
         self.end_pending_cams(axis, None);
-        let state = &self.axes[at];
+        let state = &self.axes[axis];
         let own = || state.sum.active().filter(|(slot, _)| slot.is_own());
         if own().next().is_none() {
             return false;
@@ -105,22 +104,21 @@ impl Motion {
             if !slot.is_own() {
                 continue;
             }
-            if let Some(execution) = self.axes[at].sum.get(slot).and_then(|generator| generator.execution) {
+            if let Some(execution) = self.axes[axis].sum.get(slot).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }
-        self.axes[at].brake_own(&limits, self.clock.now());
-        self.axes[at].stale = true;
+        self.axes[axis].brake_own(&limits, self.clock.now());
+        self.axes[axis].stale = true;
         true
     }
 
     /// As [`Motion::stop_axis`], at given rates.
-    pub(crate) fn stop_axis_at(&mut self, axis: u16, limits: &Limits, execution: Option<Execution>) {
-        let at = usize::from(axis);
+    pub(crate) fn stop_axis_at(&mut self, axis: AxisId, limits: &Limits, execution: Option<Execution>) {
         self.end_passive_homing(axis);
         self.end_pending_cams(axis, None);
         self.cancel_transforms_of(axis);
-        if !self.axes[at].in_motion() {
+        if !self.axes[axis].in_motion() {
             // All that was to be stopped was a transform that did not move this axis.
             if let Some(execution) = execution {
                 self.end_move(execution, Flag::Pc.mask());
@@ -128,32 +126,30 @@ impl Motion {
             return;
         }
         for slot in Slot::ALL {
-            if let Some(execution) = self.axes[at].sum.get(slot).and_then(|generator| generator.execution) {
+            if let Some(execution) = self.axes[axis].sum.get(slot).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }
-        self.axes[at].brake_all(limits, execution, self.clock.now());
-        self.axes[at].stale = true;
+        self.axes[axis].brake_all(limits, execution, self.clock.now());
+        self.axes[axis].stale = true;
     }
 
     /// One generator of an axis brakes, and reports to `execution` when it stands. Its own instruction ends.
-    pub(crate) fn stop_generator(&mut self, axis: u16, slot: Slot, limits: &Limits, execution: Option<Execution>) {
-        let at = usize::from(axis);
-        let Some(generator) = self.axes[at].sum.get(slot) else {
+    pub(crate) fn stop_generator(&mut self, axis: AxisId, slot: Slot, limits: &Limits, execution: Option<Execution>) {
+        let Some(generator) = self.axes[axis].sum.get(slot) else {
             return;
         };
         if let Some(ended) = generator.execution {
             self.end_move(ended, 0);
         }
-        self.axes[at].brake(slot, limits, execution, self.clock.now());
-        self.axes[at].stale = true;
+        self.axes[axis].brake(slot, limits, execution, self.clock.now());
+        self.axes[axis].stale = true;
     }
 
     /// As [`Motion::stop_generator`] for what is not being stopped; what comes to rest sooner by its own profile goes on with that,
     /// and a stop that is under way reports as before.
-    pub(crate) fn stop_generator_soonest(&mut self, axis: u16, slot: Slot, limits: &Limits) {
-        let at = usize::from(axis);
-        let Some(generator) = self.axes[at].sum.get(slot) else {
+    pub(crate) fn stop_generator_soonest(&mut self, axis: AxisId, slot: Slot, limits: &Limits) {
+        let Some(generator) = self.axes[axis].sum.get(slot) else {
             return;
         };
         let reports = generator.execution.filter(|_| generator.stopping);
@@ -161,22 +157,22 @@ impl Motion {
         let own = generator.timed(&self.clock);
         let sooner = own.is_some()
             && generator
-                .soonest(own, generator.now, limits, self.axes[at].bounds)
+                .soonest(own, generator.now, limits, self.axes[axis].bounds)
                 .is_none();
         if let Some(ended) = ended {
             self.end_move(ended, 0);
         }
         if sooner {
-            self.axes[at].let_rest(slot, reports);
+            self.axes[axis].let_rest(slot, reports);
         } else {
-            self.axes[at].brake(slot, limits, reports, self.clock.now());
+            self.axes[axis].brake(slot, limits, reports, self.clock.now());
         }
-        self.axes[at].stale = true;
+        self.axes[axis].stale = true;
     }
 
     /// What becomes of an axis that stands after a stop.
-    pub(crate) fn stand(&mut self, axis: u16, after: AfterStop) {
-        let state = &mut self.axes[usize::from(axis)];
+    pub(crate) fn stand(&mut self, axis: AxisId, after: AfterStop) {
+        let state = &mut self.axes[axis];
         match after {
             AfterStop::Hold => {}
             AfterStop::Disable if state.is_virtual => {}
@@ -193,17 +189,17 @@ impl Motion {
     pub(super) fn finish_group_stop(&mut self) {
         let Some(stop) = self.group_stop else { return };
         let moves = |axis: &Axis| axis.is_stopping() || axis.actual.velocity != 0.0 && !axis.has_torque();
-        let mut axes = self.axes.iter().enumerate();
-        if !axes.any(|(index, axis)| stop.braking.contains(index as u16) && moves(axis)) {
+        let mut axes = self.axes.ids().zip(self.axes.iter());
+        if !axes.any(|(index, axis)| stop.braking.contains(index) && moves(axis)) {
             self.group_stop = None;
             self.end_move(stop.execution, Flag::Pc.mask());
         }
     }
 
     /// Calculated Data of a move, when it is due.
-    pub(crate) fn calculate_move(&mut self, axis: u16, slot: Slot) {
+    pub(crate) fn calculate_move(&mut self, axis: AxisId, slot: Slot) {
         let clock = self.clock;
-        let Some(generator) = self.axes[usize::from(axis)].sum.get_mut(slot) else {
+        let Some(generator) = self.axes[axis].sum.get_mut(slot) else {
             return;
         };
         let own = generator.clock(&clock);
@@ -222,23 +218,22 @@ impl Motion {
     }
 
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
-    pub(crate) fn report_generators(&mut self, axis: u16) {
-        let at = usize::from(axis);
+    pub(crate) fn report_generators(&mut self, axis: AxisId) {
         let tick = self.clock.tick;
-        let is_driven_home = self.axes[at].is_driven_home();
+        let is_driven_home = self.axes[axis].is_driven_home();
         for slot in Slot::ALL {
             if Axis::CAMS.contains(&slot) {
                 self.report_cam(axis, slot);
             }
-            if !self.axes[at].sum.is_active(slot) || slot == Slot::Home && is_driven_home {
+            if !self.axes[axis].sum.is_active(slot) || slot == Slot::Home && is_driven_home {
                 continue;
             }
-            if slot == Slot::MasterOffset && self.axes[at].cam(Slot::PositionCam).is_none() {
+            if slot == Slot::MasterOffset && self.axes[axis].cam(Slot::PositionCam).is_none() {
                 // What it is an offset of is over.
                 self.end_generator(axis, slot);
                 continue;
             }
-            let Some(generator) = self.axes[at].sum.get_mut(slot) else {
+            let Some(generator) = self.axes[axis].sum.get_mut(slot) else {
                 continue;
             };
             let phase = generator.phase(&self.clock);
@@ -247,12 +242,12 @@ impl Motion {
             let changed = std::mem::replace(&mut generator.shown_phase, phase) != phase;
             let (execution, stopping, over) = (generator.execution, generator.stopping, generator.over);
             if over {
-                self.axes[at].end(slot);
+                self.axes[axis].end(slot);
                 if let Some(execution) = execution {
                     self.end_move(execution, Flag::Pc.mask());
                 }
                 if slot == Slot::Stop {
-                    let after = std::mem::take(&mut self.axes[at].after_stop);
+                    let after = std::mem::take(&mut self.axes[axis].after_stop);
                     self.stand(axis, after);
                 }
             } else if let Some(execution) = execution
@@ -272,15 +267,14 @@ impl Motion {
     }
 
     /// PC of a cam that another one has taken over from, and SEGMENT.
-    fn report_cam(&mut self, axis: u16, slot: Slot) {
-        let at = usize::from(axis);
-        if let Some(ended) = self.axes[at].cams_mut(slot).ended.take() {
+    fn report_cam(&mut self, axis: AxisId, slot: Slot) {
+        if let Some(ended) = self.axes[axis].cams_mut(slot).ended.take() {
             self.end_move(ended, Flag::Pc.mask());
         }
-        let Some(segment) = self.axes[at].cam(slot).map(Cam::segment) else {
+        let Some(segment) = self.axes[axis].cam(slot).map(Cam::segment) else {
             return;
         };
-        if let Some(generator) = self.axes[at].sum.get_mut(slot)
+        if let Some(generator) = self.axes[axis].sum.get_mut(slot)
             && std::mem::replace(&mut generator.shown_segment, segment) != segment
             && let Some(execution) = generator.execution
         {

@@ -3,7 +3,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes and the coordinate systems.
 
-use arcline_instruction_set::{Flag, MotionError};
+use arcline_instruction_set::{AxisId, Flag, MotionError, SystemId};
 use arcline_planner::{Instant, Parameter};
 
 use super::Motion;
@@ -22,7 +22,7 @@ impl Motion {
     pub(crate) fn new_link(
         &mut self,
         execution: Execution,
-        master: u16,
+        master: AxisId,
         reference: Reference,
         nominal: f64,
     ) -> MasterLink {
@@ -32,7 +32,7 @@ impl Motion {
         let nominal = if has_nominal {
             nominal
         } else {
-            self.axes[usize::from(master)].dynamics.speed
+            self.axes[master].dynamics.speed
         };
         MasterLink {
             id: self.link_count,
@@ -58,7 +58,12 @@ impl Motion {
     ///
     /// # Errors
     /// `MdscNotActivated` (93) where there is no such link any more.
-    pub(crate) fn lead_system(&mut self, index: usize, lead: Option<Lead>, since: Instant) -> Result<(), MotionError> {
+    pub(crate) fn lead_system(
+        &mut self,
+        index: SystemId,
+        lead: Option<Lead>,
+        since: Instant,
+    ) -> Result<(), MotionError> {
         let guide = match lead {
             None => None,
             Some(Lead { link, lock }) => {
@@ -75,15 +80,15 @@ impl Motion {
     }
 
     /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
-    pub(crate) fn lead_axis(&mut self, axis: u16, lead: Lead) -> Option<MasterFollower> {
-        let (link, ended) = self.axes[usize::from(axis)].links.take_up(lead.link)?;
+    pub(crate) fn lead_axis(&mut self, axis: AxisId, lead: Lead) -> Option<MasterFollower> {
+        let (link, ended) = self.axes[axis].links.take_up(lead.link)?;
         self.end_link(ended);
         Some(self.guide(&link, lead.lock, self.clock.now()))
     }
 
     /// The link by which a cam begins on an axis is the active one from now on.
-    pub(crate) fn take_up_link(&mut self, axis: u16, link: u32) {
-        if let Some((_, ended)) = self.axes[usize::from(axis)].links.take_up(link) {
+    pub(crate) fn take_up_link(&mut self, axis: AxisId, link: u32) {
+        if let Some((_, ended)) = self.axes[axis].links.take_up(link) {
             self.end_link(ended);
         }
     }
@@ -91,7 +96,7 @@ impl Motion {
     fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> MasterFollower {
         let Master { axis, reference, .. } = link.master;
         let at = self.axes.master_at(axis, reference, &self.clock);
-        let unwind = self.axes[usize::from(axis)].unwind;
+        let unwind = self.axes[axis].unwind;
         let beginning = Beginning {
             link: link.id,
             lock,
@@ -108,9 +113,9 @@ impl Motion {
     }
 
     /// Breaks every link that has an axis as its slave, or as one of its slave's axes. The motions that they drive brake.
-    pub(crate) fn unlink_slave(&mut self, axis: u16) {
+    pub(crate) fn unlink_slave(&mut self, axis: AxisId) {
         self.unlink_axis(axis);
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             if self.systems[index].has(axis) {
                 self.unlink_system(index);
             }
@@ -118,8 +123,8 @@ impl Motion {
     }
 
     /// Breaks every link of the slaves of a master, those to other masters too.
-    pub(crate) fn unlink_master(&mut self, master: u16) {
-        for index in 0..self.systems.len() {
+    pub(crate) fn unlink_master(&mut self, master: AxisId) {
+        for index in self.systems.ids() {
             let system = &self.systems[index];
             let guided = system.guide.is_some_and(|guide| guide.master.axis == master);
             if guided || system.links.iter().any(|link| link.master.axis == master) {
@@ -129,7 +134,7 @@ impl Motion {
                 }
             }
         }
-        for axis in 0..self.axes.len() {
+        for axis in self.axes.ids() {
             let state = &self.axes[axis];
             let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
             let cam = state.cam(Slot::TimeCam).filter(|cam| cam.link().is_some());
@@ -137,43 +142,42 @@ impl Motion {
             let guided = cammed || guides.any(|guide| guide.master.axis == master);
             drop(guides);
             if guided || state.links.iter().any(|link| link.master.axis == master) {
-                self.unlink_slave(axis as u16);
+                self.unlink_slave(axis);
             }
         }
     }
 
     /// Breaks every link there is.
     pub(crate) fn unlink_all(&mut self) {
-        for axis in 0..self.axes.len() {
-            self.unlink_axis(axis as u16);
+        for axis in self.axes.ids() {
+            self.unlink_axis(axis);
         }
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.unlink_system(index);
         }
     }
 
-    fn unlink_axis(&mut self, axis: u16) {
-        let at = usize::from(axis);
-        let links = std::mem::take(&mut self.axes[at].links);
+    fn unlink_axis(&mut self, axis: AxisId) {
+        let links = std::mem::take(&mut self.axes[axis].links);
         for link in links.iter() {
             self.end_move(link.execution, 0);
         }
-        let cam = self.axes[at].cam(Slot::TimeCam).and_then(Cam::link);
+        let cam = self.axes[axis].cam(Slot::TimeCam).and_then(Cam::link);
         if cam.is_some() {
             self.end_pending_cams(axis, Some(Slot::TimeCam));
         }
         for slot in Slot::GUIDED.into_iter().chain(cam.map(|_| Slot::TimeCam)) {
-            let generator = self.axes[at].sum.get(slot);
+            let generator = self.axes[axis].sum.get(slot);
             let driven = |generator: &&Generator| generator.guide.is_some() || slot == Slot::TimeCam;
             if let Some(generator) = generator.filter(driven) {
-                let limits = self.axes[at].dynamics.stop(generator.s_curve);
+                let limits = self.axes[axis].dynamics.stop(generator.s_curve);
                 self.stop_generator(axis, slot, &limits, None);
             }
         }
     }
 
     /// The motion that the system's master was driving brakes on its path, in time, at the maxima of the coordinate system.
-    fn unlink_system(&mut self, index: usize) {
+    fn unlink_system(&mut self, index: SystemId) {
         let links = std::mem::take(&mut self.systems[index].links);
         for link in links.iter() {
             if self.systems[index].stopping_link == Some(link.execution) {
@@ -196,7 +200,7 @@ impl Motion {
 
     /// AC of links: it shows at once that a motion by the link begins or ends.
     pub(crate) fn show_links(&mut self) {
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.end_stopping_link(index);
             let system = &self.systems[index];
             if system.links.is_empty() {
@@ -222,7 +226,7 @@ impl Motion {
     }
 
     /// The link by which the active move of a system is driven goes on to show AC while an instruction stops that move.
-    pub(crate) fn keep_stopping_link(&mut self, index: usize) {
+    pub(crate) fn keep_stopping_link(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         let guide = system.guide.filter(|_| system.activity == Activity::Moving);
         if let Some(used) = guide.and_then(|guide| system.links.active.filter(|link| link.id == guide.link)) {
@@ -230,7 +234,7 @@ impl Motion {
         }
     }
 
-    fn end_stopping_link(&mut self, index: usize) {
+    fn end_stopping_link(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         let Some(execution) = system.stopping_link.filter(|_| system.stop.is_none()) else {
             return;

@@ -1,15 +1,16 @@
 //! What instructions read of a call: its target, its verified operands, and the objects that these name.
 
 use arcline_instruction_set::operands::{OperandValue, Operands};
-use arcline_instruction_set::{Call, MotionError, Object};
+use arcline_instruction_set::{AxisId, Call, MotionError, Object, SystemId};
 
 use crate::instructions;
 use crate::motion::Motion;
 
 impl Motion {
-    pub(crate) fn target_axis(&self, call: &Call) -> Result<u16, MotionError> {
+    pub(crate) fn target_axis(&self, call: &Call) -> Result<AxisId, MotionError> {
         call.target
-            .filter(|index| usize::from(*index) < self.axes.len())
+            .map(AxisId)
+            .filter(|axis| self.axes.get(*axis).is_some())
             .ok_or(instructions::no_target())
     }
 
@@ -21,10 +22,10 @@ impl Motion {
         }
     }
 
-    pub(crate) fn target_system(&self, call: &Call) -> Result<usize, MotionError> {
+    pub(crate) fn target_system(&self, call: &Call) -> Result<SystemId, MotionError> {
         call.target
-            .map(usize::from)
-            .filter(|index| *index < self.systems.len())
+            .map(SystemId)
+            .filter(|system| self.systems.get(*system).is_some())
             .ok_or(instructions::no_target())
     }
 
@@ -48,17 +49,16 @@ impl Motion {
     }
 
     /// The axis that an operand names.
-    pub(crate) fn axis_of(&self, operand: &OperandValue<Option<u16>>) -> Result<u16, MotionError> {
+    pub(crate) fn axis_of(&self, operand: &OperandValue<Option<AxisId>>) -> Result<AxisId, MotionError> {
         operand
-            .filter(|index| usize::from(*index) < self.axes.len())
+            .filter(|axis| self.axes.get(*axis).is_some())
             .ok_or(operand.out_of_range())
     }
 
     /// The coordinate system that an operand names.
-    pub(crate) fn system_of(&self, operand: &OperandValue<Option<u16>>) -> Result<usize, MotionError> {
+    pub(crate) fn system_of(&self, operand: &OperandValue<Option<SystemId>>) -> Result<SystemId, MotionError> {
         operand
-            .map(usize::from)
-            .filter(|index| *index < self.systems.len())
+            .filter(|system| self.systems.get(*system).is_some())
             .ok_or(operand.out_of_range())
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes and their execution targets.
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{AxisId, Flag};
 
 use super::{ARRAY_WRITES, Motion};
 use crate::events::{ArrayWrite, Written};
@@ -10,14 +10,13 @@ use crate::output::Word;
 
 impl Motion {
     /// The axis has come to where it is at the present tick.
-    pub(super) fn look_at_outputs(&mut self, axis: u16) {
-        let at = usize::from(axis);
-        for target in 0..self.axes[at].outputs.len() {
-            let Some(reference) = self.axes[at].outputs.reference(target) else {
+    pub(super) fn look_at_outputs(&mut self, axis: AxisId) {
+        for target in 0..self.axes[axis].outputs.len() {
+            let Some(reference) = self.axes[axis].outputs.reference(target) else {
                 continue;
             };
             let point = self.axes.master_at(axis, reference, &self.clock).point;
-            let outcome = self.axes[at].outputs.look(target, point, &self.clock);
+            let outcome = self.axes[axis].outputs.look(target, point, &self.clock);
             for execution in outcome.ended.into_iter().flatten() {
                 self.end_move(execution, Flag::Pc.mask());
             }
@@ -35,10 +34,10 @@ impl Motion {
             self.share_word(&word);
         }
         self.words.drain(..count);
-        for axis in 0..self.axes.len() {
+        for axis in self.axes.ids() {
             for target in 0..self.axes[axis].outputs.len() {
                 if let Some(reference) = self.axes[axis].outputs.reference(target) {
-                    let point = self.axes.master_at(axis as u16, reference, &self.clock).point;
+                    let point = self.axes.master_at(axis, reference, &self.clock).point;
                     self.axes[axis].outputs.begin_update(target, point);
                 }
             }
@@ -47,7 +46,7 @@ impl Motion {
 
     /// Bits of a tag, which some output cams may be enabled by.
     pub(super) fn share_word(&mut self, word: &Word) {
-        for axis in 0..self.axes.len() {
+        for axis in self.axes.ids() {
             for target in 0..self.axes[axis].outputs.len() {
                 let written = self.axes[axis].outputs.take_word(target, word, &self.clock);
                 self.write_word(written);
@@ -72,8 +71,8 @@ impl Motion {
     }
 
     /// Nothing is armed on a target any more; the bits stay as they are.
-    pub(crate) fn disarm_output(&mut self, axis: u16, target: usize) {
-        let ended = self.axes[usize::from(axis)].outputs.disarm(target);
+    pub(crate) fn disarm_output(&mut self, axis: AxisId, target: usize) {
+        let ended = self.axes[axis].outputs.disarm(target);
         for execution in ended.into_iter().flatten() {
             self.end_move(execution, 0);
         }

@@ -3,8 +3,8 @@
 //! Real-time: no allocation; bounded by the axes.
 
 use arcline_drive::{REGISTRATION_LATCHES, Trigger};
-use arcline_instruction_set::Flag;
 use arcline_instruction_set::TagAddress;
+use arcline_instruction_set::{AxisId, Flag};
 
 use super::Motion;
 use crate::axis::feed::Fed;
@@ -16,14 +16,14 @@ pub enum Input {
     /// The position of an axis that somebody outside writes.
     Position {
         /// Index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// Position units.
         position: f64,
     },
     /// A registration input of an axis has changed.
     Registration {
         /// Index of the axis.
-        axis: u16,
+        axis: AxisId,
         /// Which one, from 0.
         input: u8,
         /// It is active now.
@@ -50,7 +50,7 @@ impl Motion {
             }),
             Input::Registration { axis, input, on } => {
                 let time = (self.clock.tick.wrapping_mul(self.clock.period_ns) / 1000) as i32;
-                let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+                let Some(state) = self.axes.get_mut(axis) else {
                     return;
                 };
                 let position = state.shown(state.actual.position);
@@ -66,10 +66,10 @@ impl Motion {
     }
 
     /// Registration inputs of the drive whose latches have closed.
-    pub(super) fn take_registrations(&mut self, axis: u16) {
+    pub(super) fn take_registrations(&mut self, axis: AxisId) {
         let (period, now) = (self.clock.period_ns, self.clock.tick.wrapping_mul(self.clock.period_ns));
         for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
-            let state = &mut self.axes[usize::from(axis)];
+            let state = &mut self.axes[axis];
             let (Some(latch), Some(armed)) = (state.link.feedback.latches[place], state.registrations[input].latch())
             else {
                 continue;
@@ -91,9 +91,9 @@ impl Motion {
         }
     }
 
-    fn feed(&mut self, axis: u16, position: f64) {
+    fn feed(&mut self, axis: AxisId, position: f64) {
         let clock = self.clock;
-        let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+        let Some(state) = self.axes.get_mut(axis) else {
             return;
         };
         let unwind = state.unwind;
@@ -106,8 +106,8 @@ impl Motion {
     }
 
     /// What axes look out for is looked at.
-    pub(super) fn look_out(&mut self, axis: u16) {
-        let state = &mut self.axes[usize::from(axis)];
+    pub(super) fn look_out(&mut self, axis: AxisId) {
+        let state = &mut self.axes[axis];
         let now = state.actual.position - state.redefined;
         if let Some(execution) = state.watch.look(now) {
             self.end_move(execution, Flag::Pc.mask());
@@ -116,8 +116,8 @@ impl Motion {
     }
 
     /// An axis does not look out for anything any more.
-    pub(crate) fn disarm(&mut self, axis: u16) {
-        let state = &mut self.axes[usize::from(axis)];
+    pub(crate) fn disarm(&mut self, axis: AxisId) {
+        let state = &mut self.axes[axis];
         let [first, second] = &mut state.registrations;
         for execution in [state.watch.disarm(), first.disarm(), second.disarm()]
             .into_iter()
@@ -125,7 +125,7 @@ impl Motion {
         {
             self.end_move(execution, 0);
         }
-        for target in 0..self.axes[usize::from(axis)].outputs.len() {
+        for target in 0..self.axes[axis].outputs.len() {
             self.disarm_output(axis, target);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{AxisId, Flag, SystemId};
 use arcline_planner::profile::Limits;
 
 use super::Motion;
@@ -12,7 +12,7 @@ use crate::system::Activity;
 
 impl Motion {
     /// Cancels every pending move of a coordinate system; where none is active yet, it is at rest.
-    pub(crate) fn cancel_pending(&mut self, index: usize) {
+    pub(crate) fn cancel_pending(&mut self, index: SystemId) {
         while let Some(cancelled) = self.systems[index].travel.cancel_waiting() {
             self.end_move(cancelled.execution, 0);
         }
@@ -24,7 +24,7 @@ impl Motion {
     }
 
     /// Ends the active move's instruction; the path is left to the caller.
-    pub(crate) fn end_active(&mut self, index: usize) {
+    pub(crate) fn end_active(&mut self, index: SystemId) {
         if self.systems[index].activity == Activity::Moving
             && let Some(active) = self.systems[index].travel.detach_active()
         {
@@ -33,7 +33,7 @@ impl Motion {
     }
 
     /// Brakes the coordinated move of a system on its path, in time: a master leads it no more. Its instructions have ended.
-    pub(crate) fn stop_on_path(&mut self, index: usize, limits: &Limits) {
+    pub(crate) fn stop_on_path(&mut self, index: SystemId, limits: &Limits) {
         let tail = self.of_tail(index, limits);
         let system = &mut self.systems[index];
         if !system.is_busy() {
@@ -52,7 +52,7 @@ impl Motion {
     /// As [`Motion::stop_on_path`], for what a robot must not go on with: a contour brakes without waiting for room within the limits
     /// of the axes, a stop that is under way brakes no later than it would, and what comes to rest sooner by its own profile goes
     /// on with that.
-    pub(crate) fn stop_on_path_at_once(&mut self, index: usize, limits: &Limits) {
+    pub(crate) fn stop_on_path_at_once(&mut self, index: SystemId, limits: &Limits) {
         let system = &mut self.systems[index];
         if system.guide.is_some() {
             self.stop_on_path(index, limits);
@@ -67,7 +67,7 @@ impl Motion {
     }
 
     /// Ends a running stop's instruction without PC.
-    pub(crate) fn end_stop(&mut self, index: usize) {
+    pub(crate) fn end_stop(&mut self, index: SystemId) {
         if let Some(stop) = self.systems[index].stop.take() {
             self.controls.write(stop.execution, 0, Flag::Ip.mask(), self.clock.tick);
         }
@@ -75,7 +75,7 @@ impl Motion {
 
     /// Ends all coordinated motion of a system at once. Its axes brake by themselves, but for those that
     /// `hold` says stand or are without torque. Returns the axes that brake.
-    pub(crate) fn abort_system(&mut self, index: usize, hold: impl Fn(u16) -> bool) -> AxisSet {
+    pub(crate) fn abort_system(&mut self, index: SystemId, hold: impl Fn(AxisId) -> bool) -> AxisSet {
         let mut braking = AxisSet::default();
         if !self.systems[index].is_busy() {
             return braking;
@@ -86,7 +86,7 @@ impl Motion {
         self.end_travel(index);
         for place in 0..self.systems[index].taken().len() {
             let axis = self.systems[index].taken()[place];
-            let Some(state) = self.axes.get_mut(usize::from(axis)) else {
+            let Some(state) = self.axes.get_mut(axis) else {
                 continue;
             };
             if hold(axis) {
@@ -105,7 +105,7 @@ impl Motion {
     }
 
     /// Ends all moves of a system and their motion at once; the axes are left to the caller.
-    pub(crate) fn end_travel(&mut self, index: usize) {
+    pub(crate) fn end_travel(&mut self, index: SystemId) {
         self.cancel_pending(index);
         self.end_active(index);
         self.retired.extend(self.systems[index].travel.clear());
@@ -114,7 +114,7 @@ impl Motion {
 
     /// Ends all coordinated motion of a system at once for another one that takes the axes they share; the
     /// rest of its axes brake.
-    pub(crate) fn abort_system_but(&mut self, index: usize, taker: usize) {
+    pub(crate) fn abort_system_but(&mut self, index: SystemId, taker: SystemId) {
         let mut taken = AxisSet::default();
         for axis in self.systems[taker].description.linear() {
             taken.insert(*axis);
@@ -123,8 +123,8 @@ impl Motion {
     }
 
     /// Takes an axis out of every motion: the systems that move it are aborted, their other axes brake.
-    pub(crate) fn leave(&mut self, axis: u16) {
-        for index in 0..self.systems.len() {
+    pub(crate) fn leave(&mut self, axis: AxisId) {
+        for index in self.systems.ids() {
             if self.systems[index].has(axis) {
                 self.end_stop(index);
                 self.abort_system(index, |other| other == axis);
@@ -135,7 +135,7 @@ impl Motion {
     }
 
     /// Takes the axes of a system into its coordinated move, or on into the next one.
-    pub(crate) fn join_axes(&mut self, index: usize) {
+    pub(crate) fn join_axes(&mut self, index: SystemId) {
         let s_curve = self.systems[index].is_s_curve();
         let active = self.systems[index].active();
         let turns = active.is_some_and(|active| active.heading.is_some());
@@ -147,7 +147,7 @@ impl Motion {
         };
         for place in 0..taken {
             let axis = self.systems[index].description.axes[place];
-            let Some(axis) = self.axes.get_mut(usize::from(axis)) else {
+            let Some(axis) = self.axes.get_mut(axis) else {
                 continue;
             };
             match axis.sum.get_mut(Slot::System) {
@@ -161,10 +161,10 @@ impl Motion {
     }
 
     /// Takes Rx, Ry, Rz of a system into the moves that wait: from now on what else turns them is added to where these lead.
-    pub(crate) fn join_turned_axes(&mut self, index: usize, s_curve: bool) {
+    pub(crate) fn join_turned_axes(&mut self, index: SystemId, s_curve: bool) {
         for place in 0..self.systems[index].description.oriented().len() {
             let axis = self.systems[index].description.oriented()[place];
-            if let Some(axis) = self.axes.get_mut(usize::from(axis))
+            if let Some(axis) = self.axes.get_mut(axis)
                 && !axis.is_coordinated()
             {
                 axis.join(s_curve);
@@ -173,21 +173,21 @@ impl Motion {
     }
 
     /// Takes the axes of a system out of its coordinated move as they are.
-    pub(crate) fn part_axes(&mut self, index: usize) {
+    pub(crate) fn part_axes(&mut self, index: SystemId) {
         for place in 0..self.systems[index].taken().len() {
             let axis = self.systems[index].taken()[place];
-            if let Some(axis) = self.axes.get_mut(usize::from(axis)) {
+            if let Some(axis) = self.axes.get_mut(axis) {
                 axis.release();
             }
         }
     }
 
     /// Everything the system moved stands; nothing is active any more.
-    pub(crate) fn release_axes(&mut self, index: usize) {
+    pub(crate) fn release_axes(&mut self, index: SystemId) {
         self.rest_system(index);
         for place in 0..self.systems[index].taken().len() {
             let axis = self.systems[index].taken()[place];
-            if let Some(axis) = self.axes.get_mut(usize::from(axis))
+            if let Some(axis) = self.axes.get_mut(axis)
                 && axis.is_coordinated()
             {
                 axis.release();
@@ -195,7 +195,7 @@ impl Motion {
         }
     }
 
-    pub(crate) fn rest_system(&mut self, index: usize) {
+    pub(crate) fn rest_system(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
         system.shown = system.shown.at_rest();

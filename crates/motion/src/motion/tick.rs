@@ -4,7 +4,7 @@
 //! axes and coordinate systems and by a fixed number of moves.
 
 use arcline_drive::Drives;
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{AxisId, Flag};
 
 use super::Motion;
 
@@ -27,7 +27,7 @@ impl Motion {
     /// Commands of all axes at the present tick: coordinate systems, then axes, what follows behind what it follows.
     fn compute_commands(&mut self) {
         self.axes.exchanged = false;
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             // Behind its masters otherwise.
             if self.systems[index].is_busy() && !self.systems[index].follows() {
                 self.advance_system(index);
@@ -54,10 +54,10 @@ impl Motion {
     /// look out for.
     fn use_feedback(&mut self, drives: &dyn Drives) {
         self.finish_requests();
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.finish_settling(index, drives);
         }
-        for index in 0..self.axes.len() {
+        for index in self.axes.ids() {
             if self.axes[index].uses_feedback() {
                 self.use_feedback_of(index);
             }
@@ -65,24 +65,24 @@ impl Motion {
     }
 
     /// What the feedback of one axis says.
-    fn use_feedback_of(&mut self, index: usize) {
+    fn use_feedback_of(&mut self, index: AxisId) {
         let found = self.axes[index].home_was_found(&self.clock);
         if self.axes[index].in_motion() {
-            self.report_generators(index as u16);
+            self.report_generators(index);
         }
         let axis = &mut self.axes[index];
         if found && let Some(ended) = axis.homing.take() {
             axis.homed = true;
             self.end_move(ended.execution, Flag::Pc.mask());
         }
-        self.take_registrations(index as u16);
-        self.look_out(index as u16);
+        self.take_registrations(index);
+        self.look_out(index);
         self.axes[index].fold(&self.clock);
     }
 
     /// Stops that are over.
     fn finish_stops(&mut self) {
-        for index in 0..self.systems.len() {
+        for index in self.systems.ids() {
             self.finish_braking(index);
             self.finish_stop(index);
         }

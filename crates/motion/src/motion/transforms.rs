@@ -5,7 +5,7 @@
 //! That is looked for ahead, over the path of a stop (`crate::transforms`): so the joints stay on the path to the end, within
 //! their speeds. Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
 
-use arcline_instruction_set::MotionError;
+use arcline_instruction_set::{AxisId, MotionError};
 
 use super::Motion;
 use crate::axes::share;
@@ -52,7 +52,7 @@ impl Motion {
     }
 
     /// Cancels every transform that an axis is part of; the axes that they moved brake at the maxima of the coordinate systems.
-    pub(crate) fn cancel_transforms_of(&mut self, axis: u16) {
+    pub(crate) fn cancel_transforms_of(&mut self, axis: AxisId) {
         if !self.axes[axis].is_transformed() {
             return;
         }
@@ -111,8 +111,8 @@ impl Motion {
     }
 
     /// Brakes every motion of some axes; one that brakes already does so at the guard's rates, if that is sooner at rest.
-    fn brake_what_moves(&mut self, axes: &[u16]) {
-        for index in 0..self.systems.len() {
+    fn brake_what_moves(&mut self, axes: &[AxisId]) {
+        for index in self.systems.ids() {
             let system = &self.systems[index];
             if system.is_busy() && share(axes, system.taken()) {
                 let limits = system.guarded_stop();

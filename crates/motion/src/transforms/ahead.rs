@@ -4,6 +4,7 @@
 //! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
 //! transforms, the coordinate systems and the axes. Units: position units, seconds.
 
+use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
 use arcline_planner::profile::{Bounds, Limits, Profile};
 use arcline_planner::{Clock, PathStopping, Sample};
@@ -30,7 +31,7 @@ pub(crate) struct Ahead {
 /// How a coordinate system comes to rest on its path.
 #[derive(Clone, Debug)]
 struct PathStop {
-    system: usize,
+    system: SystemId,
     stopping: PathStopping,
     /// Rx, Ry, Rz where it was looked at last, degrees.
     near: Vector,
@@ -39,7 +40,7 @@ struct PathStop {
 /// How a generator of an axis comes to rest.
 #[derive(Clone, Copy, Debug)]
 struct AxisStop {
-    axis: u16,
+    axis: AxisId,
     profile: Profile,
     /// Seconds of the profile that are over when the stop begins.
     since: f64,
@@ -65,7 +66,7 @@ impl Ahead {
     }
 
     /// How far an axis is from where it is now, at the instant that was looked at last, by what moves it itself.
-    pub(super) fn step(&self, axis: u16) -> KinematicState {
+    pub(super) fn step(&self, axis: AxisId) -> KinematicState {
         self.steps[usize::from(axis)]
     }
 }
@@ -80,7 +81,7 @@ impl Present<'_> {
             ahead.steps[usize::from(axis)] = KinematicState::default();
             self.plan_axis(axis, ahead);
         }
-        for (index, system) in self.systems.iter().enumerate() {
+        for (index, system) in self.systems.ids().zip(self.systems.iter()) {
             if !system.is_busy() || !share(system.taken(), &involved) {
                 continue;
             }
@@ -138,7 +139,7 @@ impl Present<'_> {
         involved
     }
 
-    fn plan_axis(&self, axis: u16, ahead: &mut Ahead) {
+    fn plan_axis(&self, axis: AxisId, ahead: &mut Ahead) {
         let state = &self.axes[axis];
         let limits = state.guarded_stop();
         for (slot, generator) in state.sum.active() {
@@ -171,7 +172,7 @@ impl Present<'_> {
         }
     }
 
-    fn stopping(&self, index: usize) -> Option<PathStopping> {
+    fn stopping(&self, index: SystemId) -> Option<PathStopping> {
         let system = &self.systems[index];
         let mut base = system.time_base(self.clock);
         base.time = self.clock.next();
@@ -186,7 +187,7 @@ impl Present<'_> {
     }
 
     /// Rx, Ry, Rz of what a coordinate system's own move does, degrees.
-    fn turned_to(&self, index: usize) -> Vector {
+    fn turned_to(&self, index: SystemId) -> Vector {
         let mut near = Vector::zeros();
         for (axis, angle) in self.systems[index].description.oriented().iter().zip(near.iter_mut()) {
             *angle = self.coordinated(*axis);
@@ -195,14 +196,14 @@ impl Present<'_> {
     }
 
     /// Where the coordinated part of an axis's motion is.
-    fn coordinated(&self, axis: u16) -> f64 {
+    fn coordinated(&self, axis: AxisId) -> f64 {
         let generator = self.axes[axis].sum.get(Slot::System);
         generator.map_or(0.0, |generator| generator.now.position)
     }
 
     fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [KinematicState]) {
         let system = &self.systems[stop.system].description;
-        let mut add = |axes: &[u16], [position, velocity, acceleration]: [Vector; 3]| {
+        let mut add = |axes: &[AxisId], [position, velocity, acceleration]: [Vector; 3]| {
             for (place, axis) in axes.iter().enumerate() {
                 let step = &mut steps[usize::from(*axis)];
                 step.position += component(&position, place) - self.coordinated(*axis);

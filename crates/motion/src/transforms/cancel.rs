@@ -1,6 +1,7 @@
 //! The end of a transform: nothing leads any more, and what it moved brakes (spec/coordinated-instructions.md §15.1,
 //! §19.7).
 
+use arcline_instruction_set::AxisId;
 use arcline_planner::Instant;
 use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
@@ -15,7 +16,7 @@ use crate::control::Execution;
 use crate::dynamics::stop_limits;
 use crate::machine::CoordinateSystem;
 use crate::stop::AxisSet;
-use crate::system::System;
+use crate::system::Systems;
 
 /// The rates at which the axes of a cancelled transform come to rest, each by itself. `None` is the maximum of the coordinate
 /// system that the transform moved the axis for.
@@ -43,10 +44,10 @@ impl Transforms {
         id: TransformId,
         release: &Release,
         axes: &mut Axes,
-        systems: &[System],
+        systems: &Systems,
         now: Instant,
     ) -> Option<Cancelled> {
-        let transform = self.active.get_mut(id.target_system())?.take()?;
+        let transform = self.active.get_mut(id.index())?.take()?;
         let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
         let own_s_curve = transform.target.iter().any(|axis| {
             let mut own = axes[*axis].sum.active().filter(|(slot, _)| *slot != Slot::Transform);
@@ -98,7 +99,7 @@ impl Transforms {
     /// The feedback of a cancelled transform stays beside what earlier ones make of its source: behind joints both
     /// together are something else than one after the other.
     fn keep_feedback(&mut self, id: TransformId, cancelled: &Transform) {
-        for other in self.active.iter_mut().take(id.target_system()).flatten() {
+        for other in self.active.iter_mut().take(id.index()).flatten() {
             for (axis, kept) in other.source.iter().zip(&mut other.cancelled_feedback) {
                 if let Some(place) = cancelled.source.index_of(*axis) {
                     *kept += cancelled.feedback[place].position;
@@ -124,7 +125,7 @@ impl Transforms {
     }
 
     /// An axis is part of one transform less.
-    fn release(&self, axis: u16, axes: &mut Axes) {
+    fn release(&self, axis: AxisId, axes: &mut Axes) {
         let state = &mut axes[axis];
         if state.is_transformed() {
             self.compose(axis, axes);

@@ -8,7 +8,7 @@
 //! Not here: the order of the computation (`crate::order`), the errors of MCT (`instructions::mct`), the reaction to a
 //! robot that cannot follow (`crate::motion`). Nothing allocates. Units: position units, seconds.
 
-use arcline_instruction_set::{AxisIndex, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, MotionError};
 use arcline_profile::KinematicState;
 
 use super::guard;
@@ -144,7 +144,7 @@ impl Transforms {
     }
 
     /// The part of an axis's command that all its transforms give now.
-    pub(crate) fn compose(&self, axis: u16, axes: &mut Axes) {
+    pub(crate) fn compose(&self, axis: AxisId, axes: &mut Axes) {
         if !axes[axis].is_transformed() {
             return;
         }
@@ -185,7 +185,7 @@ impl Transforms {
         for axis in transform.source.iter() {
             axes[*axis].transforms.source_of |= id.bit();
         }
-        if let Some(place) = self.active.get_mut(id.target_system()) {
+        if let Some(place) = self.active.get_mut(id.index()) {
             *place = Some(transform);
         }
     }
@@ -216,17 +216,17 @@ impl Transforms {
         if let Map::Robot(robot) = &mut settled.map {
             robot.settle(&settled.source_before, &whole);
         }
-        self.active[id.target_system()] = Some(settled);
+        self.active[id.index()] = Some(settled);
     }
 
     /// The transform whose target has this axis, and the axis's index there.
-    fn leader(&self, axes: &Axes, axis: u16) -> Option<(&Transform, usize)> {
+    fn leader(&self, axes: &Axes, axis: AxisId) -> Option<(&Transform, usize)> {
         let transform = self.get(axes[axis].transforms.target_of?)?;
         Some((transform, transform.target.index_of(axis)?))
     }
 
     /// Transforms whose sources have this axis, but for one.
-    fn fed_back_by(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> impl Iterator<Item = &Transform> {
+    fn fed_back_by(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> impl Iterator<Item = &Transform> {
         let mut left = axes[axis].transforms.source_of & !but.map_or(0, TransformId::bit);
         std::iter::from_fn(move || {
             let index = left.trailing_zeros() as usize;
@@ -237,7 +237,7 @@ impl Transforms {
     }
 
     /// The feedback of all transforms to an axis, but for that of one.
-    fn feedback_to(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> KinematicState {
+    fn feedback_to(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> KinematicState {
         let mut total = KinematicState::default();
         for transform in self.fed_back_by(axes, axis, but) {
             if let Some(place) = transform.source.index_of(axis) {
@@ -248,7 +248,7 @@ impl Transforms {
     }
 
     /// Where transforms would lead an axis without any feedback to it.
-    fn set_point(&self, axes: &Axes, axis: u16) -> KinematicState {
+    fn set_point(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
             Some((transform, place)) => transform.target_set_points[place],
@@ -267,14 +267,14 @@ impl Transforms {
     }
 
     /// An axis without the feedback of one transform.
-    fn without_feedback(&self, axes: &Axes, axis: u16, id: TransformId) -> KinematicState {
+    fn without_feedback(&self, axes: &Axes, axis: AxisId, id: TransformId) -> KinematicState {
         let mut total = seen(&axes[axis], self.set_point(axes, axis));
         add(&mut total, &self.feedback_to(axes, axis, Some(id)));
         total
     }
 
     /// An axis without the feedback of one transform and of later ones, before the whole is known.
-    fn before_feedback(&self, axes: &Axes, axis: u16, id: TransformId) -> KinematicState {
+    fn before_feedback(&self, axes: &Axes, axis: AxisId, id: TransformId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
             Some((transform, place)) => transform.target_before[place],
@@ -291,7 +291,7 @@ impl Transforms {
     }
 
     /// The motion of an axis besides the transform that leads it, since the axis became part of a transform.
-    fn added(&self, axes: &Axes, axis: u16) -> KinematicState {
+    fn added(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let state = &axes[axis];
         let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
         added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.transforms.settled;
@@ -310,13 +310,13 @@ impl Transforms {
     }
 
     /// Whether the targets' own motions lead an axis, but for one transform's.
-    fn is_fed_back(&self, axes: &Axes, axis: u16, but: Option<TransformId>) -> bool {
+    fn is_fed_back(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> bool {
         self.fed_back_by(axes, axis, but)
             .any(|transform| transform.target_moves)
     }
 
     /// Whether an axis moves otherwise than by a transform that leads it.
-    pub(super) fn moves_by_itself(&self, axes: &Axes, axis: u16) -> bool {
+    pub(super) fn moves_by_itself(&self, axes: &Axes, axis: AxisId) -> bool {
         axes[axis].moves_itself() || self.is_fed_back(axes, axis, None)
     }
 
@@ -329,7 +329,7 @@ impl Transforms {
     }
 
     /// Whether a transform moves an axis, as the axis shows it.
-    pub(crate) fn show_controlled(&self, axis: u16, axes: &mut Axes) {
+    pub(crate) fn show_controlled(&self, axis: AxisId, axes: &mut Axes) {
         let led = self
             .leader(axes, axis)
             .is_some_and(|(transform, _)| transform.source_moves);

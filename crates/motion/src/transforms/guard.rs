@@ -6,7 +6,7 @@
 //! (`crate::motion`). Real-time: nothing allocates; the number of looks is fixed. Units: position units, degrees of joints,
 //! seconds.
 
-use arcline_instruction_set::{AxisIndex, Detail, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
 use super::ahead::Ahead;
@@ -117,7 +117,7 @@ impl Present<'_> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
-        let own = |axis: &u16| self.axes[*axis].moves_itself();
+        let own = |axis: &AxisId| self.axes[*axis].moves_itself();
         if !transform.has_robot_target() || !(transform.source_moves || transform.target.iter().any(own)) {
             return Ok(());
         }
@@ -169,7 +169,7 @@ impl Present<'_> {
         let (mut chain, mut at) = (id.bit(), Some(transform));
         for _ in 0..self.transforms.most() {
             let Some(next) = at else { break };
-            let led = |axis: &u16| {
+            let led = |axis: &AxisId| {
                 let others = self.axes[*axis].transforms.source_of & !chain;
                 let mut all = self.transforms.iter();
                 others != 0 && all.any(|(id, other)| others & id.bit() != 0 && other.target_moves)

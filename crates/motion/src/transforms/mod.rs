@@ -16,12 +16,13 @@ pub(crate) mod shown;
 pub(crate) mod sides;
 pub(crate) mod transform;
 
+use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
 use crate::axes::{Axes, share};
 use crate::control::Execution;
-use crate::system::System;
+use crate::system::{System, Systems};
 pub(crate) use cancel::Release;
 pub(crate) use guard::Verdict;
 pub(crate) use id::TransformId;
@@ -39,7 +40,7 @@ pub(crate) struct Transforms {
 #[derive(Clone, Copy)]
 pub(crate) struct Present<'a> {
     pub(crate) axes: &'a Axes,
-    pub(crate) systems: &'a [System],
+    pub(crate) systems: &'a Systems,
     pub(crate) transforms: &'a Transforms,
     pub(crate) clock: &'a Clock,
 }
@@ -59,16 +60,16 @@ impl Transforms {
 
     /// Every transform that there can be.
     pub(crate) fn ids(&self) -> impl Iterator<Item = TransformId> + use<> {
-        (0..self.active.len()).map(TransformId::of_target)
+        SystemId::first(self.active.len()).map(TransformId::of_target)
     }
 
     /// A transform, if it is under way.
     pub(crate) fn get(&self, id: TransformId) -> Option<&Transform> {
-        self.active.get(id.target_system())?.as_ref()
+        self.active.get(id.index())?.as_ref()
     }
 
     fn get_mut(&mut self, id: TransformId) -> Option<&mut Transform> {
-        self.active.get_mut(id.target_system())?.as_mut()
+        self.active.get_mut(id.index())?.as_mut()
     }
 
     /// Transforms under way.
@@ -93,7 +94,7 @@ impl Transforms {
     }
 
     /// How far the source of a transform is led by steps of its own axes, and of those that lead it.
-    fn step_of(&self, transform: &Transform, step: &impl Fn(u16) -> KinematicState, depth: usize) -> Side {
+    fn step_of(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState, depth: usize) -> Side {
         let mut whole = Side::default();
         for (axis, point) in transform.source.iter().zip(&mut whole) {
             *point = step(*axis);

@@ -5,7 +5,7 @@
 //! axis nor the edge of the workspace lies between two of them. Real-time: nothing allocates; the number of looks is fixed.
 //! Units: position units, degrees of joints.
 
-use arcline_instruction_set::{AxisIndex, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
 use arcline_profile::KinematicState;
 
@@ -45,7 +45,7 @@ impl Present<'_> {
     /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
     pub(crate) fn verify_reach(
         &self,
-        system: usize,
+        system: SystemId,
         path: &Path,
         turn: Option<&Turn>,
         heading: Vector,
@@ -59,7 +59,7 @@ impl Present<'_> {
     }
 
     /// Transforms to robots' joints that a coordinate system leads.
-    fn robots_led_by(&self, system: usize) -> impl Iterator<Item = &Transform> {
+    fn robots_led_by(&self, system: SystemId) -> impl Iterator<Item = &Transform> {
         let (transforms, system) = (self.transforms, &self.systems[system]);
         transforms
             .iter()
@@ -73,7 +73,7 @@ impl Present<'_> {
     /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
     /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md
     /// §7.5). `shift`: from the queue's positions to those of now. Real-time: one look a transform.
-    pub(crate) fn corner_speed(&self, system: usize, path: &Path, shift: &Vector) -> f64 {
+    pub(crate) fn corner_speed(&self, system: SystemId, path: &Path, shift: &Vector) -> f64 {
         let Some(last) = self.systems[system].travel.last() else {
             return f64::INFINITY;
         };
@@ -104,7 +104,7 @@ impl Present<'_> {
     }
 
     /// Where the source of a transform is when axes of it, or of what leads it, are a step from where they are, and how fast.
-    fn when(&self, transform: &Transform, step: &impl Fn(u16) -> KinematicState) -> Side {
+    fn when(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState) -> Side {
         let mut whole = self.transforms.step_of(transform, step, self.transforms.most());
         for (axis, point) in transform.source.iter().zip(&mut whole) {
             point.position += self.axes[*axis].command.position;
@@ -116,7 +116,7 @@ impl Present<'_> {
     /// before, and become these.
     fn source_on(
         &self,
-        system: usize,
+        system: SystemId,
         transform: &Transform,
         course: &Course<'_>,
         share: f64,
@@ -133,7 +133,7 @@ impl Present<'_> {
             [*near, rate, change]
         });
         self.when(transform, &|axis| {
-            let among = |axes: &[u16]| axes.iter().position(|own| *own == axis);
+            let among = |axes: &[AxisId]| axes.iter().position(|own| *own == axis);
             let moved = among(description.linear()).map(|place| (place, linear));
             let turned = || among(description.oriented()).zip(turned);
             moved
@@ -148,7 +148,7 @@ impl Present<'_> {
 
     fn verify_course(
         &self,
-        system: usize,
+        system: SystemId,
         transform: &Transform,
         course: &Course<'_>,
         pace: &mut PathLimits,

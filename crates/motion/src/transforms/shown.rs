@@ -3,6 +3,7 @@
 //!
 //! Not here: the words of their tags (`crate::status`). Nothing allocates.
 
+use arcline_instruction_set::SystemId;
 use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::geometry::Point as Vector;
 
@@ -33,7 +34,7 @@ pub(crate) struct RobotShown {
 
 impl Present<'_> {
     /// A coordinate system's part in the transforms under way.
-    pub(crate) fn role(&self, index: usize) -> Role {
+    pub(crate) fn role(&self, index: SystemId) -> Role {
         Role {
             source: self
                 .transforms
@@ -45,7 +46,7 @@ impl Present<'_> {
     }
 
     /// The status of the robot with a wrist that a coordinate system is, or that it leads first.
-    fn robot_shown(&self, index: usize) -> RobotShown {
+    fn robot_shown(&self, index: SystemId) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
             return RobotShown::default();

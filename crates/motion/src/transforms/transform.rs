@@ -3,7 +3,7 @@
 //! Not here: the axes ([`super::compute`]), the order of the computation (`crate::order`), and the map itself ([`super::robot`]).
 //! Nothing allocates. Units: position units, degrees of joints, seconds.
 
-use arcline_instruction_set::MotionError;
+use arcline_instruction_set::{AxisId, MotionError, SystemId};
 
 pub(crate) use super::robot::Map;
 use super::robot::RobotMap;
@@ -15,7 +15,7 @@ use crate::control::Execution;
 pub(crate) struct Transform {
     pub(crate) execution: Option<Execution>,
     /// Index of the source system; that of the target system is the transform's own in [`super::Transforms`].
-    pub(crate) source_system: usize,
+    pub(crate) source_system: SystemId,
     pub(super) map: Map,
     /// Axes of the source, in the order of its system.
     pub(crate) source: SideAxes,
@@ -50,10 +50,10 @@ impl Transform {
     /// A transform at rest, before [`super::Transforms::begin`]. `source_system`: its index.
     pub(crate) fn new(
         execution: Option<Execution>,
-        source_system: usize,
+        source_system: SystemId,
         map: Map,
-        source: &[u16],
-        target: &[u16],
+        source: &[AxisId],
+        target: &[AxisId],
     ) -> Self {
         Transform {
             execution,
@@ -77,19 +77,19 @@ impl Transform {
 
     /// One that turns and shifts nothing.
     #[cfg(test)]
-    pub(crate) fn between(source: &[u16], target: &[u16]) -> Self {
+    pub(crate) fn between(source: &[AxisId], target: &[AxisId]) -> Self {
         use arcline_planner::geometry::{Frame, Point as Vector};
         let map = Map::Frames(Frame::new(Vector::zeros(), Vector::zeros()));
-        Transform::new(None, 0, map, source, target)
+        Transform::new(None, SystemId(0), map, source, target)
     }
 
     /// The axes of the source, then those of the target.
-    pub(crate) fn axes(&self) -> impl Iterator<Item = u16> {
+    pub(crate) fn axes(&self) -> impl Iterator<Item = AxisId> {
         self.source.iter().chain(self.target.iter()).copied()
     }
 
     /// Whether an axis is on either side.
-    pub(crate) fn has(&self, axis: u16) -> bool {
+    pub(crate) fn has(&self, axis: AxisId) -> bool {
         self.axes().any(|own| own == axis)
     }
 

@@ -101,8 +101,8 @@ pub(crate) fn serve_named(
     };
     let (class, instance) = match tag.kind {
         TagKind::MotionGroup => (MotionObject::MotionGroup.class_code(), 1),
-        TagKind::Axis(index) => (MotionObject::Axis.class_code(), u32::from(index) + 1),
-        TagKind::CoordinateSystem(index) => (MotionObject::CoordinateSystem.class_code(), u32::from(index) + 1),
+        TagKind::Axis(axis) => (MotionObject::Axis.class_code(), u32::from(axis.0) + 1),
+        TagKind::CoordinateSystem(system) => (MotionObject::CoordinateSystem.class_code(), u32::from(system.0) + 1),
         // As a controller does: rust-ethernet-ip takes an answer for a layout that no controller has, and browses after a refusal.
         _ if request.service == service::GET_ATTRIBUTE_LIST => return refuse(CipStatus::PATH_SEGMENT_ERROR.with(0)),
         _ => (class::SYMBOL, tag.id.0),

@@ -101,8 +101,8 @@ fn find(context: &Context<'_>, image: &Image, target: &Target<'_>) -> Result<(Ob
         };
         return match image.find(name).ok_or_else(unknown)?.kind {
             TagKind::MotionGroup => Ok((Object::MotionGroup, 0)),
-            TagKind::Axis(index) => Ok((Object::Axis, index)),
-            TagKind::CoordinateSystem(index) => Ok((Object::CoordinateSystem, index)),
+            TagKind::Axis(axis) => Ok((Object::Axis, axis.0)),
+            TagKind::CoordinateSystem(system) => Ok((Object::CoordinateSystem, system.0)),
             _ => Err(CipStatus::SERVICE_NOT_SUPPORTED),
         };
     };

@@ -31,7 +31,9 @@
 
 use arcline_controller::image::FEED_OVERRIDE_PERCENT;
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
-use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object as MotionObject};
+use arcline_instruction_set::{
+    Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object as MotionObject, SystemId,
+};
 use arcline_proto::arcline::motion::{
     NAME, axis as of_axis, coordinate_system as of_system, encode_instances, group as of_group,
 };
@@ -103,8 +105,8 @@ impl Object for MotionObjects {
                 let index = u16::try_from(index).map_err(|_| unknown())?;
                 match id {
                     of_axis::INJECTED_FAULTS => word_value(cx.image().injected_faults().nth(index.into())),
-                    of_axis::POSSIBLE_FAULTS => word_value(cx.image().possible_faults(index)),
-                    of_axis::FAULTS => word_value(cx.image().faults(index)),
+                    of_axis::POSSIBLE_FAULTS => word_value(cx.image().possible_faults(AxisId(index))),
+                    of_axis::FAULTS => word_value(cx.image().faults(AxisId(index))),
                     id => axis(described, id),
                 }
             }
@@ -113,9 +115,11 @@ impl Object for MotionObjects {
                 let index = u16::try_from(index).map_err(|_| unknown())?;
                 match id {
                     of_system::FEED_OVERRIDE => real_value(cx.image().feed_overrides().nth(index.into())),
-                    of_system::OVERRIDE_BEFORE_HOLD => real_value(cx.image().feed_override_before_hold(index)),
+                    of_system::OVERRIDE_BEFORE_HOLD => {
+                        real_value(cx.image().feed_override_before_hold(SystemId(index)))
+                    }
                     of_system::DISTANCE_TO_GO..=of_system::TIME_LEFT => {
-                        let progress = cx.image().progress(index).unwrap_or_default();
+                        let progress = cx.image().progress(SystemId(index)).unwrap_or_default();
                         f64_value(match id {
                             of_system::DISTANCE_TO_GO => progress.remaining,
                             of_system::TIME_LEFT => progress.time_left,
@@ -165,12 +169,12 @@ impl Object for MotionObjects {
                 }
             }
             (None, MotionObject::Axis) => {
-                let possible = cx.image().possible_faults(index).ok_or_else(unknown)?;
+                let possible = cx.image().possible_faults(AxisId(index)).ok_or_else(unknown)?;
                 if word & !possible.bits() != 0 {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }
                 Command::InjectFaults {
-                    axis: index,
+                    axis: AxisId(index),
                     bits: word,
                 }
             }
@@ -179,7 +183,10 @@ impl Object for MotionObjects {
                 if !FEED_OVERRIDE_PERCENT.contains(&percent) {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }
-                Command::SetFeedOverride { system: index, percent }
+                Command::SetFeedOverride {
+                    system: SystemId(index),
+                    percent,
+                }
             }
         };
         cx.apply(command).map(drop)
@@ -207,7 +214,9 @@ fn axis(axis: &Axis, id: u16) -> Result<Bytes, CipStatus> {
 fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     match id {
         NAME => Ok(short_string(&system.name)),
-        of_system::AXES => Ok(encode_instances(system.axes.iter().map(|axis| axis.saturating_add(1)))),
+        of_system::AXES => Ok(encode_instances(
+            system.axes.iter().map(|axis| axis.0.saturating_add(1)),
+        )),
         _ => robot(system, id),
     }
 }

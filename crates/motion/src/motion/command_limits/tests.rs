@@ -2,7 +2,7 @@
 
 use arcline_drive::{DriveState, Drives, ExchangeLost, Feedback, Following, SetPoint};
 use arcline_instruction_set::{
-    Argument, Call, ControlSlot, ExceptionAction, FaultKind, MAX_OPERANDS, Mnemonic, RealArray,
+    Argument, AxisId, Call, ControlSlot, ExceptionAction, FaultKind, MAX_OPERANDS, Mnemonic, RealArray, SystemId,
 };
 use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
@@ -44,7 +44,7 @@ fn machine(limits: CommandLimits, action: ExceptionAction) -> Machine {
     };
     let system = CoordinateSystem {
         name: "CS1".to_owned(),
-        axes: vec![0, 1],
+        axes: vec![AxisId(0), AxisId(1)],
         max_speed: 500.0,
         max_acceleration: 5000.0,
         max_deceleration: 5000.0,
@@ -192,7 +192,7 @@ impl Run {
         let refused = self
             .faults
             .iter()
-            .filter_map(|change| Some((change.axis, change.refused?.source)));
+            .filter_map(|change| Some((change.axis.0, change.refused?.source)));
         refused.collect()
     }
 }
@@ -200,8 +200,8 @@ impl Run {
 #[test]
 fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
     type Defect = fn(&mut Motion);
-    let jump: Defect = |motion| motion.axes[0_u16].sum.redefine(5.0);
-    let no_number: Defect = |motion| motion.axes[1_u16].sum.redefine(f64::NAN);
+    let jump: Defect = |motion| motion.axes[AxisId(0)].sum.redefine(5.0);
+    let no_number: Defect = |motion| motion.axes[AxisId(1)].sum.redefine(f64::NAN);
     let runaway: Defect = |motion| {
         let limits = Limits {
             speed: 1e5,
@@ -210,12 +210,12 @@ fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
             jerk: None,
         };
         let now = motion.clock.now();
-        let jog = motion.axes[2_u16].sum.get_mut(Slot::Jog).expect("jogs");
+        let jog = motion.axes[AxisId(2)].sum.get_mut(Slot::Jog).expect("jogs");
         jog.follow(Profile::to_velocity(jog.now, 1e5, &limits), now);
     };
     let far: Defect = |motion| {
         let now = motion.clock.now();
-        let jog = motion.axes[2_u16].sum.get_mut(Slot::Jog).expect("jogs");
+        let jog = motion.axes[AxisId(2)].sum.get_mut(Slot::Jog).expect("jogs");
         let beyond = KinematicState {
             position: jog.now.position - 1000.0,
             ..jog.now
@@ -264,7 +264,7 @@ fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
         let counts: Vec<u32> = motion.axes().map(|axis| axis.refused_commands).collect();
         let expected: Vec<u32> = (0..3).map(|axis| u32::from(axis == refused.0)).collect();
         assert_eq!(counts, expected, "{why}");
-        assert!(motion.systems[0].is_busy() != stands[0], "{why}");
+        assert!(motion.systems[SystemId(0)].is_busy() != stands[0], "{why}");
     }
 }
 
@@ -276,11 +276,11 @@ fn the_action_of_the_fault_follows_the_stop() {
         (ExceptionAction::Shutdown, false),
     ] {
         let mut motion = moving(CommandLimits::default(), action);
-        motion.axes[0_u16].sum.redefine(5.0);
+        motion.axes[AxisId(0)].sum.redefine(5.0);
         let run = run(&mut motion, 400);
         assert_eq!(run.refused().len(), 1, "{action:?}");
-        assert_eq!(motion.axes[0_u16].has_torque(), torque, "{action:?}");
-        assert!(motion.axes[1_u16].has_torque(), "{action:?}: Y has no fault");
+        assert_eq!(motion.axes[AxisId(0)].has_torque(), torque, "{action:?}");
+        assert!(motion.axes[AxisId(1)].has_torque(), "{action:?}: Y has no fault");
     }
 }
 
@@ -301,7 +301,7 @@ fn limits_are_those_of_the_axis() {
         };
         let mut motion = moving(limits, ExceptionAction::StopPlanner);
         // 5 units in an update of 1 ms: 5000 units/s, ten times Maximum Speed.
-        motion.axes[0_u16].sum.redefine(5.0);
+        motion.axes[AxisId(0)].sum.redefine(5.0);
         let run = run(&mut motion, 400);
         assert_eq!(!run.refused().is_empty(), acts, "{why}");
     }
@@ -336,7 +336,7 @@ fn a_slave_stops_with_its_master() {
         motion.finish(|_| ());
     }
     assert_eq!(sent(&motion)[0][1], 200.0, "the slave follows");
-    motion.axes[2_u16].sum.redefine(5.0);
+    motion.axes[AxisId(2)].sum.redefine(5.0);
     let run = run(&mut motion, 400);
     run.assert_smooth("master and slave");
     assert_eq!(run.refused(), [(0, "MAG"), (2, "MAJ")]);
