@@ -7,6 +7,7 @@ mod follow;
 mod generators;
 mod homing;
 mod master_links;
+mod messages;
 mod operands;
 mod outputs;
 mod probes;
@@ -24,7 +25,6 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axes::Axes;
-use crate::axis::AxisState;
 use crate::axis::sum::Slot;
 use crate::call_data::{CallData, ReceivedData};
 use crate::cause::{Cause, FaultChange};
@@ -40,6 +40,8 @@ use crate::stop::Stop;
 use crate::system::{System, Systems};
 use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
+
+use messages::{MESSAGES, Message};
 
 pub use probes::Input;
 
@@ -75,20 +77,8 @@ pub struct Motion {
     pub(crate) accepted: Vec<AcceptedMove>,
 }
 
-/// A request to a drive: its instruction is done an update later, or when the drive has answered.
-#[derive(Clone, Copy, Debug)]
-struct Message {
-    execution: Execution,
-    axis: AxisId,
-    /// The state of the axis until its drive has answered.
-    asked: Option<AxisState>,
-}
-
 /// Arrays that are written in one tick; one more is lost.
 const ARRAY_WRITES: usize = 1024;
-
-/// Messages under way at once; one more is done at once.
-const MESSAGES: usize = 1024;
 
 impl Motion {
     /// The machine at rest, before its first tick. The only allocation.
@@ -290,31 +280,6 @@ impl Motion {
         })
     }
 
-    /// Sets DN now.
-    pub(crate) fn done(&mut self, execution: Execution) {
-        self.controls.write(execution, Flag::Dn.mask(), 0, self.clock.tick);
-    }
-
-    /// Sets DN at the next update; `asked`: once the drive has answered and the axis has left this state.
-    pub(crate) fn done_next_update(&mut self, execution: Execution, axis: AxisId, asked: Option<AxisState>) {
-        if self.messages.len() < MESSAGES {
-            self.messages.push(Message { execution, axis, asked });
-        } else {
-            self.done(execution);
-        }
-    }
-
-    /// Whether the positions of an axis are being redefined.
-    pub(crate) fn is_redefining(&self, axis: AxisId) -> bool {
-        let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
-        self.messages.iter().any(redefines)
-    }
-
-    /// Sets DN at the next update.
-    pub(crate) fn done_at_next_update(&mut self, execution: Execution) {
-        self.done_next_update(execution, AxisId::default(), None);
-    }
-
     /// Ends a move's instruction: it will never report again.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
         // Homing is done when it has ended, whichever way.
@@ -339,30 +304,6 @@ impl Motion {
         }
         let available = Flag::CalculatedDataAvailable.mask();
         self.controls.write(execution, available, 0, self.clock.tick);
-    }
-
-    /// Messages that need no answer of a drive.
-    fn finish_messages(&mut self) {
-        self.finish_where(|message, _| message.asked.is_none());
-    }
-
-    /// Requests to drives that these have answered.
-    fn finish_requests(&mut self) {
-        self.finish_where(|message, state| message.asked.is_some_and(|asked| state != Some(asked)));
-    }
-
-    /// Sets DN of messages, in order. `done`: by the message and the state of its axis.
-    fn finish_where(&mut self, done: impl Fn(&Message, Option<AxisState>) -> bool) {
-        let mut messages = std::mem::take(&mut self.messages);
-        messages.retain(|message| {
-            let axis = self.axes.get(message.axis);
-            let done = done(message, axis.map(|axis| axis.state));
-            if done {
-                self.done(message.execution);
-            }
-            !done
-        });
-        self.messages = messages;
     }
 }
 

@@ -31,6 +31,8 @@ struct Drive {
     target: Option<SetPoint>,
     switching: u32,
     state: DriveState,
+    /// It never switches on or off.
+    stuck: bool,
     unheard: u32,
     faults: FaultSet,
     closed: [Option<u32>; LATCHES],
@@ -48,6 +50,8 @@ impl Drive {
         self.unheard = heard.map_or(self.unheard + 1, |_| 0);
         if !self.faults.is_empty() {
             self.state = DriveState::Faulted;
+        } else if self.stuck {
+            self.switching = 0;
         } else if self.unheard > WATCHDOG || heard.is_some_and(|heard| !heard.enable) {
             (self.state, self.switching) = (DriveState::Off, 0);
         } else if self.state != DriveState::Enabled && heard.is_some() {
@@ -209,6 +213,50 @@ fn servo_on_is_an_answer_of_the_drive() {
     assert_eq!(bench.bits("Off"), "EN", "the drive is on as yet");
     bench.until("Off", Flag::Dn);
     assert_eq!(bench.axis("X").cip_state, 2, "stopped");
+}
+
+#[test]
+fn a_drive_that_does_not_answer_fails_its_requests() {
+    const ANSWER_TICKS: u64 = 2000;
+    let (mut bench, bus) = machine();
+    bench.run(5);
+    bus.bus().drives[0].stuck = true;
+    assert_eq!(bench.call("MSO(X, On)"), OK);
+    bench.run(1000);
+    assert_eq!(bench.call("MSO(X, Again)"), OK);
+    bench.run(ANSWER_TICKS - 1000);
+    assert_eq!(
+        (bench.bits("On").as_str(), bench.axis("X").cip_state),
+        ("EN", 3),
+        "it has 2 s"
+    );
+    bench.run(1);
+    for tag in ["On", "Again"] {
+        let control = bench.control(tag);
+        assert_eq!(
+            (bench.bits(tag).as_str(), control.err, control.exerr),
+            ("EN ER", 12, 2),
+            "{tag}"
+        );
+    }
+    assert_eq!((bench.axis("X").cip_state, is_on(&bench, "X")), (2, false), "stopped");
+    bench.tick();
+    assert!(!bus.bus().heard[0].enable, "it is asked no more");
+    // The drive works again.
+    bus.bus().drives[0].stuck = false;
+    assert_eq!(bench.call("MSO(X, On2)"), OK);
+    bench.until("On2", Flag::Dn);
+    bus.bus().drives[0].stuck = true;
+    assert_eq!(bench.call("MSF(X, Off)"), OK);
+    bench.run(ANSWER_TICKS);
+    assert_eq!(bench.bits("Off"), "EN");
+    bench.run(1);
+    let control = bench.control("Off");
+    assert_eq!(
+        (bench.bits("Off").as_str(), control.err, control.exerr),
+        ("EN ER", 12, 2)
+    );
+    assert_eq!(bench.axis("X").cip_state, 6, "the drive is on, and Stopping shows it");
 }
 
 #[test]
