@@ -196,7 +196,7 @@ impl Socket for TcpStream {
     fn duplicate(&self) -> Option<OwnedFd> {
         let duplicate = self.as_fd().try_clone_to_owned();
         duplicate
-            .inspect_err(|error| warn!(%error, "the socket of a client that jogs is not looked at"))
+            .inspect_err(|error| warn!(%error, "the socket of a jogging client is not watched"))
             .ok()
     }
 }

@@ -206,7 +206,7 @@ impl Device {
             let client = owner.session().map(|session| self.plant.guard().name_of(session));
             let client = client.unwrap_or_default();
             let motion = lost.names(self.plant.machine());
-            warn!(%client, reaction = loss.word(), %motion, "a connection is lost, and motion that it began");
+            warn!(%client, reaction = loss.word(), %motion, "a connection is lost; it began motion");
         }
     }
 
@@ -279,7 +279,7 @@ impl Host for &Device {
     /// From the system's generator.
     fn random(&mut self) -> Option<u32> {
         getrandom::u32()
-            .inspect_err(|error| error!(%error, "no random numbers: refusing sessions and connections"))
+            .inspect_err(|error| error!(%error, "no random numbers: the server refuses sessions and connections"))
             .ok()
     }
 

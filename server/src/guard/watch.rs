@@ -22,7 +22,7 @@ pub(super) async fn socket(guard: Guard, session: u64, socket: OwnedFd, signs: S
     let socket = match TcpStream::from_std(socket.into()) {
         Ok(socket) => socket,
         Err(error) => {
-            debug!(%error, "the socket of a client that jogs is not looked at");
+            debug!(%error, "the socket of a jogging client is not watched");
             return;
         }
     };

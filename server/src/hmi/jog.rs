@@ -47,7 +47,7 @@ impl Shared {
             )));
         }
         if !is_held() {
-            return Err(Refusal::new("the button was let go before the jog began"));
+            return Err(Refusal::new("the button was released before the jog began"));
         }
         let (accel_units, accel) = rate(accel);
         let (decel_units, decel_rate) = rate(decel);
@@ -75,7 +75,7 @@ impl Shared {
         if self.plant.guard().keep(VIEWERS | viewer, place) {
             Ok(Done {})
         } else {
-            Err(Refusal::new(format!("{axis} is not jogged by you any more")))
+            Err(Refusal::new(format!("this page does not jog {axis} any more")))
         }
     }
 
@@ -122,7 +122,7 @@ impl Shared {
             }
             Ok(_) => {}
             Err(error) => {
-                tracing::error!(axis = name, %error, "a jog was not stopped: everything is");
+                tracing::error!(axis = name, %error, "a jog could not be stopped: the server stops all motion");
                 self.plant.stop_all();
             }
         }

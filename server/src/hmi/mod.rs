@@ -94,7 +94,9 @@ impl Shared {
             drop(turn);
             result
         });
-        computed.await.map_err(|_| Refusal::new("it could not be computed"))
+        computed
+            .await
+            .map_err(|_| Refusal::new("the server could not compute the answer"))
     }
 
     /// The same, but here if it is short.

@@ -195,7 +195,7 @@ impl Viewer {
         let stopped = || self.shared.stops.load(Ordering::Acquire) != heard.stops;
         let moves = moves(&request);
         if moves && stopped() {
-            return Some(Err(Refusal::new("STOP was pressed before this was begun")));
+            return Some(Err(Refusal::new("STOP came before this request began")));
         }
         let answer = self.answer(id, request, heard, simulations).await;
         if moves && stopped() {
@@ -379,7 +379,7 @@ impl Viewer {
 
     fn history(&self, before: u64) -> Result<HistoryPiece, Refusal> {
         let permit = self.pieces.clone().try_acquire_owned();
-        let permit = permit.map_err(|_| Refusal::new("read first what was sent to you"))?;
+        let permit = permit.map_err(|_| Refusal::new("the page must read earlier frames of the history first"))?;
         let (frame, piece) = self.shared.past(before);
         self.send(Outgoing::Piece(frame, permit))?;
         Ok(piece)
@@ -393,7 +393,7 @@ impl Viewer {
     }
 
     fn send(&self, what: Outgoing) -> Result<(), Refusal> {
-        let full = |_| Refusal::new("you do not read what is sent to you");
+        let full = |_| Refusal::new("the page does not read the messages of the server");
         self.outbox.try_send(what).map_err(full)
     }
 }

@@ -132,7 +132,7 @@ impl State {
         }
         for system in &held {
             if let Err(error) = self.image_mut().set_feed_override(*system, 0.0) {
-                tracing::error!(%error, "motion of a lost connection was not held: everything is stopped");
+                tracing::error!(%error, "motion of a lost connection could not be held: the server stops all motion");
                 self.link.stops.stop_all();
             }
         }
@@ -161,7 +161,7 @@ impl State {
                 self.link.stops.stop_all();
             }
             Err(error) => {
-                tracing::error!(%error, "motion of a lost connection was not stopped by itself: everything is stopped");
+                tracing::error!(%error, "motion of a lost connection could not be stopped alone: the server stops all motion");
                 self.link.stops.stop_all();
             }
         }

@@ -262,7 +262,7 @@ impl State {
             if lost > self.lost {
                 tracing::warn!(
                     lost = lost - self.lost,
-                    "status changes were lost: there were too many within one tick"
+                    "too many status changes within one tick: some of them were lost"
                 );
                 self.lost = lost;
             }
@@ -364,7 +364,7 @@ impl State {
     /// Sends a command for which there is room.
     fn push(&mut self, command: Command) {
         if let Err(error) = self.link.commands.push(command) {
-            tracing::error!(%error, "a command found no room");
+            tracing::error!(%error, "no room for a command");
         }
     }
 

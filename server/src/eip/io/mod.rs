@@ -119,7 +119,7 @@ impl Exchange {
 
     /// Nobody commands any more: does what is configured for that.
     fn lose(&self, why: &str, plant: &Plant) {
-        warn!(why, reaction = self.reaction.word(), "the outputs are lost");
+        warn!(why, reaction = self.reaction.word(), "the owner of the outputs is lost");
         lock(&self.outputs).lose(self.reaction, plant);
     }
 }
