@@ -24,7 +24,7 @@ export async function a_move_started_by_the_form_arrives({ browser, url }) {
   assert.ok(await other.locator(".form .run").isDisabled(), "one viewer drives at a time");
   await close(other);
   await go(page, "events");
-  await page.locator(".life", { hasText: "MCLM" }).getByText("Complete").waitFor();
+  await page.locator(".event", { hasText: "MCLM" }).getByText("Complete").waitFor();
   await close(page);
 }
 
@@ -42,9 +42,9 @@ export async function an_error_is_explained({ browser, url }) {
   for (const words of ["ERR 44", "Cause", "What to do"]) await problem.getByText(words).waitFor();
   assert.equal(await actual(page, "X"), 0, "nothing moves");
   await go(page, "events");
-  const life = page.locator(".life.bad", { hasText: "MCCM" }).first();
-  if (!(await life.locator("details").getAttribute("open"))?.length) await life.locator("details").evaluate((element) => (element.open = true));
-  for (const words of ["ERR 44", "Cause", "What to do"]) await life.locator(".explanation").getByText(words).waitFor();
+  const event = page.locator(".event.bad", { hasText: "MCCM" }).first();
+  if (!(await event.locator("details").getAttribute("open"))?.length) await event.locator("details").evaluate((element) => (element.open = true));
+  for (const words of ["ERR 44", "Cause", "What to do"]) await event.locator(".explanation").getByText(words).waitFor();
   await go(page, "drive");
   await operand(page, "Speed", -5);
   await page.locator(".form .problem").getByText("0 or more is expected").waitFor();

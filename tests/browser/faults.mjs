@@ -21,29 +21,29 @@ export async function a_fault_is_an_event({ browser, url }) {
   const problem = page.locator(".view.program", { hasText: "Long (MCLM, line 1) was stopped by a fault: X overcurrent" });
   await problem.waitFor();
   await go(page, "events");
-  const moved = page.locator(".life", { hasText: "MCLM" }).first();
+  const moved = page.locator(".event", { hasText: "MCLM" }).first();
   await moved.locator(".pill", { hasText: "Stopped by a fault" }).waitFor();
   await moved.getByText("Stopped by a fault: X overcurrent").first().waitFor();
-  const fault = page.locator(".life", { has: page.locator(".pill", { hasText: /^Faulted$/ }) }).first();
+  const fault = page.locator(".event", { has: page.locator(".pill", { hasText: /^Faulted$/ }) }).first();
   await fault.getByText("overcurrent").first().waitFor();
   await fault.locator("summary").click();
-  assert.match(await fault.locator(".life-when").innerText(), /^\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3}$/, "the time of the day");
+  assert.match(await fault.locator(".event-when").innerText(), /^\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d{3}$/, "the time of the day");
   await page.getByRole("button", { name: "Errors", exact: true }).click();
-  for (const life of [moved, fault]) assert.ok(await life.isVisible(), "both are errors");
+  for (const event of [moved, fault]) assert.ok(await event.isVisible(), "both are errors");
   // The cause is still there.
   await run(page, "MAFR(X, Again);\nWAIT(Again.DN);\nDELAY(0.1);\n");
   await go(page, "events");
-  const reset = page.locator(".life", { hasText: "MAFR" }).first();
+  const reset = page.locator(".event", { hasText: "MAFR" }).first();
   await reset.locator(".pill", { hasText: "Still faulted" }).waitFor();
-  await page.locator(".life .pill", { hasText: "Faulted again" }).first().waitFor();
+  await page.locator(".event .pill", { hasText: "Faulted again" }).first().waitFor();
   // And now it has gone.
   await run(page, "FaultInject[0] := 0;\nDELAY(0.1);\nMAFR(X, Good);\nWAIT(Good.DN);\nDELAY(0.1);\n");
   await go(page, "events");
   await page.getByRole("button", { name: "All", exact: true }).click();
-  await page.locator(".life", { hasText: "Good" }).locator(".pill", { hasText: "Done" }).waitFor();
+  await page.locator(".event", { hasText: "Good" }).locator(".pill", { hasText: "Done" }).waitFor();
   // A move that is stopped by hand is no error.
   await run(page, "MSO(X, On);\nWAIT(On.DN);\nMCLM(CS1, Halted, 0, [1000, 0, 0], 50, 0, 2000, 0, 2000, 0, 0, 0, 0, 0);\nDELAY(0.3);\nMCS(CS1, Halt, All);\nWAIT(Halt.PC);\n");
   await go(page, "events");
-  await page.locator(".life", { hasText: "Halted" }).getByText("Stopped by MCS Halt").first().waitFor();
+  await page.locator(".event", { hasText: "Halted" }).getByText("Stopped by MCS Halt").first().waitFor();
   await close(page);
 }

@@ -97,7 +97,7 @@ export async function a_stray_click_moves_nothing({ browser, url }) {
   assert.ok(clicks > 60, `${clicks} clicks`);
   await still(page);
   await go(page, "events");
-  assert.equal(await page.locator(".life").count(), 0, "no instruction has been executed");
+  assert.equal(await page.locator(".event").count(), 0, "no instruction has been executed");
   await close(page);
 }
 

@@ -19,7 +19,7 @@ export async function screenshots({ browser, url, folder }) {
       await until(page, "a little history", () => performance.now() > 1500);
       for (const view of VIEWS) {
         await go(page, view);
-        if (view === "events") await page.locator(".life.bad summary").first().click();
+        if (view === "events") await page.locator(".event.bad summary").first().click();
         if (view === "program") {
           await page.getByRole("button", { name: "Dry run" }).click();
           await page.locator(".view.program .preview-facts, .view.program .problem").filter({ visible: true }).first().waitFor();

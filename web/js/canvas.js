@@ -4,13 +4,15 @@ const FINEST = 2;
 
 /** A canvas in `host`; `draw(context, width, height)` is called before each frame in pixels of the style sheet. */
 export class Stage {
+  /** Called with the new width and height. @type {((width: number, height: number) => void) | null} */
+  onresize = null;
   #running = false;
   #dirty = true;
 
   constructor(host, draw, attributes) {
     this.element = document.createElement("canvas");
     for (const [name, value] of Object.entries(attributes)) this.element.setAttribute(name, value);
-    this.context = this.element.getContext("2d");
+    this.context = /** @type {CanvasRenderingContext2D} */ (this.element.getContext("2d"));
     this.draw = draw;
     this.width = 0;
     this.height = 0;
@@ -64,6 +66,13 @@ export class Stage {
 
 /**
  * Pointers on an element: `drag(dx, dy, event, fingers)`, `zoom(factor, x, y)` by wheel or two fingers, `tap(x, y, event)`.
+ * @param {HTMLElement} element
+ * @param {object} handlers
+ * @param {(dx: number, dy: number, event: PointerEvent, fingers: number) => void} handlers.drag
+ * @param {(factor: number, x: number, y: number, event?: WheelEvent) => void} handlers.zoom
+ * @param {(x: number, y: number, event: PointerEvent) => void} [handlers.tap]
+ * @param {(event: PointerEvent) => void} [handlers.start]
+ * @param {() => void} [handlers.end]
  */
 export function gestures(element, { drag, zoom, tap, start, end }) {
   const fingers = new Map();

@@ -1,9 +1,13 @@
 // The WebSocket: requests with answers, pushes, binary samples; and knowing at once that the server is gone.
 // It reconnects by itself. It keeps nothing: what a page has shown before is for the store to say.
 
+import { Emitter } from "./emitter.js";
+
+/** @import { Push, Refusal as RefusalMessage, Requests } from "../types/protocol.js" */
+
 const SILENCE_MS = 1500;
 const ANSWER_MS = 10_000;
-/** Simulations wait for each other. */
+/** Simulations wait for each other. @type {Partial<Record<keyof Requests, number>>} */
 const PATIENT = { preview: 120_000, dry_run: 120_000 };
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 2000;
@@ -12,25 +16,48 @@ const MOST_REFUSALS = 32;
 
 /** A refusal of the server, with `err`, `exerr`, `cause`, `remedy`, `line`, `column` as far as it has them. */
 export class Refusal extends Error {
+  /** @param {RefusalMessage} error */
   constructor(error) {
-    super(error.text ?? "refused");
-    Object.assign(this, error);
+    super(error.text);
+    this.text = error.text;
+    this.err = error.err;
+    this.exerr = error.exerr;
+    this.cause = error.cause;
+    this.concerns = error.concerns;
+    this.remedy = error.remedy;
+    this.line = error.line;
+    this.column = error.column;
+    this.member = error.member;
+    this.control = error.control;
+    this.holder = error.holder;
   }
 }
 
+/** What is known of a failure: a refusal as the server sent it, or the message of another error. @param {unknown} error @returns {RefusalMessage} */
+export function refusalOf(error) {
+  if (error instanceof Refusal) return error;
+  if (error instanceof Error) return { text: error.message };
+  const isMessage = error !== null && typeof error === "object" && "text" in error;
+  return isMessage ? /** @type {RefusalMessage} */ (error) : { text: String(error) };
+}
+
 /**
- * Events: `open`, `lost`, `push` (detail: the message), `samples` (detail: an ArrayBuffer).
+ * Events: `push` with the message, `samples` with a binary frame.
+ * @extends {Emitter<{ open: void, lost: void, push: Push, samples: ArrayBuffer }>}
  */
-export class Connection extends EventTarget {
+export class Connection extends Emitter {
+  /** @type {WebSocket | null} */
   #socket = null;
+  /** @type {Map<number, { resolve: (answer: any) => void, reject: (refusal: Refusal) => void, timer: number }>} */
   #requests = new Map();
   #next = 1;
   #pause = FIRST_PAUSE_MS;
   #heard = 0;
   #opened = false;
-  /** When the server refused a request, by the text of its refusal. */
+  /** When the server refused a request, by the text of its refusal. @type {Map<string, number>} */
   #refused = new Map();
 
+  /** @param {string} url */
   constructor(url) {
     super();
     this.url = url;
@@ -52,7 +79,7 @@ export class Connection extends EventTarget {
     socket.onopen = () => {
       this.#pause = FIRST_PAUSE_MS;
       this.#opened = true;
-      this.#tell("open");
+      this.emit("open", undefined);
     };
     socket.onmessage = ({ data }) => {
       if (socket === this.#socket) this.#take(data);
@@ -62,15 +89,22 @@ export class Connection extends EventTarget {
     };
   }
 
-  /** Sends a request and gives its answer; rejects with a `Refusal`. */
-  request(what, fields = {}) {
-    if (!this.#opened) return Promise.reject(new Refusal({ text: "no connection to the server" }));
+  /**
+   * Sends a request and gives its answer; rejects with a `Refusal`.
+   * @template {keyof Requests} R
+   * @param {R} what
+   * @param {{} extends Requests[R]["fields"] ? [fields?: Requests[R]["fields"]] : [fields: Requests[R]["fields"]]} fields
+   * @returns {Promise<Requests[R]["answer"]>}
+   */
+  request(what, ...[fields]) {
+    const socket = this.#socket;
+    if (!this.#opened || !socket) return Promise.reject(new Refusal({ text: "no connection to the server" }));
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       const most = PATIENT[what] ?? ANSWER_MS;
       const timer = setTimeout(() => this.#finish(id, { error: { text: `no answer to ${what} within ${most / 1000} s` } }), most);
       this.#requests.set(id, { resolve, reject, timer });
-      this.#socket.send(JSON.stringify({ id, do: what, ...fields }));
+      socket.send(JSON.stringify({ id, do: what, ...fields }));
     });
   }
 
@@ -79,22 +113,29 @@ export class Connection extends EventTarget {
     return performance.now() - (this.#refused.get(text) ?? -Infinity) < time;
   }
 
-  /** Sends a request whose answer does not matter, such as the keep-alive of a jog. */
-  tell(what, fields = {}) {
-    if (this.#opened) this.#socket.send(JSON.stringify({ id: this.#next++, do: what, ...fields }));
+  /**
+   * Sends a request whose answer does not matter.
+   * @template {keyof Requests} R
+   * @param {R} what
+   * @param {Requests[R]["fields"]} fields
+   */
+  tell(what, fields) {
+    if (this.#opened) this.#socket?.send(JSON.stringify({ id: this.#next++, do: what, ...fields }));
   }
 
+  /** @param {string | ArrayBuffer} data */
   #take(data) {
     this.#heard = performance.now();
     if (typeof data !== "string") {
-      this.#tell("samples", data);
+      this.emit("samples", data);
       return;
     }
     const message = JSON.parse(data);
-    if (message.push) this.#tell("push", message);
+    if (message.push) this.emit("push", message);
     else this.#finish(message.id, message);
   }
 
+  /** @param {number} id @param {{ ok?: unknown, error?: RefusalMessage }} answer */
   #finish(id, answer) {
     const request = this.#requests.get(id);
     if (!request) return;
@@ -105,7 +146,8 @@ export class Connection extends EventTarget {
       return;
     }
     this.#refused.set(answer.error.text, performance.now());
-    if (this.#refused.size > MOST_REFUSALS) this.#refused.delete(this.#refused.keys().next().value);
+    const [oldest] = this.#refused.keys();
+    if (this.#refused.size > MOST_REFUSALS) this.#refused.delete(oldest);
     request.reject(new Refusal(answer.error));
   }
 
@@ -122,12 +164,8 @@ export class Connection extends EventTarget {
     if (this.#opened || !this.lostAt) this.lostAt = performance.now();
     this.#opened = false;
     for (const id of [...this.#requests.keys()]) this.#finish(id, { error: { text: "the connection was lost" } });
-    this.#tell("lost");
+    this.emit("lost", undefined);
     setTimeout(() => this.start(), this.#pause);
     this.#pause = Math.min(this.#pause * 2, LONGEST_PAUSE_MS);
-  }
-
-  #tell(type, detail = null) {
-    this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 }

@@ -7,7 +7,10 @@ const SURE_MS = 4000;
 /** A bar that shows which page has control of some objects, and takes or gives back control of them. */
 export class ControlBar {
   #key = "";
+  /** @type {string[]} */
+  objects = [];
 
+  /** @param {import("./app.js").App} app @param {string[]} objects */
   constructor(app, objects = []) {
     this.app = app;
     this.element = h("div.control-bar", { role: "status" });
@@ -15,9 +18,9 @@ export class ControlBar {
     this.show(objects);
   }
 
-  /** Shows other objects: a name, or a list of names. */
+  /** Shows other objects. @param {string[]} objects */
   show(objects) {
-    this.objects = [objects].flat();
+    this.objects = objects;
     this.update();
   }
 

@@ -105,3 +105,9 @@ export function calm(delay, action) {
     timer = setTimeout(() => action(...values), delay);
   };
 }
+
+/** A value that is there; its absence is a mistake of the page. @template T @param {T | undefined | null} value @param {string} name @returns {T} */
+export function found(value, name) {
+  if (value === undefined || value === null) throw new Error(`there is no ${name}`);
+  return value;
+}

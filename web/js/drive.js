@@ -34,7 +34,16 @@ export class Drive {
   title = "Drive";
   #step = 0;
   #heldKeys = new Map();
+  /** The rows of the axes of the object. @type {any[]} */
+  parts = [];
+  /** @type {string[]} */
+  axes = [];
+  /** The object. */
+  name = "";
+  /** @type {InstructionForm | null} */
+  form = null;
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const { machine } = app.store;
@@ -65,15 +74,15 @@ export class Drive {
         this.#motion()),
       h("div.panel.form-panel", {}, h("div.row", {}, this.kindHost, this.mnemonic), this.forms),
       h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host, this.facts.element));
-    app.addEventListener("preview", () => {
+    app.on("preview", () => {
       this.canvas.setPreview(app.preview);
       this.facts.show(app.preview);
     });
     // A form begins with the actual positions, so it begins again when they are known.
-    app.store.addEventListener("status", () => this.#form(this.chosen), { once: true });
+    app.store.on("status", () => this.#form(this.chosen), { once: true });
     addEventListener("keydown", (event) => this.#key(event));
     addEventListener("keyup", (event) => this.#keyUp(event));
-    app.jogger.onchange = () => this.update();
+    app.jogger.on("change", () => this.update());
     this.#select(machine.coordinate_systems[0]?.name ?? machine.axes[0]?.name);
   }
 
@@ -105,7 +114,7 @@ export class Drive {
     this.object.value = name;
     this.name = name;
     this.system = this.app.store.system(name);
-    this.control.show(name);
+    this.control.show([name]);
     this.axes = this.app.store.axesOf(name);
     fill(this.rows, this.axes.map((axis) => this.#row(axis)));
     const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
@@ -150,18 +159,18 @@ export class Drive {
     part.more = button(1, "forwards");
     part.note = h("small.bad");
     part.element = h("div.jog-row", { "aria-label": `Axis ${axis}`, role: "group" },
-      h("span.jog-name", { "data-series": store.series(axis) }, axis), part.actual, h("abbr", {}, store.axis(axis).units),
+      h("span.jog-name", { "data-series": store.series(axis) }, axis), part.actual, h("abbr", {}, store.configuredAxis(axis).units),
       h("span.jog-buttons", {}, part.less, part.more), h("span.jog-actions", {}, part.servo, part.home, part.reset), part.note);
-    this.parts = [...(this.parts ?? []).filter((other) => this.axes.includes(other.axis) && other.axis !== axis), part];
+    this.parts = [...this.parts.filter((other) => this.axes.includes(other.axis) && other.axis !== axis), part];
     return part.element;
   }
 
   #speedOf(axis) {
-    return (this.app.store.axis(axis).max_speed * Number(this.speed.value)) / 100;
+    return (this.app.store.configuredAxis(axis).max_speed * Number(this.speed.value)) / 100;
   }
 
   #showSpeed() {
-    const axis = this.app.store.axis(this.axes[0]);
+    const axis = this.app.store.configuredAxis(this.axes[0]);
     text(this.speedText, `${short(this.#speedOf(axis.name))} ${rate(axis.units, 1)}`);
   }
 
@@ -190,7 +199,7 @@ export class Drive {
 
   async #ask(what, fields = {}) {
     try {
-      await this.app.connection.request(what, { coordinate_system: this.name, ...fields });
+      await this.app.connection.request(what, /** @type {any} */ ({ coordinate_system: this.name, ...fields }));
     } catch (error) {
       this.app.toasts.bad(`${ASKED[what]} ${this.name} was refused`, error);
     }

@@ -96,10 +96,11 @@ export class Editor {
 
 /** The text as lines of coloured parts. */
 function coloured(source, mnemonics) {
+  /** @type {(string | HTMLElement)[][]} */
   const lines = [[]];
   const put = (piece, kind) => piece.split("\n").forEach((part, k) => {
     if (k) lines.push([]);
-    if (part) lines.at(-1).push(kind ? h(`span.${kind}`, {}, part) : part);
+    if (part) lines[lines.length - 1].push(kind ? h(`span.${kind}`, {}, part) : part);
   });
   let at = 0;
   for (const found of source.matchAll(TOKENS)) {

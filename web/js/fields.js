@@ -21,7 +21,7 @@ export function rangeText(range, values = {}) {
 
 function highest(range, values) {
   const { max_when: rule } = range;
-  if (rule && rule.in.includes(values[rule.member])) return rule.max;
+  if (rule?.in.includes(values[rule.member])) return rule.max;
   return range.max ?? null;
 }
 
@@ -62,13 +62,13 @@ export function field(operand, app, values, changed) {
   return { id, operand, label, note, ...made };
 }
 
-function words(operand, app, values, common) {
+function words(operand, _app, _values, common) {
   const input = h("select", common);
   options(input, operand.words.map(({ value, title, text }) => [value, title ?? text]), operand.default);
   return { input, read: () => Number(input.value), write: (value) => (input.value = String(value)) };
 }
 
-function names(operand, app, values, common) {
+function names(operand, app, _values, common) {
   const { machine } = app.store;
   const lists = { CoordinateSystem: machine.coordinate_systems, Axis: machine.axes };
   const list = lists[operand.object]?.map(({ name }) => name) ?? [machine.group];
@@ -77,7 +77,7 @@ function names(operand, app, values, common) {
   return { input, read: () => input.value, write: (value) => (input.value = value) };
 }
 
-function scalar(operand, app, values, common) {
+function scalar(operand, _app, values, common) {
   const input = h("input", { ...common, type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false", value: exact(operand.default ?? 0) });
   const read = () => {
     const value = number(input.value);
@@ -89,7 +89,7 @@ function scalar(operand, app, values, common) {
 }
 
 /** Tags by name, and arrays as lists of numbers or the name of a tag. */
-function plainText(operand, app, values, common) {
+function plainText(operand, _app, _values, common) {
   const array = operand.kind === "array" || operand.kind === "array_or_none";
   const optional = ["array_or_none", "written_array", "structure_or_none"].includes(operand.kind);
   const tag = optional ? `${operand.type ?? "a tag"}, or empty` : operand.type ?? "a tag";

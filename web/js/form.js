@@ -1,6 +1,7 @@
 // The form of any instruction, generated from the server's catalogue; the line of Structured Text that it stands for;
 // a preview before anything moves; and the button that runs it.
 
+import { refusalOf } from "./connection.js";
 import { calm, fill, h, icon, state, text } from "./dom.js";
 import { field, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
@@ -16,11 +17,28 @@ let lastTag = 0;
 
 /** A form for one instruction. `first` lists members that are always seen; without it all of them are. */
 export class InstructionForm {
+  /** The travel limit that the preview of a line leaves. @type {{ line: string | null, text: string } | null} */
+  beyond = null;
+  /** The line that a person wants to execute although it leaves the travel limits. @type {string | null} */
+  sure = null;
+  /** The checked line, or `null`. @type {string | null} */
+  line = null;
+
+  /**
+   * @param {import("./app.js").App} app
+   * @param {import("../types/protocol.js").InstructionForm} instruction
+   * @param {object} choice
+   * @param {string} choice.object
+   * @param {string[] | null} [choice.first]
+   * @param {((object: string) => void) | null} [choice.onobject]
+   * @param {Record<string, unknown>} [choice.values]
+   */
   constructor(app, instruction, { object, first = null, onobject = null, values = {} }) {
-    Object.assign(this, { app, instruction, onobject });
+    this.app = app;
+    this.instruction = instruction;
+    this.onobject = onobject;
     this.fields = new Map();
     this.touched = new Set();
-    this.line = null;
     this.asked = 0;
     const { target_position: rule } = instruction;
     this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#edit());
@@ -29,7 +47,7 @@ export class InstructionForm {
       if (rule && (operand.member === rule.targets || operand.member === rule.vias)) continue;
       this.fields.set(operand.member, field(operand, app, () => this.words(), () => this.#edit(operand.member)));
     }
-    [this.target] = instruction.operands;
+    this.target = instruction.operands[0];
     this.control = instruction.operands.find(({ kind }) => kind === "control");
     for (const [member, value] of Object.entries(values)) this.fields.get(member)?.write(value);
     this.fields.get(this.target.member).write(object);
@@ -37,7 +55,8 @@ export class InstructionForm {
     this.code = h("code");
     this.copy = h("button", { type: "button", onclick: () => this.#copy() }, icon("copy"), "Copy");
     this.problem = h("div.problem", { role: "alert", hidden: true });
-    this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), "Run");
+    this.runText = h("span", {}, "Run");
+    this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), this.runText);
     this.why = h("small.why");
     this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#edit() });
     this.element = h("div.form", { "aria-label": `${instruction.mnemonic}, ${instruction.title}` },
@@ -123,7 +142,7 @@ export class InstructionForm {
   }
 
   /** A form shows a preview by itself only after an edit, and not after it has run. */
-  #edit(member = null) {
+  #edit(member = "") {
     this.edited = true;
     this.touched.add(member);
     this.#changed();
@@ -163,6 +182,7 @@ export class InstructionForm {
     const wrong = [];
     const words = this.words();
     for (const [member, item] of this.fields) {
+      /** @type {string | null} */
       let problem = null;
       try {
         if (isShown(item.operand, words)) operands[member] = item.read();
@@ -212,8 +232,9 @@ export class InstructionForm {
 
   /** Marks the operand that an error names: by member, or by EXERR of "Parameter Out Of Range". */
   #mark(error) {
-    const counted = error.err === 13 ? this.instruction.operands[error.exerr]?.member : null;
-    const member = error.member ?? counted;
+    const { err, exerr, member: named } = refusalOf(error);
+    const counted = err === 13 && typeof exerr === "number" ? this.instruction.operands[exerr]?.member : null;
+    const member = named ?? counted ?? "";
     this.fields.get(member)?.input.setAttribute("aria-invalid", "");
     this.fields.get(member)?.row?.closest("details")?.setAttribute("open", "");
   }
@@ -225,23 +246,32 @@ export class InstructionForm {
       const preview = await this.app.connection.request("preview", { text: this.line });
       if (turn !== this.asked) return;
       this.app.setPreview(preview);
+      this.beyond = preview.travel && { line: this.line, text: preview.travel.text };
       this.#say(null);
     } catch (error) {
       if (turn !== this.asked) return;
       this.app.setPreview(null);
       this.#mark(error);
-      if (!quiet || error.err) this.#say(error);
+      if (!quiet || refusalOf(error).err) this.#say(error);
     }
   }
 
   /** Whether a preview makes sense: the instruction makes a process of its own. */
   get moves() {
-    return this.instruction.preview ?? this.instruction.operands.some(({ member }) => member === "Position" || member === "Path");
+    return this.instruction.operands.some(({ member }) => member === "Position" || member === "Path");
   }
 
   async #run() {
     if (!this.line || this.run.disabled) return;
     const { line } = this;
+    if (this.beyond?.line === line && this.sure !== line) {
+      // As in Logix such a move is accepted, and the axis stops beyond its limit: a person decides, with a second press.
+      this.sure = line;
+      this.#say({ text: `The move leaves the travel limits: ${this.beyond.text}. Press "Run anyway" to execute it.` });
+      this.update();
+      return;
+    }
+    this.sure = null;
     try {
       this.edited = false;
       await this.app.connection.request("execute", { text: line });
@@ -261,7 +291,7 @@ export class InstructionForm {
       await navigator.clipboard.writeText(this.line ?? "");
       this.app.toasts.good("Copied");
     } catch {
-      getSelection().selectAllChildren(this.code);
+      getSelection()?.selectAllChildren(this.code);
     }
   }
 
@@ -272,14 +302,15 @@ export class InstructionForm {
     const { object } = this;
     const reason = !connection.isOpen ? "No connection." : !store.drives(object) && !STOPS.has(this.instruction.mnemonic) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
+    text(this.runText, this.line !== null && this.sure === this.line ? "Run anyway" : "Run");
     text(this.why, reason);
     state(this.element, "ready", String(reason === ""));
   }
 }
 
 /** The next of a few motion control tags; a name that a user has typed is kept. */
-function nextTag(present = null) {
-  if (present !== null && !/^Hmi[1-8]$/.test(present)) return present;
+function nextTag(present = "") {
+  if (present !== "" && !/^Hmi[1-8]$/.test(present)) return present;
   lastTag = (lastTag % TAGS) + 1;
   return `Hmi${lastTag}`;
 }

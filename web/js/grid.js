@@ -44,7 +44,7 @@ export function flatGrid(context, camera, plane, colours, names) {
   const labels = new Labels(context);
   context.lineWidth = 1;
   context.font = `11px ${colours.font}`;
-  for (const [vertical, [from, to]] of [[true, span(width, centre[across])], [false, span(tall, centre[along])]]) {
+  for (const [vertical, [from, to]] of /** @type {const} */ ([[true, span(width, centre[across])], [false, span(tall, centre[along])]])) {
     for (let k = from; k <= to; k++) {
       const at = Math.round((vertical ? x : y)(k * step)) + 0.5;
       context.strokeStyle = k === 0 ? colours.line : colours.grid;

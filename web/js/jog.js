@@ -1,21 +1,29 @@
 // Hold to move. While a button or key is held the server hears so every 50 ms; whatever lets go, the axis stops:
 // release, leaving the window, hiding the page, a cancelled touch, the Esc key, a closed page, a broken network.
 
+import { Emitter } from "./emitter.js";
+
+/** @import { App } from "./app.js" */
+
 const KEEP_MS = 50;
 
-/** All jogs of this page. */
-export class Jogger {
+/**
+ * All jogs of this page.
+ * @extends {Emitter<{ change: void }>}
+ */
+export class Jogger extends Emitter {
   #held = new Map();
   #timer = 0;
 
+  /** @param {App} app */
   constructor(app) {
+    super();
     this.app = app;
-    this.onchange = () => {};
     const endAll = () => this.endAll();
     addEventListener("blur", endAll);
     addEventListener("pagehide", endAll);
     document.addEventListener("visibilitychange", () => document.hidden && endAll());
-    app.connection.addEventListener("lost", () => this.#forget());
+    app.connection.on("lost", () => this.#forget());
   }
 
   /** Whether an axis is held. */
@@ -28,7 +36,7 @@ export class Jogger {
     if (!speed || this.#held.has(axis) || document.hidden) return;
     this.#held.set(axis, speed);
     if (!this.#timer) this.#timer = setInterval(() => this.#keep(), KEEP_MS);
-    this.onchange();
+    this.emit("change", undefined);
     try {
       await this.app.connection.request("jog", { axis, speed });
     } catch (error) {
@@ -75,7 +83,7 @@ export class Jogger {
       clearInterval(this.#timer);
       this.#timer = 0;
     }
-    this.onchange();
+    this.emit("change", undefined);
   }
 
   /** Makes a button that is held: by pointer, or by Space or Enter while it has the focus. */

@@ -10,6 +10,7 @@ const DOING = [["HomingStatus", "Homing"], ["JogStatus", "Jogging"], ["PositionC
 export class Machine {
   title = "Machine";
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const { machine } = app.store;
@@ -64,6 +65,7 @@ export class Machine {
   update() {
     const { store } = this.app;
     const { status } = store;
+    if (!status) return;
     for (const row of this.axes) this.#updateAxis(row, store.axisStatus(row.axis.name));
     for (const part of this.systems) this.#updateSystem(part, store.systemStatus(part.system.name));
     const faults = status.axes.flatMap(({ name, faults: words }) => words.map((word) => `${name} ${word}`));
@@ -77,7 +79,7 @@ export class Machine {
     }
     const { realtime, group } = status;
     const micro = (value) => (Number.isFinite(value) ? `${Math.round(value)} µs` : "–");
-    text(this.health.state, group?.state ?? (group?.bits?.includes("GroupSynced") ? "Synchronized" : "–"));
+    text(this.health.state, group.bits.includes("GroupSynced") ? "Synchronized" : "–");
     text(this.health.tick, `${status.tick} · ${duration(status.time_s)}`);
     text(this.health.p50, micro(realtime?.p50_us));
     text(this.health.p99, micro(realtime?.p99_us));
@@ -128,7 +130,7 @@ export class Machine {
     state(part.override, "kind", status.held ? "warn" : "calm");
     const position = status.position.map((value) => fixed(value, 3));
     if (part.position.children.length !== position.length) fill(part.position, position.map(() => [h("span"), " "]));
-    position.forEach((value, k) => text(part.position.children[k], value));
+    for (const [k, value] of position.entries()) text(part.position.children[k], value);
     const driver = store.driver(part.system.name);
     text(part.driver, driver === null ? "no page" : driver === store.viewer ? "you" : driver);
     state(part.driver, "kind", driver === store.viewer && driver !== null ? "mine" : "calm");

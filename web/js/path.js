@@ -12,7 +12,12 @@ export class Path {
   title = "Path";
   /** This view shows the moment that is chosen. */
   hasTime = true;
+  /** The rows of the axes. @type {any[]} */
+  rows = [];
+  /** The rows of a robot's tool. @type {any[]} */
+  tool = [];
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const host = h("div.path-canvas");
@@ -27,16 +32,16 @@ export class Path {
     this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
       ({ left: over.offsetLeft, right: over.offsetLeft + over.offsetWidth, bottom: over.offsetTop + over.offsetHeight }));
     this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown, without the paths programmed now.");
-    this.timebar = new Timebar(app, () => [app.moment.shown - this.canvas.trailSeconds / app.samples.period, app.moment.shown]);
+    this.timebar = new Timebar(app, () => [app.timeCursor.shown - this.canvas.trailSeconds / app.samples.period, app.timeCursor.shown]);
     this.element = h("section.view.path", { "aria-label": this.title },
       h("div.toolbar", {}, this.choice, this.looks.element, trail.element, this.#layers(), h("span.spring"),
         h("button", { type: "button", onclick: () => this.canvas.fit() }, icon("fit"), "Fit"),
         h("button", { type: "button", onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview")),
       h("div.path-stage", {}, host, this.readout, this.old, this.legend),
       this.timebar.element);
-    app.addEventListener("preview", () => this.#preview());
-    app.moment.addEventListener("change", () => {
-      this.old.hidden = app.moment.tick === null;
+    app.on("preview", () => this.#preview());
+    app.timeCursor.on("change", () => {
+      this.old.hidden = app.timeCursor.tick === null;
       this.update();
     });
     if (names.length) this.#show(names[0]);
@@ -67,7 +72,7 @@ export class Path {
 
   #show(name) {
     this.canvas.show(name);
-    const { system } = this.canvas;
+    const system = this.app.store.configuredSystem(name);
     this.looks.choose(system.axes.length > 2 ? "space" : "top");
     this.rows = system.axes.map((axis) => ({ axis, command: h("output"), error: h("small") }));
     this.tool = (this.app.samples.system(name).tool ?? []).map((series) => ({ series, place: h("output") }));
@@ -75,8 +80,8 @@ export class Path {
     this.rest = h("small");
     const { store } = this.app;
     this.readout.replaceChildren(
-      ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.series(axis) }, axis), command, h("abbr", {}, store.axis(axis).units), error)),
-      ...this.tool.map(({ place }, k) => h("div", {}, h("span.dro-axis", { "data-series": k, title: "The tool in the frame of the base" }, BASE[k]), place)),
+      ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.series(axis) }, axis), command, h("abbr", {}, store.configuredAxis(axis).units), error)),
+      ...this.tool.map(({ place }, k) => h("div", {}, h("span.dro-axis", { "data-series": k, title: "The tool in the frame of the base" }, BASE[k]), place, h("abbr", {}, store.toolUnits()))),
       h("div.dro-speed", {}, h("span.dro-axis", {}, "v"), this.speed, h("abbr", {}, rate(store.axis(system.axes[0])?.units ?? "", 1)), this.rest));
     this.update();
   }
@@ -84,7 +89,7 @@ export class Path {
   #preview() {
     const { preview } = this.app;
     const first = preview?.paths?.[0]?.coordinate_system;
-    if (first && first !== this.canvas.system.name) {
+    if (first && first !== this.canvas.system?.name) {
       this.choice.value = first;
       this.#show(first);
     }
@@ -92,20 +97,22 @@ export class Path {
   }
 
   update() {
-    const { store, samples, moment } = this.app;
-    const tick = moment.shown;
+    const { store, samples, timeCursor } = this.app;
+    const tick = timeCursor.shown;
     for (const { axis, command, error } of this.rows) {
       const kept = samples.axis(axis);
       const status = store.axisStatus(axis);
-      const live = moment.tick === null;
+      const live = timeCursor.tick === null;
       text(command, fixed(live ? status?.actual ?? NaN : kept.actual.at(tick), 3));
       text(error, `Δ ${fixed(live ? status?.error ?? NaN : kept.error.at(tick), 4)}`);
     }
     for (const { series, place } of this.tool) text(place, fixed(series.at(tick), 3));
-    const system = store.systemStatus(this.canvas.system.name);
-    text(this.speed, fixed(moment.tick === null ? system?.speed ?? NaN : samples.system(this.canvas.system.name).speed.at(tick), 2));
-    const active = moment.tick === null ? system?.active : null;
-    text(this.rest, active ? `${active.tag} ${Math.round(100 * (active.progress ?? 0))} % · ${duration(active.eta_s)}` : "");
-    toggle(this.readout, "old", moment.tick !== null);
+    const name = this.canvas.system?.name;
+    if (name === undefined) return;
+    const system = store.systemStatus(name);
+    text(this.speed, fixed(timeCursor.tick === null ? system?.speed ?? NaN : samples.system(name).speed.at(tick), 2));
+    const active = timeCursor.tick === null ? system?.active : null;
+    text(this.rest, active ? `${active.tag} ${Math.round(100 * (active.progress ?? 0))} % · ${duration(active.eta_s ?? NaN)}` : "");
+    toggle(this.readout, "old", timeCursor.tick !== null);
   }
 }

@@ -6,6 +6,8 @@ import { Stage, gestures } from "./canvas.js";
 import { flatGrid, groundGrid, triad } from "./grid.js";
 import { axisColour, palette } from "./theme.js";
 
+/** @import { Paths, Simulated, SystemConfiguration } from "../types/protocol.js" */
+
 const TRAIL_POINTS = 1600;
 const TRAIL_SHADES = 6;
 const LEAST_BOX = 10;
@@ -14,20 +16,23 @@ export const BASE = ["X1", "X2", "X3"];
 
 /** A path picture in `host`. */
 export class PathCanvas {
-  /** The coordinate system that is shown. */
+  /** The coordinate system that is shown. @type {SystemConfiguration | null} */
   system = null;
-  /** The answer of a preview or dry run, or `null`. */
+  /** The answer of a preview or dry run. @type {Simulated | null} */
   preview = null;
   /** Length of the trail in seconds. */
   trailSeconds = 20;
-  /** Gives what lies over the top of the picture: `{left, right, bottom}` in its pixels. */
+  /** Gives what lies over the top of the picture: `{left, right, bottom}` in its pixels. @type {() => { left: number, right: number, bottom: number }[]} */
   covers = () => [];
   /** What is drawn. */
   layers = { path: true, trail: true, tolerance: true };
   #untouched = true;
+  /** @type {[number[], number[]] | null} */
   #fitted = null;
+  /** @type {number[][]} */
   #points = [];
 
+  /** @param {HTMLElement} host @param {import("./app.js").App} app @param {string} label */
   constructor(host, app, label = "Path of the coordinate system") {
     this.app = app;
     this.camera = new Camera();
@@ -51,7 +56,7 @@ export class PathCanvas {
 
   /** Shows a coordinate system, from above or in space. */
   show(name, look = null) {
-    this.system = this.app.store.system(name);
+    this.system = this.app.store.configuredSystem(name);
     this.look(look ?? (this.system.axes.length > 2 ? "space" : "top"));
   }
 
@@ -96,10 +101,10 @@ export class PathCanvas {
     const moves = { ArrowLeft: [step, 0], ArrowRight: [-step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
     const middle = [this.camera.width / 2, this.camera.tall / 2];
     if (moves[event.key]) {
-      if (event.shiftKey || this.camera.plane) this.camera.pan(...moves[event.key]);
-      else this.camera.orbit(...moves[event.key]);
-    } else if (event.key === "+" || event.key === "=") this.camera.zoom(1.25, ...middle);
-    else if (event.key === "-") this.camera.zoom(0.8, ...middle);
+      if (event.shiftKey || this.camera.plane) this.camera.pan(moves[event.key][0], moves[event.key][1]);
+      else this.camera.orbit(moves[event.key][0], moves[event.key][1]);
+    } else if (event.key === "+" || event.key === "=") this.camera.zoom(1.25, middle[0], middle[1]);
+    else if (event.key === "-") this.camera.zoom(0.8, middle[0], middle[1]);
     else if (event.key === "f" || event.key === "F") {
       this.fit();
       return;
@@ -110,15 +115,16 @@ export class PathCanvas {
 
   /** The trail as points of three numbers, oldest first, up to the moment that is shown. */
   #trail() {
-    const { samples, moment } = this.app;
+    const { samples, timeCursor } = this.app;
     const axes = this.#series();
-    const end = moment.tick ?? samples.end - 1;
+    const end = timeCursor.tick ?? samples.end - 1;
     const span = Math.round(this.trailSeconds / samples.period);
     const step = Math.max(1, Math.ceil(span / TRAIL_POINTS));
     const from = Math.max(samples.first, end - span);
     // Points that would fall on the same pixel are one: a rest does not use up the shades.
     const least = 0.4 / this.camera.scale;
     const points = [];
+    /** @type {number[] | null} */
     let last = null;
     for (let tick = Math.ceil(from / step) * step; tick < end; tick += step) {
       const next = point(axes, tick);
@@ -133,35 +139,37 @@ export class PathCanvas {
   /** What is drawn of it over time: where its axes really are, or its tool. */
   #series() {
     const { samples } = this.app;
+    if (!this.system) return [];
     return samples.system(this.system.name).tool ?? this.system.axes.slice(0, 3).map((name) => samples.axis(name).actual);
   }
 
   /** The directions of the picture. */
   #names() {
-    return this.system.robot ? BASE : this.system.axes;
+    return this.system?.robot ? BASE : this.system?.axes ?? [];
   }
 
   /** Where it is at the moment that is shown; `null` before anything is known. */
   #place() {
-    const { samples, moment, store } = this.app;
-    const end = moment.tick ?? samples.end - 1;
+    const { samples, timeCursor, store } = this.app;
+    if (!this.system) return null;
+    const end = timeCursor.tick ?? samples.end - 1;
     const place = point(this.#series(), end);
     if (place.every(Number.isFinite)) return place;
     if (this.system.robot) return null;
     return store.status && spread(this.system.axes.map((name) => store.axisStatus(name)?.actual ?? 0));
   }
 
-  /** The programmed paths are those of the present: an earlier moment has none. */
+  /** The programmed paths are those of the present: an earlier moment has none. @returns {Paths} */
   #paths() {
-    if (this.app.moment.tick !== null) return { active: [], pending: [], tolerance: [] };
-    const path = this.app.store.systemStatus(this.system.name)?.path ?? {};
-    return { active: path.active ?? [], pending: path.pending ?? [], tolerance: path.tolerance ?? [] };
+    const path = this.app.timeCursor.tick === null && this.system ? this.app.store.systemStatus(this.system.name)?.path : null;
+    return path ?? { active: [], pending: [], tolerance: [] };
   }
 
   #previewPaths() {
-    return (this.preview?.paths ?? []).filter((path) => path.coordinate_system === this.system.name);
+    return (this.preview?.paths ?? []).filter((path) => path.coordinate_system === this.system?.name);
   }
 
+  /** The least and the greatest coordinates of what is shown. @returns {[number[], number[]]} */
   #box() {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
@@ -172,8 +180,8 @@ export class PathCanvas {
     });
     if (this.system) {
       const { active, pending } = this.#paths();
-      [active, ...pending].forEach((line) => line.forEach(take));
-      this.#previewPaths().forEach((path) => path.points.forEach(take));
+      [active, ...pending].flat().forEach(take);
+      this.#previewPaths().flatMap((path) => path.points).forEach(take);
       this.#points.forEach(take);
       const place = this.#place();
       if (place) take(place);
@@ -216,11 +224,11 @@ export class PathCanvas {
     if (this.layers.tolerance) circles(context, project, this.camera.scale, tolerance, colours.warn);
     for (const path of this.#previewPaths()) {
       stroke(context, project, path.points, colours.preview, 2.25);
-      if (this.layers.tolerance) circles(context, project, this.camera.scale, path.blends ?? [], colours.preview);
+      if (this.layers.tolerance) circles(context, project, this.camera.scale, path.blends, colours.preview);
       ends(context, project, path.points, colours.preview);
     }
     this.#drawPlace(context, project, colours);
-    if (!plane) triad(context, this.camera, colours, this.#names(), (name, k) => axisColour(this.system.robot ? k : this.app.store.place(name)));
+    if (!plane) triad(context, this.camera, colours, this.#names(), (name, k) => axisColour(this.system?.robot ? k : this.app.store.place(name)));
   }
 
   /** Until somebody moves the picture it grows with what it shows; it does not shrink by itself. */
@@ -228,6 +236,7 @@ export class PathCanvas {
     const [left, right] = this.#fitted ?? [low, high];
     const outside = low.some((value, k) => value < left[k] - 1e-9 || high[k] > right[k] + 1e-9);
     if (this.#fitted && !outside) return;
+    /** @type {[number[], number[]]} */
     const box = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
     this.#fitted = this.#place() && box;
     this.camera.fit(box, this.covers());

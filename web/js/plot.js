@@ -66,6 +66,7 @@ function extremaColumns(memory, series, from, to, width) {
   return out;
 }
 
+/** @param {Float64Array[]} columns @returns {[number, number]} */
 function reach(columns) {
   let [least, greatest] = [Infinity, -Infinity];
   for (const column of columns) {
@@ -136,7 +137,7 @@ function drawLane(context, width, lane, columns, { top, tall, from, to }, colour
   context.beginPath();
   context.rect(MARGIN.left, top, right - MARGIN.left, tall);
   context.clip();
-  lane.lines.forEach((line, k) => drawLine(context, columns[k], line, (tick) => pixelOf(tick, width, from, to), y));
+  for (const [k, line] of lane.lines.entries()) drawLine(context, columns[k], line, (tick) => pixelOf(tick, width, from, to), y);
   context.restore();
   const title = `${lane.title}  ${lane.unit}`;
   context.font = `600 11px ${colours.font}`;

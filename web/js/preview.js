@@ -5,6 +5,7 @@ import { duration, short } from "./format.js";
 
 /** A small table of the facts of a preview; empty without one. */
 export class PreviewFacts {
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     this.element = h("div.preview-facts", { "aria-live": "polite", hidden: true });
@@ -16,13 +17,13 @@ export class PreviewFacts {
     if (!preview) return;
     const { limit, duration_s: seconds, ticks } = preview;
     const rows = (preview.peaks ?? []).filter(({ velocity, acceleration }) => velocity > 0 || acceleration > 0).map((peak) => {
-      const axis = this.app.store.axis(peak.axis) ?? {};
+      const axis = this.app.store.configuredAxis(peak.axis);
       return h("tr", {}, h("th", { scope: "row" }, peak.axis),
         cell(peak.velocity, axis.max_speed), cell(peak.acceleration, axis.max_acceleration), cell(peak.jerk, axis.max_acceleration_jerk));
     });
     fill(this.element,
       h("p", {}, h("b", {}, "Takes "), Number.isFinite(seconds) ? duration(seconds) : "no end", ticks ? ` (${ticks} ticks)` : "",
-        limit ? h("span.limit", {}, ` First limit: ${limit.text ?? limit}`) : h("span.within", {}, rows.length ? " Within every limit." : "")),
+        limit ? h("span.limit", {}, ` First limit: ${limit.text}`) : h("span.within", {}, rows.length ? " Within every limit." : "")),
       rows.length > 0 && h("table", {}, h("thead", {}, h("tr", {}, ["Peak", "Speed", "Acceleration", "Jerk"].map((name) => h("th", { scope: "col" }, name)))),
         h("tbody", {}, rows)));
   }

@@ -3,19 +3,26 @@
 import { ControlBar } from "./control.js";
 import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
 import { Editor } from "./editor.js";
+import { save } from "./export.js";
 import { PathCanvas } from "./path_canvas.js";
 import { PreviewFacts } from "./preview.js";
-import { keep } from "./theme.js";
+import { keep } from "./keep.js";
 import { STOPS } from "./form.js";
 import { explanation } from "./toasts.js";
+
+/** @import { ProgramStatus } from "../types/protocol.js" */
 
 const KEY = "arcline.program";
 const CHECK_MS = 250;
 const WORDS = { idle: "No program is running", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
 
+/** What is shown before the server has told. @type {ProgramStatus} */
+const IDLE = { state: "idle", line: null, viewer: null, error: null, run: -1 };
+
 export class Program {
   title = "Program";
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const { store } = app;
@@ -47,11 +54,11 @@ export class Program {
         h("div.program-side", {}, this.control.element, this.problem,
           h("div.panel", {}, h("div.row", {}, h("h2", {}, "Dry run"), h("span.spring"), this.system.element), host, this.facts.element, this.events))));
     this.check = calm(CHECK_MS, (source) => this.#check(source));
-    store.addEventListener("program", () => this.#program());
+    store.on("program", () => this.#program());
     this.editor.text = keep.get(KEY) ?? example(store.machine);
     if (systems.length) this.#showSystem(systems[0][0]);
     this.#program();
-    app.connection.addEventListener("open", () => this.check(this.editor.text));
+    app.connection.on("open", () => this.check(this.editor.text));
   }
 
   show() {
@@ -102,14 +109,14 @@ export class Program {
     try {
       const answer = await this.app.connection.request("dry_run", { text: this.editor.text });
       const first = answer.paths?.[0]?.coordinate_system;
-      if (first && !answer.paths.some((path) => path.coordinate_system === this.canvas.system.name)) {
+      if (first && !answer.paths.some((path) => path.coordinate_system === this.canvas.system?.name)) {
         this.system.choose(first);
         this.#showSystem(first);
       }
       this.canvas.setPreview(answer);
       this.facts.show(answer);
-      const wrong = (answer.events ?? []).filter(({ err, ERR }) => err || ERR);
-      fill(this.events, wrong.map((event) => h("li.bad", {}, `${event.instruction} ${event.tag}: `, event.error ? event.error.text : `ERR ${event.err ?? event.ERR}`)));
+      const wrong = (answer.events ?? []).filter(({ err }) => err);
+      fill(this.events, wrong.map((event) => h("li.bad", {}, `${event.instruction} ${event.tag}: `, event.error ? event.error.text : `ERR ${event.err}`)));
     } catch (error) {
       this.#fault(error);
     } finally {
@@ -145,7 +152,7 @@ export class Program {
   }
 
   #program() {
-    const program = this.app.store.program ?? { state: "idle", line: null };
+    const program = this.app.store.program ?? IDLE;
     // The error of an earlier run is over when another one begins.
     if (program.run !== this.run || (program.state !== "failed" && this.failed)) this.#forget();
     this.run = program.run;
@@ -197,9 +204,7 @@ export class Program {
   }
 
   #save() {
-    const link = h("a", { href: URL.createObjectURL(new Blob([this.editor.text], { type: "text/plain" })), download: "program.st" });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    save(new Blob([this.editor.text], { type: "text/plain" }), "program.st");
   }
 }
 

@@ -3,8 +3,10 @@
 // What was before the page came may be known of a few ticks at a time only: exact are then its extrema and every first
 // value, and between two of these lies a straight line.
 
+import { found } from "./dom.js";
+
 const MAGIC = 0x31435241; // "ARC1", little-endian
-const PAST = 0x32435241; // "ARC2"
+const HISTORY = 0x32435241; // "ARC2"
 const HEAD = 24;
 const SECONDS = 660;
 const BUCKETS = [16, 256];
@@ -123,12 +125,12 @@ export class Samples {
 
   /** The signals of an axis by the kinds of `KINDS`, and `actual`. */
   axis(name) {
-    return this.axes.find((axis) => axis.name === name);
+    return found(this.axes.find((axis) => axis.name === name), name);
   }
 
   /** The path speed of a coordinate system, and of a robot's `tool`: where it is in the frame of the base; `null` of others. */
   system(name) {
-    return this.systems.find((system) => system.name === name);
+    return found(this.systems.find((system) => system.name === name), name);
   }
 
   /** Seconds since tick 0. */
@@ -139,7 +141,7 @@ export class Samples {
   /** Takes a frame; gives its first tick, or `null` if it was none of this machine. */
   add(buffer) {
     const frame = read(buffer, MAGIC);
-    if (frame?.columns !== this.columns) return null;
+    if (!frame || frame.columns !== this.columns) return null;
     const { start, count, value } = frame;
     this.#skipTo(start, count);
     for (let row = 0; row < count; row++) {
@@ -149,13 +151,13 @@ export class Samples {
   }
 
   /** Whether a frame is one of what was before. */
-  static isPast(buffer) {
-    return buffer.byteLength >= HEAD && new DataView(buffer).getUint32(0, true) === PAST;
+  static isHistory(buffer) {
+    return buffer.byteLength >= HEAD && new DataView(buffer).getUint32(0, true) === HISTORY;
   }
 
   /** Takes a frame of what was before the tick `before`, behind which everything is known. */
   fill(buffer, before) {
-    const frame = read(buffer, PAST, this.columns);
+    const frame = read(buffer, HISTORY, this.columns);
     if (!frame || before > this.end) return;
     const { start, count, every, columns } = frame;
     // The oldest buckets are about to be overwritten.
@@ -206,11 +208,11 @@ export class Samples {
   #extrema({ value }, row, from, to) {
     const enter = (series, column) => series.cover(from, to, value(row, column, 1), value(row, column, 2));
     this.axes.forEach((axis, k) => {
-      [axis.position, axis.velocity, axis.acceleration, axis.actual].forEach((series, column) => enter(series, 4 * k + column));
-      [axis.jerk, axis.error].forEach((series, column) => enter(series, this.columns + 2 * k + column));
+      for (const [column, series] of [axis.position, axis.velocity, axis.acceleration, axis.actual].entries()) enter(series, 4 * k + column);
+      for (const [column, series] of [axis.jerk, axis.error].entries()) enter(series, this.columns + 2 * k + column);
     });
-    this.systems.forEach((system, k) => enter(system.speed, 4 * this.axes.length + k));
-    this.tools.forEach((series, k) => enter(series, 4 * this.axes.length + this.systems.length + k));
+    for (const [k, { speed }] of this.systems.entries()) enter(speed, 4 * this.axes.length + k);
+    for (const [k, series] of this.tools.entries()) enter(series, 4 * this.axes.length + this.systems.length + k);
   }
 
   #each(take) {
@@ -251,8 +253,8 @@ export class Samples {
       axis.acceleration.stored[place] = column(4 * k + 2);
       axis.error.stored[place] = command - column(4 * k + 3);
     });
-    this.systems.forEach((system, k) => (system.speed.stored[place] = column(4 * this.axes.length + k)));
-    this.tools.forEach((series, k) => (series.stored[place] = column(4 * this.axes.length + this.systems.length + k)));
+    for (const [k, { speed }] of this.systems.entries()) speed.stored[place] = column(4 * this.axes.length + k);
+    for (const [k, series] of this.tools.entries()) series.stored[place] = column(4 * this.axes.length + this.systems.length + k);
   }
 
   #kept(kind) {

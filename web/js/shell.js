@@ -11,6 +11,7 @@ const MISSED_MS = 10_000;
 
 /** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
 export class Shell {
+  /** @param {import("./app.js").App} app */
   constructor(app, views) {
     this.app = app;
     this.views = views;
@@ -36,8 +37,8 @@ export class Shell {
     this.main = h("main", { id: "view", tabindex: "-1" });
     this.pausedText = h("span");
     this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
-      h("button", { type: "button", onclick: () => app.moment.live() }, icon("live"), "Show the present everywhere"));
-    app.moment.addEventListener("change", () => this.#showPaused());
+      h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Show the present everywhere"));
+    app.timeCursor.on("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
       this.bar, this.banner, this.nav, h("div.page", {}, this.paused, this.main), app.toasts.element);
     theme.onchange(() => this.#showTheme());
@@ -77,8 +78,8 @@ export class Shell {
 
   /** A view without time stays live while the pictures show an earlier moment: it says so. */
   #showPaused() {
-    const { moment } = this.app;
-    this.paused.hidden = moment.tick === null || this.view.hasTime === true;
+    const { timeCursor } = this.app;
+    this.paused.hidden = timeCursor.tick === null || this.view.hasTime === true;
     text(this.pausedText, `Path and Trends are paused. ${this.view.title} shows the present.`);
   }
 
@@ -93,6 +94,7 @@ export class Shell {
   update() {
     const { store } = this.app;
     const { status } = store;
+    if (!status) return;
     const moving = status.axes.filter((axis) => axis.moving).length;
     const faulted = status.axes.filter((axis) => axis.faults?.length).length;
     text(this.motion, faulted ? `${faulted} ${faulted === 1 ? "axis" : "axes"} faulted` : moving ? `${moving} ${moving === 1 ? "axis" : "axes"} moving` : "Standing still");
@@ -108,7 +110,7 @@ export class Shell {
       this.newlyMissed = this.missed === undefined ? 0 : realtime.missed - this.missed;
       this.missed = realtime.missed;
     }
-    const missed = performance.now() - this.missedAt < MISSED_MS;
+    const missed = performance.now() - (this.missedAt ?? -Infinity) < MISSED_MS;
     const ticks = `${this.newlyMissed} ${this.newlyMissed === 1 ? "tick" : "ticks"} missed`;
     text(this.tick, !realtime ? "" : missed ? ticks : `tick ${Math.round(realtime.p99_us)} µs late`);
     const title = missed ? "A tick ended after the next one was due. Positions are not changed by it; the Machine view counts all missed ticks."

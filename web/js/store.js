@@ -1,52 +1,89 @@
 // What the page knows of the machine: its description, the newest status, who drives what.
 // A push holds only what has changed of the heavy parts; the store puts it together.
 
+import { found } from "./dom.js";
+import { Emitter } from "./emitter.js";
 import { seriesOf } from "./theme.js";
 
-/** Events: `status` (15 times a second), `control`, `program`, `values`, `events`, `hello`. */
-export class Store extends EventTarget {
-  /** The answer of `/api/machine`. */
-  machine = null;
-  /** The answer of `/api/instructions`. */
-  catalogue = null;
-  /** The newest status, with every part. */
+/** @import { AxisConfiguration, Catalogue, Event, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
+
+/**
+ * Events: `status` 15 times a second, `program`, `values` of watched tags, `events`.
+ * @extends {Emitter<{ status: void, program: void, values: Record<string, unknown>, events: Event[] }>}
+ */
+export class Store extends Emitter {
+  /** The newest status, with every part. @type {Status | null} */
   status = null;
-  /** This viewer's name, as it stands in `status.drivers`. */
+  /** This viewer's name, as it stands in `status.drivers`. @type {string | null} */
   viewer = null;
-  /** The newest `program` push. */
+  /** The newest `program` push. @type {ProgramStatus | null} */
   program = null;
 
-  /** Reads the description of the machine; the page cannot do anything without it. */
-  async load() {
-    const [machine, catalogue] = await Promise.all(["/api/machine", "/api/instructions"].map(json));
+  /** @param {Machine} machine @param {Catalogue} catalogue */
+  constructor(machine, catalogue) {
+    super();
+    /** The answer of `/api/machine`. */
     this.machine = machine;
+    /** The answer of `/api/instructions`. */
     this.catalogue = catalogue;
-    this.status = null;
   }
 
-  /** Takes a push of the server. */
+  /** Reads the description of the machine; the page cannot do anything without it. */
+  static async load() {
+    const [machine, catalogue] = await Promise.all(["/api/machine", "/api/instructions"].map(json));
+    return new Store(machine, catalogue);
+  }
+
+  /** Takes a push of the server. @param {Push} message */
   take(message) {
-    if (message.push === "status") {
-      this.status = merged(this.status, message);
-    } else if (message.push === "hello") {
-      this.viewer = message.viewer;
-    } else if (message.push === "program") {
-      this.program = { ...this.program, ...message };
-    } else if (message.push === "control" && this.status) {
-      this.status.drivers = message.drivers ?? this.status.drivers;
+    switch (message.push) {
+      case "status":
+        this.status = merged(this.status, message);
+        this.emit("status", undefined);
+        break;
+      case "hello":
+        this.viewer = message.viewer;
+        break;
+      case "program":
+        this.program = { ...this.program, ...message };
+        this.emit("program", undefined);
+        break;
+      case "values":
+        this.emit("values", message.values);
+        break;
+      case "event":
+        this.emit("events", message.events);
+        break;
+      default:
+        unknown(message);
     }
-    const type = message.push === "event" ? "events" : message.push;
-    this.dispatchEvent(new CustomEvent(type, { detail: message }));
   }
 
-  /** The configuration of an axis. */
+  /** The configuration of an axis that there is. @param {string} name */
+  configuredAxis(name) {
+    return found(this.axis(name), name);
+  }
+
+  /** The configuration of a coordinate system that there is. @param {string} name */
+  configuredSystem(name) {
+    return found(this.system(name), name);
+  }
+
+  /** The configuration of an axis, if the name is one. @param {string} name */
   axis(name) {
     return this.machine.axes.find((axis) => axis.name === name);
   }
 
-  /** The configuration of a coordinate system. */
+  /** The configuration of a coordinate system, if the name is one. @param {string} name */
   system(name) {
     return this.machine.coordinate_systems.find((system) => system.name === name);
+  }
+
+  /** The units of the position of a robot's tool: those of the linear axes, where they agree, since its links have the same. */
+  toolUnits() {
+    const linear = new Set(this.machine.axes.filter(({ rotary, units }) => !rotary && !/^deg/i.test(units)).map(({ units }) => units));
+    const [units] = linear;
+    return linear.size === 1 ? units : "units";
   }
 
   /** The status of an axis, `undefined` before the first push. */
@@ -114,15 +151,16 @@ export class Store extends EventTarget {
   }
 }
 
+/** A status with the paths of the status before where it has none. @param {Status | null} old @param {Status} fresh @returns {Status} */
 function merged(old, fresh) {
-  if (!old) return fresh;
-  const list = (name) => {
-    if (!fresh[name]) return old[name];
-    return fresh[name].map((item, k) => ({ ...old[name]?.[k], ...item }));
-  };
-  return { ...old, ...fresh, axes: list("axes"), coordinate_systems: list("coordinate_systems") };
+  const systems = fresh.coordinate_systems.map((system, k) => ({ ...old?.coordinate_systems[k], ...system }));
+  return { ...fresh, coordinate_systems: systems };
 }
 
+/** A newer server may send what this page does not know; the type checker holds that it knows every push of its own server. @param {never} _ */
+function unknown(_) {}
+
+/** @param {string} address */
 async function json(address) {
   const answer = await fetch(address, { cache: "no-store" });
   if (!answer.ok) throw new Error(`${address}: ${answer.status} ${answer.statusText}`);

@@ -1,8 +1,9 @@
 // The view of the tags: search, browse with pages, a list of watched values, and writing.
 
+import { refusalOf } from "./connection.js";
 import { calm, fill, h, icon, text } from "./dom.js";
 import { plain } from "./format.js";
-import { keep } from "./theme.js";
+import { keep } from "./keep.js";
 
 const KEY = "arcline.watch";
 const SEARCH_MS = 150;
@@ -10,14 +11,17 @@ const MOST_WATCHED = 64;
 
 export class Tags {
   title = "Tags";
+  /** @type {Map<string, HTMLElement>} */
   #rows = new Map();
   /** Access of the tags that were listed, by name in lower case. */
   #access = new Map();
+  /** Watched names that cannot be written, as the server said. @type {Set<string>} */
+  #readOnly = new Set();
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
-    const kept = JSON.parse(keep.get(KEY) ?? "[]");
-    this.watched = kept.filter((name) => typeof name === "string").slice(0, MOST_WATCHED);
+    this.watched = (keep.list(KEY) ?? []).slice(0, MOST_WATCHED);
     this.search = h("input", { type: "search", placeholder: "Search, for example Move or CS1.*", "aria-label": "Search tags", autocomplete: "off", spellcheck: "false",
       oninput: calm(SEARCH_MS, () => this.#list()) });
     this.table = h("tbody");
@@ -34,8 +38,8 @@ export class Tags {
         h("div.scroll", {}, h("table", {}, head(heard("Value"), "Name", "Type", "Access", heard("Watch")), this.table), this.more)),
       h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
         this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", heard("Stop watching")), this.watch))));
-    app.store.addEventListener("values", ({ detail }) => this.#values(detail.values));
-    app.connection.addEventListener("open", () => this.element.isConnected && this.show());
+    app.store.on("values", (values) => this.#values(values));
+    app.connection.on("open", () => this.element.isConnected && this.show());
     this.#showWatched();
   }
 
@@ -48,11 +52,12 @@ export class Tags {
     this.app.connection.tell("watch", { names: [] });
   }
 
-  async #list(after = null) {
+  /** @param {string} [after] The name behind which the list begins. */
+  async #list(after) {
     if (!this.app.connection.isOpen) return;
     const pattern = this.search.value.trim();
     try {
-      const { tags, more } = await this.app.connection.request("tags", { pattern, ...(after && { after }) });
+      const { tags, more } = await this.app.connection.request("tags", { pattern, after });
       if (pattern !== this.search.value.trim()) return;
       if (!after) fill(this.table);
       for (const tag of tags) {
@@ -93,7 +98,7 @@ export class Tags {
       fill(detail, h("td", { colspan: 5 }, h("dl.members", {}, parts.map(([name, value]) => [
         h("dt", {}, this.#star(name), name === tag.name ? "value" : name.slice(tag.name.length)), h("dd.number", {}, plain(value))]))));
     } catch (error) {
-      fill(detail, h("td.bad", { colspan: 5 }, error.text ?? error.message));
+      fill(detail, h("td.bad", { colspan: 5 }, refusalOf(error).text));
     }
   }
 
@@ -120,7 +125,10 @@ export class Tags {
     keep.set(KEY, JSON.stringify(this.watched));
     if (!this.element.isConnected || !this.app.connection.isOpen) return;
     try {
-      await this.app.connection.request("watch", { names: this.watched });
+      const { read_only: names } = await this.app.connection.request("watch", { names: this.watched });
+      const known = this.watched.filter((name) => this.#isReadOnly(name)).length;
+      this.#readOnly = new Set(names);
+      if (this.watched.filter((name) => this.#isReadOnly(name)).length !== known) this.#showWatched();
     } catch (error) {
       if (this.app.connection.isOpen) this.app.toasts.bad("These tags cannot be watched", error);
     }
@@ -143,8 +151,7 @@ export class Tags {
 
   /** Whether the tag that a path begins with is known to be read only. */
   #isReadOnly(name) {
-    const [tag] = /^(program:[^.[]*\.)?[^.[]*/i.exec(name);
-    return this.#access.get(tag.toLowerCase()) === "read";
+    return this.#readOnly.has(name) || this.#access.get(tagOf(name)) === "read";
   }
 
   #values(values) {
@@ -166,6 +173,11 @@ export class Tags {
       this.app.toasts.bad(`${name} was not written`, error);
     }
   }
+}
+
+/** The tag that a path begins with, in small letters. @param {string} path */
+function tagOf(path) {
+  return (/^(program:[^.[]*\.)?[^.[]*/i.exec(path)?.[0] ?? path).toLowerCase();
 }
 
 /** A name that may be broken behind its parts, and nowhere else. */

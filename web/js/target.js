@@ -1,7 +1,7 @@
 // The table of the target position: an end point, the actual position and a via point or centre for each axis.
 // Which columns and buttons there are, and what they are called, is the server's table (`target_position`).
 
-import { fill, h, text } from "./dom.js";
+import { fill, found, h, text } from "./dom.js";
 import { exact, fixed } from "./format.js";
 import { number } from "./fields.js";
 
@@ -16,9 +16,24 @@ export class TargetTable {
   #chosen = new Set();
   #vias = new Map();
 
+  /** The cells of the actual positions, and the inputs of the targets, by axis. */
+  actuals = new Map();
+  inputs = new Map();
+  /** Called when targets have followed the machine. @type {(() => void) | null} */
+  onfollow = null;
+
+  /**
+   * @param {import("./app.js").App} app
+   * @param {import("../types/protocol.js").InstructionForm} instruction
+   * @param {() => Record<string, number>} words
+   * @param {() => void} changed
+   */
   constructor(app, instruction, words, changed) {
-    const { target_position: rule } = instruction;
-    Object.assign(this, { app, rule, words, changed });
+    const rule = found(instruction.target_position, `target position dialog of ${instruction.mnemonic}`);
+    this.app = app;
+    this.rule = rule;
+    this.words = words;
+    this.changed = changed;
     this.via = instruction.operands.find(({ member }) => member === rule.vias);
     this.targetButton = h("button", { type: "button", onclick: () => this.#copy(this.#targets) }, "Set Targets = Actuals");
     this.viaButton = h("button", { type: "button", onclick: () => this.#copy(this.#vias) }, "Set Vias = Actuals");
@@ -42,7 +57,7 @@ export class TargetTable {
   get row() {
     const words = this.words();
     return this.rule.rows.find((row) =>
-      row.move_type === words[this.rule.move_type] && (row.circle_type === null || row.circle_type === words[this.rule.circle_type]));
+      row.move_type === words[this.rule.move_type] && (row.circle_type === null || row.circle_type === words[this.rule.circle_type ?? ""]));
   }
 
   /** Names columns and buttons by the words that are chosen; draws the table again only when it must. */
@@ -52,7 +67,7 @@ export class TargetTable {
     this.targetButton.disabled = !row.targets_from_actuals;
     this.viaButton.disabled = !row.vias_from_actuals;
     const alone = this.via?.single_when;
-    this.single = Boolean(alone?.in.includes(this.words()[alone.member]));
+    this.single = alone?.member ? alone.in.includes(this.words()[alone.member]) : false;
     const key = [row.target, row.via, ...this.axes].join("|");
     if (key === this.#key) return;
     this.#key = key;
@@ -95,7 +110,7 @@ export class TargetTable {
   /** Writes the actual positions. While an axis is at rest, a target that nobody has chosen is where it stands. */
   update() {
     let moved = false;
-    for (const [axis, cell] of this.actuals ?? []) {
+    for (const [axis, cell] of this.actuals) {
       const status = this.app.store.axisStatus(axis);
       text(cell, fixed(status?.actual ?? NaN));
       const input = this.inputs.get(axis);

@@ -1,5 +1,13 @@
 // Light, dark, or as the system says; and the colours of the style sheet for what is drawn on a canvas.
 
+import { keep } from "./keep.js";
+
+/**
+ * The colours of the style sheets for a canvas.
+ * @typedef {Record<"text" | "muted" | "faint" | "line" | "grid" | "panel" | "canvas" | "accent" | "ok" | "warn" | "bad" | "preview" | "trail" | "path" | "pending" | "font", string>
+ *   & { series: string[], systems: string[] }} Palette
+ */
+
 const KEY = "arcline.theme";
 /** Colours of axes and of coordinate systems in the style sheet. */
 export const SERIES = 12;
@@ -7,11 +15,12 @@ export const SYSTEMS = 4;
 const ORDER = ["auto", "light", "dark"];
 const system = matchMedia("(prefers-color-scheme: dark)");
 const listeners = new Set();
+/** @type {Palette | null} */
 let colours = null;
 
 /** `auto`, `light` or `dark`. */
 export function choice() {
-  const kept = keep.get(KEY);
+  const kept = keep.get(KEY) ?? "";
   return ORDER.includes(kept) ? kept : "auto";
 }
 
@@ -35,19 +44,20 @@ export function onchange(listener) {
   listeners.add(listener);
 }
 
-/** The colours for a canvas, read once for each change. */
+/** The colours for a canvas, read once for each change. @returns {Palette} */
 export function palette() {
   if (colours) return colours;
   const style = getComputedStyle(document.documentElement);
   const read = (name) => style.getPropertyValue(name).trim();
-  colours = {
+  const fresh = {
     text: read("--text"), muted: read("--muted"), faint: read("--faint"), line: read("--line"), grid: read("--grid"),
     panel: read("--panel"), canvas: read("--canvas"), accent: read("--accent"), ok: read("--ok"), warn: read("--warn"),
     bad: read("--bad"), preview: read("--preview"), trail: read("--trail"), path: read("--path"), pending: read("--pending"),
     series: Array.from({ length: SERIES }, (_, k) => read(`--series-${k}`)),
     systems: Array.from({ length: SYSTEMS }, (_, k) => read(`--system-${k}`)), font: read("--font"),
   };
-  return colours;
+  colours = fresh;
+  return fresh;
 }
 
 /** The place of an axis's colour among those of the style sheet (`data-series`). */
@@ -68,23 +78,5 @@ export function dashes(place, colours) {
   const round = Math.floor(place / colours);
   return round ? [3 * round, 3] : [];
 }
-
-/** What the browser keeps for this page; nothing is kept where it does not allow that. */
-export const keep = {
-  get(key) {
-    try {
-      return localStorage.getItem(key);
-    } catch {
-      return null;
-    }
-  },
-  set(key, value) {
-    try {
-      localStorage.setItem(key, value);
-    } catch {
-      // A private window: the choice lasts as long as the page.
-    }
-  },
-};
 
 system.addEventListener("change", apply);

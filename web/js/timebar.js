@@ -9,8 +9,10 @@ const HEIGHT = 36;
 
 /** A time bar; `window()` gives the ticks that the view beside it shows, or `null`. */
 export class Timebar {
+  /** @type {boolean | null} */
   #shown = null;
 
+  /** @param {import("./app.js").App} app @param {() => number[] | null} window */
   constructor(app, window = () => null) {
     this.app = app;
     this.window = window;
@@ -23,11 +25,11 @@ export class Timebar {
     });
     gestures(this.stage.element, {
       start: (event) => this.#to(event.offsetX),
-      drag: (dx, dy, event) => this.#to(event.offsetX),
+      drag: (_dx, _dy, event) => this.#to(event.offsetX),
       zoom: () => {},
     });
     this.stage.element.addEventListener("keydown", (event) => this.#key(event));
-    app.moment.addEventListener("change", () => this.#tell());
+    app.timeCursor.on("change", () => this.#tell());
     this.#tell();
   }
 
@@ -40,30 +42,30 @@ export class Timebar {
   }
 
   #toggle() {
-    if (this.app.moment.tick === null) this.app.moment.pause();
-    else this.app.moment.live();
+    if (this.app.timeCursor.tick === null) this.app.timeCursor.pause();
+    else this.app.timeCursor.live();
   }
 
   #to(x) {
     const { first, end } = this.app.samples;
     const share = Math.min(1, Math.max(0, x / this.stage.width));
-    this.app.moment.scrub(first + share * (end - 1 - first));
+    this.app.timeCursor.scrub(first + share * (end - 1 - first));
   }
 
   #key(event) {
     const second = Math.round(1 / this.app.samples.period);
     const steps = { ArrowLeft: -1, ArrowRight: 1, PageUp: -second, PageDown: second };
-    const { moment, samples } = this.app;
-    if (steps[event.key]) moment.scrub(moment.shown + steps[event.key] * (event.shiftKey ? second / 10 : 1));
-    else if (event.key === "Home") moment.scrub(samples.first);
-    else if (event.key === "End") moment.live();
+    const { timeCursor, samples } = this.app;
+    if (steps[event.key]) timeCursor.scrub(timeCursor.shown + steps[event.key] * (event.shiftKey ? second / 10 : 1));
+    else if (event.key === "Home") timeCursor.scrub(samples.first);
+    else if (event.key === "End") timeCursor.live();
     else if (event.key === " ") this.#toggle();
     else return;
     event.preventDefault();
   }
 
   #tell() {
-    const paused = this.app.moment.tick !== null;
+    const paused = this.app.timeCursor.tick !== null;
     if (this.#shown === paused) return;
     this.#shown = paused;
     fill(this.button, icon(paused ? "live" : "pause"), paused ? "Live" : "Pause");
@@ -71,7 +73,7 @@ export class Timebar {
   }
 
   #draw(context, width) {
-    const { samples, moment } = this.app;
+    const { samples, timeCursor } = this.app;
     const colours = palette();
     const { first, end } = samples;
     context.fillStyle = colours.canvas;
@@ -103,14 +105,14 @@ export class Timebar {
       context.fillRect(x(Math.max(shown[0], first)), 0, Math.max(2, x(shown[1]) - x(Math.max(shown[0], first))), HEIGHT);
       context.globalAlpha = 1;
     }
-    context.fillStyle = moment.tick === null ? colours.ok : colours.warn;
-    context.fillRect(Math.min(width - 2, Math.max(0, x(moment.shown) - 1)), 0, 2, HEIGHT);
-    const ago = (end - 1 - moment.shown) * samples.period;
-    const time = moment.tick === null ? `live ${clock(samples.time(moment.shown), 1)}` : `${duration(ago)} ago`;
+    context.fillStyle = timeCursor.tick === null ? colours.ok : colours.warn;
+    context.fillRect(Math.min(width - 2, Math.max(0, x(timeCursor.shown) - 1)), 0, 2, HEIGHT);
+    const ago = (end - 1 - timeCursor.shown) * samples.period;
+    const time = timeCursor.tick === null ? `live ${clock(samples.time(timeCursor.shown), 1)}` : `${duration(ago)} ago`;
     text(this.label, time);
     const { element } = this.stage;
     element.setAttribute("aria-valuemax", String(Math.max(end - 1 - first, 0)));
-    element.setAttribute("aria-valuenow", String(moment.shown - first));
+    element.setAttribute("aria-valuenow", String(timeCursor.shown - first));
     element.setAttribute("aria-valuetext", time);
   }
 }

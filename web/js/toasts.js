@@ -1,5 +1,6 @@
 // Short messages at the edge of the page: what went wrong, why, and what to do. They do not take the focus.
 
+import { refusalOf } from "./connection.js";
 import { ControlBar } from "./control.js";
 import { h, icon } from "./dom.js";
 
@@ -7,20 +8,23 @@ const GOOD_MS = 4000;
 const BAD_MS = 15_000;
 const MOST = 3;
 
-/** What there is to say about a refusal or an error: text, cause, what EXERR points at, and remedy as elements. */
+/** The text, cause, operand at fault and remedy of an error as elements. @param {unknown} error */
 export function explanation(error) {
+  const { text, cause, concerns, remedy } = refusalOf(error);
   return h("div.explanation", {},
-    h("p.explanation-text", {}, error.text ?? error.message ?? String(error)),
-    error.cause && h("p", {}, h("b", {}, "Cause "), error.cause),
-    error.concerns && h("p", {}, h("b", {}, "Where "), error.concerns),
-    error.remedy && h("p", {}, h("b", {}, "What to do "), error.remedy));
+    h("p.explanation-text", {}, text),
+    cause && h("p", {}, h("b", {}, "Cause "), cause),
+    concerns && h("p", {}, h("b", {}, "Where "), concerns),
+    remedy && h("p", {}, h("b", {}, "What to do "), remedy));
 }
 
 /** The place for messages. */
 export class Toasts {
   element = h("div.toasts", { role: "region", "aria-label": "Messages" });
+  /** @type {Map<HTMLElement, ControlBar>} */
   #bars = new Map();
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
   }
@@ -33,10 +37,13 @@ export class Toasts {
   /**
    * Shows an error with what the server knows about it. The same error, which may arrive as a refusal and as an event,
    * is one message. Where control was missing, the message offers it.
+   * @param {string} what
+   * @param {unknown} error
    */
   bad(what, error) {
-    const bar = error.control && new ControlBar(this.app, error.control);
-    const toast = this.#show("bad", "alert", [h("strong", {}, what), explanation(error), bar?.element], BAD_MS, error.text ?? error.message ?? what);
+    const { text, control } = refusalOf(error);
+    const bar = control ? new ControlBar(this.app, [control]) : null;
+    const toast = this.#show("bad", "alert", [h("strong", {}, what), explanation(error), bar?.element], BAD_MS, text);
     if (bar) this.#bars.set(toast, bar);
   }
 
@@ -49,11 +56,11 @@ export class Toasts {
   }
 
   #show(kind, role, content, time, key) {
-    for (const other of [...this.element.children]) if (other.dataset.key === key) other.remove();
+    for (const other of this.element.querySelectorAll("[data-key]")) if (/** @type {HTMLElement} */ (other).dataset.key === key) other.remove();
     const toast = h(`div.toast.${kind}`, { role, "data-key": key }, icon(kind === "bad" ? "warning" : "check"), h("div", {}, content),
       h("button.bare", { type: "button", "aria-label": "Close this message", onclick: () => toast.remove() }, icon("close")));
     this.element.append(toast);
-    while (this.element.children.length > MOST) this.element.firstChild.remove();
+    while (this.element.children.length > MOST) this.element.firstElementChild?.remove();
     setTimeout(() => toast.remove(), time);
     return toast;
   }

@@ -3,10 +3,12 @@
 import { Stage, gestures } from "./canvas.js";
 import { h, icon, fill, segmented, state, text } from "./dom.js";
 import { csv, fileName, save, savePicture } from "./export.js";
-import { duration, rate, short } from "./format.js";
+import { clock, duration, rate, short, timestamp } from "./format.js";
+import { keep } from "./keep.js";
+import { withLegend } from "./legend.js";
 import { drawCoarse, drawCursor, drawLanes, tickAt } from "./plot.js";
 import { KINDS } from "./samples.js";
-import { SERIES, SYSTEMS, axisColour, dashes, keep, onchange, palette, seriesOf, systemColour } from "./theme.js";
+import { SERIES, SYSTEMS, axisColour, dashes, onchange, palette, seriesOf, systemColour } from "./theme.js";
 import { Timebar } from "./timebar.js";
 
 const KEY = "arcline.trends";
@@ -21,14 +23,22 @@ export class Trends {
   /** This view shows the moment that is chosen. */
   hasTime = true;
   #ticks = 20_000;
+  /** @type {any[]} */
   #lanes = [];
+  /** @type {number | null} */
   #hover = null;
+  /** @type {(number | null)[]} */
   #cursors = [null, null];
+  /** @type {{ line: any, cells: HTMLElement[], row: HTMLElement }[]} */
+  rows = [];
+  /** @type {HTMLElement[]} */
+  times = [];
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const { machine } = app.store;
-    const kept = JSON.parse(keep.get(KEY) ?? "{}");
+    const kept = keep.lists(KEY);
     this.axes = new Set(kept.axes ?? machine.axes.slice(0, 3).map((axis) => axis.name));
     this.kinds = new Set(kept.kinds ?? (NARROW.matches ? ["position", "velocity", "error"] : ["position", "velocity", "acceleration", "error", "speed"]));
     this.systems = new Set(kept.systems ?? machine.coordinate_systems.slice(0, 1).map((system) => system.name));
@@ -51,10 +61,14 @@ export class Trends {
     gestures(this.stage.element, {
       drag: (dx) => this.#pan(dx),
       zoom: (factor, x) => this.#zoom(factor, x),
-      tap: (x, y, event) => this.#place(x, event.shiftKey ? 1 : 0),
+      tap: (x, _y, event) => this.#place(x, event.shiftKey ? 1 : 0),
     });
-    this.stage.element.addEventListener("pointermove", (event) => (this.#hover = event.offsetX));
-    this.stage.element.addEventListener("pointerleave", () => (this.#hover = null));
+    this.stage.element.addEventListener("pointermove", (event) => {
+      this.#hover = event.offsetX;
+    });
+    this.stage.element.addEventListener("pointerleave", () => {
+      this.#hover = null;
+    });
     this.stage.element.addEventListener("keydown", (event) => this.#key(event));
     this.#rebuild();
     this.#span(20 / app.samples.period);
@@ -84,6 +98,7 @@ export class Trends {
       h("div.choices", { role: "group", "aria-label": "Path speeds" }, systems)];
   }
 
+  /** @param {Set<string>} set @param {string} value @param {string} title @param {object | null} colour */
   #choice(set, value, title, colour = null) {
     const button = h("button.choice", {
       type: "button", "aria-pressed": String(set.has(value)),
@@ -139,7 +154,7 @@ export class Trends {
 
   /** The ticks that are shown. */
   #window() {
-    const end = this.app.moment.tick === null ? this.app.samples.end : this.app.moment.tick + 1;
+    const end = this.app.timeCursor.tick === null ? this.app.samples.end : this.app.timeCursor.tick + 1;
     return [end - this.#ticks, end];
   }
 
@@ -152,21 +167,21 @@ export class Trends {
   #pan(dx) {
     if (!dx) return;
     const per = this.#ticks / Math.max(this.stage.width - 74, 1);
-    this.app.moment.scrub(this.app.moment.shown - dx * per);
+    this.app.timeCursor.scrub(this.app.timeCursor.shown - dx * per);
   }
 
   #zoom(factor, x) {
     const [from, to] = this.#window();
     const tick = tickAt(x, this.stage.width, from, to);
     this.#span(this.#ticks / factor);
-    if (this.app.moment.tick === null) return;
+    if (this.app.timeCursor.tick === null) return;
     const share = (tick - from) / (to - from);
-    this.app.moment.scrub(tick + (1 - share) * this.#ticks);
+    this.app.timeCursor.scrub(tick + (1 - share) * this.#ticks);
   }
 
   #place(x, which) {
     this.#cursors[which] = Math.round(tickAt(x, this.stage.width, ...this.#window()));
-    this.app.moment.pause();
+    this.app.timeCursor.pause();
   }
 
   #clear() {
@@ -178,8 +193,8 @@ export class Trends {
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const middle = this.stage.width / 2;
     if (step) {
-      this.app.moment.pause();
-      this.#cursors[which] = (this.#cursors[which] ?? this.app.moment.shown) + step * (event.altKey ? 10 : 1);
+      this.app.timeCursor.pause();
+      this.#cursors[which] = (this.#cursors[which] ?? this.app.timeCursor.shown) + step * (event.altKey ? 10 : 1);
     } else if (event.key === "+" || event.key === "=") this.#zoom(1.25, middle);
     else if (event.key === "-") this.#zoom(0.8, middle);
     else return;
@@ -210,7 +225,7 @@ export class Trends {
   #readout(from, to) {
     const { samples } = this.app;
     const free = this.#hover === null ? samples.end - 1 : Math.round(tickAt(this.#hover, this.stage.width, from, to));
-    const [a, b] = [this.#cursors[0] ?? (this.app.moment.tick === null ? free : this.app.moment.shown), this.#cursors[1]];
+    const [a, b] = [this.#cursors[0] ?? (this.app.timeCursor.tick === null ? free : this.app.timeCursor.shown), this.#cursors[1]];
     const time = (tick) => (tick === null ? "" : `${short(samples.time(tick))} s`);
     text(this.times[0], time(a));
     text(this.times[1], time(b));
@@ -237,6 +252,13 @@ export class Trends {
   }
 
   #png() {
-    savePicture(this.stage.element, fileName("trend", this.app.samples, this.#window()[1], "png"));
+    const { samples, store } = this.app;
+    const [from, to] = this.#window();
+    // The clock of the page: the newest tick is now.
+    const until = timestamp(Date.now() - (samples.end - to) * samples.period * 1000);
+    const heading = `${store.machine.name} · ${duration((to - from) * samples.period)} until ${until} · machine time ${clock(samples.time(to), 1)}`;
+    this.stage.paint();
+    const picture = withLegend(this.stage.element, this.stage.width, heading, this.#lanes.flatMap(({ lines }) => lines), palette());
+    savePicture(picture, fileName("trend", samples, to, "png"));
   }
 }

@@ -764,6 +764,8 @@ export type Simulated = {
   peaks: AxisPeaks[];
   /** Simulated ticks. */
   ticks: number;
+  /** The first soft travel limit that would be exceeded. */
+  travel: LimitText | null;
 };
 
 /** A change of an instruction's status bits in a simulation. */
@@ -912,6 +914,8 @@ export type UnitForm = {
 
 /** Values of tags. */
 export type Values = {
+  /** Those of the names that cannot be written. */
+  read_only: string[];
   /** The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text. */
   values: Record<string, unknown>;
 };

@@ -12,7 +12,7 @@ use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
 
-use super::peaks::{Peaks, Shape};
+use super::peaks::{Exceeded, Peaks, Shape};
 use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
 use super::{Shared, paths};
 use crate::cli::QueueFull;
@@ -130,6 +130,8 @@ struct Seen {
     trails: BTreeMap<usize, Trail>,
     moves: Vec<AcceptedMove>,
     limit: Option<String>,
+    /// The first soft travel limit.
+    travel: Option<String>,
     events: Vec<SimulatedEvent>,
 }
 
@@ -160,6 +162,7 @@ impl Seen {
             trails: BTreeMap::new(),
             moves: Vec::new(),
             limit: None,
+            travel: None,
             events: Vec::new(),
         }
     }
@@ -192,6 +195,7 @@ impl Seen {
             ticks: self.tick,
             peaks: peaks.collect(),
             limit: self.limit.or(unfinished).map(|text| LimitText { text }),
+            travel: self.travel.map(|text| LimitText { text }),
             events: self.events,
         }
     }
@@ -229,10 +233,18 @@ impl Observer for Seen {
         let rows: Vec<[f64; 4]> = controller.trace().collect();
         let was: Vec<Option<f64>> = self.axes.iter().map(Peaks::position).collect();
         for ((axis, peaks), row) in machine.axes.iter().zip(&mut self.axes).zip(&rows) {
-            let exceeded = peaks.look(axis, *row, self.period);
-            if let Some(exceeded) = exceeded.filter(|_| self.limit.is_none()) {
+            let Some(exceeded) = peaks.look(axis, *row, self.period) else {
+                continue;
+            };
+            let is_travel = matches!(exceeded, Exceeded::Travel { .. });
+            let is_first_travel = is_travel && self.travel.is_none();
+            if self.limit.is_none() || is_first_travel {
                 let time = self.tick as f64 * self.period;
-                self.limit = Some(format!("{}: {}, at {time:.3} s", axis.name, exceeded.text(&axis.units)));
+                let text = format!("{}: {}, at {time:.3} s", axis.name, exceeded.text(&axis.units));
+                if is_first_travel {
+                    self.travel = Some(text.clone());
+                }
+                self.limit.get_or_insert(text);
             }
         }
         let moved = |axis: &AxisId| {

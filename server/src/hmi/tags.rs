@@ -65,7 +65,11 @@ impl Shared {
                     (name.clone(), value.unwrap_or_else(|error| json!({"error": error.text})))
                 })
                 .collect();
-            Values { values }
+            let read_only = names.iter().filter(|name| is_read_only(image, name));
+            Values {
+                values,
+                read_only: read_only.cloned().collect(),
+            }
         }))
     }
 
@@ -89,6 +93,12 @@ impl Shared {
         kept.map_err(Refused::from)?;
         Ok(Done {})
     }
+}
+
+/// Whether a name is that of a tag, or of a part of one, that cannot be written.
+fn is_read_only(image: &Image, name: &str) -> bool {
+    let tag = path_of(name).ok().and_then(|path| image.find(&path.full_name()?));
+    tag.is_some_and(|tag| matches!(tag.access, Access::ReadOnly))
 }
 
 /// The bytes of a tag that [`value`] tells.

@@ -53,6 +53,8 @@ pub(crate) struct Simulated {
     pub(crate) peaks: Vec<AxisPeaks>,
     /// The first limit that would be exceeded.
     pub(crate) limit: Option<LimitText>,
+    /// The first soft travel limit that would be exceeded.
+    pub(crate) travel: Option<LimitText>,
     /// The events of the instructions, at most 1,000.
     pub(crate) events: Vec<SimulatedEvent>,
 }
@@ -171,6 +173,8 @@ pub(crate) enum TagAccess {
 pub(crate) struct Values {
     /// The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text.
     pub(crate) values: Map<String, Value>,
+    /// Those of the names that cannot be written.
+    pub(crate) read_only: Vec<String>,
 }
 
 /// The signals of the frames of samples.

@@ -50,6 +50,7 @@ async fn tags_are_listed_read_watched_and_written() {
     assert_eq!(values["Move1.CoordinateSystem"], "CS1");
     assert_eq!(values["Move1.MotionControl"]["EN"], false);
     assert_eq!(values["Nobody"]["error"], "there is no tag \"Nobody\"");
+    assert_eq!(read["read_only"], json!(["CS1.MoveStatus"]));
 
     assert_eq!(
         viewer

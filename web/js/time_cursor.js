@@ -1,9 +1,15 @@
-// The moment that the pictures show: now, or one of the last minutes. All views share it.
+// The time that Path and Trends show: the present, or a tick of the last minutes.
 
-/** Events: `change`. */
-export class Moment extends EventTarget {
+import { Emitter } from "./emitter.js";
+
+/** @import { Samples } from "./samples.js" */
+
+/** @extends {Emitter<{ change: void }>} */
+export class TimeCursor extends Emitter {
+  /** @type {number | null} */
   #tick = null;
 
+  /** @param {Samples} samples */
   constructor(samples) {
     super();
     this.samples = samples;
@@ -30,7 +36,7 @@ export class Moment extends EventTarget {
     if (this.#tick === null) this.scrub(this.samples.end - 1);
   }
 
-  /** Stays among what is kept: the oldest is forgotten, and a server that began again has another past. */
+  /** Stays among what is kept: the oldest is forgotten, and a server that began again has another history. */
   keep() {
     const { first, end } = this.samples;
     if (this.#tick === null) return;
@@ -46,6 +52,6 @@ export class Moment extends EventTarget {
   #set(tick) {
     if (tick === this.#tick) return;
     this.#tick = tick;
-    this.dispatchEvent(new Event("change"));
+    this.emit("change", undefined);
   }
 }

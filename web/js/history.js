@@ -1,15 +1,16 @@
-// What was before the page came, asked for piece by piece, newest first, and put beside the samples. A piece is asked for
+// The samples from before the page came, asked for piece by piece, newest first, and put beside the samples. A piece is asked for
 // when the one before has come, so that a slow network carries the present too.
 
 import { Samples } from "./samples.js";
 
 /** Asks for the past after each connection. */
-export class Past {
+export class History {
   #turn = 0;
-  /** The end of what was known before the connection, until its first frame has come. */
+  /** The end of what was known before the connection, until its first frame has come. @type {number | null} */
   #known = null;
   #before = 0;
 
+  /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
   }
@@ -23,7 +24,7 @@ export class Past {
   /** Takes a binary message. */
   take(buffer) {
     const { samples } = this.app;
-    if (Samples.isPast(buffer)) {
+    if (Samples.isHistory(buffer)) {
       samples.fill(buffer, this.#before);
       return;
     }
