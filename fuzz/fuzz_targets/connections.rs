@@ -63,7 +63,7 @@ impl Source<'_> {
             redundant_owner: self.byte() == 255,
             connection_type: self.of(&[PointToPoint, PointToPoint, PointToPoint, Null, Multicast, Reserved]),
             priority: 0,
-            variable: self.byte() % 2 == 0,
+            variable: self.byte().is_multiple_of(2),
             size: self.of(&[SIZE + 6, SIZE + 2, 2, 6, 500, 4, SIZE, u16::MAX]),
         }
     }

@@ -11,7 +11,8 @@ use arcline_proto::cpf::Packet;
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
-    CreateSymbol, Definition, ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag, decode_operands,
+    CreateSymbol, Definition, ReadModifyWrite, ReadReply, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WriteTag,
+    decode_operands,
 };
 use bytes::Bytes;
 use libfuzzer_sys::fuzz_target;
@@ -67,6 +68,10 @@ fn run(data: &[u8]) {
         ForwardOpen::decode(data, false),
         ForwardClose::decode(data),
     );
-    let _ = (TraceRequest::decode(data), ListSignals::decode(data), ReadRows::decode(data));
+    let _ = (
+        TraceRequest::decode(data),
+        ListSignals::decode(data),
+        ReadRows::decode(data),
+    );
     let _ = (decode_operands(data), CreateSymbol::decode(data));
 }
