@@ -219,3 +219,35 @@ fn properties_take_the_same_cases_in_every_run() {
         "cargo sets PROPTEST_RNG_SEED from .cargo/config.toml for every test that it starts"
     );
 }
+
+/// `cargo` chooses such versions when it resolves; an update by hand may not. `.ci/run minimum_rust` builds with that Rust where it is
+/// installed.
+#[test]
+fn no_dependency_needs_a_newer_rust_than_the_workspace_promises() {
+    let metadata = metadata();
+    let promised = metadata.workspace_packages()[0].rust_version.clone();
+    let promised = promised.expect("the workspace promises a version");
+    for package in &metadata.packages {
+        let needed = package.rust_version.as_ref();
+        assert!(
+            needed.is_none_or(|needed| *needed <= promised),
+            "{} {} needs Rust {needed:?}, the workspace promises {promised}",
+            package.name,
+            package.version
+        );
+    }
+}
+
+#[test]
+fn every_package_says_what_it_is() {
+    for package in metadata().workspace_packages() {
+        let description = package.description.as_deref().unwrap_or_default();
+        assert!(description.len() > 20, "{}: {description:?}", package.name);
+        let is_test = package.name.ends_with("tests");
+        assert!(
+            is_test || !package.keywords.is_empty() && package.keywords.len() <= 5 && !package.categories.is_empty(),
+            "{} has one to five keywords, and categories",
+            package.name
+        );
+    }
+}

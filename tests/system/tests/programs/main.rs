@@ -1,6 +1,7 @@
 //! The programs as users start them, without anything from outside of the project.
 
 mod cli;
+mod client_examples;
 mod guide;
 mod l5x;
 mod masters;
