@@ -2,7 +2,7 @@
 // throws when it does not hold.
 
 import assert from "node:assert/strict";
-import { arrived, close, go, open, operand, positions, ready, take, until } from "./browser.mjs";
+import { PATIENCE, arrived, close, go, open, operand, positions, ready, take, until } from "./browser.mjs";
 
 const toast = (page, text) => page.locator(".toast.bad", { hasText: text });
 
@@ -176,5 +176,41 @@ export async function targets_follow_the_machine({ browser, url }) {
   await page.locator(".form .line code", { hasText: "-20" }).waitFor();
   assert.equal((await targets())[0], 7, "what was typed stays");
   await close(other);
+  await close(page);
+}
+
+/** What the browser has kept may be damaged or old: the page leaves it out. */
+export async function a_damaged_choice_is_left_out({ browser, url }) {
+  const page = await open(browser, url, "trends");
+  await page.evaluate(() => {
+    for (const key of ["watch", "trends", "theme", "program"]) localStorage.setItem(`arcline.${key}`, '{"axes": 5, "kinds": [null');
+  });
+  await page.reload();
+  await page.locator("html[data-connection=open]").waitFor({ state: "attached" });
+  await page.locator(".view.trends canvas").first().waitFor();
+  await close(page);
+}
+
+/** A move beyond the travel limits of an axis runs only after a second press. */
+export async function a_move_beyond_the_travel_asks({ browser, url }) {
+  const page = await open(browser, url, "drive");
+  await page.getByLabel("What to drive").selectOption("X");
+  await take(page, "X");
+  await page.getByRole("button", { name: "Home X" }).click();
+  await page.locator('[data-member="Position"]').first().fill("2000");
+  const run = page.locator(".form .run");
+  const why = page.locator(".form .why");
+  // Travel limits are in force when the axis is homed.
+  for (const deadline = Date.now() + PATIENCE; !/travel/.test(await page.locator(".preview-facts").textContent()); ) {
+    assert.ok(Date.now() < deadline, "the preview has the travel limit");
+    await page.getByRole("button", { name: "Preview", exact: true }).click();
+    await new Promise((done) => setTimeout(done, 200));
+  }
+  await run.click();
+  await why.getByText("The move leaves the travel limits").waitFor();
+  assert.equal(await run.innerText(), "Run anyway");
+  assert.equal(await page.locator(".toast.good").count(), 0, "nothing was executed");
+  await run.click();
+  await page.getByText("MAM accepted").waitFor();
   await close(page);
 }

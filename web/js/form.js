@@ -57,7 +57,7 @@ export class InstructionForm {
     this.problem = h("div.problem", { role: "alert", hidden: true });
     this.runText = h("span", {}, "Run");
     this.run = h("button.primary.run", { type: "button", onclick: () => this.#run() }, icon("run"), this.runText);
-    this.why = h("small.why");
+    this.why = h("small.why", { role: "status" });
     this.auto = h("input", { type: "checkbox", checked: true, onchange: () => this.#edit() });
     this.element = h("div.form", { "aria-label": `${instruction.mnemonic}, ${instruction.title}` },
       h("p.form-title", {}, h("b", {}, instruction.mnemonic), ` ${instruction.title}`),
@@ -267,7 +267,6 @@ export class InstructionForm {
     if (this.beyond?.line === line && this.sure !== line) {
       // As in Logix such a move is accepted, and the axis stops beyond its limit: a person decides, with a second press.
       this.sure = line;
-      this.#say({ text: `The move leaves the travel limits: ${this.beyond.text}. Press "Run anyway" to execute it.` });
       this.update();
       return;
     }
@@ -302,8 +301,9 @@ export class InstructionForm {
     const { object } = this;
     const reason = !connection.isOpen ? "No connection." : !store.drives(object) && !STOPS.has(this.instruction.mnemonic) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
-    text(this.runText, this.line !== null && this.sure === this.line ? "Run anyway" : "Run");
-    text(this.why, reason);
+    const asks = this.line !== null && this.sure === this.line;
+    text(this.runText, asks ? "Run anyway" : "Run");
+    text(this.why, reason || (asks ? `The move leaves the travel limits: ${this.beyond?.text}. Press "Run anyway" to execute it.` : ""));
     state(this.element, "ready", String(reason === ""));
   }
 }

@@ -54,6 +54,8 @@ cases_of_a_cell! {
     control_is_offered_where_it_is_missing,
     control_is_taken_over,
     nothing_overflows,
+    a_damaged_choice_is_left_out,
+    a_move_beyond_the_travel_asks,
     targets_follow_the_machine,
     the_numbers_of_a_grid_are_apart,
 }
