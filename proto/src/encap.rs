@@ -11,7 +11,7 @@ use crate::wire::Reader;
 
 /// The largest `length` the field can claim in a legal frame.
 pub const MAX_DATA: usize = 65_511;
-/// The limit a server puts on a frame's data unless told otherwise (spec/ethernet-ip.md §18).
+/// The limit a server puts on a frame's data unless it is set otherwise (spec/ethernet-ip.md §18).
 pub const DEFAULT_LIMIT: usize = 8 * 1024;
 /// The only version of the encapsulation protocol there is.
 pub const PROTOCOL_VERSION: u16 = 1;
@@ -315,7 +315,7 @@ pub struct RegisterSession {
 }
 
 impl RegisterSession {
-    /// What everybody sends: version 1, no options.
+    /// The only one that is in use: version 1, no options.
     pub const CURRENT: Self = Self {
         version: PROTOCOL_VERSION,
         options: 0,

@@ -1,6 +1,6 @@
 //! The Identity object's data and the ListIdentity item (CIP Vol. 1, 5A-2; spec/ethernet-ip.md §2, §13).
 //!
-//! Values only; who may reset the device is the server's business.
+//! Values only; the server decides whether a reset is allowed.
 
 use bytes::{BufMut, Bytes, BytesMut};
 use std::net::SocketAddrV4;
@@ -12,7 +12,7 @@ use crate::epath::ElectronicKey;
 use crate::status::connection;
 use crate::wire::Reader;
 
-/// Not assigned to anybody: far beyond the vendor ids that have been given out.
+/// Assigned to no vendor: far beyond the vendor ids in use.
 pub const VENDOR_ID: u16 = 0xA2C1;
 /// Device type 0x0E: programmable logic controller.
 pub const DEVICE_TYPE: u16 = 0x000E;

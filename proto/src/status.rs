@@ -85,8 +85,8 @@ impl fmt::Display for CipStatus {
         if let Some(text) = self.text() {
             write!(f, " ({text})")?;
         }
-        for (place, word) in self.additional().iter().enumerate() {
-            write!(f, "{} 0x{word:04X}", if place == 0 { "," } else { "" })?;
+        for (index, word) in self.additional().iter().enumerate() {
+            write!(f, "{} 0x{word:04X}", if index == 0 { "," } else { "" })?;
         }
         if let Some(text) = self.additional_text() {
             write!(f, " ({text})")?;

@@ -1,7 +1,7 @@
 //! Get and Set Attribute List: ids asked for, and values with a status each (CIP Vol. 1, appendix A; spec/ethernet-ip.md
 //! §13).
 //!
-//! Not the attributes: their widths are not on the wire, so who reads a list must know them.
+//! Not the attributes: their widths are not on the wire, so the reader of a list must know them.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -98,7 +98,7 @@ impl AttributeListReply {
 }
 
 /// Reads the values of a Get Attribute List reply, or of a Set Attribute List request: the widths are not on the wire,
-/// so who reads must know them.
+/// so the reader must know them.
 #[derive(Clone, Copy, Debug)]
 pub struct AttributeListReader<'a> {
     reader: Reader<'a>,

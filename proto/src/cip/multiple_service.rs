@@ -153,8 +153,8 @@ impl MultipleReplies {
 
     fn append(&mut self, reply: &Reply) {
         let offset = u16::try_from(self.out.len()).unwrap_or(u16::MAX);
-        let place = 2 + 2 * self.pushed;
-        if let Some(entry) = self.out.get_mut(place..place + 2) {
+        let entry = 2 + 2 * self.pushed;
+        if let Some(entry) = self.out.get_mut(entry..entry + 2) {
             entry.copy_from_slice(&offset.to_le_bytes());
         }
         reply.encode(&mut self.out);
@@ -163,7 +163,7 @@ impl MultipleReplies {
         self.room = self.room.saturating_sub(reply.len() - REPLY_HEAD);
     }
 
-    /// The reply to the packet: 0x00, or 0x1E when an embedded one failed. Requests nobody answered get 0x02.
+    /// The reply to the packet: 0x00, or 0x1E when an embedded one failed. Requests without an answer get 0x02.
     pub fn finish(mut self) -> Reply {
         while self.pushed < self.expected {
             self.push(&Reply::error(0, CipStatus::RESOURCE_UNAVAILABLE));

@@ -90,7 +90,7 @@ impl ClientSession {
         )
     }
 
-    /// Asks who answers; needs no session.
+    /// Asks for the identity of the server; needs no session.
     pub fn identify(&mut self, now: Duration) -> Call {
         self.send(Wait::Identity, Command::LIST_IDENTITY, Bytes::new(), now)
     }
@@ -237,7 +237,7 @@ impl ClientSession {
         Ok(())
     }
 
-    /// Takes one frame. One that nobody waits for is ignored.
+    /// Takes one frame. One that no call waits for is ignored.
     pub fn handle_frame(&mut self, frame: &Frame) {
         let Some(call) = self.match_reply(frame) else {
             return;

@@ -1,6 +1,6 @@
 //! What the Connection Manager counts, attributes 1 to 8 of class 6 (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Not when something is counted: that is told through [`crate::session::Host::count`].
+//! Not when something is counted: that comes through [`crate::session::Host::count`].
 
 use bytes::Bytes;
 

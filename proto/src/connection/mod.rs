@@ -1,7 +1,7 @@
 //! Messages of the Connection Manager, class 6: Unconnected Send, Forward Open, Large Forward Open, Forward Close, and
 //! its counters (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Codecs only; who holds which connection is [`crate::session`]'s business. Intervals are in microseconds.
+//! Codecs only; [`crate::session`] holds the connections. Intervals are in microseconds.
 
 mod counters;
 mod forward_close;

@@ -9,7 +9,7 @@ mod target;
 use arcline_tag::{PathSegment, TagPath};
 use bytes::{BufMut, Bytes, BytesMut};
 
-use crate::cip::CipStatus;
+use crate::status::CipStatus;
 use crate::wire::Reader;
 
 pub use segment::{ElectronicKey, PortSegment, Segment, SymbolName};

@@ -48,7 +48,7 @@ pub enum Application {
 
 /// What a Forward Open asks for, found to be in order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Wanted {
+pub(super) struct OpenRequest {
     pub(super) application: Application,
     /// Whether the connected data begins with a 16-bit sequence count.
     pub(super) class_1: bool,
@@ -65,7 +65,7 @@ pub(super) const SEQUENCE_COUNT: u16 = 2;
 /// Bytes of the run/idle header.
 pub(super) const RUN_IDLE: u16 = 4;
 
-impl Wanted {
+impl OpenRequest {
     /// Looks at everything in a Forward Open but intervals, which other connections there are, and its key.
     /// `application` is its path without ports and key.
     ///
@@ -132,15 +132,15 @@ impl Wanted {
     }
 }
 
-/// The production inhibit time, ms in a network segment `43 nn`; a quarter of the interval where none is given (CIP Vol. 1,
+/// The production inhibit time, ms in a network segment `43 nn`; a quarter of the interval where there is none (CIP Vol. 1,
 /// C-1.4.3). Never longer than the interval.
 fn inhibit_time(open: &ForwardOpen) -> Duration {
-    let given = open.path.0.iter().find_map(|segment| match segment {
+    let inhibit = open.path.0.iter().find_map(|segment| match segment {
         Segment::Network { kind: 0x43, data } => data.first().copied().filter(|millis| *millis > 0),
         _ => None,
     });
     let interval = Duration::from_micros(open.t_to_o_rpi.into());
-    let time = given.map_or(interval / 4, |millis| Duration::from_millis(millis.into()));
+    let time = inhibit.map_or(interval / 4, |millis| Duration::from_millis(millis.into()));
     time.min(interval)
 }
 

@@ -6,7 +6,7 @@ use bytes::Bytes;
 use std::net::IpAddr;
 use std::time::Duration;
 
-use super::application::{Application, RUN_IDLE, SEQUENCE_COUNT, Wanted};
+use super::application::{Application, OpenRequest, RUN_IDLE, SEQUENCE_COUNT};
 use super::datagram::Datagram;
 use crate::connection::{ConnectionKey, ForwardOpen, ForwardOpenReply};
 use crate::cpf::ConnectionId;
@@ -48,7 +48,7 @@ pub(super) enum Arrival<'a> {
 #[derive(Debug)]
 pub(super) struct IoConnection {
     pub(super) key: ConnectionKey,
-    pub(super) wanted: Wanted,
+    pub(super) request: OpenRequest,
     /// The originator's address; only datagrams from there count.
     pub(super) from: IpAddr,
     /// The originator's port is taken from its first datagram.
@@ -73,7 +73,7 @@ impl IoConnection {
     /// whose datagrams have `t_to_o_id`.
     pub(super) fn new(
         open: &ForwardOpen,
-        wanted: Wanted,
+        request: OpenRequest,
         from: IpAddr,
         learns_port: bool,
         (production, t_to_o_id): (u64, ConnectionId),
@@ -82,7 +82,7 @@ impl IoConnection {
         let timeout = timeout(open);
         Self {
             key: open.key,
-            wanted,
+            request,
             from,
             learns_port,
             production,
@@ -97,7 +97,7 @@ impl IoConnection {
         }
     }
 
-    /// What its originator is told.
+    /// The reply to its originator.
     pub(super) fn reply(&self, id: ConnectionId) -> ForwardOpenReply {
         ForwardOpenReply {
             o_to_t_id: id,
@@ -116,10 +116,10 @@ impl IoConnection {
         {
             return Arrival::Dropped;
         }
-        let Some(content) = Content::of(datagram.data, self.wanted) else {
+        let Some(content) = Content::of(datagram.data, self.request) else {
             return Arrival::Dropped;
         };
-        let owner = self.wanted.application == Application::ExclusiveOwner;
+        let owner = self.request.application == Application::ExclusiveOwner;
         let outputs = match content.data.get(..outputs) {
             Some(outputs) if owner => Some(outputs),
             None if owner => return Arrival::Dropped,
@@ -163,16 +163,16 @@ struct Content<'a> {
 
 impl<'a> Content<'a> {
     /// `None`: too short.
-    fn of(data: &'a [u8], wanted: Wanted) -> Option<Self> {
-        let (count, data) = if wanted.class_1 {
+    fn of(data: &'a [u8], request: OpenRequest) -> Option<Self> {
+        let (count, data) = if request.class_1 {
             let (count, data) = data.split_first_chunk::<{ SEQUENCE_COUNT as usize }>()?;
             (Some(u16::from_le_bytes(*count)), data)
         } else {
             (None, data)
         };
         let (run, data) = match data.split_first_chunk::<{ RUN_IDLE as usize }>() {
-            Some((header, data)) if wanted.header => (header[0] & 1 != 0, data),
-            None if wanted.header => return None,
+            Some((header, data)) if request.header => (header[0] & 1 != 0, data),
+            None if request.header => return None,
             _ => (true, data),
         };
         Some(Self { count, run, data })

@@ -1,4 +1,4 @@
-//! The I/O connections of a device: who may open one, what a datagram does, who is silent for too long
+//! The I/O connections of a device: which may open, what a datagram does, which are silent for too long
 //! (spec/ethernet-ip.md §7.2, §7.3, §14).
 //!
 //! Unlike class 3 connections they outlive the TCP connection that opened them. Bytes go in by
@@ -11,7 +11,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::Duration;
 
 use super::IO_PORT;
-use super::application::{Application, Assemblies, Wanted};
+use super::application::{Application, Assemblies, OpenRequest};
 use super::connection::{Arrival, IoConnection, MAX_INTERVAL, MAX_TIMEOUT, Mode, timeout};
 use super::datagram::Datagram;
 use super::production::Production;
@@ -28,7 +28,7 @@ pub struct IoSettings {
     pub assemblies: Assemblies,
     /// Connections at a time.
     pub max_connections: usize,
-    /// The shortest interval that is kept, µs; a shorter one is refused.
+    /// The shortest interval that is confirmed, µs; a shorter one is refused.
     pub min_interval: u32,
     /// Bytes at the beginning of the input that are never the same twice: no change of state.
     pub volatile: usize,
@@ -113,7 +113,7 @@ impl IoConnections {
         }
     }
 
-    /// What was given to [`Self::new`].
+    /// The settings of [`Self::new`].
     pub fn settings(&self) -> &IoSettings {
         &self.settings
     }
@@ -132,7 +132,7 @@ impl IoConnections {
     pub fn outputs(&self) -> Ownership {
         self.connections
             .values()
-            .find(|connection| connection.wanted.application == Application::ExclusiveOwner)
+            .find(|connection| connection.request.application == Application::ExclusiveOwner)
             .map_or(Ownership::Free, |owner| match owner.mode {
                 Mode::Run => Ownership::Run,
                 Mode::Silent | Mode::Idle => Ownership::Idle,
@@ -165,8 +165,8 @@ impl IoConnections {
         if open.is_null() {
             return fail(extended::NULL_OPEN_UNSUPPORTED);
         }
-        let wanted = Wanted::new(open, application, &self.settings.assemblies)?;
-        if wanted.multicast && originator.group.is_none() {
+        let request = OpenRequest::new(open, application, &self.settings.assemblies)?;
+        if request.multicast && originator.group.is_none() {
             return fail(extended::TYPE_T_TO_O);
         }
         let intervals = self.settings.min_interval.max(1)..=MAX_INTERVAL;
@@ -176,7 +176,7 @@ impl IoConnections {
         if timeout(open) > MAX_TIMEOUT {
             return fail(extended::TIMEOUT_MULTIPLIER);
         }
-        match wanted.application {
+        match request.application {
             Application::ExclusiveOwner if self.outputs() != Ownership::Free => {
                 return fail(extended::OWNERSHIP_CONFLICT);
             }
@@ -189,19 +189,19 @@ impl IoConnections {
         let id = draw(&mut random, |id| self.connections.contains_key(&id)).ok_or(CipStatus::RESOURCE_UNAVAILABLE)?;
         let port = originator.port.filter(|port| *port != 0).unwrap_or(IO_PORT);
         // On one host with us, an originator cannot listen where we do: it answers from another port.
-        let is_ourselves = !wanted.multicast && SocketAddr::new(originator.address, port) == self.settings.local;
-        let produced = match originator.group.filter(|_| wanted.multicast) {
+        let is_ourselves = !request.multicast && SocketAddr::new(originator.address, port) == self.settings.local;
+        let produced = match originator.group.filter(|_| request.multicast) {
             Some(group) => {
                 let to = SocketAddr::new(group.into(), IO_PORT);
-                self.join(to, open, wanted, &mut random)
+                self.join(to, open, request, &mut random)
                     .ok_or(CipStatus::RESOURCE_UNAVAILABLE)?
             }
             None => {
                 let to = SocketAddr::new(originator.address, port);
-                self.produce(to, open.t_to_o_id, open, wanted)
+                self.produce(to, open.t_to_o_id, open, request)
             }
         };
-        let connection = IoConnection::new(open, wanted, originator.address, is_ourselves, produced, now);
+        let connection = IoConnection::new(open, request, originator.address, is_ourselves, produced, now);
         let reply = connection.reply(id);
         self.connections.insert(id, connection);
         Ok(reply)
@@ -212,26 +212,32 @@ impl IoConnections {
         &mut self,
         to: SocketAddr,
         open: &ForwardOpen,
-        wanted: Wanted,
+        request: OpenRequest,
         random: &mut impl FnMut() -> Option<u32>,
     ) -> Option<(u64, ConnectionId)> {
         let interval = Duration::from_micros(open.t_to_o_rpi.into());
         let mut known = self.productions.iter_mut();
-        if let Some((number, production)) = known.find(|(_, known)| known.serves(to.ip(), interval, wanted)) {
+        if let Some((number, production)) = known.find(|(_, known)| known.serves(to.ip(), interval, request)) {
             production.consumers += 1;
             return Some((*number, production.id));
         }
         let used = |id: ConnectionId| self.productions.values().any(|known| known.id == id);
         let id = draw(random, used)?;
-        Some(self.produce(to, id, open, wanted))
+        Some(self.produce(to, id, open, request))
     }
 
-    fn produce(&mut self, to: SocketAddr, id: ConnectionId, open: &ForwardOpen, wanted: Wanted) -> (u64, ConnectionId) {
+    fn produce(
+        &mut self,
+        to: SocketAddr,
+        id: ConnectionId,
+        open: &ForwardOpen,
+        request: OpenRequest,
+    ) -> (u64, ConnectionId) {
         let number = self.next_production;
         self.next_production += 1;
         let interval = Duration::from_micros(open.t_to_o_rpi.into());
         self.productions
-            .insert(number, Production::new(to, id, interval, wanted));
+            .insert(number, Production::new(to, id, interval, request));
         (number, id)
     }
 
@@ -352,7 +358,7 @@ impl IoConnections {
     fn something_to_hear(&self) -> bool {
         self.connections
             .values()
-            .any(|connection| connection.wanted.application != Application::ListenOnly)
+            .any(|connection| connection.request.application != Application::ListenOnly)
     }
 
     fn end(&mut self, id: ConnectionId, cause: Ended) {
@@ -366,7 +372,7 @@ impl IoConnections {
             }
             self.events.push_back(IoEvent::Ended {
                 id,
-                application: connection.wanted.application,
+                application: connection.request.application,
                 cause,
                 outputs_lost: connection.mode == Mode::Run,
             });

@@ -1,13 +1,13 @@
 //! What one connection, or several that share a multicast group, are sent: when, to where, and under which numbers.
 //!
-//! Not who consumes it. A point-to-point connection has a production of its own; of a multicast one there is one for each
+//! Not its consumers. A point-to-point connection has a production of its own; of a multicast one there is one for each
 //! interval, class and trigger (spec/ethernet-ip.md §14.2).
 
 use bytes::{BufMut, BytesMut};
 use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
-use super::application::{SEQUENCE_COUNT, Wanted};
+use super::application::{OpenRequest, SEQUENCE_COUNT};
 use super::datagram::Datagram;
 use crate::cpf::ConnectionId;
 
@@ -47,13 +47,13 @@ pub(super) struct Production {
 
 impl Production {
     /// Not begun; `interval` is not 0.
-    pub(super) fn new(to: SocketAddr, id: ConnectionId, interval: Duration, wanted: Wanted) -> Self {
+    pub(super) fn new(to: SocketAddr, id: ConnectionId, interval: Duration, request: OpenRequest) -> Self {
         Self {
             to,
             id,
             interval,
-            class_1: wanted.class_1,
-            trigger: wanted.trigger,
+            class_1: request.class_1,
+            trigger: request.trigger,
             consumers: 1,
             next: None,
             look: Duration::ZERO,
@@ -63,12 +63,12 @@ impl Production {
         }
     }
 
-    /// Whether a multicast connection that wants `wanted` at an interval in a group can consume it.
-    pub(super) fn serves(&self, group: IpAddr, interval: Duration, wanted: Wanted) -> bool {
+    /// Whether a multicast connection that wants `request` at an interval in a group can consume it.
+    pub(super) fn serves(&self, group: IpAddr, interval: Duration, request: OpenRequest) -> bool {
         self.to.ip() == group
             && self.interval == interval
-            && self.class_1 == wanted.class_1
-            && self.trigger == wanted.trigger
+            && self.class_1 == request.class_1
+            && self.trigger == request.trigger
     }
 
     /// From now on it produces, unless it does already.

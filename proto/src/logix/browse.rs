@@ -1,4 +1,4 @@
-//! The Symbol class: what it tells about a tag, and the list of all tags (spec/ethernet-ip.md §10).
+//! The Symbol class: the attributes of a tag, and the list of all tags (spec/ethernet-ip.md §10).
 //!
 //! Not the table of tags itself; lists are cut to a budget in bytes.
 
@@ -7,7 +7,7 @@ use bytes::{BufMut, BytesMut};
 use crate::cip::{CipStatus, REPLY_HEAD, Reply, service};
 use crate::wire::Reader;
 
-/// What the Symbol class tells about a tag (spec/ethernet-ip.md §10).
+/// The attributes of a tag in the Symbol class (spec/ethernet-ip.md §10).
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Symbol {
     /// Instance id, 1 or more, fixed while the server runs.

@@ -34,7 +34,7 @@ impl CreateSymbol {
         out.freeze()
     }
 
-    /// Reads request data; what stands behind it is given back.
+    /// Reads request data; bytes behind it are returned.
     ///
     /// # Errors
     /// 0x13 when it is cut, 0x20 for texts that are too long or no text.

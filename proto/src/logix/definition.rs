@@ -1,7 +1,7 @@
 //! The definition of a structure: what Read Template transfers, in both directions (spec/ethernet-ip.md §11).
 //!
 //! `info u16, type u16, offset u32` of each member, then the name of the type and the names of the members, each with a zero
-//! behind it. Nested structures stand as numbers of their templates; who reads these is the caller.
+//! behind it. Nested structures stand as template instances, which the caller reads.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The Template class: what it tells about a structure, and reading its definition (spec/ethernet-ip.md §11).
+//! The Template class: the attributes of a structure, and reading its definition (spec/ethernet-ip.md §11).
 //!
 //! Not the definition's layout, which is [`Definition`](super::Definition)'s. Sizes are in bytes but for the definition's, which
 //! the class counts in 32-bit words.
@@ -8,7 +8,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use crate::cip::{AttributeListReader, AttributeListReply, CipStatus, REPLY_HEAD, Reply, service};
 use crate::wire::Reader;
 
-/// What the Template class tells about a structure (spec/ethernet-ip.md §11).
+/// The attributes of a structure in the Template class (spec/ethernet-ip.md §11).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct TemplateAttributes {
     /// Attribute 1: the handle behind `A0 02`.

@@ -58,7 +58,7 @@ impl Connection {
         self.deadline = now + self.timeout;
     }
 
-    /// What its originator is told.
+    /// The reply to its originator.
     pub(super) fn reply(&self, id: ConnectionId) -> ForwardOpenReply {
         ForwardOpenReply {
             o_to_t_id: id,

@@ -21,7 +21,7 @@ pub trait Host {
     fn acquire_connection(&mut self) -> bool;
     /// `count` connections have gone.
     fn release_connections(&mut self, count: usize);
-    /// A class 3 connection is no more. When the session ends, its connections end with it, and nobody is told of each.
+    /// A class 3 connection is no more. When the session ends, its connections end with it, without a call for each.
     fn connection_ended(&mut self, _id: ConnectionId, _how: ConnectionEnd) {}
     /// Counts for the Connection Manager's attributes.
     fn count(&mut self, count: Count);
@@ -68,7 +68,7 @@ pub struct IoOpen<'a> {
 /// An I/O connection that is open; it begins to produce when [`super::Event::IoReady`] has come.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct IoOpened {
-    /// What the originator is told.
+    /// The reply to the originator.
     pub reply: ForwardOpenReply,
     /// Where the target listens (item 0x8000); the address 0.0.0.0 is that of the TCP connection.
     pub listens: SocketAddrV4,

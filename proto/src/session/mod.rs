@@ -22,7 +22,7 @@ use std::time::Duration;
 use self::connection_manager::Managed;
 use self::connections::{Arrival, Connections};
 use self::host::nonzero;
-use self::replies::{Replies, Way};
+use self::replies::{Replies, ReplyRoute};
 use self::route::unwrap_route;
 use crate::cip::{Reply, Request};
 use crate::cpf::{ConnectionId, Item, Packet};
@@ -113,7 +113,7 @@ pub struct ServerSession {
 }
 
 impl ServerSession {
-    /// A session on a socket just accepted at address `local` (what ListIdentity tells).
+    /// A session on a socket just accepted at address `local` (the address that ListIdentity shows).
     pub fn new(settings: Arc<Settings>, local: SocketAddrV4, now: Duration) -> Self {
         let until = now + settings.register_timeout;
         Self {
@@ -190,10 +190,10 @@ impl ServerSession {
     }
 
     fn answer(&mut self, id: RequestId, reply: &Reply, io: Option<&IoOpened>, now: Duration) -> bool {
-        let Some((way, packet)) = self.replies.answer(id, reply, io) else {
+        let Some((route, packet)) = self.replies.answer(id, reply, io) else {
             return false;
         };
-        if let Way::Connected { id, sequence, .. } = way {
+        if let ReplyRoute::Connected { id, sequence, .. } = route {
             self.connections.answered(id, sequence, &packet, now);
         }
         self.flush();
@@ -306,10 +306,10 @@ impl ServerSession {
         let message = packet.and_then(|packet| Ok((packet.unconnected_message()?.clone(), originator_port(&packet))));
         match message {
             Ok((message, port)) => {
-                let way = Way::Unconnected {
+                let route = ReplyRoute::Unconnected {
                     budget: self.settings.unconnected_reply_limit,
                 };
-                self.message(header, way, &message, port, now, host);
+                self.message(header, route, &message, port, now, host);
             }
             Err(_) => self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA)),
         }
@@ -325,13 +325,13 @@ impl ServerSession {
         };
         match self.connections.receive(id, sequence, now) {
             Some(Arrival::New { t_to_o_id, budget }) => {
-                let way = Way::Connected {
+                let route = ReplyRoute::Connected {
                     id,
                     t_to_o_id,
                     sequence,
                     budget,
                 };
-                self.message(header, way, &message, None, now, host);
+                self.message(header, route, &message, None, now, host);
             }
             Some(Arrival::Answered(packet)) => self.push_ready(Frame::reply(&header, packet)),
             Some(Arrival::InProgress) => self.replies.repeat(header, id, sequence),
@@ -344,11 +344,11 @@ impl ServerSession {
         }
     }
 
-    /// Gives a message a place in the order of replies; answers it if the Connection Manager can.
+    /// Adds a message to the order of replies; answers it if it is for the Connection Manager.
     fn message(
         &mut self,
         header: Header,
-        way: Way,
+        route: ReplyRoute,
         message: &Bytes,
         port: Option<u16>,
         now: Duration,
@@ -361,16 +361,16 @@ impl ServerSession {
             .and_then(|request| self.connections.manage(request, port, &self.settings, now, host));
         match outcome {
             Ok(request) => {
-                let id = self.replies.wait(request.service, header, way);
+                let id = self.replies.wait(request.service, header, route);
                 self.events.push_back(Event::Request {
                     id,
                     request,
-                    reply_budget: way.budget(),
-                    transport: way.transport(),
+                    reply_budget: route.budget(),
+                    transport: route.transport(),
                 });
             }
             Err(Managed { reply, io }) => {
-                let id = self.replies.wait(reply.service, header, way);
+                let id = self.replies.wait(reply.service, header, route);
                 self.answer(id, &reply, io.as_ref(), now);
             }
         }

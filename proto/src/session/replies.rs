@@ -1,4 +1,4 @@
-//! The order of replies: each request of a session has its place, and nothing overtakes (spec/ethernet-ip.md §8, §18).
+//! The order of replies: they leave in the order of their requests (spec/ethernet-ip.md §8, §18).
 //!
 //! Not what a reply says. Budgets are in bytes of the router reply, head included.
 
@@ -18,21 +18,21 @@ pub struct RequestId(u64);
 /// Replies that have not left yet, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Replies {
-    places: VecDeque<Place>,
+    pending: VecDeque<PendingReply>,
     next_id: u64,
 }
 
-/// A place in the order.
+/// A reply that has not left.
 #[derive(Debug)]
-enum Place {
+enum PendingReply {
     /// The application works on it.
     Waiting {
         id: RequestId,
         service: u8,
         header: Header,
-        way: Way,
+        route: ReplyRoute,
     },
-    /// Ready to leave, a whole frame; an I/O connection may wait for that.
+    /// Ready to leave, a whole frame, and the I/O connection that produces from then on.
     Ready(Bytes, Option<ConnectionId>),
     /// Repeats the reply in front of it, which is not there yet.
     Repeat {
@@ -44,7 +44,7 @@ enum Place {
 
 /// Where a reply goes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Way {
+pub(super) enum ReplyRoute {
     Unconnected {
         budget: usize,
     },
@@ -56,7 +56,7 @@ pub(super) enum Way {
     },
 }
 
-impl Way {
+impl ReplyRoute {
     /// Bytes of the longest reply; never more than a frame holds.
     pub(super) fn budget(&self) -> usize {
         match self {
@@ -117,77 +117,81 @@ impl Way {
 impl Replies {
     /// How many have not left.
     pub(super) fn len(&self) -> usize {
-        self.places.len()
+        self.pending.len()
     }
 
     /// Whether all have left.
     pub(super) fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.pending.is_empty()
     }
 
     /// Forgets all that have not left.
     pub(super) fn clear(&mut self) {
-        self.places.clear();
+        self.pending.clear();
     }
 
-    /// A place for a reply that is still to be made.
-    pub(super) fn wait(&mut self, service: u8, header: Header, way: Way) -> RequestId {
+    /// Adds a reply that is still to be made.
+    pub(super) fn wait(&mut self, service: u8, header: Header, route: ReplyRoute) -> RequestId {
         let id = RequestId(self.next_id);
         self.next_id += 1;
-        self.places.push_back(Place::Waiting {
+        self.pending.push_back(PendingReply::Waiting {
             id,
             service,
             header,
-            way,
+            route,
         });
         id
     }
 
-    /// A reply that is there.
+    /// Adds a finished reply.
     pub(super) fn push(&mut self, frame: Frame) {
-        self.places.push_back(Place::Ready(frame.to_bytes(), None));
+        self.pending.push_back(PendingReply::Ready(frame.to_bytes(), None));
     }
 
-    /// A place for the reply of a request that still waits in front.
+    /// Adds a repetition of the reply to a request that still waits in front.
     pub(super) fn repeat(&mut self, header: Header, id: ConnectionId, sequence: u16) {
-        self.places.push_back(Place::Repeat { header, id, sequence });
+        self.pending.push_back(PendingReply::Repeat { header, id, sequence });
     }
 
-    /// Puts a reply in its place; one beyond the budget becomes 0x11. Gives the packet and its way; `None` if nothing
-    /// waits by this name.
-    /// `io` is the I/O connection that it confirms.
-    pub(super) fn answer(&mut self, id: RequestId, reply: &Reply, io: Option<&IoOpened>) -> Option<(Way, Bytes)> {
-        self.places.iter_mut().find_map(|place| match *place {
-            Place::Waiting {
+    /// Finishes the reply to a request; one beyond the budget becomes 0x11. Gives the packet and its route; `None` if no request of
+    /// this id waits. `io` is the I/O connection that the reply confirms.
+    pub(super) fn answer(
+        &mut self,
+        id: RequestId,
+        reply: &Reply,
+        io: Option<&IoOpened>,
+    ) -> Option<(ReplyRoute, Bytes)> {
+        self.pending.iter_mut().find_map(|pending| match *pending {
+            PendingReply::Waiting {
                 id: waiting,
                 service,
                 header,
-                way,
+                route,
             } if waiting == id => {
-                let frame = if reply.len() <= way.budget() {
-                    way.frame(&header, reply, io)
+                let frame = if reply.len() <= route.budget() {
+                    route.frame(&header, reply, io)
                 } else {
-                    way.frame(&header, &Reply::error(service, CipStatus::REPLY_TOO_LARGE), io)
+                    route.frame(&header, &Reply::error(service, CipStatus::REPLY_TOO_LARGE), io)
                 };
                 let packet = frame.slice(Header::LEN..);
-                *place = Place::Ready(frame, io.map(IoOpened::id));
-                Some((way, packet))
+                *pending = PendingReply::Ready(frame, io.map(IoOpened::id));
+                Some((route, packet))
             }
             _ => None,
         })
     }
 
     /// The next reply that may leave, and the I/O connection that waits for that. A repetition leaves with what
-    /// `connections` have kept.
+    /// `connections` have stored.
     pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Bytes, Option<ConnectionId>)> {
         loop {
-            if let Place::Waiting { .. } = self.places.front()? {
+            if let PendingReply::Waiting { .. } = self.pending.front()? {
                 return None;
             }
-            match self.places.pop_front()? {
-                Place::Waiting { .. } => {}
-                Place::Ready(frame, io) => return Some((frame, io)),
-                Place::Repeat { header, id, sequence } => {
+            match self.pending.pop_front()? {
+                PendingReply::Waiting { .. } => {}
+                PendingReply::Ready(frame, io) => return Some((frame, io)),
+                PendingReply::Repeat { header, id, sequence } => {
                     if let Some(packet) = connections.stored(id, sequence) {
                         return Some((Frame::reply(&header, packet).to_bytes(), None));
                     }

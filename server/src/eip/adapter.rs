@@ -1,7 +1,7 @@
 //! What the host's own adapter shows: the interface that an address belongs to, its mask, gateway, name servers, speed
-//! and counters, as the system tells them in its files.
+//! and counters, as the system shows them in its files.
 //!
-//! Only read, never set: the host's network is not ours. What the system does not tell is 0 or empty. Addresses are
+//! Only read, never set: the host's network is not ours. What the system does not show is 0 or empty. Addresses are
 //! numbers, their first byte the highest.
 
 use std::collections::BTreeMap;
@@ -58,7 +58,7 @@ struct Known {
     reading: bool,
 }
 
-/// How old what is told of an adapter may be before it is read again.
+/// The age at which the values of an adapter are read again.
 const FRESH: Duration = Duration::from_secs(1);
 /// Addresses of the host that are known.
 const MANY: usize = 64;
@@ -224,7 +224,10 @@ impl Files<'_> {
         let found = text
             .lines()
             .filter_map(|line| line.strip_prefix("nameserver")?.trim().parse().ok());
-        servers.iter_mut().zip(found).for_each(|(place, found)| *place = found);
+        servers
+            .iter_mut()
+            .zip(found)
+            .for_each(|(server, found)| *server = found);
         servers
     }
 
@@ -286,8 +289,8 @@ impl Route {
     /// `Iface Destination Gateway Flags RefCnt Use Metric Mask …`, addresses in hexadecimal as they lie in memory.
     fn parse(line: &str) -> Option<Self> {
         let columns: Vec<&str> = line.split_whitespace().collect();
-        let address = |place: usize| {
-            let number = u32::from_str_radix(columns.get(place)?, 16).ok()?;
+        let address = |column: usize| {
+            let number = u32::from_str_radix(columns.get(column)?, 16).ok()?;
             Some(Ipv4Addr::from(number.to_le_bytes()))
         };
         Some(Self {

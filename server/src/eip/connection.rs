@@ -15,6 +15,7 @@ use arcline_proto::session::{CloseReason, Event, ServerSession};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio::sync::watch;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
 use tracing::{debug, warn};
 
@@ -37,8 +38,8 @@ const READ: usize = 4096;
 /// Replies that wait to be sent together, bytes; more are sent at once.
 const WRITE: usize = 16 * 1024;
 
-/// How long a changed inactivity time-out may have no effect.
-const INACTIVITY_CHECK: Duration = Duration::from_secs(1);
+/// The longest sleep of a connection for which nothing is due.
+const IDLE: Duration = Duration::from_secs(3600);
 
 /// A peer whose next request comes within this time after the one before polls: it sends each request as soon as it has the
 /// reply.
@@ -104,6 +105,7 @@ where
         session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
         router: Router::new(device.clone(), local, number),
         slot,
+        inactivity: device.watch_inactivity(),
         host: SessionHost {
             device,
             local,
@@ -134,6 +136,8 @@ struct Connection<S> {
     session: ServerSession,
     router: Router,
     slot: Option<ClientSlot>,
+    /// The silence after which the socket is closed, which a client may set.
+    inactivity: watch::Receiver<Option<Duration>>,
     host: SessionHost,
     epoch: Instant,
     /// The time since the epoch at the last wait; work that needs no wait takes no time.
@@ -225,7 +229,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     }
 
     async fn serve_frames(&mut self) -> Result<std::convert::Infallible, Ended> {
-        let mut timer = pin!(sleep_until(self.epoch + INACTIVITY_CHECK));
+        let mut timer = pin!(sleep_until(self.epoch + IDLE));
         let mut turns = 0;
         loop {
             let more = self.take_input().await?;
@@ -245,10 +249,8 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
 
     /// Waits until more has come, and does what is due meanwhile.
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
-        self.session.set_inactivity(self.host.device.inactivity());
-        // A client may set another inactivity time-out.
-        let next = self.now + INACTIVITY_CHECK;
-        let due = self.epoch + self.session.poll_timeout().map_or(next, |time| time.min(next));
+        self.session.set_inactivity(*self.inactivity.borrow_and_update());
+        let due = self.epoch + self.session.poll_timeout().unwrap_or(self.now + IDLE);
         // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
         if due < timer.deadline() || timer.is_elapsed() {
             timer.as_mut().reset(due);
@@ -259,11 +261,19 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         let came = match busy_poll(read.as_mut(), polls).await {
             Some(came) => Some(came),
             None => {
+                let mut changed = pin!(self.inactivity.changed());
                 std::future::poll_fn(|cx| {
                     if let Poll::Ready(came) = read.as_mut().poll(cx) {
                         return Poll::Ready(Some(came));
                     }
-                    timer.as_mut().poll(cx).map(|()| None)
+                    // Another inactivity time-out: what is due is looked up again.
+                    let is_changed = changed.as_mut().poll(cx).is_ready();
+                    let is_due = timer.as_mut().poll(cx).is_ready();
+                    if is_changed || is_due {
+                        Poll::Ready(None)
+                    } else {
+                        Poll::Pending
+                    }
                 })
                 .await
             }
@@ -358,7 +368,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             return Ok(());
         }
         let mut bytes = self.output.take();
-        // Nearly always the socket takes all at once: then no time is told.
+        // Nearly always the socket takes all at once: then the clock is not read.
         if let Poll::Ready(written) = at_once(pin!(self.stream.write_buf(&mut bytes))).await {
             written?;
         }

@@ -12,10 +12,11 @@ use arcline_proto::connection::{Count, Counters};
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
 use arcline_proto::session::{self, Host};
+use tokio::sync::watch;
 use tracing::{error, warn};
 
 use super::adapter::Adapters;
-use super::io::{Exchange, Io};
+use super::io::{AssemblyData, Io};
 use super::limiter::{ClientLimiter, Limits};
 use super::objects::Objects;
 use crate::guard::Face;
@@ -88,7 +89,7 @@ pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
-    exchange: Exchange,
+    assembly_data: AssemblyData,
     /// The CIP objects that answer.
     pub(crate) objects: Objects,
     /// What the host shows of its adapters.
@@ -98,8 +99,8 @@ pub(crate) struct Device {
     pub(crate) limiter: Arc<ClientLimiter>,
     open_connections: AtomicUsize,
     counters: Mutex<Counters>,
-    /// Silence after which a socket is closed, s; 0: never. Clients set it.
-    inactivity: AtomicU64,
+    /// Silence after which a socket is closed; `None`: never. Clients set it, connections watch it.
+    inactivity: watch::Sender<Option<Duration>>,
     /// Sessions that there ever were.
     sessions: AtomicU64,
     /// What connections have said is to become of their motion.
@@ -116,9 +117,9 @@ impl Device {
     /// # Errors
     /// Its address cannot be bound.
     pub(crate) fn new(plant: Plant, mut settings: Settings) -> std::io::Result<Self> {
-        let exchange = Exchange::new(plant.machine(), settings.io_loss);
+        let assembly_data = AssemblyData::new(plant.machine(), settings.io_loss);
         let io = match settings.io {
-            Some(address) => Some(Arc::new(Io::bind(address, *exchange.assemblies())?)),
+            Some(address) => Some(Arc::new(Io::bind(address, *assembly_data.assemblies())?)),
             None => None,
         };
         if io.is_some() {
@@ -126,12 +127,12 @@ impl Device {
         }
         Ok(Self {
             plant,
-            exchange,
+            assembly_data,
             objects: Objects::ALL,
             adapters: Adapters::new(&settings.system),
             io,
             session_settings: Arc::new(settings.session.clone()),
-            inactivity: AtomicU64::new(settings.session.inactivity.map_or(0, |time| time.as_secs())),
+            inactivity: watch::Sender::new(settings.session.inactivity),
             limiter: ClientLimiter::new(Limits {
                 clients: settings.max_clients.max(1),
                 clients_of_one: settings.max_clients_per_address.max(1),
@@ -148,8 +149,8 @@ impl Device {
     }
 
     /// The assemblies and what they command.
-    pub(crate) fn exchange(&self) -> &Exchange {
-        &self.exchange
+    pub(crate) fn assembly_data(&self) -> &AssemblyData {
+        &self.assembly_data
     }
 
     /// Class 0 and 1 connections, where there may be some.
@@ -169,13 +170,17 @@ impl Device {
 
     /// Silence after which a socket is closed; `None`: never.
     pub(crate) fn inactivity(&self) -> Option<Duration> {
-        let seconds = self.inactivity.load(Ordering::Relaxed);
-        (seconds > 0).then(|| Duration::from_secs(seconds))
+        *self.inactivity.borrow()
     }
 
-    /// Sets it, in whole seconds, for every socket; 0: never.
+    /// Sets it for every socket; 0: never.
     pub(crate) fn set_inactivity(&self, time: Duration) {
-        self.inactivity.store(time.as_secs(), Ordering::Relaxed);
+        self.inactivity.send_replace(Some(time).filter(|time| !time.is_zero()));
+    }
+
+    /// The silence after which a socket is closed, and its changes.
+    pub(crate) fn watch_inactivity(&self) -> watch::Receiver<Option<Duration>> {
+        self.inactivity.subscribe()
     }
 
     /// A number that no other session has or had.

@@ -1,6 +1,6 @@
 //! The bytes of the input and output assemblies (docs/IO.md): which number stands where.
 //!
-//! All fields are four bytes, little-endian: UDINT or REAL. The tables here are the only place that knows them; the page
+//! All fields are four bytes, little-endian: UDINT or REAL. Only the tables here have them; the page
 //! is written from them by a test. Positions are in position units, overrides in percent.
 
 use arcline_controller::Snapshot;
@@ -186,8 +186,8 @@ pub(crate) fn encode_input(head: Head, snapshot: &Snapshot, out: &mut BytesMut) 
 pub(crate) fn renew_head(head: Head, input: &mut BytesMut) {
     let mut bytes = BytesMut::with_capacity(HEAD.len() * FIELD);
     HEAD.iter().for_each(|field| field.put(&head, &mut bytes));
-    if let (Some(place), Some(bytes)) = (input.get_mut(FIELD..bytes.len()), bytes.get(FIELD..)) {
-        place.copy_from_slice(bytes);
+    if let (Some(head), Some(bytes)) = (input.get_mut(FIELD..bytes.len()), bytes.get(FIELD..)) {
+        head.copy_from_slice(bytes);
     }
 }
 

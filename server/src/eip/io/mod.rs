@@ -1,13 +1,13 @@
 //! Implicit I/O: class 0 and 1 connections over one UDP socket (spec/ethernet-ip.md §14, docs/IO.md).
 //!
-//! Who may open what, and when what is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the thread that
+//! Which connections may open, and when a datagram is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the thread that
 //! keeps the times, and what the assemblies mean. The tick knows nothing of it: inputs come from its snapshots, outputs
 //! go through the ring of its commands.
 
+mod lateness;
 pub(crate) mod layout;
 mod outputs;
 mod page;
-mod punctuality;
 mod thread;
 
 use std::collections::BTreeMap;
@@ -42,13 +42,13 @@ const MAX_CONNECTIONS: usize = 64;
 
 /// The assemblies, and what was last commanded through them, with or without a connection.
 #[derive(Debug)]
-pub(crate) struct Exchange {
+pub(crate) struct AssemblyData {
     assemblies: Assemblies,
     reaction: IoLoss,
     outputs: Mutex<Outputs>,
 }
 
-impl Exchange {
+impl AssemblyData {
     /// For a machine.
     pub(crate) fn new(machine: &Machine, reaction: IoLoss) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl Exchange {
         head
     }
 
-    /// The output assembly as it was last applied; zeros when nobody commands.
+    /// The output assembly as it was last applied; zeros when no client commands.
     pub(crate) fn output(&self) -> Bytes {
         let outputs = lock(&self.outputs);
         let mut data = outputs.data().to_vec();
@@ -117,7 +117,7 @@ impl Exchange {
         lock(&self.outputs).apply(data, plant);
     }
 
-    /// Nobody commands any more: does what is configured for that.
+    /// No client commands any more: applies the reaction that is configured.
     fn lose(&self, why: &str, plant: &Plant) {
         warn!(why, reaction = self.reaction.word(), "the owner of the outputs is lost");
         lock(&self.outputs).lose(self.reaction, plant);
@@ -153,7 +153,7 @@ impl Io {
         let settings = IoSettings {
             assemblies,
             max_connections: MAX_CONNECTIONS,
-            min_interval: punctuality::SHORTEST,
+            min_interval: lateness::SHORTEST,
             volatile: layout::TICK,
             local,
         };
@@ -197,7 +197,7 @@ impl Io {
             let mut connections = lock(&self.connections);
             let opened = connections.open(open.open, open.application, originator, self.now(), random);
             // A watchdog may have expired meanwhile.
-            carry_out(device, &mut connections);
+            apply_events(device, &mut connections);
             let id = opened.as_ref().ok().map(|reply| reply.o_to_t_id);
             (opened, id.and_then(|id| connections.group(id)))
         };
@@ -242,7 +242,7 @@ impl Io {
         let closed = {
             let mut connections = lock(&self.connections);
             let closed = connections.close(key, peer).is_ok();
-            carry_out(device, &mut connections);
+            apply_events(device, &mut connections);
             closed
         };
         self.wake();
@@ -259,10 +259,10 @@ impl Io {
     }
 }
 
-/// Does what has happened on the connections, in its order and before their lock is given back: who sees that the outputs are lost,
-/// by a reply or by opening a connection of its own, sees what that did, and nothing that it begins then is stopped by it.
-fn carry_out(device: &Device, connections: &mut IoConnections) {
-    let (plant, exchange) = (&device.plant, device.exchange());
+/// Applies the events of the connections, in their order and before the connections' lock is released: a client that sees the outputs
+/// lost, by a reply or by opening a connection of its own, sees the effect, and motion that it begins then is not stopped by it.
+fn apply_events(device: &Device, connections: &mut IoConnections) {
+    let (plant, exchange) = (&device.plant, device.assembly_data());
     while let Some(event) = connections.poll_event() {
         match event {
             IoEvent::Outputs(data) => exchange.apply(&data, plant),

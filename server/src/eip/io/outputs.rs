@@ -1,6 +1,6 @@
-//! What the output assembly commands, and what happens when nobody commands any more.
+//! What the output assembly commands, and the reaction when no client commands any more.
 //!
-//! Not who may command: that is the connection's. Overrides are in percent.
+//! Not which client may command: that is the connection's. Overrides are in percent.
 
 use arcline_config::IoLoss;
 use tracing::warn;
@@ -29,7 +29,7 @@ impl Outputs {
         self.refused
     }
 
-    /// The assembly as it came; empty when nobody commands.
+    /// The assembly as it came; empty when no client commands.
     pub(crate) fn data(&self) -> &[u8] {
         &self.data
     }
@@ -67,7 +67,7 @@ impl Outputs {
         self.data.extend_from_slice(data);
     }
 
-    /// Nobody commands any more.
+    /// No client commands any more.
     pub(crate) fn lose(&mut self, reaction: IoLoss, plant: &Plant) {
         *self = Self::default();
         match reaction {

@@ -56,11 +56,11 @@ fn write(out: &mut String) -> std::fmt::Result {
 
 fn table<T>(out: &mut String, title: &str, fields: &[Field<T>]) -> std::fmt::Result {
     writeln!(out, "{title}:\n\n| offset | type | name | meaning |\n|---|---|---|---|")?;
-    for (place, field) in fields.iter().enumerate() {
+    for (index, field) in fields.iter().enumerate() {
         writeln!(
             out,
             "| {} | {} | `{}` | {} |",
-            place * FIELD,
+            index * FIELD,
             field.type_name(),
             field.name,
             field.meaning

@@ -2,7 +2,7 @@
 //!
 //! What has arrived is taken before a watchdog is looked at, so that a thread that was late itself ends no connection.
 //! It comes after the tick and before everything else, where the system allows that, so it bounds its own work: a flood of
-//! datagrams makes it pause. It waits for nobody but the short locks of the connections and of the plant.
+//! datagrams makes it pause. It waits only for the short locks of the connections and of the plant.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use bytes::BytesMut;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use tracing::{debug, error};
 
-use super::punctuality::Punctuality;
-use super::{Io, carry_out, lock};
+use super::lateness::Lateness;
+use super::{Io, apply_events, lock};
 use crate::eip::device::Device;
 
 /// Datagrams that are taken before what is due is done.
@@ -81,10 +81,10 @@ impl Worker {
         }
         let mut received = vec![0_u8; MAX_DATAGRAM];
         let (mut input, mut out) = (BytesMut::new(), BytesMut::new());
-        let mut punctuality = Punctuality::new();
+        let mut lateness = Lateness::new();
         while !self.ended.load(Ordering::Acquire) {
             let is_flood = self.take(&mut received);
-            self.do_what_is_due(&mut input, &mut out, &mut punctuality);
+            self.send_due(&mut input, &mut out, &mut lateness);
             if is_flood {
                 std::thread::sleep(self.until_due().min(REST));
             } else {
@@ -106,28 +106,28 @@ impl Worker {
             if !connections.handle_datagram(datagram, from, now) {
                 continue;
             }
-            carry_out(&self.device, &mut connections);
+            apply_events(&self.device, &mut connections);
         }
         true
     }
 
     /// Ends what is overdue, sends what is due.
-    fn do_what_is_due(&self, input: &mut BytesMut, out: &mut BytesMut, punctuality: &mut Punctuality) {
+    fn send_due(&self, input: &mut BytesMut, out: &mut BytesMut, lateness: &mut Lateness) {
         let mut connections = lock(&self.io.connections);
         connections.handle_timeout(self.io.now());
-        carry_out(&self.device, &mut connections);
+        apply_events(&self.device, &mut connections);
         let now = self.io.now();
-        if let Some(floor) = punctuality.look(now) {
+        if let Some(floor) = lateness.look(now) {
             debug!(floor, "the shortest interval that is confirmed, µs");
             connections.set_min_interval(floor);
         }
         let Some(due) = connections.next_datagram().filter(|due| *due <= now) else {
             return;
         };
-        punctuality.sent(now - due);
+        lateness.sent(now - due);
         let ownership = connections.outputs();
         self.device
-            .exchange()
+            .assembly_data()
             .refresh_input(&self.device.plant, ownership, input);
         loop {
             out.clear();

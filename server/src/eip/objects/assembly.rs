@@ -21,7 +21,7 @@ pub(super) struct Assemblies;
 
 /// Bytes of an instance; `None` if there is no such.
 fn size(device: &Device, instance: u32) -> Option<u16> {
-    let all = device.exchange().assemblies();
+    let all = device.assembly_data().assemblies();
     let sizes = [
         (all.input.instance, all.input.size),
         (all.output.instance, all.output.size),
@@ -33,7 +33,7 @@ fn size(device: &Device, instance: u32) -> Option<u16> {
 }
 
 fn is_output(device: &Device, instance: u32) -> bool {
-    instance == device.exchange().assemblies().output.instance
+    instance == device.assembly_data().assemblies().output.instance
 }
 
 fn ownership(device: &Device) -> Ownership {
@@ -54,7 +54,7 @@ impl Object for Assemblies {
     }
 
     fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        let all = cx.device().exchange().assemblies();
+        let all = cx.device().assembly_data().assemblies();
         Ok(Extent {
             highest: all.listen_only,
             count: 5,
@@ -71,8 +71,8 @@ impl Object for Assemblies {
         let size = size(device, instance).ok_or_else(unknown)?;
         match id {
             DATA if size == 0 => Ok(Bytes::new()),
-            DATA if is_output(device, instance) => Ok(device.exchange().output()),
-            DATA => Ok(device.exchange().input(&device.plant, ownership(device))),
+            DATA if is_output(device, instance) => Ok(device.assembly_data().output()),
+            DATA => Ok(device.assembly_data().input(&device.plant, ownership(device))),
             SIZE => u16_value(size),
             _ => no_attribute(),
         }
@@ -88,7 +88,7 @@ impl Object for Assemblies {
         if ownership(device) != Ownership::Free {
             return Err(CipStatus::OBJECT_STATE_CONFLICT);
         }
-        device.exchange().apply(value, &device.plant);
+        device.assembly_data().apply(value, &device.plant);
         Ok(())
     }
 }

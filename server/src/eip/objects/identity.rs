@@ -1,4 +1,4 @@
-//! Identity, class 0x01 (CIP Vol. 1, 5A-2): who the device is. It cannot be reset from outside.
+//! Identity, class 0x01 (CIP Vol. 1, 5A-2): vendor, product, serial number. Clients cannot reset the device.
 
 use arcline_proto::cip::{CipStatus, Reply, class, service};
 use bytes::Bytes;

@@ -148,7 +148,7 @@ pub(crate) enum On {
     Any,
 }
 
-/// What the class attributes tell (CIP Vol. 1, 4-4).
+/// The values of the class attributes (CIP Vol. 1, 4-4).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Extent {
     /// Attribute 2: the highest instance.

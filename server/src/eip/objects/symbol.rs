@@ -105,7 +105,7 @@ fn list(cx: &ObjectContext<'_, '_>, start: u32) -> Result<Reply, CipStatus> {
     let ids = cip::decode_attribute_ids(&cx.request.data)?;
     let tags = cx.image().tags();
     let first = tags.partition_point(|tag| tag.id.0 < start);
-    // One more than can fit, so that the reply tells that more follow.
+    // One more than can fit, so that the reply shows that more follow.
     let page = budget / LEAST_ENTRY + 1;
     let tags = tags.iter().skip(first).filter(|tag| tag.program == scope);
     let symbols: Vec<Symbol> = tags.take(page).map(symbol).collect();

@@ -395,7 +395,7 @@ async fn lost_outputs_do_what_is_configured() {
                 "close without the wire" => {
                     assert!(io.close(key(1), PEER, &bench.device));
                     // Before its reply: what its originator begins then is not stopped by what it has lost.
-                    assert_eq!(bench.device.exchange().output(), zeros, "{reaction:?}");
+                    assert_eq!(bench.device.assembly_data().output(), zeros, "{reaction:?}");
                 }
                 _ => scanner.send_output(false, command::HOLD, [0.0; 4]).await,
             }
@@ -413,7 +413,7 @@ async fn lost_outputs_do_what_is_configured() {
             bench.until_snapshot(&format!("{reaction:?} after {way}"), check).await;
             let timeouts = bench.counted(Count::ConnectionTimeouts);
             assert_eq!(timeouts, u16::from(way == "silence"), "{reaction:?} after {way}");
-            assert_eq!(bench.device.exchange().output(), zeros);
+            assert_eq!(bench.device.assembly_data().output(), zeros);
         }
     }
 }

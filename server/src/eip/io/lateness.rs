@@ -1,4 +1,5 @@
-//! Whether datagrams leave in time, and which interval may be confirmed because of that: what is confirmed is kept.
+//! Measures how late datagrams leave, and derives the shortest interval that may be confirmed: the thread keeps up with every
+//! interval that it confirms.
 //!
 //! A machine that grants no priority, or that is too busy, makes the thread of implicit I/O late. Then the shortest interval
 //! that is confirmed doubles from one look to the next, until they are in time again.
@@ -7,19 +8,19 @@ use std::time::Duration;
 
 /// Counts over a second.
 #[derive(Debug)]
-pub(super) struct Punctuality {
+pub(super) struct Lateness {
     /// The shortest interval that may be confirmed, µs.
     floor: u32,
     sent: u32,
     late: u32,
-    /// That would be late for half of the floor.
+    /// Datagrams that would be late for an interval of half the floor.
     nearly: u32,
     /// When this second is over.
     until: Duration,
 }
 
-impl Punctuality {
-    /// Nothing is known yet: the shortest interval of all may be confirmed.
+impl Lateness {
+    /// Without a measurement yet, the shortest interval of all may be confirmed.
     pub(super) fn new() -> Self {
         Self {
             floor: SHORTEST,
@@ -70,36 +71,36 @@ mod tests {
     use super::*;
 
     /// A second of datagrams, so many of them late.
-    fn second(punctuality: &mut Punctuality, number: u64, late: u32) -> Option<u32> {
-        for place in 0..1000 {
-            let micros = if place < late { 900 } else { 60 };
-            punctuality.sent(Duration::from_micros(micros));
+    fn second(lateness: &mut Lateness, number: u64, late: u32) -> Option<u32> {
+        for index in 0..1000 {
+            let micros = if index < late { 900 } else { 60 };
+            lateness.sent(Duration::from_micros(micros));
         }
-        punctuality.look(Duration::from_secs(number))
+        lateness.look(Duration::from_secs(number))
     }
 
     #[test]
     fn what_is_not_kept_is_not_confirmed_until_it_is() {
-        let mut punctuality = Punctuality::new();
-        assert_eq!(punctuality.look(Duration::from_millis(999)), None);
-        assert_eq!(second(&mut punctuality, 1, 10), None, "one of a hundred");
-        assert_eq!(second(&mut punctuality, 2, 11), Some(2000));
+        let mut lateness = Lateness::new();
+        assert_eq!(lateness.look(Duration::from_millis(999)), None);
+        assert_eq!(second(&mut lateness, 1, 10), None, "one of a hundred");
+        assert_eq!(second(&mut lateness, 2, 11), Some(2000));
         assert_eq!(
-            second(&mut punctuality, 3, 100),
+            second(&mut lateness, 3, 100),
             Some(4000),
             "900 µs is too late for 2 ms too"
         );
-        assert_eq!(second(&mut punctuality, 4, 100), None, "for 4 ms it is not");
-        assert_eq!(second(&mut punctuality, 5, 0), Some(2000));
-        assert_eq!(second(&mut punctuality, 6, 0), Some(1000));
+        assert_eq!(second(&mut lateness, 4, 100), None, "for 4 ms it is not");
+        assert_eq!(second(&mut lateness, 5, 0), Some(2000));
+        assert_eq!(second(&mut lateness, 6, 0), Some(1000));
         for number in 7..30 {
             for _ in 0..100 {
-                punctuality.sent(Duration::from_secs(1));
+                lateness.sent(Duration::from_secs(1));
             }
-            punctuality.look(Duration::from_secs(number));
+            lateness.look(Duration::from_secs(number));
         }
-        assert_eq!(punctuality.floor, LONGEST);
-        // Nobody sends: nothing is late any more.
-        assert_eq!(punctuality.look(Duration::from_secs(30)), Some(LONGEST / 2));
+        assert_eq!(lateness.floor, LONGEST);
+        // Without datagrams, none is late.
+        assert_eq!(lateness.look(Duration::from_secs(30)), Some(LONGEST / 2));
     }
 }
