@@ -104,6 +104,9 @@ impl<T: Copy> Planner<T> {
         if level && !too_fast && !turns_back(&from, &limits) {
             return plan;
         }
+        if too_fast && can_rest(from, way, &limits) {
+            return Plan { exit: 0.0, ..plan };
+        }
         let plan = Plan {
             ends: Ends::TooFast,
             ..plan
@@ -255,6 +258,14 @@ pub(crate) enum Ends {
     TooFast,
     /// Beyond the rest that it was to come to, and back.
     Overshooting,
+}
+
+/// Whether the motion can come to rest within a way, where it cannot come down to a lower speed: with a limited jerk, the last of a
+/// deceleration to rest takes less way than the one to a speed above (a move that came into the queue since has such a speed at its
+/// beginning).
+fn can_rest(from: KinematicState, way: f64, limits: &Limits) -> bool {
+    let rest = Profile::stop(from, limits).end().position - from.position;
+    (0.0..=way * (1.0 + ROUNDING)).contains(&rest)
 }
 
 /// Whether a deceleration can only be taken back when the motion has passed through rest.

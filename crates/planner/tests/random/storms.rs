@@ -416,6 +416,8 @@ const FAILED: &[(&str, u64)] = &[
     ("deep changes of rates", 604),
     // An approach arrives before its acceleration is 0.
     ("gentler pauses of rates", 68),
+    // A short move behind an S-curve that could come to rest before it, but not slow down to the speed at which it can begin.
+    ("corners and rates", 100_655),
 ];
 
 #[test]
