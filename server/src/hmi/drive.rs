@@ -9,9 +9,10 @@ use arcline_tag::{TagPath, Value};
 
 use super::Shared;
 use super::protocol::{Done, Executed, Refusal};
+use super::workers::Workers;
 use crate::names::ImageNames;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{Call, CallRefused, Command, Outcome, Principal, Refused, Systems};
+use crate::plant::{Call, CallRefused, Command, Outcome, Plant, Principal, Refused, Systems};
 
 /// The longest text that is read by the threads that others share, bytes.
 const SHORT: usize = 1024;
@@ -23,99 +24,6 @@ pub(super) struct Accepted {
 }
 
 impl Shared {
-    /// What runs one instruction given as Structured Text, its names checked against the tags.
-    pub(super) fn interpreter_of(&self, text: &str) -> Result<Interpreter, Refusal> {
-        self.checked_call(text).map(Interpreter::new)
-    }
-
-    /// One call given as Structured Text, its names checked against the tags.
-    pub(super) fn checked_call(&self, text: &str) -> Result<Program, Refusal> {
-        let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
-        self.plant
-            .with_image(|image| program.check(&ImageNames(image)))
-            .map_err(|error| Refusal::syntax(&error))?;
-        Ok(program)
-    }
-
-    /// Executes one instruction given as Structured Text.
-    pub(super) async fn execute(self: &Arc<Self>, viewer: ViewerId, text: &str) -> Result<Executed, Refusal> {
-        let parsed = text.to_owned();
-        let mut interpreter = self
-            .compute_if(text.len() > SHORT, move |shared| shared.interpreter_of(&parsed))
-            .await??;
-        let mut answer = Answer::Start;
-        loop {
-            let request = interpreter
-                .resume(answer)
-                .map_err(|error| Refusal::new(error.to_string()))?;
-            answer = match request {
-                Request::Call(call) => {
-                    let accepted = self.call(Principal::Viewer(viewer), &call, Some(text)).await?;
-                    return Ok(Executed {
-                        instruction: accepted.mnemonic.name(),
-                        instance: accepted.instance,
-                    });
-                }
-                Request::Read(path) => Answer::Value(self.read_value(&path)?),
-                Request::ReadArray(path) => Answer::Array(self.read_numbers(&path)?),
-                Request::GetAttribute(of) => Answer::Value(Value::Lreal(self.attribute(&of)?)),
-                Request::SetAttribute(..)
-                | Request::Write(..)
-                | Request::NextTick
-                | Request::Delay(_)
-                | Request::End => {
-                    return Err(Refusal::new("not an instruction"));
-                }
-            };
-        }
-    }
-
-    /// Executes a call that a viewer may make.
-    pub(super) async fn call(
-        &self,
-        principal: Principal,
-        call: &BoundCall,
-        text: Option<&str>,
-    ) -> Result<Accepted, Refusal> {
-        let mnemonic = call.mnemonic;
-        let object = mnemonic.instruction().object;
-        let command = Command::Call(Call {
-            mnemonic,
-            target: self.plant.with_image(|image| image.object(object, &call.target)),
-            control: call.control.as_deref(),
-            given: &call.given,
-            text: text.map(Arc::from),
-        });
-        let executed = match self.plant.apply(principal, command).await {
-            Ok(Outcome::Executed(executed)) => executed,
-            Ok(_) => return Err(Refusal::call(&CallRefused::NoAnswer, mnemonic)),
-            Err(Refused::Call(refused)) => return Err(Refusal::call(&refused, mnemonic)),
-            Err(refused) => return Err(refused.into()),
-        };
-        if executed.control.has(Flag::Er) {
-            return Err(Refusal::motion(executed.control.err, executed.control.exerr, mnemonic));
-        }
-        Ok(Accepted {
-            mnemonic,
-            instance: executed.instance,
-        })
-    }
-
-    pub(super) fn read_value(&self, path: &TagPath) -> Result<Value, Refusal> {
-        let value = self.plant.with_image(|image| match image.read(path) {
-            Err(error) => unmade_control(path)
-                .filter(|_| path.tag().is_some_and(|tag| image.find(tag).is_none()))
-                .ok_or(error),
-            value => value,
-        });
-        value.map_err(|error| Refusal::new(error.to_string()))
-    }
-
-    pub(super) fn read_numbers(&self, path: &TagPath) -> Result<Vec<f64>, Refusal> {
-        let numbers = self.plant.with_image(|image| image.read_numbers(path));
-        numbers.map_err(|error| Refusal::new(error.to_string()))
-    }
-
     /// Stops one object, or everything. Anybody may.
     pub(super) async fn stop(&self, viewer: ViewerId, object: Option<&str>) -> Result<Done, Refusal> {
         let machine = self.plant.machine();
@@ -130,8 +38,8 @@ impl Shared {
             Some(MotionObject::Group) => Mnemonic::Mgs,
             None => return Err(no_object(name)),
         };
-        let call = instruction(mnemonic, name, &[]);
-        self.call(Principal::Viewer(viewer), &call, None).await?;
+        let stop = instruction(mnemonic, name, &[]);
+        call(&self.plant, Principal::Viewer(viewer), &stop, None).await?;
         Ok(Done {})
     }
 
@@ -146,64 +54,163 @@ impl Shared {
 
     /// Sets the override of a coordinate system, percent.
     pub(super) async fn set_override(&self, viewer: ViewerId, system: &str, percent: f64) -> Result<Done, Refusal> {
-        let (system, percent) = (self.system(system)?, percent as f32);
+        let (system, percent) = (system_of(&self.plant, system)?, percent as f32);
         self.apply(Principal::Viewer(viewer), Command::SetFeedOverride { system, percent })
             .await
     }
 
     /// Executes a command that has no other answer than that it is done.
     pub(super) async fn apply(&self, principal: Principal, command: Command<'_>) -> Result<Done, Refusal> {
-        self.plant.apply(principal, command).await?;
-        Ok(Done {})
-    }
-
-    /// The value of an attribute that GSV names.
-    pub(super) fn attribute(&self, of: &ObjectAttribute) -> Result<f64, Refusal> {
-        let machine = self.plant.machine();
-        let value = self.plant.with_image(|image| {
-            let index = image.object(of.attribute.object, &of.name)?;
-            image.attribute(machine, of.attribute, index)
-        });
-        value.ok_or_else(|| no_object(&of.name))
-    }
-
-    /// Sets an attribute that SSV names.
-    pub(super) async fn set_attribute(
-        &self,
-        principal: Principal,
-        of: &ObjectAttribute,
-        value: f64,
-    ) -> Result<(), Refusal> {
-        let attribute = of.attribute;
-        let index = self.plant.with_image(|image| image.object(attribute.object, &of.name));
-        let index = index.ok_or_else(|| no_object(&of.name))?;
-        let command = Command::SetAttribute {
-            attribute,
-            index,
-            value,
-        };
-        self.apply(principal, command).await.map(drop)
+        apply(&self.plant, principal, command).await
     }
 
     /// Holds a coordinate system. Every viewer may.
     pub(super) async fn hold(&self, viewer: ViewerId, system: &str) -> Result<Done, Refusal> {
-        let system = Systems::One(self.system(system)?);
+        let system = Systems::One(system_of(&self.plant, system)?);
         self.apply(Principal::Viewer(viewer), Command::Hold(system)).await
     }
 
     /// Goes on after a hold.
     pub(super) async fn resume(&self, viewer: ViewerId, system: &str) -> Result<Done, Refusal> {
-        let system = Systems::One(self.system(system)?);
+        let system = Systems::One(system_of(&self.plant, system)?);
         self.apply(Principal::Viewer(viewer), Command::Resume(system)).await
     }
+}
 
-    pub(super) fn axis(&self, name: &str) -> Result<AxisId, Refusal> {
-        self.plant.machine().axis(name).ok_or_else(|| no_object(name))
-    }
+/// What runs one instruction given as Structured Text, its names checked against the tags.
+pub(super) fn interpreter_of(plant: &Plant, text: &str) -> Result<Interpreter, Refusal> {
+    checked_call(plant, text).map(Interpreter::new)
+}
 
-    fn system(&self, name: &str) -> Result<SystemId, Refusal> {
-        self.plant.machine().system(name).ok_or_else(|| no_object(name))
+/// One call given as Structured Text, its names checked against the tags.
+pub(super) fn checked_call(plant: &Plant, text: &str) -> Result<Program, Refusal> {
+    let mut program = Program::parse_call(text).map_err(|error| Refusal::syntax(&error))?;
+    plant
+        .with_image(|image| program.check(&ImageNames(image)))
+        .map_err(|error| Refusal::syntax(&error))?;
+    Ok(program)
+}
+
+/// Executes one instruction given as Structured Text.
+pub(super) async fn execute(
+    plant: &Plant,
+    workers: &Workers,
+    viewer: ViewerId,
+    text: &str,
+) -> Result<Executed, Refusal> {
+    let (parsed, of) = (text.to_owned(), plant.clone());
+    let mut interpreter = workers
+        .compute_if(text.len() > SHORT, move || interpreter_of(&of, &parsed))
+        .await??;
+    let mut answer = Answer::Start;
+    loop {
+        let request = interpreter
+            .resume(answer)
+            .map_err(|error| Refusal::new(error.to_string()))?;
+        answer = match request {
+            Request::Call(bound) => {
+                let accepted = call(plant, Principal::Viewer(viewer), &bound, Some(text)).await?;
+                return Ok(Executed {
+                    instruction: accepted.mnemonic.name(),
+                    instance: accepted.instance,
+                });
+            }
+            Request::Read(path) => Answer::Value(read_value(plant, &path)?),
+            Request::ReadArray(path) => Answer::Array(read_numbers(plant, &path)?),
+            Request::GetAttribute(of) => Answer::Value(Value::Lreal(attribute(plant, &of)?)),
+            Request::SetAttribute(..) | Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => {
+                return Err(Refusal::new("not an instruction"));
+            }
+        };
     }
+}
+
+/// Executes a call that a viewer may make.
+pub(super) async fn call(
+    plant: &Plant,
+    principal: Principal,
+    call: &BoundCall,
+    text: Option<&str>,
+) -> Result<Accepted, Refusal> {
+    let mnemonic = call.mnemonic;
+    let object = mnemonic.instruction().object;
+    let command = Command::Call(Call {
+        mnemonic,
+        target: plant.with_image(|image| image.object(object, &call.target)),
+        control: call.control.as_deref(),
+        given: &call.given,
+        text: text.map(Arc::from),
+    });
+    let executed = match plant.apply(principal, command).await {
+        Ok(Outcome::Executed(executed)) => executed,
+        Ok(_) => return Err(Refusal::call(&CallRefused::NoAnswer, mnemonic)),
+        Err(Refused::Call(refused)) => return Err(Refusal::call(&refused, mnemonic)),
+        Err(refused) => return Err(refused.into()),
+    };
+    if executed.control.has(Flag::Er) {
+        return Err(Refusal::motion(executed.control.err, executed.control.exerr, mnemonic));
+    }
+    Ok(Accepted {
+        mnemonic,
+        instance: executed.instance,
+    })
+}
+
+pub(super) fn read_value(plant: &Plant, path: &TagPath) -> Result<Value, Refusal> {
+    let value = plant.with_image(|image| match image.read(path) {
+        Err(error) => unmade_control(path)
+            .filter(|_| path.tag().is_some_and(|tag| image.find(tag).is_none()))
+            .ok_or(error),
+        value => value,
+    });
+    value.map_err(|error| Refusal::new(error.to_string()))
+}
+
+pub(super) fn read_numbers(plant: &Plant, path: &TagPath) -> Result<Vec<f64>, Refusal> {
+    let numbers = plant.with_image(|image| image.read_numbers(path));
+    numbers.map_err(|error| Refusal::new(error.to_string()))
+}
+
+/// Executes a command that has no other answer than that it is done.
+async fn apply(plant: &Plant, principal: Principal, command: Command<'_>) -> Result<Done, Refusal> {
+    plant.apply(principal, command).await?;
+    Ok(Done {})
+}
+
+/// The value of an attribute that GSV names.
+pub(super) fn attribute(plant: &Plant, of: &ObjectAttribute) -> Result<f64, Refusal> {
+    let machine = plant.machine();
+    let value = plant.with_image(|image| {
+        let index = image.object(of.attribute.object, &of.name)?;
+        image.attribute(machine, of.attribute, index)
+    });
+    value.ok_or_else(|| no_object(&of.name))
+}
+
+/// Sets an attribute that SSV names.
+pub(super) async fn set_attribute(
+    plant: &Plant,
+    principal: Principal,
+    of: &ObjectAttribute,
+    value: f64,
+) -> Result<(), Refusal> {
+    let attribute = of.attribute;
+    let index = plant.with_image(|image| image.object(attribute.object, &of.name));
+    let index = index.ok_or_else(|| no_object(&of.name))?;
+    let command = Command::SetAttribute {
+        attribute,
+        index,
+        value,
+    };
+    apply(plant, principal, command).await.map(drop)
+}
+
+pub(super) fn axis_of(plant: &Plant, name: &str) -> Result<AxisId, Refusal> {
+    plant.machine().axis(name).ok_or_else(|| no_object(name))
+}
+
+fn system_of(plant: &Plant, name: &str) -> Result<SystemId, Refusal> {
+    plant.machine().system(name).ok_or_else(|| no_object(name))
 }
 
 /// A call of an instruction on an object, by the names of operands that are not at their omitted value.

@@ -16,7 +16,7 @@ use super::protocol::{
     text_of,
 };
 use crate::plant::control::MotionObject;
-use crate::plant::{Change, Executions, Logged, ending};
+use crate::plant::{Change, Executions, Logged, Plant, ending};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -38,7 +38,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
         let (number, events) = shared
             .plant
             .events_since(last.unwrap_or(0), |image, executions, events| {
-                (newest(&events), tell(&shared, (image, executions), &events))
+                (newest(&events), tell(&shared.plant, (image, executions), &events))
             });
         if number.is_some() {
             last = number;
@@ -49,43 +49,41 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     }
 }
 
-impl Shared {
-    /// The newest events behind a number.
-    pub(super) fn events(&self, since: Option<u64>) -> EventPage {
-        let since = since.unwrap_or(0);
-        let events = self.plant.events_since(since, |image, executions, events| {
-            tell(self, (image, executions), &events)
-        });
-        EventPage { events }
-    }
+/// The newest events behind a number.
+pub(super) fn since(plant: &Plant, since: Option<u64>) -> EventPage {
+    let since = since.unwrap_or(0);
+    let events = plant.events_since(since, |image, executions, events| {
+        tell(plant, (image, executions), &events)
+    });
+    EventPage { events }
 }
 
 fn newest(events: &[Logged]) -> Option<u64> {
     events.last().map(|logged| logged.number)
 }
 
-fn tell(shared: &Shared, known: (&Image, &Executions), events: &[Logged]) -> Vec<Event> {
+fn tell(plant: &Plant, known: (&Image, &Executions), events: &[Logged]) -> Vec<Event> {
     let skipped = events.len().saturating_sub(MOST);
     events[skipped..]
         .iter()
-        .map(|logged| event(shared, known, logged))
+        .map(|logged| event(plant, known, logged))
         .collect()
 }
 
-fn event(shared: &Shared, known: (&Image, &Executions), logged: &Logged) -> Event {
+fn event(plant: &Plant, known: (&Image, &Executions), logged: &Logged) -> Event {
     let tick = logged.change.tick();
     let at = logged.at.duration_since(UNIX_EPOCH).unwrap_or_default();
     Event {
         seq: logged.number,
         tick,
-        time_s: tick as f64 * shared.plant.machine().period(),
+        time_s: tick as f64 * plant.machine().period(),
         at_ms: at.as_micros() as f64 / 1e3,
         change: match &logged.change {
             Change::Instruction { event, target } => {
-                EventChange::Instruction(instruction(shared, known, event, *target))
+                EventChange::Instruction(instruction(plant, known, event, *target))
             }
             Change::Fault(change) => EventChange::Fault {
-                fault: fault(shared, known.0, change),
+                fault: fault(plant, known.0, change),
             },
         },
     }
@@ -93,12 +91,12 @@ fn event(shared: &Shared, known: (&Image, &Executions), logged: &Logged) -> Even
 
 /// A change of an instruction's status.
 fn instruction(
-    shared: &Shared,
+    plant: &Plant,
     (image, executions): (&Image, &Executions),
     event: &arcline_controller::Event,
     target: Option<u16>,
 ) -> InstructionEvent {
-    let machine = shared.plant.machine();
+    let machine = plant.machine();
     let flags = |word| -> Vec<&'static str> { Flag::in_word(word).map(Flag::name).collect() };
     let object = match (event.mnemonic.instruction().object, target) {
         (Object::MotionGroup, _) => Some(MotionObject::Group),
@@ -125,8 +123,8 @@ fn instruction(
 }
 
 /// A change of the faults of an axis.
-fn fault(shared: &Shared, image: &Image, change: &FaultChange) -> FaultEvent {
-    let machine = shared.plant.machine();
+fn fault(plant: &Plant, image: &Image, change: &FaultChange) -> FaultEvent {
+    let machine = plant.machine();
     let axis = machine.axes.get(usize::from(change.axis));
     FaultEvent {
         axis: axis.map(|axis| axis.name.clone()),

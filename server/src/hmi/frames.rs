@@ -16,6 +16,7 @@ use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
 use super::protocol::HistoryPiece;
+use crate::plant::Plant;
 use crate::trace::{Past, history};
 
 /// Time between two frames.
@@ -54,19 +55,17 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     }
 }
 
-impl Shared {
-    /// The newest that is kept of the time before a tick, and what there is to say of it.
-    pub(super) fn past(&self, before: u64) -> (Bytes, HistoryPiece) {
-        let columns = history::columns(self.plant.machine());
-        let past = self.plant.trace().past(before, &columns, PAST_ROWS);
-        let rows = past.values.len() / (past.signals * past.of_signal).max(1);
-        let piece = HistoryPiece {
-            first: past.first,
-            every: past.every,
-            rows,
-        };
-        (past_frame(&past), piece)
-    }
+/// The newest samples before a tick that the server has, as a frame, with its description.
+pub(super) fn history_before(plant: &Plant, before: u64) -> (Bytes, HistoryPiece) {
+    let columns = history::columns(plant.machine());
+    let past = plant.trace().past(before, &columns, PAST_ROWS);
+    let rows = past.values.len() / (past.signals * past.of_signal).max(1);
+    let piece = HistoryPiece {
+        first: past.first,
+        every: past.every,
+        rows,
+    };
+    (past_frame(&past), piece)
 }
 
 fn frame(first: u64, signals: usize, values: &[f64]) -> Bytes {

@@ -2,7 +2,7 @@
 //! business (`crate::guard`); here a jog begins, and ends with the hand.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use arcline_config::ConnectionLoss;
@@ -10,11 +10,11 @@ use arcline_instruction_set::{AxisId, Flag, Mnemonic};
 use tokio::time::{MissedTickBehavior, interval};
 
 use super::Shared;
-use super::drive::{instruction, rate};
-use super::protocol::{Done, Refusal};
+use super::drive::{axis_of, call, instruction, rate};
+use super::protocol::{Done, Jog, Refusal};
 use crate::guard::{Face, VIEWERS};
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{Call, Command, Outcome, Principal};
+use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
 /// How often it is looked whether viewers that jog still have the right.
 const LOOK: Duration = Duration::from_millis(10);
@@ -23,24 +23,30 @@ const SOFT_STOP: Duration = Duration::from_secs(1);
 /// Stop Type of MAS: Jog.
 const JOG: f64 = 1.0;
 
-/// The decelerations, u/s², with which viewers' jogs stop when the hand lets go; `None`: the axis's own.
+/// The jogs of viewers: the decelerations, u/s², with which they stop when the button is released; `None`: the axis's own.
 #[derive(Debug, Default)]
-pub(super) struct Jogs(BTreeMap<(ViewerId, AxisId), Option<f64>>);
+pub(super) struct Jogs(Mutex<BTreeMap<(ViewerId, AxisId), Option<f64>>>);
 
-impl Shared {
-    /// Moves an axis until [`Shared::keep`] does not come any more. `speed`, `accel` and `decel` as numbers; `is_held`: the hand has not
+impl Jogs {
+    /// Moves an axis until [`Jogs::keep`] does not come any more. `speed`, `accel` and `decel` as numbers; `is_held`: the hand has not
     /// let go since.
-    pub(super) async fn jog(
+    pub(super) async fn begin(
         &self,
+        plant: &Plant,
         viewer: ViewerId,
-        axis: &str,
-        [speed, accel, decel]: [Option<f64>; 3],
+        request: &Jog,
         is_held: impl Fn() -> bool,
     ) -> Result<Done, Refusal> {
-        let machine = self.plant.machine();
-        let place = self.axis(axis)?;
+        let Jog {
+            axis,
+            speed,
+            accel,
+            decel,
+        } = request;
+        let (speed, accel, decel) = (*speed, *accel, *decel);
+        let machine = plant.machine();
+        let place = axis_of(plant, axis)?;
         let limit = machine.axes[usize::from(place)].max_speed;
-        let speed = speed.unwrap_or_default();
         if !speed.is_finite() || speed.abs() > limit {
             return Err(Refusal::new(format!(
                 "the speed is {speed}, expected -{limit} to {limit}"
@@ -59,20 +65,20 @@ impl Shared {
             ("Decel Rate", decel_rate), ("Decel Units", decel_units),
             ("Profile", 0.0),
         ];
-        self.jogs().0.insert((viewer, place), decel);
+        self.decelerations().insert((viewer, place), decel);
         // The guard watches it from the moment in which it is sent.
-        let call = instruction(Mnemonic::Maj, axis, &operands);
-        let done = self.call(Principal::Button(viewer), &call, None).await;
+        let maj = instruction(Mnemonic::Maj, axis, &operands);
+        let done = call(plant, Principal::Button(viewer), &maj, None).await;
         if !is_held() {
-            self.jog_end(viewer, axis).await?;
+            self.end(plant, viewer, axis).await?;
         }
         done.map(|_| Done {})
     }
 
     /// A sign of life for a jog.
-    pub(super) fn keep(&self, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
-        let place = self.axis(axis)?;
-        if self.plant.guard().keep(VIEWERS | viewer, place) {
+    pub(super) fn keep(&self, plant: &Plant, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
+        let place = axis_of(plant, axis)?;
+        if plant.guard().keep(VIEWERS | viewer, place) {
             Ok(Done {})
         } else {
             Err(Refusal::new(format!("this page does not jog {axis} any more")))
@@ -80,56 +86,56 @@ impl Shared {
     }
 
     /// The end of a jog.
-    pub(super) async fn jog_end(&self, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
-        let place = self.axis(axis)?;
-        let decel = self.jogs().0.remove(&(viewer, place));
-        if self.plant.guard().release(VIEWERS | viewer, place, SOFT_STOP) {
-            self.stop_jog(viewer, place, decel.flatten()).await;
+    pub(super) async fn end(&self, plant: &Plant, viewer: ViewerId, axis: &str) -> Result<Done, Refusal> {
+        let place = axis_of(plant, axis)?;
+        let decel = self.decelerations().remove(&(viewer, place));
+        if plant.guard().release(VIEWERS | viewer, place, SOFT_STOP) {
+            stop_jog(plant, viewer, place, decel.flatten()).await;
         }
         Ok(Done {})
     }
 
     /// A viewer has gone: what it jogged stops.
-    pub(super) fn leave(&self, viewer: ViewerId) {
-        self.plant.guard().lose(VIEWERS | viewer);
-        self.plant.guard().leave(VIEWERS | viewer);
-        self.jogs().0.retain(|(of, _), _| *of != viewer);
-        self.plant.control().leave(viewer);
+    pub(super) fn leave(&self, plant: &Plant, viewer: ViewerId) {
+        plant.guard().lose(VIEWERS | viewer);
+        plant.guard().leave(VIEWERS | viewer);
+        self.decelerations().retain(|(of, _), _| *of != viewer);
+        plant.control().leave(viewer);
     }
 
-    /// Stops a jog as it was asked to stop. The guard stops it, should this fail.
-    async fn stop_jog(&self, viewer: ViewerId, axis: AxisId, decel: Option<f64>) {
-        let machine = self.plant.machine();
-        let name = MotionObject::Axis(axis).name(machine);
-        let change = if decel.is_some() { 1.0 } else { 0.0 };
-        let (units, rate) = rate(decel);
-        #[rustfmt::skip]
-        let operands = [
-            ("Stop Type", JOG), ("Change Decel", change), ("Decel Rate", rate), ("Decel Units", units),
-        ];
-        let given = instruction(Mnemonic::Mas, name, &operands).given;
-        let command = Command::Call(Call {
-            mnemonic: Mnemonic::Mas,
-            target: Some(axis.0),
-            control: None,
-            given: &given,
-            text: None,
-        });
-        match self.plant.apply(Principal::Button(viewer), command).await {
-            Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
-                // Without motion there is nothing to stop.
-                tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped");
-            }
-            Ok(_) => {}
-            Err(error) => {
-                tracing::error!(axis = name, %error, "a jog could not be stopped: the server stops all motion");
-                self.plant.stop_all();
-            }
+    fn decelerations(&self) -> MutexGuard<'_, BTreeMap<(ViewerId, AxisId), Option<f64>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Stops a jog as it was asked to stop. The guard stops it, should this fail.
+async fn stop_jog(plant: &Plant, viewer: ViewerId, axis: AxisId, decel: Option<f64>) {
+    let machine = plant.machine();
+    let name = MotionObject::Axis(axis).name(machine);
+    let change = if decel.is_some() { 1.0 } else { 0.0 };
+    let (units, rate) = rate(decel);
+    #[rustfmt::skip]
+    let operands = [
+        ("Stop Type", JOG), ("Change Decel", change), ("Decel Rate", rate), ("Decel Units", units),
+    ];
+    let given = instruction(Mnemonic::Mas, name, &operands).given;
+    let command = Command::Call(Call {
+        mnemonic: Mnemonic::Mas,
+        target: Some(axis.0),
+        control: None,
+        given: &given,
+        text: None,
+    });
+    match plant.apply(Principal::Button(viewer), command).await {
+        Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
+            // Without motion there is nothing to stop.
+            tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped");
         }
-    }
-
-    fn jogs(&self) -> std::sync::MutexGuard<'_, Jogs> {
-        self.jogs.lock().unwrap_or_else(PoisonError::into_inner)
+        Ok(_) => {}
+        Err(error) => {
+            tracing::error!(axis = name, %error, "a jog could not be stopped: the server stops all motion");
+            plant.stop_all();
+        }
     }
 }
 

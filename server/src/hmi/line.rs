@@ -4,87 +4,82 @@ use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionErro
 use arcline_structured_text::{Answer, BoundCall, Request};
 use serde_json::{Map, Value};
 
-use super::Shared;
+use super::drive::{attribute, interpreter_of, read_numbers, read_value};
 use super::protocol::{CallLine, Refusal};
+use crate::plant::Plant;
 
-impl Shared {
-    /// The line of a form: what was left out has its first value, and a tail of values that may be left out is. It is
-    /// checked as far as it can be without executing it.
-    pub(super) fn line(&self, mnemonic: &str, values: &Map<String, Value>) -> Result<CallLine, Refusal> {
-        let mnemonic: Mnemonic = mnemonic
-            .parse()
-            .map_err(|_| Refusal::new(format!("there is no instruction {mnemonic:?}")))?;
-        let instruction = mnemonic.instruction();
-        if let Some(name) = values.keys().find(|name| instruction.operand(name).is_none()) {
-            return Err(Refusal::new(format!("{mnemonic} has no operand {name:?}")));
+/// The line of a form: what was left out has its first value, and a tail of values that may be left out is. It is
+/// checked as far as it can be without executing it.
+pub(super) fn line(plant: &Plant, mnemonic: &str, values: &Map<String, Value>) -> Result<CallLine, Refusal> {
+    let mnemonic: Mnemonic = mnemonic
+        .parse()
+        .map_err(|_| Refusal::new(format!("there is no instruction {mnemonic:?}")))?;
+    let instruction = mnemonic.instruction();
+    if let Some(name) = values.keys().find(|name| instruction.operand(name).is_none()) {
+        return Err(Refusal::new(format!("{mnemonic} has no operand {name:?}")));
+    }
+    let mut operands = Vec::with_capacity(instruction.operands.len());
+    let mut needed = 0;
+    for operand in instruction.operands {
+        let given = values
+            .iter()
+            .find(|(name, _)| name.eq_ignore_ascii_case(&operand.member()))
+            .map(|(_, value)| value)
+            .filter(|value| !value.is_null());
+        let Written { text, may_be_left_out } = write(instruction, operand, given).map_err(|text| Refusal {
+            member: Some(operand.member().into()),
+            ..Refusal::new(text)
+        })?;
+        operands.push(text);
+        if !may_be_left_out {
+            needed = operands.len();
         }
-        let mut operands = Vec::with_capacity(instruction.operands.len());
-        let mut needed = 0;
-        for operand in instruction.operands {
-            let given = values
-                .iter()
-                .find(|(name, _)| name.eq_ignore_ascii_case(&operand.member()))
-                .map(|(_, value)| value)
-                .filter(|value| !value.is_null());
-            let Written { text, may_be_left_out } = write(instruction, operand, given).map_err(|text| Refusal {
-                member: Some(operand.member().into()),
-                ..Refusal::new(text)
-            })?;
-            operands.push(text);
-            if !may_be_left_out {
-                needed = operands.len();
+    }
+    operands.truncate(needed);
+    let text = format!("{mnemonic}({});", operands.join(", "));
+    verify(plant, &text)?;
+    Ok(CallLine { text })
+}
+
+/// Whether a line can be executed, as far as names, types and ranges go.
+fn verify(plant: &Plant, text: &str) -> Result<(), Refusal> {
+    let mut interpreter = interpreter_of(plant, text)?;
+    let mut answer = Answer::Start;
+    loop {
+        let request = interpreter
+            .resume(answer)
+            .map_err(|error| Refusal::new(error.to_string()))?;
+        answer = match request {
+            Request::Read(path) => Answer::Value(read_value(plant, &path)?),
+            Request::ReadArray(path) => Answer::Array(read_numbers(plant, &path)?),
+            Request::Call(call) => return verify_call(plant, &call),
+            Request::GetAttribute(of) => Answer::Value(arcline_tag::Value::Lreal(attribute(plant, &of)?)),
+            Request::SetAttribute(..) | Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => {
+                return Ok(());
             }
-        }
-        operands.truncate(needed);
-        let text = format!("{mnemonic}({});", operands.join(", "));
-        self.verify(&text)?;
-        Ok(CallLine { text })
-    }
-
-    /// Whether a line can be executed, as far as names, types and ranges go.
-    fn verify(&self, text: &str) -> Result<(), Refusal> {
-        let mut interpreter = self.interpreter_of(text)?;
-        let mut answer = Answer::Start;
-        loop {
-            let request = interpreter
-                .resume(answer)
-                .map_err(|error| Refusal::new(error.to_string()))?;
-            answer = match request {
-                Request::Read(path) => Answer::Value(self.read_value(&path)?),
-                Request::ReadArray(path) => Answer::Array(self.read_numbers(&path)?),
-                Request::Call(call) => return self.verify_call(&call),
-                Request::GetAttribute(of) => Answer::Value(arcline_tag::Value::Lreal(self.attribute(&of)?)),
-                Request::SetAttribute(..)
-                | Request::Write(..)
-                | Request::NextTick
-                | Request::Delay(_)
-                | Request::End => return Ok(()),
-            };
-        }
-    }
-
-    fn verify_call(&self, call: &BoundCall) -> Result<(), Refusal> {
-        let mnemonic = call.mnemonic;
-        let instruction = mnemonic.instruction();
-        let target = self
-            .plant
-            .with_image(|image| arcline_instruction_set::Directory::object(image, instruction.object, &call.target));
-        let bound = self
-            .plant
-            .with_image(|image| bind(mnemonic, target, arcline_controller::UNNAMED, &call.given, image))
-            .map_err(|error| not_bound(&error, mnemonic))?;
-        let systems = &self.plant.machine().systems;
-        let axes = match (instruction.object, target) {
-            (Object::CoordinateSystem, Some(place)) => systems
-                .get(usize::from(place))
-                .map_or(0, |system| system.linear().len()),
-            _ => 1,
         };
-        instruction.verify(&bound, axes).map_err(|operand| {
-            let error = MotionError::ParameterOutOfRange(operand);
-            Refusal::motion(error.err(), error.exerr(), mnemonic)
-        })
     }
+}
+
+fn verify_call(plant: &Plant, call: &BoundCall) -> Result<(), Refusal> {
+    let mnemonic = call.mnemonic;
+    let instruction = mnemonic.instruction();
+    let target =
+        plant.with_image(|image| arcline_instruction_set::Directory::object(image, instruction.object, &call.target));
+    let bound = plant
+        .with_image(|image| bind(mnemonic, target, arcline_controller::UNNAMED, &call.given, image))
+        .map_err(|error| not_bound(&error, mnemonic))?;
+    let systems = &plant.machine().systems;
+    let axes = match (instruction.object, target) {
+        (Object::CoordinateSystem, Some(place)) => systems
+            .get(usize::from(place))
+            .map_or(0, |system| system.linear().len()),
+        _ => 1,
+    };
+    instruction.verify(&bound, axes).map_err(|operand| {
+        let error = MotionError::ParameterOutOfRange(operand);
+        Refusal::motion(error.err(), error.exerr(), mnemonic)
+    })
 }
 
 fn not_bound(error: &BindError, mnemonic: Mnemonic) -> Refusal {

@@ -24,11 +24,12 @@ mod tags;
 #[cfg(test)]
 mod tests;
 mod viewer;
+mod workers;
 
 use std::io;
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, Mutex};
 
 use axum::extract::ws::Utf8Bytes;
 use tokio::net::TcpListener;
@@ -37,9 +38,11 @@ use tokio::sync::{Semaphore, broadcast, watch};
 use crate::plant::Plant;
 use assets::Assets;
 use jog::Jogs;
+use preview::Previews;
 use program::Programs;
-use protocol::{Refusal, text_of};
+use protocol::text_of;
 use status::Status;
+use workers::Workers;
 
 /// The bound HMI.
 #[derive(Debug)]
@@ -48,7 +51,7 @@ pub struct Hmi {
     shared: Arc<Shared>,
 }
 
-/// What all viewers share.
+/// What all viewers share: the plant, and each subject with its own state.
 #[derive(Debug)]
 struct Shared {
     plant: Plant,
@@ -65,51 +68,14 @@ struct Shared {
     status: watch::Sender<Status>,
     /// Frames of samples.
     frames: broadcast::Sender<bytes::Bytes>,
-    jogs: Mutex<Jogs>,
+    jogs: Jogs,
     /// How often STOP was pressed.
     stops: AtomicU64,
-    /// One for each thread that may compute what is asked.
-    computing: Arc<Semaphore>,
-    program: Programs,
-    /// One for each simulation that may run.
-    simulations: Arc<Semaphore>,
+    workers: Workers,
+    program: Arc<Programs>,
+    previews: Previews,
     /// Changes of instructions.
     events: broadcast::Sender<Utf8Bytes>,
-}
-
-impl Shared {
-    /// Computes what may take long on a thread that nothing else waits for.
-    ///
-    /// # Errors
-    /// It could not be computed.
-    async fn compute<T: Send + 'static>(
-        self: &Arc<Self>,
-        work: impl FnOnce(&Shared) -> T + Send + 'static,
-    ) -> Result<T, Refusal> {
-        // At most one request of each viewer and its watched values wait here.
-        let turn = self.computing.clone().acquire_owned().await;
-        let shared = self.clone();
-        let computed = tokio::task::spawn_blocking(move || {
-            let result = work(&shared);
-            drop(turn);
-            result
-        });
-        computed
-            .await
-            .map_err(|_| Refusal::new("the server could not compute the answer"))
-    }
-
-    /// The same, but here if it is short.
-    ///
-    /// # Errors
-    /// As [`Shared::compute`].
-    async fn compute_if<T: Send + 'static>(
-        self: &Arc<Self>,
-        long: bool,
-        work: impl FnOnce(&Shared) -> T + Send + 'static,
-    ) -> Result<T, Refusal> {
-        if long { self.compute(work).await } else { Ok(work(self)) }
-    }
 }
 
 impl Hmi {
@@ -128,11 +94,11 @@ impl Hmi {
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),
             frames: broadcast::Sender::new(frames::WAITING),
-            jogs: Mutex::default(),
+            jogs: Jogs::default(),
             stops: AtomicU64::new(0),
-            computing: Arc::new(Semaphore::new(COMPUTING)),
-            program: Programs::default(),
-            simulations: Arc::new(Semaphore::new(SIMULATIONS)),
+            workers: Workers::default(),
+            program: Arc::default(),
+            previews: Previews::default(),
             events: broadcast::Sender::new(events::WAITING),
             plant,
         };
@@ -158,9 +124,5 @@ impl Hmi {
     }
 }
 
-/// Simulations at a time, for previews.
-const SIMULATIONS: usize = 1;
-/// Threads that compute what viewers ask for, but for simulations and programs.
-const COMPUTING: usize = 2;
 /// Viewers at a time.
 const VIEWERS: usize = 32;

@@ -11,12 +11,13 @@ use arcline_controller::{AcceptedMove, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
+use tokio::sync::Semaphore;
 
+use super::paths;
 use super::peaks::{Exceeded, Peaks, Shape};
 use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
-use super::{Shared, paths};
 use crate::cli::QueueFull;
-use crate::plant::LiveMoves;
+use crate::plant::{LiveMoves, Plant};
 use crate::simulate::{End, Observer, Options, Runner};
 
 /// Longest simulated time, s.
@@ -29,60 +30,63 @@ const POINTS: usize = 2000;
 const EVENTS: usize = 1000;
 /// Programmed paths whose blends are told.
 const MOVES: usize = 1000;
+/// Simulations at a time.
+const SIMULATIONS: usize = 1;
 
-impl Shared {
-    /// What one call would do.
-    pub(super) async fn preview(self: &Arc<Self>, text: &str) -> Result<Simulated, Refusal> {
-        let text = text.to_owned();
-        let program = self.compute(move |shared| shared.checked_call(&text)).await??;
-        self.simulate(program).await
+/// The simulations of viewers, one at a time.
+#[derive(Debug)]
+pub(super) struct Previews(Arc<Semaphore>);
+
+impl Default for Previews {
+    fn default() -> Self {
+        Previews(Arc::new(Semaphore::new(SIMULATIONS)))
     }
+}
 
-    /// What a program would do.
-    pub(super) async fn dry_run(self: &Arc<Self>, text: &str) -> Result<Simulated, Refusal> {
-        let text = text.to_owned();
-        let program = self.compute(move |shared| shared.checked(&text)).await??;
-        self.simulate(program).await
-    }
-
-    async fn simulate(self: &Arc<Self>, program: Program) -> Result<Simulated, Refusal> {
-        let turn = self.simulations.clone().acquire_owned().await;
-        let shared = self.clone();
+impl Previews {
+    /// Simulates a program on a thread of its own, when those before have ended.
+    pub(super) async fn simulate(&self, plant: &Plant, program: Program) -> Result<Simulated, Refusal> {
+        let turn = self.turns().acquire_owned().await;
+        let plant = plant.clone();
         let simulated = tokio::task::spawn_blocking(move || {
-            let told = shared.simulate_here(program, PATIENCE);
+            let simulated = simulate_here(&plant, program, PATIENCE);
             drop(turn);
-            told
+            simulated
         });
         simulated.await.map_err(|_| Refusal::new("the simulation failed"))?
     }
 
-    /// The same on this thread, for at most about `patience` of real time.
-    pub(super) fn simulate_here(&self, program: Program, patience: Duration) -> Result<Simulated, Refusal> {
-        let (machine, image) = self
-            .plant
-            .with_state(|image, snapshot, moves| (present(self.plant.machine(), snapshot, moves), image.clone()));
-        let options = Options {
-            until: LONGEST,
-            keep_going: false,
-            queue_full: QueueFull::Wait,
-        };
-        let mut seen = Seen::new(&machine, patience);
-        let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);
-        runner.take_overrides();
-        let end = runner.run(&mut seen);
-        match end {
-            End::Finished => Ok(seen.told(&machine, None)),
-            End::Erred(erred) => {
-                let (err, exerr, mnemonic, line) = erred.codes();
-                Err(Refusal::motion(err, exerr, mnemonic).at(line))
-            }
-            End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
-            End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
-            End::Left => Ok(seen.told(
-                &machine,
-                Some(format!("not at its end after {} s of computing", patience.as_secs())),
-            )),
+    /// One permit for each simulation that may run.
+    pub(super) fn turns(&self) -> Arc<Semaphore> {
+        self.0.clone()
+    }
+}
+
+/// Simulates a program on this thread, for at most about `patience` of real time.
+pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration) -> Result<Simulated, Refusal> {
+    let (machine, image) =
+        plant.with_state(|image, snapshot, moves| (present(plant.machine(), snapshot, moves), image.clone()));
+    let options = Options {
+        until: LONGEST,
+        keep_going: false,
+        queue_full: QueueFull::Wait,
+    };
+    let mut seen = Seen::new(&machine, patience);
+    let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);
+    runner.take_overrides();
+    let end = runner.run(&mut seen);
+    match end {
+        End::Finished => Ok(seen.told(&machine, None)),
+        End::Erred(erred) => {
+            let (err, exerr, mnemonic, line) = erred.codes();
+            Err(Refusal::motion(err, exerr, mnemonic).at(line))
         }
+        End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
+        End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
+        End::Left => Ok(seen.told(
+            &machine,
+            Some(format!("not at its end after {} s of computing", patience.as_secs())),
+        )),
     }
 }
 

@@ -12,12 +12,12 @@ use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Program,
 use arcline_tag::TagPath;
 use tokio::sync::watch;
 
-use super::Shared;
-use super::drive::Accepted;
-use super::protocol::{Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
+use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
+use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
+use super::tags;
 use crate::names::ImageNames;
-use crate::plant::Principal;
 use crate::plant::control::ViewerId;
+use crate::plant::{Plant, Principal};
 
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
@@ -151,58 +151,59 @@ impl Programs {
     }
 }
 
-impl Shared {
-    /// What is wrong with a program.
-    pub(super) fn check(&self, text: &str) -> Checked {
-        let errors: Vec<Refusal> = self.checked(text).err().into_iter().collect();
-        Checked { errors }
-    }
+/// What is wrong with a program.
+pub(super) fn check(plant: &Plant, text: &str) -> Checked {
+    let errors: Vec<Refusal> = checked(plant, text).err().into_iter().collect();
+    Checked { errors }
+}
 
-    /// A program that can run.
-    pub(super) fn checked(&self, text: &str) -> Result<Program, Refusal> {
-        let mut program = Program::parse(text).map_err(|error| Refusal::syntax(&error))?;
-        self.plant
-            .with_image(|image| program.check(&ImageNames(image)))
-            .map_err(|error| Refusal::syntax(&error))?;
-        Ok(program)
-    }
+/// A program that can run.
+pub(super) fn checked(plant: &Plant, text: &str) -> Result<Program, Refusal> {
+    let mut program = Program::parse(text).map_err(|error| Refusal::syntax(&error))?;
+    plant
+        .with_image(|image| program.check(&ImageNames(image)))
+        .map_err(|error| Refusal::syntax(&error))?;
+    Ok(program)
+}
 
+impl Programs {
     /// Starts a program that was read from a text.
     pub(super) fn run(
         self: &Arc<Self>,
+        plant: &Plant,
         viewer: ViewerId,
         program: Program,
-        text: &str,
-        step: bool,
+        request: &protocol::Run,
     ) -> Result<Done, Refusal> {
-        let first = if step { Mode::Pause } else { Mode::Run };
+        let first = if request.step { Mode::Pause } else { Mode::Run };
         let mode = {
-            let mut running = self.program.running();
+            let mut running = self.running();
             if let Some(other) = &*running {
-                let by = self.plant.control().name(other.viewer).to_owned();
+                let by = plant.control().name(other.viewer).to_owned();
                 return Err(Refusal::new(format!("a program of {by} runs already: end it first")));
             }
             let (sender, mode) = watch::channel(first);
             *running = Some(Running { viewer, mode: sender });
             mode
         };
-        let name = self.plant.control().name(viewer).to_owned();
-        self.program.shown.send_modify(|shown| {
+        let name = plant.control().name(viewer).to_owned();
+        self.shown.send_modify(|shown| {
             *shown = Shown {
                 state: State::Running,
                 line: None,
                 viewer: Some(name),
                 error: None,
                 run: shown.run + 1,
-                text: text.into(),
+                text: request.text.as_str().into(),
             };
         });
-        let shared = self.clone();
+        let (programs, plant) = (self.clone(), plant.clone());
         let runtime = tokio::runtime::Handle::current();
-        // Its own thread: a program that computes without end takes nobody's turn.
+        // A thread of its own: a program that computes without end delays no other work.
         tokio::task::spawn_blocking(move || {
             let mut run = Run {
-                shared: &shared,
+                programs: &programs,
+                plant: &plant,
                 viewer,
                 mode,
                 granted: None,
@@ -211,8 +212,8 @@ impl Shared {
                 settled: Vec::new(),
             };
             let end = runtime.block_on(run.whole(Interpreter::new(program)));
-            *shared.program.running() = None;
-            shared.program.shown.send_modify(|shown| match end {
+            *programs.running() = None;
+            programs.shown.send_modify(|shown| match end {
                 Ok(()) | Err(Stopped::Ended) => shown.state = State::Ended,
                 Err(Stopped::Failed(error)) => {
                     shown.state = State::Failed;
@@ -225,21 +226,22 @@ impl Shared {
     }
 
     pub(super) fn step(&self) -> Result<Done, Refusal> {
-        self.program.set(Mode::Step)
+        self.set(Mode::Step)
     }
 
     pub(super) fn pause(&self) -> Result<Done, Refusal> {
-        self.program.set(Mode::Pause)
+        self.set(Mode::Pause)
     }
 
     pub(super) fn go_on(&self) -> Result<Done, Refusal> {
-        self.program.set(Mode::Run)
+        self.set(Mode::Run)
     }
 }
 
 /// A program on its way.
 struct Run<'s> {
-    shared: &'s Shared,
+    programs: &'s Programs,
+    plant: &'s Plant,
     viewer: ViewerId,
     mode: watch::Receiver<Mode>,
     /// The line that may run while it is paused.
@@ -266,26 +268,24 @@ impl Run<'_> {
             }
             answer = match request {
                 Request::Read(path) => self.read(&path).map_err(at)?,
-                Request::ReadArray(path) => Answer::Array(self.shared.read_numbers(&path).map_err(at)?),
+                Request::ReadArray(path) => Answer::Array(read_numbers(self.plant, &path).map_err(at)?),
                 Request::Write(path, value) => {
                     let value = match value {
                         arcline_tag::Value::Bool(on) => on.into(),
                         number => number.as_f64().into(),
                     };
                     let path = path.to_string();
-                    self.shared
-                        .write(self.principal(line), &path, &value)
+                    tags::write(self.plant, self.principal(line), &path, &value)
                         .await
                         .map_err(at)?;
                     Answer::Done
                 }
                 Request::GetAttribute(of) => {
-                    let value = self.shared.attribute(&of).map_err(at)?;
+                    let value = attribute(self.plant, &of).map_err(at)?;
                     Answer::Value(arcline_tag::Value::Lreal(value))
                 }
                 Request::SetAttribute(of, value) => {
-                    self.shared
-                        .set_attribute(self.principal(line), &of, value)
+                    set_attribute(self.plant, self.principal(line), &of, value)
                         .await
                         .map_err(at)?;
                     Answer::Done
@@ -298,7 +298,7 @@ impl Run<'_> {
                         return Err(at(Refusal::new(hopeless.to_string())));
                     }
                     self.settled.clear();
-                    let tick = Duration::from_nanos(self.shared.plant.machine().period_ns);
+                    let tick = Duration::from_nanos(self.plant.machine().period_ns);
                     self.pause(tick.max(LEAST_TICK)).await?;
                     Answer::Done
                 }
@@ -317,7 +317,7 @@ impl Run<'_> {
         let own = path.tag().map(str::to_ascii_lowercase);
         let own = own.filter(|tag| self.newest.contains_key(tag));
         if let Some(tag) = own {
-            let read = self.shared.plant.with_image(|image| {
+            let read = self.plant.with_image(|image| {
                 let TagKind::MotionControl(slot) = image.find(&tag)?.kind else {
                     return None;
                 };
@@ -328,12 +328,12 @@ impl Run<'_> {
                 return Ok(Answer::Settled(value));
             }
         }
-        self.shared.read_value(path).map(Answer::Value)
+        read_value(self.plant, path).map(Answer::Value)
     }
 
     /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since the tags were read.
     fn hopeless(&self, line: usize) -> Option<Hopeless> {
-        let plant = &self.shared.plant;
+        let plant = self.plant;
         let mut found = None;
         for tag in &self.settled {
             let (called, accepted) = self.newest.get(tag)?;
@@ -374,13 +374,13 @@ impl Run<'_> {
                 }
                 Mode::Pause if self.granted == Some(line) => break,
                 Mode::Pause => {
-                    self.shared.program.show(State::Paused, Some(line));
+                    self.programs.show(State::Paused, Some(line));
                     self.changed().await?;
                 }
                 Mode::Step => {
                     self.granted = Some(line);
                     // Unless somebody has wanted something else since.
-                    if let Some(running) = &*self.shared.program.running() {
+                    if let Some(running) = &*self.programs.running() {
                         running.mode.send_if_modified(|now| {
                             let stepped = *now == Mode::Step;
                             if stepped {
@@ -393,7 +393,7 @@ impl Run<'_> {
                 }
             }
         }
-        self.shared.program.show(State::Running, Some(line));
+        self.programs.show(State::Running, Some(line));
         Ok(())
     }
 
@@ -405,7 +405,7 @@ impl Run<'_> {
         if self.is_full(&call) {
             return Ok(Answer::QueueFull);
         }
-        match self.shared.call(self.principal(call.line), &call, None).await {
+        match drive::call(self.plant, self.principal(call.line), &call, None).await {
             Ok(accepted) => {
                 if self.executed.len() == WATCHED {
                     self.executed.pop_front();
@@ -423,12 +423,12 @@ impl Run<'_> {
 
     /// Looked at first, so that a call that waits leaves no error in its tag.
     fn is_full(&self, call: &BoundCall) -> bool {
-        let machine = self.shared.plant.machine();
+        let machine = self.plant.machine();
         let place = machine.system(&call.target).map(usize::from);
         let Some(place) = place.filter(|_| call.mnemonic.instruction().takes_place(&call.given)) else {
             return false;
         };
-        self.shared.plant.with_snapshot(|snapshot| {
+        self.plant.with_snapshot(|snapshot| {
             let system = snapshot.systems.get(place);
             let full = coordinate_motion_status::MOVE_PENDING_QUEUE_FULL_STATUS;
             system.is_some_and(|system| system.motion_status & full != 0)
@@ -468,7 +468,7 @@ impl Run<'_> {
     fn look(&mut self) -> Result<(), Refusal> {
         let mut failed = None;
         self.executed.retain(|(line, accepted)| {
-            let Some(control) = self.shared.plant.instruction_instance(accepted.instance) else {
+            let Some(control) = self.plant.instruction_instance(accepted.instance) else {
                 return false;
             };
             if control.has(Flag::Er) {

@@ -7,9 +7,8 @@ use arcline_tag::{
 use serde::Deserialize;
 use serde_json::{Map, Value as Json, json};
 
-use super::Shared;
 use super::protocol::{Done, Refusal, TagAccess, TagPage, TagRow, Values};
-use crate::plant::{Command, Outcome, Principal, Refused, Transaction};
+use crate::plant::{Command, Outcome, Plant, Principal, Refused, Transaction};
 
 /// Tags of one page.
 const PAGE: usize = 200;
@@ -23,76 +22,72 @@ const VALUES: usize = 20_000;
 const FEW: usize = 8;
 const FEW_BYTES: usize = 2048;
 
-impl Shared {
-    /// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
-    ///
-    /// # Errors
-    /// The pattern is longer than [`PATTERN`], or has more than [`STARS`] `*`.
-    pub(super) fn tags(&self, pattern: &str, after: Option<&str>) -> Result<TagPage, Refusal> {
-        check_pattern(pattern)?;
-        let pattern = pattern.to_ascii_lowercase();
-        let after = after.map(str::to_ascii_lowercase);
-        Ok(self.plant.with_image(|image| {
-            let mut found: Vec<(String, &Tag)> = image
-                .tags()
-                .iter()
-                .filter(|tag| !matches!(tag.kind, TagKind::Program(_)))
-                .map(|tag| (image.full_name(tag).to_ascii_lowercase(), tag))
-                .filter(|(name, _)| matches(name, &pattern))
-                .filter(|(name, _)| after.as_ref().is_none_or(|after| name > after))
-                .collect();
-            found.sort_by(|(a, _), (b, _)| a.cmp(b));
-            let more = found.len() > PAGE;
-            let tags = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
-            TagPage { tags, more }
-        }))
-    }
+/// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
+///
+/// # Errors
+/// The pattern is longer than [`PATTERN`], or has more than [`STARS`] `*`.
+pub(super) fn list(plant: &Plant, pattern: &str, after: Option<&str>) -> Result<TagPage, Refusal> {
+    check_pattern(pattern)?;
+    let pattern = pattern.to_ascii_lowercase();
+    let after = after.map(str::to_ascii_lowercase);
+    Ok(plant.with_image(|image| {
+        let mut found: Vec<(String, &Tag)> = image
+            .tags()
+            .iter()
+            .filter(|tag| !matches!(tag.kind, TagKind::Program(_)))
+            .map(|tag| (image.full_name(tag).to_ascii_lowercase(), tag))
+            .filter(|(name, _)| matches(name, &pattern))
+            .filter(|(name, _)| after.as_ref().is_none_or(|after| name > after))
+            .collect();
+        found.sort_by(|(a, _), (b, _)| a.cmp(b));
+        let more = found.len() > PAGE;
+        let tags = found.iter().take(PAGE).map(|(_, tag)| row(image, tag)).collect();
+        TagPage { tags, more }
+    }))
+}
 
-    /// The values of tags, or why there is none.
-    pub(super) fn values(&self, names: &[String]) -> Result<Values, Refusal> {
-        if names.len() > NAMES {
-            return Err(Refusal::new(format!(
-                "{} names, at most {NAMES} are possible",
-                names.len()
-            )));
-        }
-        Ok(self.plant.with_image(|image| {
-            let mut budget = VALUES;
-            let values: Map<String, Json> = names
-                .iter()
-                .map(|name| {
-                    let value = value(image, name, &mut budget);
-                    (name.clone(), value.unwrap_or_else(|error| json!({"error": error.text})))
-                })
-                .collect();
-            let read_only = names.iter().filter(|name| is_read_only(image, name));
-            Values {
-                values,
-                read_only: read_only.cloned().collect(),
-            }
-        }))
+/// The values of tags, or why there is none.
+pub(super) fn values(plant: &Plant, names: &[String]) -> Result<Values, Refusal> {
+    if names.len() > NAMES {
+        return Err(Refusal::new(format!(
+            "{} names, at most {NAMES} are possible",
+            names.len()
+        )));
     }
-
-    /// Whether the values of tags are more than the threads that others share tell at once.
-    pub(super) fn are_many(&self, names: &[String]) -> bool {
-        names.len() > FEW
-            || self.plant.with_image(|image| {
-                let bytes = names.iter().map(|name| told_bytes(image, name).unwrap_or(0));
-                bytes.fold(0, usize::saturating_add) > FEW_BYTES
+    Ok(plant.with_image(|image| {
+        let mut budget = VALUES;
+        let values: Map<String, Json> = names
+            .iter()
+            .map(|name| {
+                let value = value(image, name, &mut budget);
+                (name.clone(), value.unwrap_or_else(|error| json!({"error": error.text})))
             })
-    }
+            .collect();
+        let read_only = names.iter().filter(|name| is_read_only(image, name));
+        Values {
+            values,
+            read_only: read_only.cloned().collect(),
+        }
+    }))
+}
 
-    /// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
-    pub(super) async fn write(&self, principal: Principal, name: &str, value: &Json) -> Result<Done, Refusal> {
-        let path = path_of(name)?;
-        let (done, pending) = self
-            .plant
-            .transact(principal, |transaction| put(transaction, &path, value));
-        let kept = self.plant.kept(pending).await;
-        done?;
-        kept.map_err(Refused::from)?;
-        Ok(Done {})
-    }
+/// Whether the values of tags are more than the threads that others share tell at once.
+pub(super) fn are_many(plant: &Plant, names: &[String]) -> bool {
+    names.len() > FEW
+        || plant.with_image(|image| {
+            let bytes = names.iter().map(|name| told_bytes(image, name).unwrap_or(0));
+            bytes.fold(0, usize::saturating_add) > FEW_BYTES
+        })
+}
+
+/// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
+pub(super) async fn write(plant: &Plant, principal: Principal, name: &str, value: &Json) -> Result<Done, Refusal> {
+    let path = path_of(name)?;
+    let (done, pending) = plant.transact(principal, |transaction| put(transaction, &path, value));
+    let kept = plant.kept(pending).await;
+    done?;
+    kept.map_err(Refused::from)?;
+    Ok(Done {})
 }
 
 /// Whether a name is that of a tag, or of a part of one, that cannot be written.

@@ -30,7 +30,6 @@ struct Bench {
     plant: Plant,
     /// One for each simulation that may run.
     simulations: Arc<Semaphore>,
-    shared: Arc<super::Shared>,
     serving: JoinHandle<()>,
     _tick: Handle,
 }
@@ -55,8 +54,7 @@ impl Bench {
         Bench {
             address: hmi.local_addr(),
             plant,
-            simulations: hmi.shared.simulations.clone(),
-            shared: hmi.shared.clone(),
+            simulations: hmi.shared.previews.turns(),
             serving: tokio::spawn(hmi.serve()),
             _tick: tick,
         }

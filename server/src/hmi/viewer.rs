@@ -29,14 +29,14 @@ use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
 use self::hearing::{Heard, Hearing};
-use super::Shared;
 use super::protocol::{
-    self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, text_of,
+    self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, Simulated, text_of,
 };
 use super::status::Status;
+use super::{Shared, drive, events, frames, line, program, tags};
 use crate::guard::VIEWERS;
-use crate::plant::Principal;
 use crate::plant::control::{MotionObject, ViewerId};
+use crate::plant::{Plant, Principal};
 use crate::trace::history;
 
 /// Serves a viewer until it goes, from `peer`; `begun` has come on its socket already.
@@ -97,7 +97,7 @@ pub(super) async fn serve(
     }
     drop(over);
     shared.program.end_of(number);
-    shared.leave(number);
+    shared.jogs.leave(&shared.plant, number);
     debug!(%name, "a viewer of the HMI went");
     Ok(())
 }
@@ -151,6 +151,18 @@ enum Outgoing {
     Watch(Vec<String>),
 }
 
+impl Shared {
+    /// Reads a program from a text beside, and simulates it when those before have ended.
+    async fn simulate(
+        &self,
+        read: impl FnOnce(&Plant) -> Result<arcline_structured_text::Program, Refusal> + Send + 'static,
+    ) -> Result<Simulated, Refusal> {
+        let plant = self.plant.clone();
+        let program = self.workers.compute(move || read(&plant)).await??;
+        self.previews.simulate(&self.plant, program).await
+    }
+}
+
 impl Viewer {
     /// Answers until the viewer goes, or does not read.
     async fn listen(&self, mut asked: mpsc::Receiver<Heard>) {
@@ -161,7 +173,7 @@ impl Viewer {
             let (id, request) = if text.len() <= SHORT {
                 protocol::read(&text)
             } else {
-                match self.shared.compute(move |_| protocol::read(&text)).await {
+                match self.shared.workers.compute(move || protocol::read(&text)).await {
                     Ok(read) => read,
                     Err(refusal) => (Value::Null, Err(refusal)),
                 }
@@ -216,27 +228,34 @@ impl Viewer {
         let answer = match request {
             Request::Preview(request) => {
                 let text = request.text.clone();
-                let work = async move |shared: Arc<Shared>| request.answer(shared.preview(&text).await);
+                let work = async move |shared: Arc<Shared>| {
+                    request.answer(shared.simulate(move |plant| drive::checked_call(plant, &text)).await)
+                };
                 return self.simulate(id, simulations, work);
             }
             Request::DryRun(request) => {
                 let text = request.text.clone();
-                let work = async move |shared: Arc<Shared>| request.answer(shared.dry_run(&text).await);
+                let work = async move |shared: Arc<Shared>| {
+                    request.answer(shared.simulate(move |plant| program::checked(plant, &text)).await)
+                };
                 return self.simulate(id, simulations, work);
             }
             Request::Ping(request) => request.answer(Ok(Done {})),
             Request::Take(request) => request.answer(self.take(&request.object, request.force)),
             Request::Release(request) => request.answer(self.release(&request.object)),
-            Request::Execute(request) => request.answer(shared.execute(viewer, &request.text).await),
+            Request::Execute(request) => {
+                let executed = drive::execute(&shared.plant, &shared.workers, viewer, &request.text);
+                request.answer(executed.await)
+            }
             Request::Line(request) => {
-                self.computed(heard.is_long(), move |shared| {
-                    request.answer(shared.line(&request.instruction, &request.operands))
+                self.computed(heard.is_long(), move |plant| {
+                    request.answer(line::line(plant, &request.instruction, &request.operands))
                 })
                 .await
             }
             Request::Jog(request) => request.answer(self.jog(&request, heard).await),
-            Request::Keep(request) => request.answer(shared.keep(viewer, &request.axis)),
-            Request::JogEnd(request) => request.answer(shared.jog_end(viewer, &request.axis).await),
+            Request::Keep(request) => request.answer(shared.jogs.keep(&shared.plant, viewer, &request.axis)),
+            Request::JogEnd(request) => request.answer(shared.jogs.end(&shared.plant, viewer, &request.axis).await),
             Request::Stop(request) => request.answer(shared.stop(viewer, request.object.as_deref()).await),
             Request::Override(request) => {
                 let done = shared.set_override(viewer, &request.coordinate_system, request.percent);
@@ -245,51 +264,52 @@ impl Viewer {
             Request::Hold(request) => request.answer(shared.hold(viewer, &request.coordinate_system).await),
             Request::Resume(request) => request.answer(shared.resume(viewer, &request.coordinate_system).await),
             Request::Check(request) => {
-                self.computed(heard.is_long(), move |shared| {
-                    request.answer(Ok(shared.check(&request.text)))
+                self.computed(heard.is_long(), move |plant| {
+                    request.answer(Ok(program::check(plant, &request.text)))
                 })
                 .await
             }
             Request::Run(request) => request.answer(self.run(&request, heard).await),
-            Request::Step(request) => request.answer(shared.step()),
-            Request::Pause(request) => request.answer(shared.pause()),
-            Request::Continue(request) => request.answer(shared.go_on()),
+            Request::Step(request) => request.answer(shared.program.step()),
+            Request::Pause(request) => request.answer(shared.program.pause()),
+            Request::Continue(request) => request.answer(shared.program.go_on()),
             Request::End(request) => {
                 shared.program.end();
                 request.answer(Ok(Done {}))
             }
             Request::Tags(request) => {
-                self.computed(true, move |shared| {
-                    request.answer(shared.tags(&request.pattern, request.after.as_deref()))
+                self.computed(true, move |plant| {
+                    request.answer(tags::list(plant, &request.pattern, request.after.as_deref()))
                 })
                 .await
             }
             Request::Read(request) => {
-                self.computed(shared.are_many(&request.names), move |shared| {
-                    request.answer(shared.values(&request.names))
+                self.computed(tags::are_many(&shared.plant, &request.names), move |plant| {
+                    request.answer(tags::values(plant, &request.names))
                 })
                 .await
             }
             Request::Watch(request) => {
                 let names = request.names.clone();
-                let values = self.computed(shared.are_many(&names), move |shared| {
-                    request.answer(shared.values(&request.names))
+                let values = self.computed(tags::are_many(&shared.plant, &names), move |plant| {
+                    request.answer(tags::values(plant, &request.names))
                 });
                 match values.await {
                     Ok(values) => self.send(Outgoing::Watch(names)).map(|()| values),
                     refused => refused,
                 }
             }
-            Request::Write(request) => request.answer(
-                shared
-                    .write(Principal::Viewer(viewer), &request.tag, &request.value)
-                    .await,
-            ),
+            Request::Write(request) => {
+                let by = Principal::Viewer(viewer);
+                request.answer(tags::write(&shared.plant, by, &request.tag, &request.value).await)
+            }
             Request::Trace(request) => request.answer(self.trace(request.on)),
             Request::History(request) => request.answer(self.history(request.before)),
             Request::Events(request) => {
-                self.computed(true, move |shared| request.answer(Ok(shared.events(request.since))))
-                    .await
+                self.computed(true, move |plant| {
+                    request.answer(Ok(events::since(plant, request.since)))
+                })
+                .await
             }
         };
         Some(answer)
@@ -323,9 +343,10 @@ impl Viewer {
     async fn computed(
         &self,
         is_long: bool,
-        work: impl FnOnce(&Shared) -> Result<Answer, Refusal> + Send + 'static,
+        work: impl FnOnce(&Plant) -> Result<Answer, Refusal> + Send + 'static,
     ) -> Result<Answer, Refusal> {
-        self.shared.compute_if(is_long, work).await?
+        let plant = self.shared.plant.clone();
+        self.shared.workers.compute_if(is_long, move || work(&plant)).await?
     }
 
     fn take(&self, object: &str, force: bool) -> Result<Done, Refusal> {
@@ -342,30 +363,24 @@ impl Viewer {
     }
 
     async fn jog(&self, request: &Jog, heard: &Heard) -> Result<Done, Refusal> {
-        let index = usize::from(self.shared.axis(&request.axis)?);
+        let index = usize::from(drive::axis_of(&self.shared.plant, &request.axis)?);
         let is_held = || {
             let releases = self.releases.get(index);
             let now = releases.map(|releases| releases.load(Ordering::Acquire));
             now == heard.releases.get(index).copied()
         };
-        let Jog {
-            axis,
-            speed,
-            accel,
-            decel,
-        } = request;
-        self.shared
-            .jog(self.id, axis, [Some(*speed), *accel, *decel], is_held)
-            .await
+        let shared = &self.shared;
+        shared.jogs.begin(&shared.plant, self.id, request, is_held).await
     }
 
     async fn run(&self, request: &Run, heard: &Heard) -> Result<Done, Refusal> {
-        let text = request.text.clone();
-        let checked = self
-            .shared
-            .compute_if(heard.is_long(), move |shared| shared.checked(&text));
+        let shared = &self.shared;
+        let (text, plant) = (request.text.clone(), shared.plant.clone());
+        let checked = shared
+            .workers
+            .compute_if(heard.is_long(), move || program::checked(&plant, &text));
         let program = checked.await??;
-        self.shared.run(self.id, program, &request.text, request.step)
+        shared.program.run(&shared.plant, self.id, program, request)
     }
 
     fn trace(&self, on: bool) -> Result<Signals, Refusal> {
@@ -380,7 +395,7 @@ impl Viewer {
     fn history(&self, before: u64) -> Result<HistoryPiece, Refusal> {
         let permit = self.pieces.clone().try_acquire_owned();
         let permit = permit.map_err(|_| Refusal::new("the page must read earlier frames of the history first"))?;
-        let (frame, piece) = self.shared.past(before);
+        let (frame, piece) = frames::history_before(&self.shared.plant, before);
         self.send(Outgoing::Piece(frame, permit))?;
         Ok(piece)
     }
@@ -448,11 +463,12 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
             frame = next_frame(&mut frames) => Message::Binary(frame),
             _ = values.tick(), if !watched.is_empty() => {
                 let names = watched.clone();
-                let push = move |shared: &Shared| {
-                    let values = shared.values(&names)?.values;
+                let plant = shared.plant.clone();
+                let push = move || {
+                    let values = tags::values(&plant, &names)?.values;
                     Ok::<_, Refusal>(text_of(&Push::Values { values }))
                 };
-                let text = shared.compute_if(shared.are_many(&watched), push).await;
+                let text = shared.workers.compute_if(tags::are_many(&shared.plant, &watched), push).await;
                 let Ok(Ok(text)) = text else { continue };
                 Message::Text(text.into())
             }

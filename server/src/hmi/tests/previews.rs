@@ -52,15 +52,10 @@ async fn a_preview_shows_path_duration_and_peaks() {
 async fn a_dry_run_that_computes_without_end_keeps_its_limit() {
     let bench = Bench::start().await;
     let sum = "1+".repeat(50_000);
-    let program = bench
-        .shared
-        .checked(&format!("WHILE TRUE DO n := {sum}1; END_WHILE;"))
-        .expect("a loop");
+    let text = format!("WHILE TRUE DO n := {sum}1; END_WHILE;");
+    let program = super::super::program::checked(&bench.plant, &text).expect("a loop");
     let began = std::time::Instant::now();
-    let told = bench
-        .shared
-        .simulate_here(program, Duration::from_secs(1))
-        .expect("it began");
+    let told = super::super::preview::simulate_here(&bench.plant, program, Duration::from_secs(1)).expect("it began");
     let limit = told.limit.map(|limit| limit.text);
     assert_eq!(limit.as_deref(), Some("not at its end after 1 s of computing"));
     // One tick computes for some 0.1 s.

@@ -141,7 +141,7 @@ impl Hearing {
                 true
             }
             ("keep", Some(axis), _) => {
-                let kept = self.shared.keep(self.id, &axis);
+                let kept = self.shared.jogs.keep(&self.shared.plant, self.id, &axis);
                 self.reply(&head.id, Keep { axis }.answer(kept))
             }
             ("jog_end", Some(axis), _) => {
@@ -151,7 +151,7 @@ impl Hearing {
                 }
                 let (shared, outbox, viewer) = (self.shared.clone(), self.outbox.clone(), self.id);
                 tokio::spawn(async move {
-                    let ended = shared.jog_end(viewer, &axis).await;
+                    let ended = shared.jogs.end(&shared.plant, viewer, &axis).await;
                     let answer = JogEnd { axis }.answer(ended);
                     let _ = outbox.try_send(Outgoing::Text(protocol::reply(&head.id, answer).into()));
                 });
