@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 use arcline_config::Project;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use serde_json::json;
 
 use crate::{l5x, run, simulate};
 
@@ -31,6 +32,14 @@ enum Command {
         /// The configuration file.
         #[arg(long, value_name = "FILE")]
         config: PathBuf,
+        /// Print the result as one JSON object.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print what editors know of configurations.
+    Config {
+        #[command(subcommand)]
+        command: ConfigCommand,
     },
     /// Run a Structured Text program on a virtual clock, as fast as the machine can.
     Simulate(SimulateArgs),
@@ -40,6 +49,12 @@ enum Command {
     Import(ImportArgs),
     /// Write a configuration as L5X, which imports as the same project.
     Export(ExportArgs),
+}
+
+#[derive(Subcommand, Debug)]
+enum ConfigCommand {
+    /// Print the JSON Schema (draft 7) of configurations, by which editors complete and check them.
+    Schema,
 }
 
 /// Flags of `run`.
@@ -164,7 +179,7 @@ impl Failure {
 
     /// Something that the user must put right first.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
-        Failure::new(2, message)
+        Failure::new(WRONG, message)
     }
 }
 
@@ -175,7 +190,11 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         None => run::run(&cli.run),
         Some(Command::Run(args)) => run::run(&args),
-        Some(Command::Check { config }) => check(&config),
+        Some(Command::Check { config, json: false }) => check(&config),
+        Some(Command::Check { config, json: true }) => check_as_json(&config),
+        Some(Command::Config {
+            command: ConfigCommand::Schema,
+        }) => print(&arcline_config::schema()),
         Some(Command::Simulate(args)) => simulate::simulate(&args),
         Some(Command::DefaultConfig) => print(arcline_config::DEFAULT),
         Some(Command::Import(args)) => l5x::import(&args),
@@ -201,9 +220,54 @@ fn log() {
         .init();
 }
 
+/// Prints what a configuration creates, or everything that is wrong with it, an error a line.
 fn check(config: &Path) -> Result<ExitCode, Failure> {
-    print(&arcline_config::describe(&project(Some(config))?))
+    let (text, file) = read(Some(config))?;
+    match arcline_config::load_all(&text, &file) {
+        Ok(project) => print(&arcline_config::describe(&project)),
+        Err(errors) => {
+            for error in &errors {
+                eprintln!("arcline-server: {error}");
+            }
+            Ok(ExitCode::from(WRONG))
+        }
+    }
 }
+
+/// The same as one JSON object.
+fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
+    let (text, file) = read(Some(config))?;
+    let loaded = arcline_config::load_all(&text, &file);
+    let errors = loaded.as_ref().err().into_iter().flatten();
+    let errors: Vec<serde_json::Value> = errors
+        .map(|error| {
+            json!({
+                "line": error.line,
+                "column": error.column,
+                "key": error.key,
+                "message": error.problem.to_string(),
+                "expected": error.problem.expected(),
+            })
+        })
+        .collect();
+    let creates = loaded.as_ref().ok().map(|project| {
+        json!({
+            "axes": project.machine.axes.len(),
+            "coordinate_systems": project.machine.systems.len(),
+            "transforms": project.machine.transforms.len(),
+            "instruction_tags": project.instruction_tags.len(),
+            "tags": project.tags.len(),
+        })
+    });
+    print(&format!(
+        "{}\n",
+        json!({"file": file, "valid": loaded.is_ok(), "errors": errors, "creates": creates})
+    ))?;
+    Ok(ExitCode::from(if loaded.is_ok() { 0 } else { WRONG }))
+}
+
+/// Exit code for what the user must put right first.
+const WRONG: u8 = 2;
 
 pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     use std::io::Write as _;
@@ -212,16 +276,21 @@ pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The project of a configuration file, or of the embedded default.
-pub(crate) fn project(config: Option<&Path>) -> Result<Project, Failure> {
-    let (text, file) = match config {
+/// The text of a configuration file, or of the embedded default, and what messages call it.
+fn read(config: Option<&Path>) -> Result<(String, String), Failure> {
+    Ok(match config {
         None => (arcline_config::DEFAULT.to_owned(), "default configuration".to_owned()),
         Some(path) => {
             let text = std::fs::read_to_string(path)
                 .map_err(|error| Failure::usage(format!("{}: cannot be read: {error}", path.display())))?;
             (text, path.display().to_string())
         }
-    };
+    })
+}
+
+/// The project of a configuration file, or of the embedded default.
+pub(crate) fn project(config: Option<&Path>) -> Result<Project, Failure> {
+    let (text, file) = read(config)?;
     arcline_config::load(&text, &file).map_err(|error| Failure::usage(error.to_string()))
 }
 

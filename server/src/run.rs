@@ -5,7 +5,6 @@ use std::net::SocketAddr;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
@@ -71,20 +70,8 @@ async fn serve(
     };
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
-    let mut settings = Settings::new(&project.server.name);
-    settings.io = project.server.io.address(listen);
-    settings.io_loss = project.server.io_loss;
-    settings.connection_loss = project.server.connection_loss;
-    settings.also.clone_from(&project.server.listen_also);
-    settings.max_clients = project.server.max_clients;
-    settings.max_clients_per_address = project.server.max_clients_per_address;
-    settings.max_connections = project.server.max_connections;
-    settings.max_connections_per_address = project.server.max_connections_per_address;
-    settings.session.inactivity = match project.server.inactivity_timeout {
-        0 => None,
-        seconds => Some(Duration::from_secs(seconds.into())),
-    };
-    let listener = bind(project.server.io, listen, plant.clone(), settings).await?;
+    let settings = Settings::new(&project.server);
+    let listener = bind(listen, plant.clone(), settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
@@ -144,14 +131,14 @@ async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) 
 
 /// Binds all sockets. Where the configuration has no port for implicit I/O and 2222 is in use (by a scanner on this host), any free
 /// port does: the reply to a Forward Open has it.
-async fn bind(choice: IoListen, listen: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Listener, Failure> {
-    let io = settings.io;
+async fn bind(listen: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Listener, Failure> {
+    let io = settings.config.io.address(listen);
     let error = match Listener::bind(listen, plant.clone(), settings.clone()).await {
-        Err(error) if choice == IoListen::BesideListen && io == Some(error.address) => error,
+        Err(error) if settings.config.io == IoListen::BesideListen && io == Some(error.address) => error,
         bound => return bound.map_err(|error| cannot_listen(&error, io)),
     };
     tracing::warn!(%error, "the default port of implicit I/O is in use: implicit I/O uses another one");
-    settings.io = io.map(|address| SocketAddr::new(address.ip(), 0));
+    settings.config.io = IoListen::At(SocketAddr::new(error.address.ip(), 0));
     Listener::bind(listen, plant, settings)
         .await
         .map_err(|error| cannot_listen(&error, io))

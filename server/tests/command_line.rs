@@ -140,6 +140,54 @@ fn a_wrong_configuration_is_one_message_and_exit_2() {
 }
 
 #[test]
+fn a_check_prints_all_errors_as_text_or_json() {
+    let files = Files::new();
+    let bad = files.write(
+        "bad.toml",
+        "[server]\nlisten = \"nowhere\"\nnam = 1\n[[axis]]\nname = \"X\"\ntype = \"servo\"\n",
+    );
+    let run = |args: &[&str]| {
+        let out = server()
+            .args(args)
+            .arg("--config")
+            .arg(&bad)
+            .output()
+            .expect("the server runs");
+        assert_eq!(out.status.code(), Some(2));
+        [out.stdout, out.stderr].map(|text| String::from_utf8(text).expect("UTF-8"))
+    };
+    let [out, text] = run(&["check"]);
+    assert!(out.is_empty());
+    for (line, part) in text.lines().zip([
+        "bad.toml:2:10: server.listen:",
+        "bad.toml:3:1: server.nam: unknown key",
+        "bad.toml:4:1: axis[1].max_speed: missing",
+    ]) {
+        assert!(line.contains(part), "{line}");
+    }
+    assert_eq!(text.lines().count(), 4, "{text}");
+    let [out, text] = run(&["check", "--json"]);
+    assert!(text.is_empty(), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!(
+        (&json["valid"], json["errors"].as_array().map(Vec::len)),
+        (&false.into(), Some(4))
+    );
+    assert_eq!(json["errors"][2]["key"], "axis[1].max_speed");
+    assert_eq!(json["errors"][2]["expected"], "a number above 0 (units/s)");
+    let schema = server()
+        .args(["config", "schema"])
+        .output()
+        .expect("the server runs")
+        .stdout;
+    let schema: serde_json::Value = serde_json::from_slice(&schema).expect("JSON");
+    assert_eq!(
+        schema["properties"]["axis"]["items"]["properties"]["max_speed"]["exclusiveMinimum"],
+        0.0
+    );
+}
+
+#[test]
 fn the_default_configuration_checks() {
     let text = server().arg("default-config").output().expect("the server runs").stdout;
     let files = Files::new();

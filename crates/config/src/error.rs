@@ -1,5 +1,6 @@
 //! What can be wrong with a configuration, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// A configuration that cannot be used: the place, the key, what was found and what was expected.
@@ -60,13 +61,13 @@ pub enum Problem {
         /// The nearest known key.
         suggestion: Option<String>,
         /// All keys that are known here.
-        known: &'static [&'static str],
+        known: Vec<&'static str>,
     },
     /// A key that must be there is not.
     #[error("missing, expected {expected}")]
     Missing {
         /// What the key should hold.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// A value of the wrong type, out of range, or not in the list.
     #[error("found {found}{}, expected {expected}", suggest(.suggestion))]
@@ -74,7 +75,7 @@ pub enum Problem {
         /// The value as it stands in the file.
         found: String,
         /// What the key should hold.
-        expected: &'static str,
+        expected: Cow<'static, str>,
         /// The nearest legal word.
         suggestion: Option<String>,
     },
@@ -112,6 +113,19 @@ pub enum Problem {
         /// How many there can be.
         limit: usize,
     },
+}
+
+impl Problem {
+    /// What the key or value should be, where there is a short answer.
+    pub fn expected(&self) -> Option<String> {
+        match self {
+            Self::Missing { expected } | Self::Value { expected, .. } => Some(expected.to_string()),
+            Self::UnknownKey { known, .. } => Some(format!("one of {}", known.join(", "))),
+            Self::TooLarge { limit, .. } | Self::TooMany { limit, .. } => Some(format!("at most {limit}")),
+            Self::Duplicate { .. } => Some("a name of its own".to_owned()),
+            Self::Syntax { .. } | Self::UnknownName { .. } | Self::Conflict { .. } => None,
+        }
+    }
 }
 
 fn suggest(suggestion: &Option<String>) -> String {

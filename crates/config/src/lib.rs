@@ -6,7 +6,10 @@
 
 mod describe;
 mod error;
+mod keys;
+mod page;
 mod read;
+mod schema;
 mod section;
 mod write;
 
@@ -21,7 +24,9 @@ pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
+pub use page::page;
 pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
+pub use schema::schema;
 pub use write::{build_of, definition_of, format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
@@ -140,6 +145,12 @@ impl IoLoss {
             .find(|(_, loss)| *loss == self)
             .map_or("", |(word, _)| word)
     }
+
+    /// That of a word; the default for a word that is none.
+    pub(crate) fn of_word(word: &str) -> Self {
+        let known = Self::WORDS.iter().find(|(known, _)| *known == word);
+        known.map_or(Self::default(), |(_, loss)| *loss)
+    }
 }
 
 /// What becomes of motion when the class 3 connection or the session over which it was begun is lost: ends without a Forward
@@ -174,6 +185,12 @@ impl ConnectionLoss {
             .find(|(_, loss)| *loss == self)
             .map_or("", |(word, _)| word)
     }
+
+    /// That of a word; the default for a word that is none.
+    pub(crate) fn of_word(word: &str) -> Self {
+        let known = Self::WORDS.iter().find(|(known, _)| *known == word);
+        known.map_or(Self::default(), |(_, loss)| *loss)
+    }
 }
 
 impl Default for ServerConfig {
@@ -201,6 +218,14 @@ impl Default for ServerConfig {
 /// # Errors
 /// The first thing that is wrong, with its line, column and key, what was found and what was expected.
 pub fn load(text: &str, file: &str) -> Result<Project, ConfigError> {
+    load_all(text, file).map_err(|mut errors| errors.swap_remove(0))
+}
+
+/// As [`load`], for a person who wants to see all errors at once.
+///
+/// # Errors
+/// All that is wrong, in the order of the file; at least one.
+pub fn load_all(text: &str, file: &str) -> Result<Project, Vec<ConfigError>> {
     read::project(text, file)
 }
 

@@ -1,6 +1,6 @@
-//! From the tables of the file to a [`Project`] that keeps what [`Machine`] promises. This file and its folder are
-//! the only place that lists the keys of the configuration (spec/contract.md §2); a table's keys stand where the
-//! table is read.
+//! From the tables of the file to a [`Project`] that keeps what [`Machine`] promises (spec/contract.md §2). What each key may
+//! hold stands in `keys`; here are the rules between keys, and what they make. A key that does not do is reported and
+//! reading goes on with its default, so that all errors of a file are found at once.
 
 mod axis;
 mod dynamics;
@@ -14,53 +14,82 @@ mod tags;
 mod types;
 mod value;
 
-use arcline_controller::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS, Machine};
+use std::cell::RefCell;
+
+use arcline_controller::machine::Machine;
 use toml::de::DeTable;
 
-use self::axis::{AXIS, axis};
+use self::axis::axis;
 use self::inputs::check_inputs;
-use self::names::{NAME, Taken};
+use self::names::Taken;
 pub(crate) use self::robot::WRISTS;
 pub use self::robot::definitions;
 use self::server::server;
-use self::system::{COORDINATE_SYSTEM, TRANSFORM, coordinate_system, transform};
+use self::system::{coordinate_system, transform};
 use self::tags::{instruction_tags, plain_tags};
 use self::types::Types;
 use crate::Project;
 use crate::error::{ConfigError, Problem};
-use crate::section::{NumberRule, Placed, Section, Source};
+use crate::keys::ROOT;
+use crate::section::{Placed, Section, Source};
 
 pub use self::names::is_name;
 pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
 pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, tag_type};
+pub(crate) use self::types::{member_types, tag_types};
 
 /// Reads a whole file.
-pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
-    let source = Source { file, text };
-    if text.len() > MAX_TEXT {
-        return Err(source.error(
-            0,
-            "",
-            Problem::TooLarge {
-                size: text.len(),
-                limit: MAX_TEXT,
-            },
-        ));
+///
+/// # Errors
+/// All that is wrong, in the order of the file.
+pub(crate) fn project(text: &str, file: &str) -> Result<Project, Vec<ConfigError>> {
+    let errors = RefCell::new(Vec::new());
+    let source = Source {
+        file,
+        text,
+        errors: &errors,
+    };
+    let project = parse(source);
+    let mut errors = errors.into_inner();
+    // Stable: at one place the first reason comes first.
+    errors.sort_by_key(|error| (error.line, error.column));
+    match project {
+        Some(project) if errors.is_empty() => Ok(project),
+        _ => Err(errors),
     }
-    let table = DeTable::parse(text).map_err(|error| {
+}
+
+fn parse(source: Source<'_>) -> Option<Project> {
+    if source.text.len() > MAX_TEXT {
+        let problem = Problem::TooLarge {
+            size: source.text.len(),
+            limit: MAX_TEXT,
+        };
+        source.report(0, "", problem);
+        return None;
+    }
+    let (table, errors) = DeTable::parse_recoverable(source.text);
+    for error in &errors {
         let offset = error.span().map_or(0, |span| span.start);
         let message = error.message().lines().collect::<Vec<_>>().join(", ");
-        source.error(offset, "", Problem::Syntax { message })
-    })?;
-    let root = Section::root(source, table.get_ref(), SECTIONS)?;
-    let server = server(&root)?;
+        source.report(offset, "", Problem::Syntax { message });
+    }
+    if !errors.is_empty() {
+        return None;
+    }
+    let root = Section::root(source, table.get_ref(), &ROOT);
+    root.check();
+    let server = server(&root);
     let mut names = Taken::default();
-    let machine = machine(&root, &mut names)?;
-    let instruction_tags = instruction_tags(&root, &machine, &mut names)?;
-    let types = Types::read(&root)?;
-    let tags = plain_tags(&root, &types, &mut names)?;
-    check_inputs(&root, &machine, &instruction_tags, &tags)?;
-    Ok(Project {
+    let machine = machine(&root, &mut names);
+    let instruction_tags = instruction_tags(&root, &machine, &mut names);
+    let types = Types::read(&root);
+    let tags = plain_tags(&root, &types, &mut names);
+    // Only a machine that is whole has tags to look for.
+    if source.errors.borrow().is_empty() {
+        check_inputs(&root, &machine, &instruction_tags, &tags);
+    }
+    Some(Project {
         server,
         machine,
         instruction_tags,
@@ -69,23 +98,17 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, ConfigError> {
     })
 }
 
-fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError> {
-    let (group, _) = root.table("motion_group", MOTION_GROUP, "a table, [motion_group]")?;
-    let group_name = match group.string("name", NAME)? {
-        Some(name) => names.take(&group, name)?,
-        None => names.take(
-            &group,
-            Placed {
-                value: "Motion".into(),
-                offset: 0,
-                key: String::new(),
-            },
-        )?,
-    };
-    let period_ms = group.number("coarse_update_period_ms", &PERIOD)?.unwrap_or(1.0);
+fn machine(root: &Section<'_>, names: &mut Taken) -> Machine {
+    let (group, _) = root.table("motion_group");
+    let group_name = group.text("name").unwrap_or_else(|| Placed {
+        value: group.text_or_default("name"),
+        offset: 0,
+        key: String::new(),
+    });
+    let group_name = names.take(&group, group_name);
+    let period_ms = group.required("coarse_update_period_ms");
     // Within 250,000 and 32,000,000 by the rule: exact in both types.
     let period_ns = (period_ms * 1e6).round() as u64;
-
     let mut machine = Machine {
         period_ns,
         group: group_name,
@@ -93,66 +116,19 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Result<Machine, ConfigError
         systems: Vec::new(),
         transforms: Vec::new(),
     };
-    for section in root.tables("axis", AXIS, "tables, [[axis]]", MAX_AXES)? {
-        machine.axes.push(axis(&section, names)?);
+    for section in root.tables("axis") {
+        machine.axes.push(axis(&section, names));
     }
-    let systems = root.tables(
-        "coordinate_system",
-        COORDINATE_SYSTEM,
-        "tables, [[coordinate_system]]",
-        MAX_SYSTEMS,
-    )?;
-    for section in systems {
-        let system = coordinate_system(&section, &machine, names)?;
+    for section in root.tables("coordinate_system") {
+        let system = coordinate_system(&section, &machine, names);
         machine.systems.push(system);
     }
-    for section in root.tables("transform", TRANSFORM, "tables, [[transform]]", MAX_TRANSFORMS)? {
-        let transform = transform(&section, &machine, names)?;
+    for section in root.tables("transform") {
+        let transform = transform(&section, &machine, names);
         machine.transforms.push(transform);
     }
-    Ok(machine)
+    machine
 }
 
 /// 4 MiB hold every axis, system and tag there can be many times over.
 const MAX_TEXT: usize = 4 << 20;
-
-const SECTIONS: &[&str] = &[
-    "server",
-    "motion_group",
-    "axis",
-    "coordinate_system",
-    "transform",
-    "instruction",
-    "data_type",
-    "tag",
-];
-/// Every key that is read, by the heading of its table in docs/CONFIGURATION.md.
-pub(crate) const KEYS: &[(&str, &[&str])] = &[
-    ("## `[server]`", server::SERVER),
-    ("## `[motion_group]`", MOTION_GROUP),
-    ("## `[[axis]]`", AXIS),
-    ("### `start = { … }`", axis::START),
-    ("### `drive = { … }`", axis::DRIVE),
-    ("### `exception_actions = { … }`", &axis::EXCEPTION_ACTIONS),
-    ("### `travel = { … }`", axis::TRAVEL),
-    ("### `home = { … }`", home::HOME),
-    ("### `switch = { … }`", home::SWITCH),
-    ("### `marker = { … }`", home::MARKER),
-    ("## `[[coordinate_system]]`", COORDINATE_SYSTEM),
-    ("## `[[transform]]`", TRANSFORM),
-    ("## `[[instruction]]`", tags::INSTRUCTION),
-    ("## `[[data_type]]`", types::DATA_TYPE),
-    ("### `members = [{ … }]`", types::MEMBER),
-    ("## `[[tag]]`", tags::TAG),
-];
-
-const MOTION_GROUP: &[&str] = &["name", "coarse_update_period_ms"];
-
-const PERIOD: NumberRule = NumberRule {
-    expected: "a number from 0.25 to 32 (ms)",
-    holds: |x| (0.25..=32.0).contains(&x),
-};
-const NOT_NEGATIVE_LENGTH: NumberRule = NumberRule {
-    expected: "a number, 0 or more (position units)",
-    holds: |x| x >= 0.0,
-};

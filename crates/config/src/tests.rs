@@ -1,11 +1,16 @@
 //! Texts in, projects and errors out.
 
+use arcline_controller::image::Image;
+use arcline_controller::machine::ProgrammedStopMode;
 use arcline_controller::machine::{
     AxisKind, AxisLimits, Build, Corner, Deviation, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode,
     HomeSequence, HomeSwitch, Orientation, Start, Travel, Wrist,
 };
-use arcline_instruction_set::{AxisId, Mnemonic, SystemId};
+use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemId};
 
+use arcline_tag::Value;
+
+use crate::keys::{AXIS as AXIS_KEYS, COORDINATE_SYSTEM, Default, EXCEPTION_ACTIONS, Keys, Kind, SERVER};
 use crate::{DEFAULT, describe, load};
 
 #[test]
@@ -436,6 +441,22 @@ fn tags_have_structures_dimensions_scopes_and_first_values() {
 }
 
 #[test]
+fn motion_control_tags_can_be_declared() {
+    let text = "[[tag]]\nname = \"M1\"\ntype = \"motion_instruction\"\n[[tag]]\nname = \"Done\"\nalias = \"M1.DN\"\n";
+    let project = load(text, "m.toml").unwrap_or_else(|error| panic!("{error}"));
+    assert!(project.tags[0].is_control() && !project.tags[1].is_control());
+    assert!(describe(&project).contains("tag M1: MOTION_INSTRUCTION\n"));
+    let image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
+    assert!(image.known_control("m1").is_ok_and(|slot| slot.is_some()));
+    for path in ["M1.PC", "M1.ERR", "Done"] {
+        let read = image.read(&path.parse().expect("a path"));
+        assert_eq!(read.map(Value::as_f64), Ok(0.0), "{path}");
+    }
+    let written = crate::format(&crate::table(&project));
+    assert_eq!(load(&written, "m.toml").map(|again| again.tags), Ok(project.tags));
+}
+
+#[test]
 fn tags_that_cannot_be_say_why() {
     let point = "[[data_type]]\nname = \"P\"\nmembers = [{ name = \"X\", type = \"REAL\" }]\n";
     #[rustfmt::skip]
@@ -444,6 +465,9 @@ fn tags_that_cannot_be_say_why() {
         ("[[tag]]\nname = \"A\"\ntype = \"BOOL[2,2]\"", "three dimensions"),
         ("[[tag]]\nname = \"A\"\ntype = \"LREAL[65535,65535]\"", "2 MiB"),
         ("[[tag]]\nname = \"A\"\ntype = \"Q\"", "[[data_type]]"),
+        ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION\"\nprogram = \"Main\"", "in the controller's scope"),
+        ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION\"\nvalue = { ERR = 1 }", "only instructions write"),
+        ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION[2]\"", "or a [[data_type]]"),
         ("[[tag]]\nname = \"A\"\ntype = \"SINT\"\nvalue = 128", "a number that the type holds"),
         ("[[tag]]\nname = \"A\"\ntype = \"DINT\"\nvalue = 1.5", "a number that the type holds"),
         ("[[tag]]\nname = \"A\"\ntype = \"DINT[2]\"\nvalue = [1]", "a value for every element"),
@@ -468,19 +492,238 @@ fn tags_that_cannot_be_say_why() {
 }
 
 #[test]
-fn the_documentation_has_a_row_for_every_key() {
-    let page = include_str!("../../../docs/CONFIGURATION.md");
-    for (heading, keys) in crate::read::KEYS {
-        let (_, below) = page
-            .split_once(heading)
-            .unwrap_or_else(|| panic!("no heading {heading}"));
-        let table = below.split("\n#").next().unwrap_or_default();
-        for key in *keys {
-            let row = table.lines().filter_map(|line| line.strip_prefix("| ")).any(|row| {
-                let first = row.split(" | ").next().unwrap_or_default();
-                first.contains(&format!("`{key}`"))
-            });
-            assert!(row, "{heading} has no row for `{key}`");
+fn the_documentation_lists_the_keys() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/CONFIGURATION.md");
+    let found = std::fs::read_to_string(file).expect("the page is there");
+    let expected = crate::page(&found).expect("a table under each heading");
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(file, &expected).expect("the page can be written");
+        return;
+    }
+    for (found, expected) in found.lines().zip(expected.lines()) {
+        assert_eq!(found, expected, "old: UPDATE_EXPECT=1 cargo test -p arcline-config");
+    }
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn the_table_of_keys_agrees_with_the_catalogue() {
+    let faults: Vec<&str> = FAULTS.iter().map(|fault| fault.word).collect();
+    assert_eq!(EXCEPTION_ACTIONS.names(), faults);
+    for (fault, key) in FAULTS.iter().zip(EXCEPTION_ACTIONS.keys) {
+        let action = ExceptionAction::ALL.iter().find(|(_, action)| *action == fault.default);
+        assert_eq!(
+            key.default,
+            action.map_or(Default::Required, |(word, _)| Default::Text(word)),
+            "{}",
+            fault.word
+        );
+    }
+    let words = |keys: &Keys, key: &str| match keys.key(key).map(|key| &key.kind) {
+        Some(Kind::Word(words)) => words.to_vec(),
+        other => panic!("{key}: {other:?}"),
+    };
+    let mut modes = ProgrammedStopMode::ALL.map(|(word, _)| word).to_vec();
+    let mut known = words(&AXIS_KEYS, "programmed_stop_mode");
+    modes.sort_unstable();
+    known.sort_unstable();
+    assert_eq!(known, modes);
+    assert_eq!(
+        words(&EXCEPTION_ACTIONS, faults[0]),
+        ExceptionAction::ALL.map(|(word, _)| word)
+    );
+    assert_eq!(words(&SERVER, "io_loss"), crate::IoLoss::WORDS.map(|(word, _)| word));
+    assert_eq!(
+        words(&SERVER, "connection_loss"),
+        crate::ConnectionLoss::WORDS.map(|(word, _)| word)
+    );
+    for build in words(&COORDINATE_SYSTEM, "type") {
+        for (definition, _) in crate::definitions(build) {
+            assert!(
+                words(&COORDINATE_SYSTEM, "definition").contains(&definition),
+                "{definition}"
+            );
+        }
+    }
+    assert_eq!(
+        load("", "").expect("all defaults").server,
+        crate::ServerConfig::default()
+    );
+}
+
+#[test]
+fn all_errors_are_found_at_once() {
+    let text = "[server]\nmax_clients = 0\nlistn = \"a\"\n\
+        [[axis]]\nname = \"X\"\ntype = \"virtual\"\nmax_speed = -1\nunwind = 360\ntravel = { min = 1, max = 0 }\n\
+        drive = {}\nstart = { position = 400, servo_on = 1 }\n\
+        [[axis]]\nname = \"x\"\ntype = \"serv\"\nmax_speed = 1\nmax_acceleration = 1\n\
+        [[coordinate_system]]\nname = \"CS\"\naxes = [\"X\", \"Y\"]\nmax_speed = 1\ncorner = \"round\"\n\
+        [[transform]]\nname = \"T\"\nsource = \"CS\"\ntarget = \"CS3\"\n\
+        [[instruction]]\ntag = \"M\"\ntype = \"MCLM\"\ntarget = \"X\"\n\
+        [[data_type]]\nname = \"P\"\nmembers = [{ name = \"A\", type = \"REEL\" }, { name = \"B\" }]\n\
+        [[tag]]\nname = \"R\"\ntype = \"SINT\"\nvalue = 1000\n";
+    let errors = crate::load_all(text, "m.toml").expect_err("much is wrong");
+    let found: Vec<String> = errors
+        .iter()
+        .map(|error| format!("{} {}", error.line, error.key))
+        .collect();
+    #[rustfmt::skip]
+    let expected = [
+        "2 server.max_clients", "3 server.listn", "4 axis[1].max_acceleration", "7 axis[1].max_speed", "9 axis[1].travel",
+        "9 axis[1].travel.max", "10 axis[1].drive", "11 axis[1].start.position", "11 axis[1].start.servo_on", "13 axis[2].name",
+        "14 axis[2].type", "17 coordinate_system[1].max_acceleration", "19 coordinate_system[1].axes[2]",
+        "21 coordinate_system[1].corner", "25 transform[1].target", "29 instruction[1].target", "32 data_type[1].members[1].type",
+        "32 data_type[1].members[2].type", "36 tag[1].value",
+    ];
+    assert_eq!(found, expected, "{errors:#?}");
+    let errors = crate::load_all("[server\nname = \n[x]\ny = 1 2", "m.toml").expect_err("no TOML");
+    assert!(
+        errors.len() == 2 && errors.iter().all(|error| error.to_string().contains("not valid TOML")),
+        "{errors:#?}"
+    );
+}
+
+mod by_schema {
+    use serde_json::Value;
+
+    use super::*;
+
+    fn schema() -> Value {
+        serde_json::from_str(&crate::schema()).expect("JSON")
+    }
+
+    fn json(text: &str) -> Value {
+        let table: toml::Table = text.parse().expect("TOML");
+        serde_json::to_value(table).expect("JSON")
+    }
+
+    /// Why a value is not valid, by the keywords that the schema uses; any other keyword is a panic.
+    fn wrong(schema: &Value, value: &Value) -> Option<String> {
+        let number = |limit: &Value, holds: fn(&f64, &f64) -> bool| {
+            value
+                .as_f64()
+                .is_none_or(|value| holds(&value, &limit.as_f64().expect("a number")))
+        };
+        let count = |limit: &Value, holds: fn(&u64, &u64) -> bool| {
+            let count = value.as_array().map(|items| items.len() as u64);
+            count.is_none_or(|count| holds(&count, &limit.as_u64().expect("a count")))
+        };
+        for (keyword, rule) in schema.as_object().expect("a schema") {
+            let holds = match keyword.as_str() {
+                "$schema" | "title" | "description" | "default" => true,
+                "type" => match rule.as_str() {
+                    Some("object") => value.is_object(),
+                    Some("array") => value.is_array(),
+                    Some("string") => value.is_string(),
+                    Some("boolean") => value.is_boolean(),
+                    Some("number") => value.is_number(),
+                    Some("integer") => value.as_f64().is_some_and(|number| number.fract() == 0.0),
+                    other => panic!("the type {other:?}"),
+                },
+                "enum" => rule.as_array().expect("a list").contains(value),
+                "const" => rule == value,
+                "anyOf" => rule
+                    .as_array()
+                    .expect("a list")
+                    .iter()
+                    .any(|schema| wrong(schema, value).is_none()),
+                "pattern" => {
+                    let pattern = regex::Regex::new(rule.as_str().expect("a text")).expect("a pattern");
+                    value.as_str().is_none_or(|text| pattern.is_match(text))
+                }
+                "minimum" => number(rule, f64::ge),
+                "maximum" => number(rule, f64::le),
+                "exclusiveMinimum" => number(rule, f64::gt),
+                "minItems" => count(rule, u64::ge),
+                "maxItems" => count(rule, u64::le),
+                "required" => rule
+                    .as_array()
+                    .expect("a list")
+                    .iter()
+                    .all(|key| value.get(key.as_str().expect("a key")).is_some()),
+                "items" => {
+                    if let Some(why) = value
+                        .as_array()
+                        .into_iter()
+                        .flatten()
+                        .find_map(|item| wrong(rule, item))
+                    {
+                        return Some(why);
+                    }
+                    true
+                }
+                "properties" => {
+                    let rules = rule.as_object().expect("rules");
+                    for (key, rule) in rules {
+                        if let Some(why) = value.get(key).and_then(|value| wrong(rule, value)) {
+                            return Some(format!("{key}: {why}"));
+                        }
+                    }
+                    true
+                }
+                "additionalProperties" => {
+                    assert_eq!(rule, &Value::Bool(false));
+                    let known = schema["properties"].as_object().expect("rules");
+                    value
+                        .as_object()
+                        .is_none_or(|keys| keys.keys().all(|key| known.contains_key(key)))
+                }
+                other => panic!("the keyword {other}"),
+            };
+            if !holds {
+                return Some(format!("{value} against {keyword} {rule}"));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn shipped_configurations_and_what_is_written_are_valid() {
+        let schema = schema();
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+        let mut texts = vec![("default".to_owned(), DEFAULT.to_owned())];
+        for folder in ["tests/config", "docs/images"] {
+            for entry in std::fs::read_dir(format!("{root}/{folder}")).expect("the folder is there") {
+                let path = entry.expect("an entry").path();
+                if path.extension().is_some_and(|extension| extension == "toml") {
+                    let text = std::fs::read_to_string(&path).expect("it can be read");
+                    texts.push((path.display().to_string(), text));
+                }
+            }
+        }
+        assert!(texts.len() > 5, "{}", texts.len());
+        for (file, text) in texts {
+            let project = load(&text, &file).unwrap_or_else(|error| panic!("{error}"));
+            for text in [text, crate::format(&crate::table(&project))] {
+                assert_eq!(wrong(&schema, &json(&text)), None, "{file}:\n{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_schema_refuses_the_reader_refuses() {
+        let schema = schema();
+        #[rustfmt::skip]
+        let cases = [
+            ("all is well",            format!("{AXIS}{SYSTEM}"),                                     true),
+            ("an unknown key",         format!("{AXIS}max_sped = 1"),                                 false),
+            ("an unknown key within",  format!("{AXIS}start = {{ hommed = true }}"),                  false),
+            ("a missing key",          "[[axis]]\nname = \"X\"".to_owned(),                           false),
+            ("a word that is none",    AXIS.replace("servo", "serov"),                                false),
+            ("a number of text",       AXIS.replace("= 10\n", "= \"fast\"\n"),                       false),
+            ("above 0",                AXIS.replace("= 10\n", "= 0\n"),                               false),
+            ("a fraction",             format!("{AXIS}output_cam_execution_targets = 1.5"),           false),
+            ("too much",               format!("{AXIS}output_cam_execution_targets = 33"),            false),
+            ("neither 0 nor 100",      "[server]\njog_silence_ms = 50".to_owned(),                    false),
+            ("0 is never",             "[server]\njog_silence_ms = 0".to_owned(),                     true),
+            ("a name that is none",    AXIS.replace("\"X\"", "\"1X\""),                               false),
+            ("no axes",                format!("{AXIS}{}", SYSTEM.replace("[\"x\"]", "[]")),          false),
+            ("several addresses",      "[server]\nlisten = [\"127.0.0.1:0\", \"[::1]:0\"]".to_owned(), true),
+            ("any value of a tag",     "[[tag]]\nname = \"A\"\ntype = \"INT[2]\"\nvalue = [1, 2]".to_owned(), true),
+        ];
+        for (why, text, valid) in cases {
+            assert_eq!(wrong(&schema, &json(&text)).is_none(), valid, "{why}\n{text}");
+            assert_eq!(load(&text, "m.toml").is_ok(), valid, "{why}\n{text}");
         }
     }
 }

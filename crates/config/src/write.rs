@@ -10,7 +10,8 @@ use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
 use toml::{Table, Value};
 
-use crate::read::{KEYS, WRISTS};
+use crate::keys::{Keys, Kind, ROOT};
+use crate::read::WRISTS;
 use crate::{IoListen, PlainTag, Project};
 
 /// The tables of a project with every key, those at their default too.
@@ -87,17 +88,18 @@ pub fn table(project: &Project) -> Table {
     root
 }
 
-/// The tables as the text of a configuration: the sections in the order of docs/CONFIGURATION.md, the keys of each in
-/// its order; keys that it does not have come last.
+/// The tables as the text of a configuration: the sections and the keys of each in the order of docs/CONFIGURATION.md;
+/// keys that it does not have come last.
 pub fn format(table: &Table) -> String {
     let mut out = String::new();
-    for (heading, known) in KEYS.iter().filter(|(heading, _)| heading.starts_with("## ")) {
-        let heading = heading.trim_start_matches("## ").trim_matches('`');
-        match table.get(heading.trim_matches(['[', ']'])) {
-            Some(Value::Table(section)) => write_section(&mut out, heading, known, section),
-            Some(Value::Array(sections)) => {
+    for key in ROOT.keys {
+        match (&key.kind, table.get(key.name)) {
+            (Kind::Table(keys), Some(Value::Table(section))) => {
+                write_section(&mut out, &format!("[{}]", key.name), keys, section);
+            }
+            (Kind::Tables(keys, _), Some(Value::Array(sections))) => {
                 for section in sections.iter().filter_map(Value::as_table) {
-                    write_section(&mut out, heading, known, section);
+                    write_section(&mut out, &format!("[[{}]]", key.name), keys, section);
                 }
             }
             _ => {}
@@ -106,81 +108,20 @@ pub fn format(table: &Table) -> String {
     out
 }
 
-fn write_section(out: &mut String, heading: &str, known: &[&str], section: &Table) {
-    if !out.is_empty() {
-        out.push('\n');
-    }
-    out.push_str(heading);
-    out.push('\n');
-    let of_order = known.iter().filter_map(|key| section.get_key_value(*key));
-    let others = section.iter().filter(|(key, _)| !known.contains(&key.as_str()));
+fn write_section(out: &mut String, heading: &str, keys: &Keys, section: &Table) {
+    let break_before = if out.is_empty() { "" } else { "\n" };
+    out.push_str(&format!("{break_before}{heading}\n"));
+    let of_order = keys.keys.iter().filter_map(|key| section.get_key_value(key.name));
+    let others = section.iter().filter(|(key, _)| keys.key(key).is_none());
     for (key, value) in of_order.chain(others) {
-        write_key(out, key);
-        out.push_str(" = ");
-        write_value(out, value);
-        out.push('\n');
+        out.push_str(&format!("{} = {value}\n", key_text(key)));
     }
 }
 
-fn write_key(out: &mut String, key: &str) {
-    let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
-    if bare {
-        out.push_str(key);
-    } else {
-        write_text(out, key);
-    }
-}
-
-fn write_value(out: &mut String, value: &Value) {
-    match value {
-        Value::String(text) => write_text(out, text),
-        Value::Integer(number) => out.push_str(&number.to_string()),
-        Value::Float(number) if number.is_nan() => out.push_str("nan"),
-        Value::Float(number) => out.push_str(&format!("{number:?}")),
-        Value::Boolean(flag) => out.push_str(if *flag { "true" } else { "false" }),
-        Value::Datetime(time) => out.push_str(&time.to_string()),
-        Value::Array(items) => {
-            out.push('[');
-            for (place, item) in items.iter().enumerate() {
-                out.push_str(if place == 0 { "" } else { ", " });
-                write_value(out, item);
-            }
-            out.push(']');
-        }
-        Value::Table(table) => {
-            // `name` and `type` first: the members of a data type read like its definition.
-            let first = ["name", "type"].iter().filter_map(|key| table.get_key_value(*key));
-            let others = table
-                .iter()
-                .filter(|(key, _)| !["name", "type"].contains(&key.as_str()));
-            out.push_str("{ ");
-            for (place, (key, value)) in first.chain(others).enumerate() {
-                out.push_str(if place == 0 { "" } else { ", " });
-                write_key(out, key);
-                out.push_str(" = ");
-                write_value(out, value);
-            }
-            out.push_str(" }");
-        }
-    }
-}
-
-/// A basic string; what XML could not hold either is escaped, so that the text can stand in an L5X file.
-fn write_text(out: &mut String, text: &str) {
-    out.push('"');
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            '\n' => out.push_str("\\n"),
-            '\t' => out.push_str("\\t"),
-            c if c.is_control() || matches!(c, '\u{FFFE}' | '\u{FFFF}') => {
-                out.push_str(&format!("\\u{:04X}", u32::from(c)));
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
+/// A key, in quotes where it needs them.
+fn key_text(key: &str) -> String {
+    let line = Table::from_iter([(key.to_owned(), Value::Integer(0))]).to_string();
+    line.trim_end().trim_end_matches(" = 0").to_owned()
 }
 
 fn axis(axis: &Axis) -> Value {

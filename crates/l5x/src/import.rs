@@ -5,7 +5,7 @@ mod tags;
 mod types;
 mod values;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use arcline_config::Project;
 use roxmltree::Node;
@@ -49,6 +49,7 @@ pub fn import(text: &str, file: &str) -> Result<Import, L5xError> {
         overlay: Table::new(),
         config: Table::new(),
         places: BTreeMap::new(),
+        controller_names: BTreeSet::new(),
     };
     importer.source.check(root);
     let Some(controller) = child(root, "Controller") else {
@@ -69,6 +70,8 @@ pub(crate) struct Importer<'a, 't> {
     config: Table,
     /// The element of each entry of a list: `axis[1]`.
     places: BTreeMap<String, Node<'a, 't>>,
+    /// Names of the controller's scope, in lower case.
+    controller_names: BTreeSet<String>,
 }
 
 impl<'a, 't> Importer<'a, 't> {

@@ -1,13 +1,12 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
 use std::collections::BTreeMap;
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use arcline_config::{ConnectionLoss, IoLoss};
+use arcline_config::{ConnectionLoss, ServerConfig};
 use arcline_proto::connection::{Count, Counters};
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
@@ -27,51 +26,34 @@ use crate::plant::{Plant, Principal};
 pub struct Settings {
     /// Who the device says it is.
     pub identity: Identity,
-    /// Further addresses to listen on.
-    pub also: Vec<SocketAddr>,
-    /// TCP connections at a time; when there are more, the oldest without a session is closed, else the new one.
-    pub max_clients: usize,
-    /// The same from one address.
-    pub max_clients_per_address: usize,
-    /// Class 3 connections of all clients at one address.
-    pub max_connections_per_address: usize,
-    /// Class 3 connections of all sessions together.
-    pub max_connections: usize,
+    /// What the configuration says of the network side.
+    pub config: ServerConfig,
     /// How long a peer may take to read what has been written to it.
     pub write_timeout: Duration,
     /// Where the files are in which the system shows its network.
     pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
-    /// Where class 0 and 1 connections listen, UDP; `None`: they are refused.
-    pub io: Option<SocketAddr>,
-    /// What motion does when the owner of the outputs is lost.
-    pub io_loss: IoLoss,
-    /// What becomes of motion when the class 3 connection or the session that began it is lost.
-    pub connection_loss: ConnectionLoss,
 }
 
 impl Settings {
-    /// The defaults under a product name. The serial number is a hash of the name, so that it stays the same.
-    pub fn new(name: &str) -> Self {
+    /// Those of a configuration. The serial number is a hash of the product name, so that it stays the same.
+    pub fn new(config: &ServerConfig) -> Self {
         Self {
-            identity: Identity::new(name, serial_number(name)),
-            also: Vec::new(),
-            max_clients: 2048,
-            max_clients_per_address: 2048,
-            max_connections_per_address: 4096,
-            max_connections: 4096,
+            identity: Identity::new(&config.name, serial_number(&config.name)),
             write_timeout: Duration::from_secs(30),
             system: PathBuf::from("/"),
             session: session::Settings {
                 // Each request is executed before the next frame is looked at: a Forward Close or the end of the session does
                 // not overtake a request in front of it.
                 max_pending: 1,
+                inactivity: match config.inactivity_timeout {
+                    0 => None,
+                    seconds => Some(Duration::from_secs(seconds.into())),
+                },
                 ..session::Settings::default()
             },
-            io: None,
-            io_loss: IoLoss::default(),
-            connection_loss: ConnectionLoss::default(),
+            config: config.clone(),
         }
     }
 }
@@ -117,8 +99,8 @@ impl Device {
     /// # Errors
     /// Its address cannot be bound.
     pub(crate) fn new(plant: Plant, mut settings: Settings) -> std::io::Result<Self> {
-        let assembly_data = AssemblyData::new(plant.machine(), settings.io_loss);
-        let io = match settings.io {
+        let assembly_data = AssemblyData::new(plant.machine(), settings.config.io_loss);
+        let io = match settings.config.io.address(settings.config.listen) {
             Some(address) => Some(Arc::new(Io::bind(address, *assembly_data.assemblies())?)),
             None => None,
         };
@@ -134,9 +116,9 @@ impl Device {
             session_settings: Arc::new(settings.session.clone()),
             inactivity: watch::Sender::new(settings.session.inactivity),
             limiter: ClientLimiter::new(Limits {
-                clients: settings.max_clients.max(1),
-                clients_of_one: settings.max_clients_per_address.max(1),
-                connections_of_one: settings.max_connections_per_address,
+                clients: settings.config.max_clients.max(1),
+                clients_of_one: settings.config.max_clients_per_address.max(1),
+                connections_of_one: settings.config.max_connections_per_address,
             }),
             settings,
             open_connections: AtomicUsize::new(0),
@@ -191,7 +173,7 @@ impl Device {
     /// What becomes of the motion of an owner when it is lost.
     pub(crate) fn loss(&self, owner: Principal) -> ConnectionLoss {
         let own = self.lock_losses().get(&owner).copied();
-        own.unwrap_or(self.settings.connection_loss)
+        own.unwrap_or(self.settings.config.connection_loss)
     }
 
     /// An owner says what is to become of its motion; `None`: as it is configured.
@@ -289,7 +271,7 @@ impl Host for &Device {
     }
 
     fn acquire_connection(&mut self) -> bool {
-        let most = self.settings.max_connections;
+        let most = self.settings.config.max_connections;
         let more = |open: usize| (open < most).then_some(open + 1);
         self.open_connections
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, more)

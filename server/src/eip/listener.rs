@@ -52,16 +52,17 @@ impl Listener {
     ///
     /// # Errors
     /// An address cannot be bound.
-    pub async fn bind(address: SocketAddr, plant: Plant, settings: Settings) -> Result<Self, BindError> {
+    pub async fn bind(address: SocketAddr, plant: Plant, mut settings: Settings) -> Result<Self, BindError> {
         let failed = |address| move |error| BindError { address, error };
         let mut endpoints = Vec::new();
-        for address in [address].iter().chain(&settings.also).copied() {
+        for address in [address].iter().chain(&settings.config.listen_also).copied() {
             let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
             let local = tcp.local_addr().map_err(failed(address))?;
             endpoints.push(Endpoint { tcp, udp, local });
         }
         let local = endpoints.first().map_or(address, |endpoint| endpoint.local);
-        let io = settings.io;
+        settings.config.listen = address;
+        let io = settings.config.io.address(address);
         let device = Device::new(plant, settings).map_err(failed(io.unwrap_or(address)))?;
         let device = Arc::new(device);
         Ok(Self {

@@ -3,6 +3,7 @@
 
 mod turns;
 
+use arcline_config::{IoListen, ServerConfig};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -72,9 +73,11 @@ impl Server {
             let project = arcline_config::load(config, "default").expect("it is valid");
             let (plant, tick) = Plant::start(&project).expect("a thread");
             let any = "127.0.0.1:0".parse().expect("an address");
-            let listener = Listener::bind(any, plant.clone(), Settings::new("Load"))
-                .await
-                .expect("a port");
+            let settings = Settings::new(&ServerConfig {
+                io: IoListen::Off,
+                ..ServerConfig::default()
+            });
+            let listener = Listener::bind(any, plant.clone(), settings).await.expect("a port");
             let hmi = Hmi::bind(any, plant.clone()).await.expect("a port");
             let addresses = (listener.local_addr(), hmi.local_addr());
             tokio::spawn(listener.serve());

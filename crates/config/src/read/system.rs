@@ -1,133 +1,99 @@
 //! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
 
-use arcline_controller::machine::{
-    AxisLimits, CoordinateSystem, Corner, Deviation, MAX_QUEUE_DEPTH, Machine, Transform,
-};
+use arcline_controller::machine::{AxisKind, AxisLimits, CoordinateSystem, Corner, Deviation, Machine, Transform};
 
-use super::NOT_NEGATIVE_LENGTH;
+use arcline_instruction_set::AxisId;
+
 use super::dynamics::Dynamics;
-use super::names::{Taken, required_name, unknown_name};
+use super::names::{Taken, unknown_name};
 use super::robot::Kind;
-use crate::error::ConfigError;
 use crate::section::Section;
 
-pub(super) fn coordinate_system(
-    section: &Section<'_>,
-    machine: &Machine,
-    names: &mut Taken,
-) -> Result<CoordinateSystem, ConfigError> {
-    let name = required_name(section, "name", names)?;
-    let kind = Kind::read(section)?;
-    let (count, expected) = kind.axes();
-    let mut axes = Vec::new();
-    for axis in section.strings("axes", expected, count)? {
-        let Some(place) = machine.axis(&axis.value) else {
-            let known = machine.axes.iter().map(|axis| axis.name.as_str());
-            return Err(unknown_name(section, &axis, "axis", known));
-        };
-        let behind = machine.axes.get(usize::from(place)).map(|axis| axis.kind);
-        if behind == Some(arcline_controller::machine::AxisKind::Feedback) {
-            return Err(section.refuse(&axis, "an axis that can be moved", None));
-        }
-        if axes.contains(&place) {
-            return Err(section.refuse(&axis, "each axis once", None));
-        }
-        axes.push(place);
-    }
-    let robot = kind.robot(section, axes.len())?;
+pub(super) fn coordinate_system(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> CoordinateSystem {
+    let name = names.take_name(section, "name");
+    let kind = Kind::read(section);
+    let axes = axes(section, machine, &kind);
+    let robot = kind.robot(section);
     let own = axes.iter().filter_map(|place| machine.axes.get(usize::from(*place)));
-    let orientation = kind.orientation(section, own)?;
-    let dynamics = Dynamics::read(section)?;
-    let corner = match section.word("corner", &["logix", "precise"], "\"logix\" or \"precise\"")? {
-        Some(1) => Corner::Precise,
-        _ => Corner::Logix,
-    };
-    let deviation = match section.word("deviation", &["corners", "anywhere"], "\"corners\" or \"anywhere\"")? {
-        Some(1) => Deviation::Anywhere,
-        _ => Deviation::Corners,
-    };
-    let axis_limits = match section.word("axis_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
-        Some(1) => AxisLimits::Enforce,
+    let orientation = kind.orientation(section, own);
+    let dynamics = Dynamics::read(section);
+    let limits = |key| match section.word(key) {
+        Some("enforce") => AxisLimits::Enforce,
         _ => AxisLimits::Ignore,
     };
-    let joint_limits = match section.word("joint_limits", &["ignore", "enforce"], "\"ignore\" or \"enforce\"")? {
-        Some(1) => AxisLimits::Enforce,
-        _ => AxisLimits::Ignore,
-    };
-    Ok(CoordinateSystem {
+    CoordinateSystem {
         name,
-        axes,
         max_speed: dynamics.speed,
         max_acceleration: dynamics.acceleration,
         max_deceleration: dynamics.deceleration,
         max_acceleration_jerk: dynamics.acceleration_jerk,
         max_deceleration_jerk: dynamics.deceleration_jerk,
         dynamics_bits: dynamics.bits,
-        actual_tolerance: section.number("actual_tolerance", &NOT_NEGATIVE_LENGTH)?.unwrap_or(0.0),
-        command_tolerance: section
-            .number("command_tolerance", &NOT_NEGATIVE_LENGTH)?
-            .unwrap_or(0.0),
-        queue_depth: section
-            .integer("queue_depth", 1..=MAX_QUEUE_DEPTH, QUEUE_DEPTH)?
-            .unwrap_or(1),
-        corner,
-        deviation,
-        axis_limits,
-        joint_limits,
+        actual_tolerance: section.required("actual_tolerance"),
+        command_tolerance: section.required("command_tolerance"),
+        queue_depth: section.integer("queue_depth").unwrap_or(1),
+        corner: match section.word("corner") {
+            Some("precise") => Corner::Precise,
+            _ => Corner::Logix,
+        },
+        deviation: match section.word("deviation") {
+            Some("anywhere") => Deviation::Anywhere,
+            _ => Deviation::Corners,
+        },
+        axis_limits: limits("axis_limits"),
+        joint_limits: limits("joint_limits"),
+        axes,
         robot,
         orientation,
-    })
-}
-
-pub(super) fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Result<Transform, ConfigError> {
-    let name = required_name(section, "name", names)?;
-    let system = |key| {
-        let given = section
-            .string(key, SYSTEM_NAME)?
-            .ok_or_else(|| section.missing(key, SYSTEM_NAME))?;
-        match machine.system(&given.value) {
-            Some(place) => Ok((place, given)),
-            None => {
-                let known = machine.systems.iter().map(|system| system.name.as_str());
-                Err(unknown_name(section, &given, "coordinate system", known))
-            }
-        }
-    };
-    let (source, _) = system("source")?;
-    let (target, given) = system("target")?;
-    if source == target {
-        return Err(section.refuse(&given, "another coordinate system than `source`", None));
     }
-    Ok(Transform { name, source, target })
 }
 
-pub(super) const COORDINATE_SYSTEM: &[&str] = &[
-    "name",
-    "type",
-    "definition",
-    "axes",
-    "max_speed",
-    "max_acceleration",
-    "max_deceleration",
-    "max_acceleration_jerk",
-    "max_deceleration_jerk",
-    "dynamics_configuration_bits",
-    "max_orientation_speed",
-    "max_orientation_acceleration",
-    "max_orientation_deceleration",
-    "actual_tolerance",
-    "command_tolerance",
-    "queue_depth",
-    "corner",
-    "deviation",
-    "axis_limits",
-    "joint_limits",
-    "link_lengths",
-    "base_offsets",
-    "end_effector_offsets",
-    "zero_angles",
-];
-pub(super) const TRANSFORM: &[&str] = &["name", "source", "target"];
+/// The axes by their indices: as many as the geometry takes, each once, all of them axes that can be moved.
+fn axes(section: &Section<'_>, machine: &Machine, kind: &Kind) -> Vec<AxisId> {
+    let (count, expected) = kind.axes();
+    if section.has("axes") && !count.contains(&section.count("axes")) {
+        section.refuse_value("axes", expected);
+        return Vec::new();
+    }
+    let mut axes = Vec::new();
+    for axis in section.texts("axes") {
+        let Some(place) = machine.axis(&axis.value) else {
+            let known = machine.axes.iter().map(|axis| axis.name.as_str());
+            unknown_name(section, &axis, "axis", known);
+            continue;
+        };
+        let behind = machine.axes.get(usize::from(place)).map(|axis| axis.kind);
+        if behind == Some(AxisKind::Feedback) {
+            section.refuse_as(&axis, "an axis that can be moved", None);
+        }
+        if axes.contains(&place) {
+            section.refuse_as(&axis, "each axis once", None);
+        }
+        axes.push(place);
+    }
+    axes
+}
 
-const QUEUE_DEPTH: &str = "a whole number from 1 to 1000";
-const SYSTEM_NAME: &str = "the name of a coordinate system";
+pub(super) fn transform(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> Transform {
+    let name = names.take_name(section, "name");
+    let system = |key| {
+        let given = section.text(key)?;
+        let index = machine.system(&given.value);
+        if index.is_none() {
+            let known = machine.systems.iter().map(|system| system.name.as_str());
+            unknown_name(section, &given, "coordinate system", known);
+        }
+        index
+    };
+    let (source, target) = (system("source"), system("target"));
+    if let (Some(source), Some(target), Some(given)) = (source, target, section.text("target"))
+        && source == target
+    {
+        section.refuse_as(&given, "another coordinate system than `source`", None);
+    }
+    Transform {
+        name,
+        source: source.unwrap_or_default(),
+        target: target.unwrap_or_default(),
+    }
+}

@@ -2,56 +2,46 @@
 
 use std::collections::BTreeMap;
 
-use arcline_controller::image::{Access, MAX_PLAIN_TAGS};
+use arcline_controller::image::{Access, MAX_PLAIN_BYTES};
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::{Mnemonic, Object};
+use arcline_instruction_set::{Mnemonic, Object, predefined};
 use arcline_tag::{Elementary, PathSegment, TagPath, TagType, nearest};
 
-use super::names::{NAME, Taken, is_name, required_name, unknown_name};
-use super::types::{TAG_TYPE, Types};
+use super::names::{Taken, unknown_name};
+use super::types::Types;
 use super::value::encode;
-use crate::error::{ConfigError, Problem};
+use crate::error::Problem;
 use crate::section::{Placed, Section};
 use crate::{InstructionTag, PlainTag};
 
-pub(super) fn instruction_tags(
-    root: &Section<'_>,
-    machine: &Machine,
-    names: &mut Taken,
-) -> Result<Vec<InstructionTag>, ConfigError> {
-    let mut tags = Vec::new();
-    for section in root.tables(
-        "instruction",
-        INSTRUCTION,
-        "tables, [[instruction]]",
-        MAX_INSTRUCTION_TAGS,
-    )? {
-        let name = required_name(&section, "tag", names)?;
-        let word = section
-            .string("type", MNEMONIC)?
-            .ok_or_else(|| section.missing("type", MNEMONIC))?;
+pub(super) fn instruction_tags(root: &Section<'_>, machine: &Machine, names: &mut Taken) -> Vec<InstructionTag> {
+    let tables = root.tables("instruction");
+    let tags = tables.iter().filter_map(|section| {
+        let name = names.take_name(section, "tag");
+        let word = section.text("type")?;
         let Ok(mnemonic) = word.value.parse::<Mnemonic>() else {
             let known: Vec<String> = Mnemonic::ALL.iter().map(ToString::to_string).collect();
             let suggestion = nearest(&word.value, known.iter().map(String::as_str));
-            return Err(section.refuse(&word, MNEMONIC, suggestion));
+            section.refuse("type", &word, suggestion);
+            return None;
         };
-        let target = match (mnemonic.instruction().object, section.string("target", TARGET)?) {
+        let target = match (mnemonic.instruction().object, section.text("target")) {
             (Object::MotionGroup, None) => machine.group.clone(),
-            (_, None) => return Err(section.missing("target", TARGET)),
-            (object, Some(given)) => target(&section, machine, object, &given)?,
+            (_, None) => {
+                if !section.has("target") {
+                    section.missing("target");
+                }
+                return None;
+            }
+            (object, Some(given)) => target(section, machine, object, &given)?,
         };
-        tags.push(InstructionTag { name, mnemonic, target });
-    }
-    Ok(tags)
+        Some(InstructionTag { name, mnemonic, target })
+    });
+    tags.collect()
 }
 
 /// The object's name as its own table spells it.
-fn target(
-    section: &Section<'_>,
-    machine: &Machine,
-    object: Object,
-    given: &Placed<String>,
-) -> Result<String, ConfigError> {
+fn target(section: &Section<'_>, machine: &Machine, object: Object, given: &Placed<String>) -> Option<String> {
     let (what, known): (_, Vec<&str>) = match object {
         Object::MotionGroup => ("motion group", vec![machine.group.as_str()]),
         Object::Axis => ("axis", machine.axes.iter().map(|axis| axis.name.as_str()).collect()),
@@ -60,77 +50,103 @@ fn target(
             machine.systems.iter().map(|system| system.name.as_str()).collect(),
         ),
     };
-    match known.iter().find(|name| name.eq_ignore_ascii_case(&given.value)) {
-        Some(name) => Ok((*name).to_owned()),
-        None => Err(unknown_name(section, given, what, known.iter().copied())),
+    let name = known.iter().find(|name| name.eq_ignore_ascii_case(&given.value));
+    if name.is_none() {
+        unknown_name(section, given, what, known.iter().copied());
     }
+    name.map(|name| (*name).to_owned())
 }
 
 /// Every `[[tag]]`, and the programs they are in.
-pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -> Result<Vec<PlainTag>, ConfigError> {
+pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -> Vec<PlainTag> {
     let mut programs: BTreeMap<String, Taken> = BTreeMap::new();
     let mut tags: Vec<PlainTag> = Vec::new();
     let mut total = 0;
-    for section in root.tables("tag", TAG, "tables, [[tag]]", MAX_PLAIN_TAGS)? {
-        let program = section.string("program", NAME)?;
-        if let Some(program) = &program
-            && !is_name(&program.value)
-        {
-            return Err(section.refuse(program, NAME, None));
-        }
-        let program = program.map(|program| program.value);
+    for section in root.tables("tag") {
+        let program = section.text("program").map(|program| program.value);
         let scope = match &program {
             Some(program) => programs.entry(program.to_ascii_lowercase()).or_default(),
             None => &mut *names,
         };
-        let name = required_name(&section, "name", scope)?;
-        let alias = alias(&section, program.as_deref(), &tags)?;
-        let tag_type = match (&alias, section.string("type", &TAG_TYPE)?) {
-            (Some(alias), None) => alias.tag_type.clone(),
-            (Some(_), Some(_)) => {
-                let reason = "an alias has the type of what it stands for";
-                return Err(section.refuse_key("type", Problem::Conflict { other: "alias", reason }));
-            }
-            (None, None) => return Err(section.missing("type", &TAG_TYPE)),
-            (None, Some(word)) => types.parse(&section, &word, &TAG_TYPE)?,
+        let name = scope.take_name(&section, "name");
+        let alias = alias(&section, program.as_deref(), &tags);
+        let Some(tag_type) = type_of(&section, alias.as_ref(), types) else {
+            continue;
         };
         if alias.is_none() {
             total += tag_type.size();
-            Types::check_total(&section, total)?;
-        }
-        let read_only = section.word("access", &["read_write", "read_only"], ACCESS)? == Some(1);
-        let mut first = Vec::new();
-        if let Some(value) = section.value("value") {
-            if alias.is_some() {
-                let reason = "an alias has the value of what it stands for";
-                return Err(section.refuse_key("value", Problem::Conflict { other: "alias", reason }));
-            }
-            first = vec![0; tag_type.size()];
-            encode(&tag_type, value, &mut first).map_err(|expected| {
-                let found = section.found("value");
-                section.refuse_key(
-                    "value",
-                    Problem::Value {
-                        found,
-                        expected,
-                        suggestion: None,
-                    },
-                )
-            })?;
-            if first.iter().all(|byte| *byte == 0) {
-                first.clear();
+            if total > MAX_PLAIN_BYTES {
+                let problem = Problem::TooMany {
+                    count: total,
+                    limit: MAX_PLAIN_BYTES,
+                };
+                section.refuse_key("type", problem);
+                break;
             }
         }
-        tags.push(PlainTag {
+        let mut tag = PlainTag {
             name,
             program,
+            access: Access::ReadWrite,
+            first: first(&section, &tag_type),
             tag_type,
-            access: if read_only { Access::ReadOnly } else { Access::ReadWrite },
-            first,
             alias: alias.map(|alias| alias.path),
-        });
+        };
+        if section.word("access") == Some("read_only") || tag.is_control() {
+            tag.access = Access::ReadOnly;
+        }
+        tags.push(tag);
     }
-    Ok(tags)
+    tags
+}
+
+/// The type of a tag: its own, or that of what it stands for.
+fn type_of(section: &Section<'_>, alias: Option<&Alias>, types: &Types) -> Option<TagType> {
+    if section.has("alias") {
+        for (key, reason) in [
+            ("type", "an alias has the type of what it stands for"),
+            ("value", "an alias has the value of what it stands for"),
+        ] {
+            if section.has(key) {
+                section.conflict(key, "alias", reason);
+            }
+        }
+        return alias.map(|alias| alias.tag_type.clone());
+    }
+    if !section.has("type") {
+        section.missing("type");
+    }
+    let word = section.text("type")?;
+    if !word.value.trim().eq_ignore_ascii_case(CONTROL) {
+        return types.parse(section, &word);
+    }
+    for (key, reason) in [
+        ("program", "a motion control tag is in the controller's scope"),
+        ("value", "only instructions write a motion control tag"),
+    ] {
+        if section.has(key) {
+            section.conflict(key, "type = \"MOTION_INSTRUCTION\"", reason);
+        }
+    }
+    Some(TagType::scalar(predefined::motion_instruction()))
+}
+
+/// The type of motion control tags.
+const CONTROL: &str = "MOTION_INSTRUCTION";
+
+/// The bytes of the first value; empty when all are 0.
+fn first(section: &Section<'_>, tag_type: &TagType) -> Vec<u8> {
+    let Some(value) = section.value("value").filter(|_| !section.has("alias")) else {
+        return Vec::new();
+    };
+    let mut first = vec![0; tag_type.size()];
+    if let Err(expected) = encode(tag_type, value, &mut first) {
+        section.refuse_value("value", expected);
+    }
+    if first.iter().all(|byte| *byte == 0) {
+        first.clear();
+    }
+    first
 }
 
 /// What an alias stands for.
@@ -140,11 +156,12 @@ struct Alias {
 }
 
 /// The tag above, or the part of one, that `alias` names.
-fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Result<Option<Alias>, ConfigError> {
-    let Some(given) = section.string("alias", ALIAS)? else {
-        return Ok(None);
+fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Option<Alias> {
+    let given = section.text("alias")?;
+    let Ok(path) = given.value.parse::<TagPath>() else {
+        section.refuse("alias", &given, None);
+        return None;
     };
-    let path: TagPath = given.value.parse().map_err(|_| section.refuse(&given, ALIAS, None))?;
     let (given_scope, name, rest) = path.scope();
     let find = |scope: Option<&str>| {
         tags.iter().find(|tag| {
@@ -164,10 +181,13 @@ fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Res
     }
     let Some(base) = base else {
         let known = tags.iter().map(|tag| tag.name.as_str());
-        return Err(unknown_name(section, &given, "tag above", known));
+        unknown_name(section, &given, "tag above", known);
+        return None;
     };
     let place = base.tag_type.locate(rest);
-    let place = place.map_err(|error| section.refuse(&given, ALIAS, error.suggestion()))?;
+    let place = place
+        .map_err(|error| section.refuse("alias", &given, error.suggestion()))
+        .ok()?;
     let tag_type = match (place.bit, rest.is_empty()) {
         (Some(_), _) => TagType::scalar(Elementary::Bool),
         (None, true) => base.tag_type.clone(),
@@ -184,13 +204,5 @@ fn alias(section: &Section<'_>, program: Option<&str>, tags: &[PlainTag]) -> Res
         }
         _ => path,
     };
-    Ok(Some(Alias { path, tag_type }))
+    Some(Alias { path, tag_type })
 }
-
-const MAX_INSTRUCTION_TAGS: usize = 1024;
-pub(super) const INSTRUCTION: &[&str] = &["tag", "type", "target"];
-pub(super) const TAG: &[&str] = &["name", "type", "program", "access", "value", "alias"];
-const MNEMONIC: &str = "the mnemonic of a motion instruction such as \"MCLM\"";
-const TARGET: &str = "the name of the coordinate system, axis or group that the instruction acts on";
-const ACCESS: &str = "\"read_write\" or \"read_only\"";
-const ALIAS: &str = "the path of a tag above or of a part of it, such as \"Recipe[3].Speed\"";

@@ -1,14 +1,11 @@
 //! Types of plain tags: `[[data_type]]` tables, and how a type is written: `REAL`, `DINT[2,3]`, `Recipe[16]`.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use arcline_controller::image::MAX_PLAIN_BYTES;
 use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder, nearest, string_template};
 
-use super::names::{NAME, is_name};
-use crate::error::{ConfigError, Problem};
 use crate::section::{Placed, Section};
 
 /// The structure types of a configuration, by name in lower case.
@@ -17,18 +14,20 @@ pub(super) struct Types(BTreeMap<String, Arc<Template>>);
 
 impl Types {
     /// Reads every `[[data_type]]`. A type may use those above it.
-    pub(super) fn read(root: &Section<'_>) -> Result<Self, ConfigError> {
+    pub(super) fn read(root: &Section<'_>) -> Self {
         let mut types = Types::default();
-        let sections = root.tables("data_type", DATA_TYPE, "tables, [[data_type]]", MAX_TYPES)?;
-        for (place, section) in sections.iter().enumerate() {
-            let name = section
-                .string("name", NAME)?
-                .ok_or_else(|| section.missing("name", NAME))?;
-            types.check_name(section, &name)?;
-            let template = types.members(section, &name.value, FIRST_INSTANCE + place as u16)?;
+        for (section, instance) in root.tables("data_type").iter().zip(FIRST_INSTANCE..) {
+            let Some(name) = section.text("name") else {
+                continue;
+            };
+            if types.has(&name.value) {
+                section.refuse_as(&name, "a name that no other type has", None);
+                continue;
+            }
+            let template = types.members(section, &name.value, instance);
             types.0.insert(name.value.to_ascii_lowercase(), template);
         }
-        Ok(types)
+        types
     }
 
     /// The types as they stand in the file.
@@ -38,50 +37,37 @@ impl Types {
         templates
     }
 
-    fn check_name(&self, section: &Section<'_>, name: &Placed<String>) -> Result<(), ConfigError> {
-        let taken = ELEMENTARY.iter().any(|known| known.eq_ignore_ascii_case(&name.value))
+    fn has(&self, name: &str) -> bool {
+        ELEMENTARY.iter().any(|known| known.eq_ignore_ascii_case(name))
             || predefined::all()
                 .iter()
-                .any(|known| known.name.eq_ignore_ascii_case(&name.value))
-            || self.0.contains_key(&name.value.to_ascii_lowercase());
-        if !is_name(&name.value) {
-            return Err(section.refuse(name, NAME, None));
-        }
-        if taken {
-            return Err(section.refuse(name, "a name that no other type has", None));
-        }
-        Ok(())
+                .any(|known| known.name.eq_ignore_ascii_case(name))
+            || self.0.contains_key(&name.to_ascii_lowercase())
     }
 
-    fn members(&self, section: &Section<'_>, name: &str, instance: u16) -> Result<Arc<Template>, ConfigError> {
+    fn members(&self, section: &Section<'_>, name: &str, instance: u16) -> Arc<Template> {
         let mut builder = TemplateBuilder::new(name, instance);
         let mut seen: Vec<String> = Vec::new();
         let mut size = 0;
-        let members = section.tables("members", MEMBER, MEMBERS, MAX_MEMBERS)?;
-        if members.is_empty() {
-            return Err(section.missing("members", MEMBERS));
-        }
-        for member in &members {
-            let name = member
-                .string("name", NAME)?
-                .ok_or_else(|| member.missing("name", NAME))?;
-            if !is_name(&name.value) {
-                return Err(member.refuse(&name, NAME, None));
-            }
+        for member in &section.tables("members") {
+            let (Some(name), Some(word)) = (member.text("name"), member.text("type")) else {
+                continue;
+            };
             if seen.iter().any(|other| other.eq_ignore_ascii_case(&name.value)) {
-                return Err(member.refuse(&name, "a name that no other member has", None));
+                member.refuse_as(&name, "a name that no other member has", None);
             }
-            let word = member
-                .string("type", &MEMBER_TYPE)?
-                .ok_or_else(|| member.missing("type", &MEMBER_TYPE))?;
-            let member_type = self.parse(member, &word, &MEMBER_TYPE)?;
+            let Some(member_type) = self.parse(member, &word) else {
+                continue;
+            };
             let elements = u16::try_from(member_type.elements());
             let (1 | 0, Ok(elements)) = (member_type.rank(), elements) else {
-                return Err(member.refuse(&word, "a scalar or an array of one dimension", None));
+                member.refuse_as(&word, "a scalar or an array of one dimension", None);
+                continue;
             };
             size += member_type.size();
             if size > MAX_SIZE {
-                return Err(member.refuse(&word, TOO_LARGE, None));
+                member.refuse_as(&word, TOO_LARGE, None);
+                break;
             }
             builder = match member_type.rank() {
                 0 => builder.member(&*name.value, member_type.data_type),
@@ -89,42 +75,25 @@ impl Types {
             };
             seen.push(name.value);
         }
-        Ok(builder.build())
+        builder.build()
     }
 
-    /// The type that a word means.
-    pub(super) fn parse(
-        &self,
-        section: &Section<'_>,
-        word: &Placed<String>,
-        expected: &'static str,
-    ) -> Result<TagType, ConfigError> {
+    /// The type that the word under `type` means.
+    pub(super) fn parse(&self, section: &Section<'_>, word: &Placed<String>) -> Option<TagType> {
         let own = |name: &str| self.0.get(&name.to_ascii_lowercase()).cloned();
         let Some(tag_type) = unbounded(&word.value, own) else {
             let element = word.value.split('[').next().unwrap_or_default().trim();
             let known = ELEMENTARY.iter().copied();
             let own = self.0.values().map(|template| template.name.as_str());
             let suggestion = nearest(element, known.chain(own)).filter(|near| !near.eq_ignore_ascii_case(element));
-            return Err(section.refuse(word, expected, suggestion));
+            section.refuse("type", word, suggestion);
+            return None;
         };
         if tag_type.size() > MAX_SIZE {
-            return Err(section.refuse(word, TOO_LARGE, None));
+            section.refuse_as(word, TOO_LARGE, None);
+            return None;
         }
-        Ok(tag_type)
-    }
-
-    /// The problem of memory that all tags together would need.
-    pub(super) fn check_total(section: &Section<'_>, total: usize) -> Result<(), ConfigError> {
-        if total > MAX_PLAIN_BYTES {
-            return Err(section.refuse_key(
-                "type",
-                Problem::TooMany {
-                    count: total,
-                    limit: MAX_PLAIN_BYTES,
-                },
-            ));
-        }
-        Ok(())
+        Some(tag_type)
     }
 }
 
@@ -180,27 +149,28 @@ pub const MAX_SIZE: usize = 2 << 20;
 /// Template instance of the first type; those of instruction tags are below.
 const FIRST_INSTANCE: u16 = 0x200;
 
-pub(super) const DATA_TYPE: &[&str] = &["name", "members"];
-pub(super) const MEMBER: &[&str] = &["name", "type"];
 /// The elementary types of tags, and STRING.
 pub const ELEMENTARY: &[&str] = &[
     "BOOL", "SINT", "INT", "DINT", "LINT", "USINT", "UINT", "UDINT", "ULINT", "REAL", "LREAL", "STRING",
 ];
 
-const MEMBERS: &str = "a list of tables such as { name = \"Speed\", type = \"REAL\" }";
 const TOO_LARGE: &str = "a type of at most 2 MiB";
-static MEMBER_TYPE: LazyLock<String> = LazyLock::new(|| {
+
+/// What the type of a member is, for messages.
+pub(crate) fn member_types() -> String {
     format!(
         "{} or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]",
         words()
     )
-});
-pub(super) static TAG_TYPE: LazyLock<String> = LazyLock::new(|| {
+}
+
+/// What the type of a tag is, for messages.
+pub(crate) fn tag_types() -> String {
     format!(
-        "{} or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]",
+        "{}, MOTION_INSTRUCTION or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]",
         words()
     )
-});
+}
 
 /// The types that need no `[[data_type]]`, for people.
 fn words() -> String {

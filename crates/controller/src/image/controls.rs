@@ -11,7 +11,7 @@ impl Image {
     /// of an instruction tag, or of its member `MotionControl`, is the slot of that member.
     ///
     /// When every slot is in use, the new tag takes the place of the motion control tag that has not been named by an instruction
-    /// for the longest time and whose own instruction has ended; tags of instructions in process stay.
+    /// for the longest time and whose own instruction has ended; tags of instructions in process and of the configuration stay.
     ///
     /// # Errors
     /// A name of something else, a name that cannot be a tag's, or every slot has an instruction in process.
@@ -42,6 +42,7 @@ impl Image {
     /// Removes the idle motion control tag whose last use is the oldest. Its slot is free then.
     fn reclaim_slot(&mut self) -> Option<ControlSlot> {
         let idle = self.tags.iter().filter_map(|tag| match tag.kind {
+            TagKind::MotionControl(_) if self.table.configured_controls.contains(&tag.id) => None,
             TagKind::MotionControl(slot) if !is_in_process(&self.control(slot)) => Some((slot, tag.id)),
             _ => None,
         });

@@ -165,7 +165,7 @@ impl Image {
         }
         for tag in plain_tags {
             // The configuration saw to it that there is what an alias stands for.
-            let _ = image.add_plain(tag);
+            let _ = image.add_configured(tag);
         }
         if image.find(REAL_TIME_TAG).is_none() {
             let id = image.add(
@@ -292,6 +292,18 @@ impl Image {
         self.tags.insert(at, tag);
         self.table.changes = self.table.changes.wrapping_add(1);
         id
+    }
+
+    /// Adds a tag of the configuration. `None`: what the alias stands for is not there, or no slot is free.
+    fn add_configured(&mut self, tag: &PlainTag) -> Option<TagId> {
+        if !tag.is_control() {
+            return self.add_plain(tag);
+        }
+        let slot = self.free_slot()?;
+        let id = self.add(&tag.name, tag.tag_type.clone(), TagKind::MotionControl(slot));
+        self.use_slot(slot, id, 0);
+        self.table.configured_controls.insert(id);
+        Some(id)
     }
 
     /// `None`: what the alias stands for is not there.

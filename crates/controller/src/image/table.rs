@@ -102,6 +102,8 @@ pub(super) struct Table {
     declared: BTreeMap<String, Arc<Template>>,
     /// Plain tags that no configuration has.
     created: BTreeSet<TagId>,
+    /// Motion control tags of the configuration, which no other takes the place of.
+    pub(super) configured_controls: BTreeSet<TagId>,
     /// Slots whose tags have gone.
     pub(super) spare_slots: Vec<u32>,
 }
@@ -248,6 +250,10 @@ impl Image {
                     }
                     _ => self.remove(*id),
                 },
+                // It stays as one that an instruction has made.
+                TagKind::MotionControl(_) if !is.contains_key(name) => {
+                    self.table.configured_controls.remove(id);
+                }
                 _ => {}
             }
         }
@@ -273,9 +279,12 @@ impl Image {
             let found = self.names.get(tag.program.as_deref(), &tag.name);
             match found.and_then(|id| self.tag(id)).map(|known| known.kind) {
                 None => {
-                    self.add_plain(tag).ok_or(TableError::NoRoom)?;
+                    self.add_configured(tag).ok_or(TableError::NoRoom)?;
                 }
-                Some(TagKind::Plain | TagKind::Alias(_)) => {}
+                Some(TagKind::Plain | TagKind::Alias(_)) if !tag.is_control() => {}
+                Some(TagKind::MotionControl(_)) if tag.is_control() => {
+                    self.table.configured_controls.extend(found);
+                }
                 Some(_) => return Err(TableError::Taken { name: tag.name.clone() }),
             }
         }
@@ -373,6 +382,7 @@ impl Image {
             self.table.spare_slots.push(slot.0);
         }
         self.table.created.remove(&id);
+        self.table.configured_controls.remove(&id);
         self.table.changes = self.table.changes.wrapping_add(1);
     }
 

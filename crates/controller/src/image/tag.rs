@@ -1,7 +1,7 @@
 //! What a tag is: its id, name, type, and what it stands for. Its bytes are the image's.
 
-use arcline_instruction_set::{AxisId, ControlSlot, Mnemonic, SystemId};
-use arcline_tag::{TagPath, TagType};
+use arcline_instruction_set::{AxisId, ControlSlot, Mnemonic, SystemId, predefined};
+use arcline_tag::{DataType, TagPath, TagType};
 
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -144,6 +144,12 @@ impl PlainTag {
             first: Vec::new(),
             alias: None,
         }
+    }
+
+    /// Whether it is a motion control tag: a MOTION_INSTRUCTION of the controller's scope.
+    pub fn is_control(&self) -> bool {
+        let control = DataType::Structure(predefined::motion_instruction());
+        self.alias.is_none() && self.program.is_none() && self.tag_type == TagType::scalar(control)
     }
 }
 

@@ -226,6 +226,15 @@ fn motion_controls_are_found_or_made() {
 #[test]
 fn an_idle_motion_control_tag_makes_room() {
     let mut image = image();
+    let configured = PlainTag::new("Configured", TagType::scalar(predefined::motion_instruction()));
+    let tags = |tags| Configured {
+        data_types: &[],
+        instructions: &[],
+        tags,
+    };
+    let declared = [configured];
+    image.reload(tags(&[]), tags(&declared)).expect("a free name");
+    assert!(image.known_control("configured").is_ok_and(|slot| slot.is_some()));
     let set = |image: &mut Image, name: &str, flags: &[Flag]| {
         let slot = image.control_slot(name).expect("a slot");
         let mut control = MotionControl::default();
@@ -245,7 +254,8 @@ fn an_idle_motion_control_tag_makes_room() {
         assert!(made < 2 * CONTROL_SLOTS, "no tag makes room");
     }
     assert!(made > CONTROL_SLOTS - 20, "{made}: only when no slot is free");
-    // The tag that no instruction has named for the longest time has gone.
+    // The tag that no instruction has named for the longest time has gone; that of the configuration stays.
+    assert!(image.find("Configured").is_some());
     assert!(image.find("Refused").is_none());
     for name in ["Moving", "Sent", "Used", "N4"] {
         assert!(image.find(name).is_some(), "{name}");

@@ -30,6 +30,9 @@ impl<'a, 't> Importer<'a, 't> {
         for (program, list) in scopes {
             for node in children(*list, "Tag") {
                 let name = self.source.required(node, "Name", "the tag's name")?;
+                if program.is_none() {
+                    self.controller_names.insert(name.to_ascii_lowercase());
+                }
                 if node.attribute("TagType") != Some("Alias") {
                     bases.insert(full_name(*program, name), false);
                     continue;
@@ -79,6 +82,9 @@ impl<'a, 't> Importer<'a, 't> {
         types: &Types,
     ) -> Result<bool, L5xError> {
         let word = self.source.required(node, "DataType", "the tag's type")?;
+        if word.eq_ignore_ascii_case(CONTROL) {
+            return Ok(self.control(node, program, name));
+        }
         let mut dimensions = Vec::new();
         for count in node
             .attribute("Dimensions")
@@ -121,6 +127,24 @@ impl<'a, 't> Importer<'a, 't> {
         }
         self.push("tag", node, entry);
         Ok(true)
+    }
+
+    /// Adds a motion control tag, always of the controller's scope; `false`: an array of them, or another tag has its name.
+    fn control(&mut self, node: Node<'a, 't>, program: Option<&str>, name: &str) -> bool {
+        let is_array = node.attribute("Dimensions").is_some_and(|count| count != "0");
+        let taken = program.is_some() && self.controller_names.contains(&name.to_ascii_lowercase());
+        if is_array || taken || self.count("tag") >= MAX_TAGS || node.attribute("ExternalAccess") == Some("None") {
+            return false;
+        }
+        if program.is_some() {
+            self.controller_names.insert(name.to_ascii_lowercase());
+            let words = "a motion control tag of a program becomes one of the controller";
+            self.source.report(node, Reason::Changed(words));
+        }
+        let mut entry = named(None, name);
+        entry.insert("type".into(), Value::String(CONTROL.to_owned()));
+        self.push("tag", node, entry);
+        true
     }
 
     fn access(&mut self, node: Node<'a, 't>, entry: &mut Table) {
@@ -213,6 +237,8 @@ fn full_name(program: Option<&str>, name: &str) -> String {
     }
 }
 
+/// The type of motion control tags.
+const CONTROL: &str = "MOTION_INSTRUCTION";
 /// Aliases of aliases that are followed.
 const MAX_CHAIN: usize = 16;
 /// Longest path of an alias, bytes.

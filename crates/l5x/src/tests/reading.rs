@@ -81,8 +81,8 @@ max_acceleration = 1000.0
 max_deceleration = 0.0
 dynamics_configuration_bits = 3
 unwind = 360.0
-home = {  }
-exception_actions = {  }
+home = {}
+exception_actions = {}
 
 [[coordinate_system]]
 name = "CS"
@@ -175,7 +175,7 @@ members = [{ name = "LEN", type = "DINT" }, { name = "DATA", type = "SINT[4]" }]
 [[tag]]
 name = "Out"
 type = "Outer"
-value = { In = [{ On = true, Speed = 1.5 }, {  }] }
+value = { In = [{ On = true, Speed = 1.5 }, {}] }
 
 [[tag]]
 name = "Hex"
@@ -186,7 +186,9 @@ value = -1
 [[tag]]
 name = "Text"
 type = "STRING"
-value = "a'b\nA"
+value = """
+a'b
+A"""
 
 [[tag]]
 name = "Own"
@@ -324,6 +326,42 @@ fn every_key_of_the_mapping_is_one_of_a_configuration() {
 }
 
 /// `UPDATE_EXPECT=1` writes the page's table.
+#[test]
+fn motion_control_tags_of_every_scope_are_there() {
+    let tag = |name: &str, more: &str| {
+        format!(
+            r#"<Tag Name="{name}" TagType="Base" DataType="MOTION_INSTRUCTION"{more} Constant="false" ExternalAccess="Read/Write">
+            <Data Format="Decorated"><Structure DataType="MOTION_INSTRUCTION">
+            <DataValueMember Name="FLAGS" DataType="DINT" Radix="Hex" Value="16#2000_0000"/></Structure></Data></Tag>"#
+        )
+    };
+    let import = read(&format!(
+        r#"<Tags>{}{}<Tag Name="Ready" TagType="Alias" AliasFor="Move1.DN" ExternalAccess="Read/Write"/></Tags><Programs>
+        <Program Name="Main"><Tags>{}{}</Tags></Program><Program Name="Other"><Tags>{}</Tags></Program></Programs>"#,
+        tag("Move1", ""),
+        tag("Many", r#" Dimensions="4""#),
+        tag("MOVE1", ""),
+        tag("Home1", ""),
+        tag("home1", ""),
+    ));
+    let names: Vec<(&str, bool)> = import
+        .project
+        .tags
+        .iter()
+        .map(|tag| (tag.name.as_str(), tag.is_control()))
+        .collect();
+    assert_eq!(names, [("Move1", true), ("Ready", false), ("Home1", true)]);
+    assert_eq!(import.report.count(), 4, "{}", import.report);
+    assert!(
+        import
+            .report
+            .to_string()
+            .contains("a motion control tag of a program becomes one of the controller")
+    );
+    let again = super::super::import(&export(&import.project), "again").expect("what is written can be read");
+    assert_eq!(again.project.tags, import.project.tags);
+}
+
 /// As Studio writes them: the word that holds the bits is not among the members, and of a profile there is the Status only.
 #[test]
 fn predefined_types_of_programs() {

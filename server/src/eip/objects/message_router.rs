@@ -35,7 +35,7 @@ impl Object for MessageRouter {
                 objects.iter().for_each(|object| out.put_u16_le(object.class()));
                 Ok(out.freeze())
             }
-            2 => u16_value(narrow(cx.device().settings.max_connections)),
+            2 => u16_value(narrow(cx.device().settings.config.max_connections)),
             3 => u16_value(narrow(cx.device().open_connections())),
             _ => no_attribute(),
         }

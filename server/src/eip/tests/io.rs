@@ -22,8 +22,8 @@ const OUTPUT_SIZE: u16 = 4 + 4 * 4;
 /// A device with I/O.
 fn bench(reaction: IoLoss) -> Bench {
     Bench::with(|settings| {
-        settings.io = Some("127.0.0.1:0".parse().expect("an address"));
-        settings.io_loss = reaction;
+        settings.config.io = IoListen::At("127.0.0.1:0".parse().expect("an address"));
+        settings.config.io_loss = reaction;
     })
 }
 

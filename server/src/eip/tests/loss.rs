@@ -168,7 +168,7 @@ async fn motion_of_a_lost_connection_does_as_configured() {
         (Stop,   Some(3), End::Silent,       [Runs,    Runs,    Runs]),
     ];
     for (configured, set, end, expected) in cases {
-        let bench = Bench::with(|settings| settings.connection_loss = configured);
+        let bench = Bench::with(|settings| settings.config.connection_loss = configured);
         let found = after(&bench, set, end).await;
         assert_eq!(found, expected, "{configured:?}, set to {set:?}, {end:?}");
     }
@@ -179,7 +179,7 @@ async fn motion_of_a_lost_connection_does_as_configured() {
 async fn a_session_without_connections_is_lost_too() {
     let bench = Bench::of(
         crate::plant::Plant::start(&jog_tag()).expect("a thread"),
-        Settings::new("Bench"),
+        settings_of("Bench"),
     );
     let mut client = bench.client().await;
     let speed = 5_f32.to_le_bytes();
@@ -238,7 +238,7 @@ async fn a_lost_client_stops_at_full_deceleration_whatever_others_programmed() {
         ("a line, a weak stop of the line",      long_line(),     1, 400.0, &[weak_stop_of_line()]),
     ];
     for (why, begin, axis, speed, stops) in cases {
-        let bench = Bench::with(|settings| settings.connection_loss = ConnectionLoss::Stop);
+        let bench = Bench::with(|settings| settings.config.connection_loss = ConnectionLoss::Stop);
         let mut client = bench.client().await;
         assert!(client.ask(&begin).await.status.is_success(), "{why}");
         bench
@@ -278,8 +278,8 @@ async fn a_silent_client_stops_its_jogs_and_nothing_else() {
         (ConnectionLoss::Jogs, Then::Stopped),
         (ConnectionLoss::Finish, Then::Runs),
     ] {
-        let mut settings = Settings::new("Bench");
-        settings.connection_loss = loss;
+        let mut settings = settings_of("Bench");
+        settings.config.connection_loss = loss;
         let bench = Bench::of(Plant::start(&with_silence(400)).expect("a thread"), settings);
         let (mut client, mut talks) = (bench.client().await, bench.client().await);
         assert!(client.ask(&jog(JOG, S)).await.status.is_success());

@@ -23,6 +23,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcline_config::{IoListen, ServerConfig};
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::connection::{
     ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
@@ -145,13 +146,22 @@ pub(super) fn plant() -> (Plant, Handle) {
     Plant::start(&project()).expect("a thread")
 }
 
+/// The defaults under a product name, without implicit I/O.
+pub(super) fn settings_of(name: &str) -> Settings {
+    Settings::new(&ServerConfig {
+        name: name.to_owned(),
+        io: IoListen::Off,
+        ..ServerConfig::default()
+    })
+}
+
 impl Bench {
     pub(super) fn new() -> Self {
         Self::with(|_| {})
     }
 
     pub(super) fn with(change: impl FnOnce(&mut Settings)) -> Self {
-        let mut settings = Settings::new("Bench");
+        let mut settings = settings_of("Bench");
         change(&mut settings);
         Self::of(plant(), settings)
     }

@@ -79,7 +79,7 @@ type Case = (&'static str, u8, u32, &'static [u8], (u8, u16), &'static [u8]);
 #[tokio::test]
 async fn a_row_makes_an_object() {
     let (plant, _thread) = plant();
-    let mut device = Device::new(plant, Settings::new("Bench")).expect("a free port");
+    let mut device = Device::new(plant, settings_of("Bench")).expect("a free port");
     device.objects = objects();
     let (ours, theirs) = tokio::io::duplex(64 * 1024);
     tokio::spawn(connection::serve(theirs, LOCAL, PEER, Arc::new(device)));

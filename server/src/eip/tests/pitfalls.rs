@@ -258,9 +258,7 @@ async fn pitfall_10_a_header_over_several_segments() {
 async fn pitfall_12_the_address_of_an_identity_can_be_connected_to() {
     let (plant, _thread) = plant();
     let any = SocketAddr::from(([0, 0, 0, 0], 0));
-    let listener = Listener::bind(any, plant, Settings::new("Found"))
-        .await
-        .expect("a port");
+    let listener = Listener::bind(any, plant, settings_of("Found")).await.expect("a port");
     let reached = SocketAddr::from(([127, 0, 0, 1], listener.local_addr().port()));
     let server = tokio::spawn(listener.serve());
     let ask = Frame::request(Command::LIST_IDENTITY, SessionHandle(0), CONTEXT, Bytes::new());

@@ -88,8 +88,8 @@ async fn opener_cve_2020_13556_2022_43604_2022_43605_attribute_counts() {
 async fn opener_131_87_half_open_and_silent_sockets() {
     let sockets = scale("ARCLINE_SOCKETS", 400);
     let (plant, _thread) = plant();
-    let mut settings = Settings::new("Patient");
-    settings.max_clients = settings.max_clients.min(sockets / 2);
+    let mut settings = settings_of("Patient");
+    settings.config.max_clients = settings.config.max_clients.min(sockets / 2);
     settings.session.register_timeout = Duration::from_millis(300);
     let any = SocketAddr::from(([127, 0, 0, 1], 0));
     let listener = Listener::bind(any, plant, settings).await.expect("a port");

@@ -125,7 +125,7 @@ async fn operands_and_enable_in_are_one_action_between_clients() {
     let project = project();
     let (rings, link) = arcline_realtime::link(&project.machine);
     let plant = Plant::new(&project, link);
-    let device = Arc::new(Device::new(plant.clone(), Settings::new("Race")).expect("a free port"));
+    let device = Arc::new(Device::new(plant.clone(), settings_of("Race")).expect("a free port"));
     let end = Arc::new(AtomicBool::new(false));
     let controller = {
         let (end, plant) = (end.clone(), plant.clone());

@@ -216,7 +216,7 @@ async fn a_closed_stream_frees_its_connections() {
 #[tokio::test]
 async fn the_device_is_found_over_tcp_and_udp() {
     let (plant, _thread) = plant();
-    let listener = Listener::bind(SocketAddr::from(([127, 0, 0, 1], 0)), plant, Settings::new("Found"))
+    let listener = Listener::bind(SocketAddr::from(([127, 0, 0, 1], 0)), plant, settings_of("Found"))
         .await
         .expect("a port");
     let address = listener.local_addr();
@@ -257,10 +257,8 @@ async fn the_device_is_found_over_tcp_and_udp() {
 #[tokio::test]
 async fn a_crowd_waits_and_is_served_in_turn() {
     let (plant, _thread) = plant();
-    let settings = Settings {
-        max_clients: 2,
-        ..Settings::new("Small")
-    };
+    let mut settings = settings_of("Small");
+    settings.config.max_clients = 2;
     let listener = Listener::bind(SocketAddr::from(([127, 0, 0, 1], 0)), plant, settings)
         .await
         .expect("a port");
@@ -311,7 +309,7 @@ async fn read_over(address: SocketAddr) -> std::io::Result<usize> {
 
 async fn listener(change: impl FnOnce(&mut Settings)) -> (SocketAddr, Vec<SocketAddr>, arcline_realtime::Handle) {
     let (plant, handle) = plant();
-    let mut settings = Settings::new("Bench");
+    let mut settings = settings_of("Bench");
     change(&mut settings);
     let listener = Listener::bind("127.0.0.1:0".parse().expect("an address"), plant, settings)
         .await
@@ -324,7 +322,7 @@ async fn listener(change: impl FnOnce(&mut Settings)) -> (SocketAddr, Vec<Socket
 #[tokio::test]
 async fn every_listener_serves_over_ipv4_and_ipv6() {
     let also = ["127.0.0.2:0", "[::1]:0"].map(|address| address.parse().expect("an address"));
-    let (first, all, _thread) = listener(|settings| settings.also = also.to_vec()).await;
+    let (first, all, _thread) = listener(|settings| settings.config.listen_also = also.to_vec()).await;
     assert_eq!((all.len(), all[0]), (3, first));
     for address in all {
         let length = tokio::time::timeout(PATIENCE, read_over(address))
@@ -349,7 +347,7 @@ async fn silent_sockets_keep_no_client_out() {
         .ok()
         .and_then(|text| text.parse().ok())
         .unwrap_or(300);
-    let (address, _, _thread) = listener(|settings| settings.max_clients = 64).await;
+    let (address, _, _thread) = listener(|settings| settings.config.max_clients = 64).await;
     let mut silent = Vec::new();
     for number in 0..sockets {
         match TcpStream::connect(address).await {
@@ -369,7 +367,7 @@ async fn silent_sockets_keep_no_client_out() {
 #[tokio::test]
 async fn sessions_of_one_address_are_limited_and_the_one_too_many_is_closed() {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
-    let (address, _, _thread) = listener(|settings| settings.max_clients_per_address = 2).await;
+    let (address, _, _thread) = listener(|settings| settings.config.max_clients_per_address = 2).await;
     let mut held = Vec::new();
     for _ in 0..2 {
         let mut stream = TcpStream::connect(address).await.expect("room");
@@ -402,8 +400,8 @@ async fn sessions_of_one_address_are_limited_and_the_one_too_many_is_closed() {
 #[tokio::test]
 async fn connections_are_limited_in_all_and_of_one_address() {
     for change in [
-        (|settings: &mut Settings| settings.max_connections = 2) as fn(&mut Settings),
-        |settings| settings.max_connections_per_address = 2,
+        (|settings: &mut Settings| settings.config.max_connections = 2) as fn(&mut Settings),
+        |settings| settings.config.max_connections_per_address = 2,
     ] {
         let bench = Bench::with(change);
         let (mut one, mut other) = (bench.client().await, bench.client().await);

@@ -302,7 +302,7 @@ async fn bits_in_a_dotted_name_are_booleans() {
 #[tokio::test]
 async fn a_write_that_cannot_be_kept_is_not_acknowledged() {
     let plant = crate::retained::tests::plant_that_cannot_keep(&project());
-    let bench = Bench::of(plant, Settings::new("Bench"));
+    let bench = Bench::of(plant, settings_of("Bench"));
     let mut client = bench.client().await;
     let number = 7_i32.to_le_bytes();
     assert_eq!(client.write("aDint", DINT, &number).await, CipStatus::STORE_FAILURE);

@@ -8,7 +8,7 @@ use arcline_proto::logix::CreateSymbol;
 use arcline_tag::Elementary;
 use bytes::Bytes;
 
-use super::{Bench, Client, codes, read, write};
+use super::{Bench, Client, codes, read, settings_of, write};
 use crate::plant::{Call, Command, Outcome, Principal, ReloadError};
 
 fn scoped(program: Option<&str>, instance: u32) -> Epath {
@@ -103,7 +103,7 @@ async fn a_created_tag_is_there_for_everybody_and_a_deleted_one_for_nobody() {
 async fn a_template_goes_with_the_last_tag_that_needs_it() {
     let bench = Bench::of(
         crate::plant::Plant::start(&load(TYPES)).expect("a thread"),
-        crate::eip::Settings::new("Bench"),
+        settings_of("Bench"),
     );
     let mut client = bench.client().await;
     let known = || {
@@ -296,7 +296,7 @@ async fn another_configuration_changes_what_is_other_and_nothing_else() {
     let (before, after) = (load(BEFORE), load(AFTER));
     let bench = Bench::of(
         crate::plant::Plant::start(&before).expect("a thread"),
-        crate::eip::Settings::new("Bench"),
+        settings_of("Bench"),
     );
     let plant = bench.device.plant.clone();
     let mut client = bench.client().await;
@@ -356,7 +356,7 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
     let before = load(BEFORE);
     let bench = Bench::of(
         crate::plant::Plant::start(&before).expect("a thread"),
-        crate::eip::Settings::new("Bench"),
+        settings_of("Bench"),
     );
     let plant = bench.device.plant.clone();
     let mut client = bench.client().await;
