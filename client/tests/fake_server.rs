@@ -6,40 +6,25 @@ use std::time::Duration;
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Options};
 use arcline_proto::cip::{CipStatus, MultipleReplies, Reply, Request, class, service, split_multiple};
-use arcline_proto::connection::Count;
 use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
     Definition, ReadTag, ReadTemplate, Symbol, TemplateAttributes, WireType, WriteTag, instance_list_reply,
 };
-use arcline_proto::session::{Event, Host, ServerSession, Settings};
+use arcline_proto::session::{Draws, Event, ServerSession, Settings, TestHost};
 use arcline_tag::{Elementary, TagType, Template, TemplateBuilder, string_template};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
-
-struct Alone(u32, Identity);
-
-impl Host for Alone {
-    fn random(&mut self) -> Option<u32> {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        Some(self.0)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        true
-    }
-    fn release_connections(&mut self, _: usize) {}
-    fn count(&mut self, _: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.1
-    }
-}
 
 /// Answers requests; `None` never answers.
 type Handler = Box<dyn FnMut(&Request, usize) -> Option<Reply> + Send>;
 
 async fn serve(mut stream: DuplexStream, settings: Settings, mut handler: Handler) {
-    let mut host = Alone(7, Identity::new("Fake", 1));
+    let mut host = TestHost {
+        identity: Identity::new("Fake", 1),
+        ..TestHost::new(Draws::Mixed(7))
+    };
     let local = "127.0.0.1:44818".parse().unwrap();
     let mut session = ServerSession::new(Arc::new(settings), local, Duration::ZERO);
     let mut input = BytesMut::new();

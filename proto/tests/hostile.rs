@@ -7,34 +7,17 @@ use std::time::Duration;
 
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, Reply, Request};
 use arcline_proto::client::{ClientSession, OpenOptions};
-use arcline_proto::connection::{ConnectionKey, Count, NetworkParameters};
+use arcline_proto::connection::{ConnectionKey, NetworkParameters};
 use arcline_proto::cpf::{ConnectionId, Packet};
 use arcline_proto::discovery;
 use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, PortSegment, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{Typed, decode_operands, encode_operands};
-use arcline_proto::session::{Event, Host, ServerSession, Settings};
+use arcline_proto::session::{Draws, Event, ServerSession, Settings, TestHost};
 use arcline_tag::{Elementary, Value};
 use bytes::{Bytes, BytesMut};
 use proptest::prelude::*;
-
-struct Quiet(Identity, u32);
-
-impl Host for Quiet {
-    fn random(&mut self) -> Option<u32> {
-        self.1 = self.1.wrapping_add(1);
-        Some(self.1)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        true
-    }
-    fn release_connections(&mut self, _count: usize) {}
-    fn count(&mut self, _count: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.0
-    }
-}
 
 fn segment() -> impl Strategy<Value = Segment> {
     prop_oneof![
@@ -52,9 +35,9 @@ fn segment() -> impl Strategy<Value = Segment> {
     ]
 }
 
-/// A session with an open connection (id 2, as [`Quiet`] draws it), fed with `bytes`; a client, fed with them too.
+/// A session with an open connection (id 2, as [`TestHost`] draws it), fed with `bytes`; a client, fed with them too.
 fn feed(bytes: &[u8]) {
-    let mut host = Quiet(Identity::new("Arcline", 1), 0);
+    let mut host = TestHost::new(Draws::Counting(0));
     let mut server = ServerSession::new(
         Arc::new(Settings::default()),
         "127.0.0.1:1".parse().unwrap(),
@@ -111,10 +94,10 @@ fn feed(bytes: &[u8]) {
     let mut client = ClientSession::new(Duration::from_secs(1));
     client.register(Duration::ZERO);
     let _ = client.handle_input(&mut BytesMut::from(bytes));
-    let _ = discovery::answer(bytes, &host.0, 0, "127.0.0.1:1".parse().unwrap());
+    let _ = discovery::answer(bytes, &host.identity, 0, "127.0.0.1:1".parse().unwrap());
 }
 
-/// Frames of every kind, as a base for bit flips; session 1 as [`Quiet`] draws it.
+/// Frames of every kind, as a base for bit flips; session 1 as [`TestHost`] draws it.
 fn corpus() -> Vec<Bytes> {
     let request = |service, path, data: &'static [u8]| Request::new(service, path, data).to_bytes().unwrap();
     let messages = [

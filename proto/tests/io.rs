@@ -3,13 +3,13 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::connection::{
-    ConnectionKey, ConnectionType, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
+    ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
 use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
@@ -19,7 +19,7 @@ use arcline_proto::io::{
     Application, Assemblies, Assembly, DATAGRAM_HEAD, Datagram, Ended, IO_PORT, IoConnections, IoEvent, IoSettings,
     Originator, Ownership,
 };
-use arcline_proto::session::{Event, Host, IoOpen, IoOpened, ServerSession, Settings};
+use arcline_proto::session::{Draws, Event, ServerSession, Settings, TestHost, TestIo};
 use bytes::{Bytes, BytesMut};
 use proptest::prelude::*;
 
@@ -194,50 +194,11 @@ fn connection(code: u16) -> CipStatus {
     CipStatus::connection(code)
 }
 
-/// A device whose I/O is a [`Bench`]; ids are those of spec/ethernet-ip.md §14.1.
-struct Device(Identity, IoConnections, Duration);
-
-impl Host for Device {
-    fn random(&mut self) -> Option<u32> {
-        Some(0xD13E_0013)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        true
-    }
-    fn release_connections(&mut self, _count: usize) {}
-    fn count(&mut self, _count: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.0
-    }
-    fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
-        let originator = Originator {
-            address: PEER,
-            port: open.port,
-            group: Some(GROUP),
-        };
-        let reply = self
-            .1
-            .open(open.open, open.application, originator, self.2, || Some(0xD13E_0013))?;
-        Ok(IoOpened {
-            reply,
-            listens: SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, IO_PORT),
-            group: open
-                .open
-                .t_to_o
-                .connection_type
-                .eq(&ConnectionType::Multicast)
-                .then_some(SocketAddrV4::new(GROUP, IO_PORT)),
-        })
-    }
-    fn close_io(&mut self, key: ConnectionKey) -> bool {
-        self.1.close(key, PEER).is_ok()
-    }
-}
-
 /// A session that is registered.
 struct Session {
     server: ServerSession,
-    device: Device,
+    /// Its ids are those of spec/ethernet-ip.md §14.1.
+    device: TestHost,
 }
 
 const CONTEXT: [u8; 8] = *b"scanner!";
@@ -247,10 +208,14 @@ impl Session {
         let local = "10.0.0.1:44818".parse().unwrap();
         let mut this = Self {
             server: ServerSession::new(Arc::new(Settings::default()), local, Duration::ZERO),
-            device: Device(
-                Identity::new("Arcline", 1),
-                IoConnections::new(settings()),
-                Duration::ZERO,
+            device: TestHost::with_io(
+                Draws::Constant(0xD13E_0013),
+                TestIo {
+                    connections: IoConnections::new(settings()),
+                    peer: PEER,
+                    group: GROUP,
+                    now: Duration::ZERO,
+                },
             ),
         };
         let register = Frame::request(
@@ -319,7 +284,7 @@ fn forward_open_of_14_1() {
     assert_eq!(events, [Event::IoReady(ConnectionId(0xD13E_0013))]);
 
     // The datagrams of spec/ethernet-ip.md §14.2.
-    let io = &mut session.device.1;
+    let io = &mut session.device.io().connections;
     assert!(io.start(ConnectionId(0xD13E_0013), ms(0)));
     let data: Vec<u8> = (0..32).collect();
     let mut out = BytesMut::new();
@@ -804,7 +769,7 @@ fn key_ports_and_network_segments_are_looked_at_first() {
         assert_eq!(reply.status, expected, "{why}");
         assert_eq!(items.len(), if expected.is_success() { 3 } else { 2 }, "{why}");
         assert_eq!(events.len(), usize::from(expected.is_success()), "{why}");
-        let _ = session.device.1.close(open.key, PEER);
+        let _ = session.device.io().connections.close(open.key, PEER);
     }
 }
 
@@ -813,7 +778,7 @@ fn the_originators_port_is_item_8001() {
     let mut session = Session::new();
     let address = Item::SockaddrTToO("239.192.1.1:5000".parse().unwrap());
     session.ask(hex(FORWARD_OPEN), &[address]);
-    let io = &mut session.device.1;
+    let io = &mut session.device.io().connections;
     io.start(ConnectionId(0xD13E_0013), ms(0));
     let to = io.poll_transmit(ms(0), &INPUT, &mut BytesMut::new());
     assert_eq!(
@@ -831,7 +796,7 @@ fn forward_open_and_close_at_every_length_and_byte() {
         for end in 0..message.len() {
             let mut session = Session::new();
             session.ask(message.slice(..end), &[]);
-            assert!(session.device.1.len() <= 1);
+            assert!(session.device.io().connections.len() <= 1);
         }
         for place in 0..message.len() {
             for bit in 0..8 {
@@ -846,7 +811,7 @@ fn forward_open_and_close_at_every_length_and_byte() {
                     Packet::unconnected(altered.into()).to_bytes(),
                 );
                 session.feed(&frame.to_bytes());
-                assert!(session.device.1.len() <= 2, "byte {place}, bit {bit}");
+                assert!(session.device.io().connections.len() <= 2, "byte {place}, bit {bit}");
             }
         }
     }

@@ -7,30 +7,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use arcline_proto::cip::{self, MultipleReplies, Request};
-use arcline_proto::connection::Count;
 use arcline_proto::cpf::{Packet, decode_items};
 use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
-use arcline_proto::identity::Identity;
-use arcline_proto::session::{Host, ServerSession, Settings};
+use arcline_proto::session::{Draws, ServerSession, Settings, TestHost};
 use bytes::{Bytes, BytesMut};
 use cap::Cap;
-
-struct Plain(Identity);
-
-impl Host for Plain {
-    fn random(&mut self) -> Option<u32> {
-        Some(1)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        true
-    }
-    fn release_connections(&mut self, _count: usize) {}
-    fn count(&mut self, _count: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.0
-    }
-}
 
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
@@ -51,7 +33,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
     // A peak of the test's own start counts as well, which does no harm.
     let before = MEMORY.allocated();
     let local = "127.0.0.1:44818".parse().unwrap();
-    let mut host = Plain(Identity::new("Arcline", 1));
+    let mut host = TestHost::new(Draws::Constant(1));
     for count in [0x00FF_u16, 0x7FFF, u16::MAX] {
         for fill in [0_u8, 1, 0x91, 0xFF] {
             // A count of anything with as much behind it as a frame can hold.

@@ -7,44 +7,13 @@ use std::time::Duration;
 
 use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::client::{Call, ClientError, ClientSession, Connected, OpenOptions, Outcome, backplane};
-use arcline_proto::connection::{ConnectionKey, Count, Counters, ForwardOpen, NetworkParameters, UnconnectedSend};
+use arcline_proto::connection::{ConnectionKey, Count, ForwardOpen, NetworkParameters, UnconnectedSend};
 use arcline_proto::cpf::{ConnectionId, Packet};
 use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
-use arcline_proto::session::{CloseReason, Event, Host, RequestId, ServerSession, Settings};
+use arcline_proto::session::{CloseReason, Draws, Event, RequestId, ServerSession, Settings, TestHost};
 use bytes::{Bytes, BytesMut};
-
-struct TestHost {
-    drawn: u32,
-    /// The source of randomness has failed.
-    dry: bool,
-    open: usize,
-    most: usize,
-    counters: Counters,
-    identity: Identity,
-}
-
-impl Host for TestHost {
-    fn random(&mut self) -> Option<u32> {
-        self.drawn = self.drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (!self.dry).then_some(self.drawn)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        let free = self.open < self.most;
-        self.open += usize::from(free);
-        free
-    }
-    fn release_connections(&mut self, count: usize) {
-        self.open -= count;
-    }
-    fn count(&mut self, count: Count) {
-        self.counters.add(count);
-    }
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-}
 
 struct Pair {
     client: ClientSession,
@@ -64,12 +33,9 @@ impl Pair {
     fn with(settings: Settings) -> Self {
         let identity = Identity::new("Arcline", 7);
         let host = TestHost {
-            drawn: 1,
-            dry: false,
-            open: 0,
             most: 3,
-            counters: Counters::default(),
             identity,
+            ..TestHost::new(Draws::Mixed(1))
         };
         let server = ServerSession::new(Arc::new(settings), "127.0.0.1:44818".parse().unwrap(), Duration::ZERO);
         let client = ClientSession::new(Duration::from_secs(5));
@@ -588,7 +554,7 @@ fn slots_return_to_zero() {
 #[test]
 fn without_randomness_nothing_is_given_out() {
     let mut pair = Pair::new();
-    pair.host.dry = true;
+    let draws = std::mem::replace(&mut pair.host.draws, Draws::Fails);
     let call = pair.client.register(pair.now);
     let refused = ClientError::Encapsulation {
         command: Command::REGISTER_SESSION,
@@ -597,11 +563,11 @@ fn without_randomness_nothing_is_given_out() {
     assert_eq!(pair.outcome(call), Outcome::Failed(refused));
     assert!(!pair.server.is_registered());
 
-    pair.host.dry = false;
+    pair.host.draws = draws;
     let call = pair.client.register(pair.now);
     assert_eq!(pair.outcome(call), Outcome::Registered, "the source has recovered");
 
-    pair.host.dry = true;
+    pair.host.draws = Draws::Fails;
     let call = pair.client.open(options(1), pair.now).unwrap();
     let refused = ClientError::Refused(CipStatus::RESOURCE_UNAVAILABLE);
     assert_eq!(pair.outcome(call), Outcome::Failed(refused));

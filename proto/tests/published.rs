@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use arcline_proto::cip::{self, Reply, Request};
 use arcline_proto::connection::{
-    ConnectionKey, Count, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
+    ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Packet, decode_items};
 use arcline_proto::discovery;
@@ -18,36 +18,12 @@ use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, Sessio
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{ReadReply, Symbol, TemplateAttributes};
-use arcline_proto::session::{CloseReason, Event, Host, ServerSession, Settings};
+use arcline_proto::session::{CloseReason, Draws, Event, ServerSession, Settings, TestHost};
 use bytes::{Bytes, BytesMut};
-
-struct Plain {
-    identity: Identity,
-    drawn: u32,
-    open: usize,
-}
-
-impl Host for Plain {
-    fn random(&mut self) -> Option<u32> {
-        self.drawn += 1;
-        Some(self.drawn)
-    }
-    fn acquire_connection(&mut self) -> bool {
-        self.open += 1;
-        true
-    }
-    fn release_connections(&mut self, count: usize) {
-        self.open -= count;
-    }
-    fn count(&mut self, _count: Count) {}
-    fn identity(&self) -> &Identity {
-        &self.identity
-    }
-}
 
 /// A registered session, which answers every request that reaches it.
 struct Bench {
-    host: Plain,
+    host: TestHost,
     session: ServerSession,
     handle: SessionHandle,
     now: Duration,
@@ -57,11 +33,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Self {
-        let host = Plain {
-            identity: Identity::new("Arcline", 1),
-            drawn: 0,
-            open: 0,
-        };
+        let host = TestHost::new(Draws::Counting(0));
         let local = "127.0.0.1:44818".parse().unwrap();
         let session = ServerSession::new(Arc::new(Settings::default()), local, Duration::ZERO);
         let mut bench = Self {

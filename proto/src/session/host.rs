@@ -32,16 +32,21 @@ pub trait Host {
     /// # Errors
     /// The status of the refusal; without I/O 0x01/0x011C.
     fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
-        Err(CipStatus::connection(if open.open.is_null() {
-            extended::NULL_OPEN_UNSUPPORTED
-        } else {
-            extended::CLASS_UNSUPPORTED
-        }))
+        Err(without_io(open))
     }
     /// Closes an I/O connection. `false`: this originator has none of that name.
     fn close_io(&mut self, _key: ConnectionKey) -> bool {
         false
     }
+}
+
+/// How a device without I/O refuses a Forward Open of class 0 or 1.
+pub(super) fn without_io(open: &IoOpen<'_>) -> CipStatus {
+    CipStatus::connection(if open.open.is_null() {
+        extended::NULL_OPEN_UNSUPPORTED
+    } else {
+        extended::CLASS_UNSUPPORTED
+    })
 }
 
 /// How a class 3 connection ended.

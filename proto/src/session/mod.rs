@@ -12,6 +12,8 @@ mod host;
 mod replies;
 mod route;
 mod settings;
+#[cfg(feature = "test-util")]
+mod test_host;
 
 use bytes::{Bytes, BytesMut};
 use std::collections::VecDeque;
@@ -34,6 +36,8 @@ pub use self::host::{ConnectionEnd, Host, IoOpen, IoOpened};
 pub use self::replies::RequestId;
 pub use self::route::Slots;
 pub use self::settings::{Settings, UnknownConnection};
+#[cfg(feature = "test-util")]
+pub use self::test_host::{Draws, TestHost, TestIo};
 
 /// What a session wants.
 #[derive(Clone, PartialEq, Debug)]
