@@ -51,6 +51,13 @@ export async function close(page) {
   await page.context().close();
 }
 
+/** Releases STOP, so that motion may begin again. */
+export async function release(page) {
+  const button = page.getByRole("button", { name: "Release STOP" });
+  await button.click();
+  await button.waitFor({ state: "hidden" });
+}
+
 /** Takes the right to drive an object in the view "Drive". */
 export async function take(page, object) {
   await page.getByLabel("What to drive").selectOption(object);

@@ -1,7 +1,7 @@
 // Driving in the browser: forms, jogs, stops, rights, programs. A case throws when it does not hold.
 
 import assert from "node:assert/strict";
-import { VIEWS, actual, arrived, close, go, open, operand, pixels, positions, probe, ready, take, until } from "./browser.mjs";
+import { VIEWS, actual, arrived, close, go, open, operand, pixels, positions, probe, ready, release, take, until } from "./browser.mjs";
 
 /** The longest that an axis may go on after the page is gone, before it begins to brake. */
 const DEAD_MAN_MS = 250;
@@ -134,6 +134,10 @@ export async function esc_stops({ browser, url }) {
     await stop();
     await page.getByText("Standing still").waitFor();
     assert.ok(Math.abs(await actual(page, "X")) < 400, "it stopped on the way");
+    await page.locator(".form .run").click();
+    await page.getByText("Axis Is Inhibited").first().waitFor();
+    await page.getByText("Standing still").waitFor();
+    await release(page);
   }
   for (const view of VIEWS) {
     await go(page, view);

@@ -2,7 +2,7 @@
 // does not hold.
 
 import assert from "node:assert/strict";
-import { VIEWS, actual, arrived, close, go, open, operand, ready, take, until } from "./browser.mjs";
+import { VIEWS, actual, arrived, close, go, open, operand, ready, release, take, until } from "./browser.mjs";
 
 const held = (page, axis, is) => page.locator(`.jog-row[aria-label="Axis ${axis}"][data-held=${is}]`).waitFor();
 const still = (page) => page.getByText("Standing still").waitFor({ state: "attached" });
@@ -30,6 +30,7 @@ export async function a_finger_jogs_while_it_is_down({ browser, url }) {
       await touch("touchStart", finger, stop);
       await held(page, "X", false);
       await touch("touchEnd");
+      await release(page);
     },
   };
   for (const [how, end] of Object.entries(ends)) {

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { PATIENCE, VIEWS, actual, arrived, close, go, open, operand, pixels, positions, ready, shown, take, until } from "./browser.mjs";
+import { PATIENCE, VIEWS, actual, arrived, close, go, open, operand, pixels, positions, ready, release, shown, take, until } from "./browser.mjs";
 
 const PATH = ".view.path .path-canvas canvas";
 const PREVIEW = ".preview-panel canvas";
@@ -108,6 +108,7 @@ export async function the_picture_turns_and_scales({ browser, url }) {
   await page.getByRole("button", { name: "Top", exact: true }).click();
   await becomes(drawn, "from above it is to scale", ({ left, right, top, bottom }) => Math.abs((right - left) / (bottom - top) - 2) < 0.3);
   await page.keyboard.press("Escape");
+  await release(page);
   await close(page);
 }
 
@@ -223,6 +224,7 @@ export async function frames_leave_time({ browser, url }) {
   }
   assert.deepEqual(wrong, [], "each frame leaves time");
   await page.keyboard.press("Escape");
+  await release(page);
   await close(page);
 }
 

@@ -79,6 +79,15 @@ export class App extends Emitter {
     }
   }
 
+  /** Lets motion begin again after STOP. */
+  async releaseStop() {
+    try {
+      await this.connection.request("release_stop", {});
+    } catch (error) {
+      this.toasts.bad("STOP was not released", error);
+    }
+  }
+
   /**
    * Executes an instruction on an object: the server makes the line and executes it.
    * @param {string} mnemonic

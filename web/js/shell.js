@@ -34,13 +34,15 @@ export class Shell {
       return link;
     }));
     this.banner = h("div.lost", { role: "alert", hidden: true });
+    this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP: nothing moves until it is released."),
+      h("button.release-stop", { type: "button", onclick: () => app.releaseStop() }, "Release STOP"));
     this.main = h("main", { id: "view", tabindex: "-1" });
     this.pausedText = h("span");
     this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
       h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Show the present everywhere"));
     app.timeCursor.on("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
-      this.bar, this.banner, this.nav, h("div.page", {}, this.paused, this.main), app.toasts.element);
+      this.bar, this.banner, this.nav, h("div.page", {}, this.inhibited, this.paused, this.main), app.toasts.element);
     theme.onchange(() => this.#showTheme());
     this.#showTheme();
     addEventListener("hashchange", () => this.#route());
@@ -117,6 +119,7 @@ export class Shell {
       : "Tick lateness: 99 of 100 ticks begin at most so late";
     if (this.tick.title !== title) this.tick.title = title;
     state(this.tick, "kind", missed ? "warn" : "calm");
+    this.inhibited.hidden = !status.inhibited;
     this.view?.update?.();
   }
 

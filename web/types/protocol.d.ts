@@ -74,12 +74,17 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Stops one object; without an object it stops everything, the program included. Needs no control. */
+  /** Stops one object; without an object it stops everything, the program included, and inhibits motion until `release_stop`. Needs no control. */
   stop: {
     fields: {
       /** Name of the coordinate system, axis or group. */
       object?: string | null;
     };
+    answer: Done;
+  };
+  /** Releases a STOP of everything: instructions may begin motion again. Needs no control. */
+  release_stop: {
+    fields: {};
     answer: Done;
   };
   /** Sets the feed override of a coordinate system. */
@@ -810,6 +815,8 @@ export type Status = {
   drivers: Record<string, string>;
   /** The group. */
   group: GroupStatus;
+  /** Whether STOP inhibits motion until it is released. */
+  inhibited: boolean;
   /** The real-time thread. */
   realtime: RealTime;
   /** Tick since the start of the server. */

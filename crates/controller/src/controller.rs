@@ -77,6 +77,10 @@ pub trait Port {
     fn was_sent_before_stop(&mut self) -> bool {
         false
     }
+    /// Whether motion is inhibited: instructions of this tick that would begin motion are refused.
+    fn is_inhibited(&mut self) -> bool {
+        false
+    }
     /// The next command, if one waits.
     fn next_command(&mut self) -> Option<Command>;
     /// What the motion control tag shows right after an instruction was executed.
@@ -171,6 +175,7 @@ impl Controller {
                 None => break,
             }
         }
+        self.inhibit(port.is_inhibited());
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match port.next_command() {
                 Some(Command::Call(ticket, call)) => {
@@ -258,6 +263,11 @@ impl Controller {
     /// Stops everything that moves, every axis by itself. Real-time.
     pub fn stop_all(&mut self) {
         self.motion.stop_all();
+    }
+
+    /// Refuses instructions that would begin motion, or does so no more: see [`Motion::inhibit`]. Real-time.
+    pub fn inhibit(&mut self, is_inhibited: bool) {
+        self.motion.inhibit(is_inhibited);
     }
 
     /// Stops the jog that an instruction began on an axis, at full deceleration: see [`Motion::end_jog`]. Real-time.

@@ -30,6 +30,18 @@ macro_rules! mnemonics {
                 )
             }
 
+            /// Whether it begins motion, at once or when its trigger or master comes: what is refused while motion is inhibited.
+            pub const fn begins_motion(self) -> bool {
+                match self {
+                    Self::Maj | Self::Mam | Self::Mag | Self::Mah | Self::Mapc | Self::Matc => true,
+                    Self::Mclm | Self::Mccm | Self::Mcpm | Self::Mct | Self::Mcto => true,
+                    Self::Mgs | Self::Mgsd | Self::Mgsr | Self::Mgsp | Self::Mso | Self::Msf | Self::Masd => false,
+                    Self::Masr | Self::Mafr | Self::Mas | Self::Mcd | Self::Mrp | Self::Mdac | Self::Mccd => false,
+                    Self::Mcs | Self::Mcsd | Self::Mcsr | Self::Mdcc | Self::Mctp | Self::Mctpo | Self::Mccp => false,
+                    Self::Mcsv | Self::Maw | Self::Mdw | Self::Mar | Self::Mdr | Self::Maoc | Self::Mdoc => false,
+                }
+            }
+
             /// The full name.
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$name => $title),* }

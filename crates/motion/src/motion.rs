@@ -18,7 +18,9 @@ mod transforms;
 use std::sync::Arc;
 
 use arcline_drive::{Feedback, SetPoint};
-use arcline_instruction_set::{AxisId, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, SystemId};
+use arcline_instruction_set::{
+    AxisId, AxisIndex, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, MotionError, SystemId,
+};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
@@ -75,6 +77,8 @@ pub struct Motion {
     messages: Vec<Message>,
     /// Coordinated moves that nobody has taken notice of yet.
     pub(crate) accepted: Vec<AcceptedMove>,
+    /// Instructions that would begin motion are refused.
+    is_inhibited: bool,
 }
 
 /// Arrays that are written in one tick; one more is lost.
@@ -102,6 +106,7 @@ impl Motion {
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
             accepted: Vec::with_capacity(ACCEPTED),
+            is_inhibited: false,
         }
     }
 
@@ -124,12 +129,14 @@ impl Motion {
             mnemonic: call.mnemonic,
         };
         let tick = self.clock.tick;
+        let refused = self.is_inhibited && call.mnemonic.begins_motion();
         let data = ReceivedData(data);
         self.controls.because(execution.into());
-        let result = self
-            .controls
-            .begin(execution, tick)
-            .and_then(|()| instructions::execute(self, execution, call, &data));
+        let result = self.controls.begin(execution, tick).and_then(|()| match refused {
+            // All axes are: the first one is named.
+            true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
+            false => instructions::execute(self, execution, call, &data),
+        });
         if let Err(error) = result {
             self.controls.fail(execution, error, tick);
             if data.verdict() == Err(error) {
@@ -215,6 +222,11 @@ impl Motion {
             self.stop_axis(axis, None);
         }
         self.controls.because(Cause::Itself);
+    }
+
+    /// Refuses instructions that would begin motion with error 53, or does so no more. What moves is not stopped by it. Real-time.
+    pub fn inhibit(&mut self, is_inhibited: bool) {
+        self.is_inhibited = is_inhibited;
     }
 
     /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way

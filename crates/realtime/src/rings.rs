@@ -169,6 +169,10 @@ impl Port for Rings {
         std::mem::take(&mut self.took_before_stop)
     }
 
+    fn is_inhibited(&mut self) -> bool {
+        self.stops.is_inhibited()
+    }
+
     fn next_command(&mut self) -> Option<Command> {
         match self.stop {
             Stop::No => {

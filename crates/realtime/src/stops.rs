@@ -27,6 +27,8 @@ struct Shared {
     /// Something below was written since the tick has looked.
     any: AtomicBool,
     all: AtomicBool,
+    /// Motion is inhibited until it is released.
+    inhibited: AtomicBool,
     /// For each axis, the newest ticket whose jog is to end, and why ([`word`]); 0: none.
     jogs: Box<[AtomicU64]>,
 }
@@ -59,6 +61,23 @@ impl Stops {
         self.0.any.store(true, Ordering::Release);
     }
 
+    /// Stops everything that moves, and inhibits motion until [`Stops::release`]: instructions that would begin motion are refused.
+    pub fn inhibit(&self) {
+        // Ahead of the stop: nothing begins behind it.
+        self.0.inhibited.store(true, Ordering::Release);
+        self.stop_all();
+    }
+
+    /// Inhibits motion no more.
+    pub fn release(&self) {
+        self.0.inhibited.store(false, Ordering::Release);
+    }
+
+    /// Whether motion is inhibited.
+    pub fn is_inhibited(&self) -> bool {
+        self.0.inhibited.load(Ordering::Acquire)
+    }
+
     /// Stops the jog that an instruction began on an axis (by its place in the machine), at the axis's full deceleration. A jog that
     /// another instruction began goes on. `why` is the cause of its end, if nothing else has ended it.
     pub fn end_jog(&self, axis: AxisId, ticket: Ticket, why: JogEnd) {
@@ -75,6 +94,7 @@ pub(crate) fn link(axes: usize) -> (StopReceiver, Stops) {
     let shared = Arc::new(Shared {
         any: AtomicBool::new(false),
         all: AtomicBool::new(false),
+        inhibited: AtomicBool::new(false),
         jogs: (0..axes).map(|_| AtomicU64::new(0)).collect(),
     });
     let receiver = StopReceiver {
@@ -85,6 +105,11 @@ pub(crate) fn link(axes: usize) -> (StopReceiver, Stops) {
 }
 
 impl StopReceiver {
+    /// Whether motion is inhibited. Real-time.
+    pub(crate) fn is_inhibited(&self) -> bool {
+        self.shared.inhibited.load(Ordering::Acquire)
+    }
+
     /// The next request. Real-time: bounded by the number of axes until it is `None`.
     pub(crate) fn next(&mut self) -> Option<StopRequest> {
         let mut axis = match self.next {

@@ -44,12 +44,11 @@ impl Shared {
     }
 
     /// Stops everything, now: neither a lock nor the work of others is ahead of it. What was asked before is not begun after it.
+    /// Motion stays inhibited until it is released.
     pub(super) fn stop_everything(&self) {
         self.stops.fetch_add(1, Ordering::AcqRel);
-        self.plant.stop_all();
+        self.plant.inhibit();
         self.program.end();
-        // Of the program, one more instruction may have been on its way.
-        self.plant.stop_all();
     }
 
     /// Sets the override of a coordinate system, percent.

@@ -115,6 +115,7 @@ impl Words {
                     name: machine.group.clone(),
                     bits: set(image, &machine.group, &self.group),
                 },
+                inhibited: shared.plant.is_inhibited(),
                 realtime: realtime(&health),
                 drivers,
             })

@@ -36,7 +36,7 @@ use super::status::Status;
 use super::{Shared, drive, events, frames, line, program, tags};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{Plant, Principal};
+use crate::plant::{Command, Plant, Principal};
 use crate::trace::history;
 
 /// Serves a viewer until it goes, from `peer`; `begun` has come on its socket already.
@@ -257,6 +257,9 @@ impl Viewer {
             Request::Keep(request) => request.answer(shared.jogs.keep(&shared.plant, viewer, &request.axis)),
             Request::JogEnd(request) => request.answer(shared.jogs.end(&shared.plant, viewer, &request.axis).await),
             Request::Stop(request) => request.answer(shared.stop(viewer, request.object.as_deref()).await),
+            Request::ReleaseStop(request) => {
+                request.answer(shared.apply(Principal::Viewer(viewer), Command::Release).await)
+            }
             Request::Override(request) => {
                 let done = shared.set_override(viewer, &request.coordinate_system, request.percent);
                 request.answer(done.await)
@@ -505,6 +508,7 @@ fn moves(request: &Request) -> bool {
         | Request::Keep(_)
         | Request::JogEnd(_)
         | Request::Stop(_)
+        | Request::ReleaseStop(_)
         | Request::Hold(_)
         | Request::Preview(_)
         | Request::DryRun(_)

@@ -47,11 +47,16 @@ impl Plant {
     /// # Errors
     /// See [`Refused`].
     pub async fn apply(&self, principal: Principal, command: Command<'_>) -> Result<Outcome, Refused> {
-        if matches!(command, Command::StopAll) {
-            // It waits for no lock.
-            self.stop_all();
-            return Ok(Outcome::Done);
+        // Stops wait for no lock.
+        match command {
+            Command::StopAll => self.stop_all(),
+            Command::Inhibit => self.inhibit(),
+            command => return self.apply_locked(principal, command).await,
         }
+        Ok(Outcome::Done)
+    }
+
+    async fn apply_locked(&self, principal: Principal, command: Command<'_>) -> Result<Outcome, Refused> {
         let (outcome, pending) = self.transact(principal, |transaction| transaction.apply(command));
         let is_answered = self.settle(pending).await;
         let outcome = outcome?;
@@ -228,6 +233,8 @@ impl Transaction<'_> {
                 self.shared.stops.stop_all();
                 None
             }
+            Command::Inhibit => Some(Edge::Inhibit(true)),
+            Command::Release => Some(Edge::Inhibit(false)),
         };
         self.edges.extend(edge);
         Ok(Outcome::Done)

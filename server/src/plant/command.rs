@@ -86,6 +86,10 @@ pub enum Command<'a> {
     Disown(Principal),
     /// Stops everything that moves, every axis by itself.
     StopAll,
+    /// STOP: stops everything that moves and inhibits motion until [`Command::Release`].
+    Inhibit,
+    /// Inhibits motion no more.
+    Release,
 }
 
 /// Coordinate systems.

@@ -76,6 +76,16 @@ impl Plant {
     pub fn stop_all(&self) {
         self.0.stops.stop_all();
     }
+
+    /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
+    pub fn inhibit(&self) {
+        self.0.stops.inhibit();
+    }
+
+    /// Whether motion is inhibited by STOP.
+    pub fn is_inhibited(&self) -> bool {
+        self.0.stops.is_inhibited()
+    }
 }
 
 /// Looks at the lock: some microseconds, as long as it is held by somebody who runs.

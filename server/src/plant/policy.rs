@@ -68,7 +68,9 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
         | Command::Reload { .. }
         | Command::Lose { .. }
         | Command::Disown(_)
-        | Command::StopAll => Vec::new(),
+        | Command::StopAll
+        | Command::Inhibit
+        | Command::Release => Vec::new(),
     }
 }
 
@@ -129,7 +131,9 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::Call(_)
         | Command::Lose { .. }
         | Command::Disown(_)
-        | Command::StopAll => false,
+        | Command::StopAll
+        | Command::Inhibit
+        | Command::Release => false,
     }
 }
 
@@ -188,7 +192,7 @@ pub(super) fn counter(command: &Command<'_>) -> Counter {
         Command::Call(_) => Counter::Instructions,
         Command::CreateTag(_) | Command::DeleteTag(_) | Command::Reload { .. } => Counter::Tables,
         Command::Lose { .. } | Command::Disown(_) => Counter::Owners,
-        Command::StopAll => Counter::Stops,
+        Command::StopAll | Command::Inhibit | Command::Release => Counter::Stops,
     }
 }
 

@@ -59,6 +59,8 @@ pub(super) struct State {
     /// What connections have begun.
     pub(super) owned: Owned,
     lost: u64,
+    /// Whether the tags show that motion is inhibited.
+    inhibited: bool,
     /// What instructions under way write to tags when they are done.
     staged: BTreeMap<Ticket, Staged>,
     /// The overrides that the controller has been sent, percent.
@@ -142,6 +144,7 @@ impl State {
             moves,
             owned: Owned::default(),
             lost: 0,
+            inhibited: false,
             watch,
             trace,
         }
@@ -184,6 +187,11 @@ impl State {
     /// Takes the newest snapshot and everything that happened up to its tick.
     pub(super) fn refresh(&mut self) {
         self.snapshots = self.link.meter.snapshots();
+        let is_inhibited = self.link.stops.is_inhibited();
+        if is_inhibited != self.inhibited {
+            self.inhibited = is_inhibited;
+            self.image_mut().show_inhibited(is_inhibited);
+        }
         let updated = self.link.snapshots.update();
         self.began |= updated;
         if !self.began {
@@ -482,6 +490,16 @@ impl State {
             }
             Edge::FaultInject => {
                 self.send_injected();
+                return None;
+            }
+            Edge::Inhibit(on) => {
+                self.inhibited = on;
+                self.image_mut().show_inhibited(on);
+                if on {
+                    self.link.stops.inhibit();
+                } else {
+                    self.link.stops.release();
+                }
                 return None;
             }
             Edge::DynamicsBits => {

@@ -53,14 +53,22 @@ async fn call(plant: &Plant, mnemonic: Mnemonic, control: Option<&str>, given: &
 }
 
 async fn wait(plant: &Plant, path: &str) {
-    let moving = async {
-        while number(plant, path) == 0.0 {
-            tokio::task::yield_now().await;
+    wait_for(plant, path, |number| number != 0.0).await;
+}
+
+async fn wait_while(plant: &Plant, path: &str) {
+    wait_for(plant, path, |number| number == 0.0).await;
+}
+
+async fn wait_for(plant: &Plant, path: &str, is: impl Fn(f64) -> bool) {
+    let waits = async {
+        while !is(number(plant, path)) {
+            tokio::time::sleep(Duration::from_millis(1)).await;
         }
     };
-    tokio::time::timeout(Duration::from_secs(30), moving)
+    tokio::time::timeout(Duration::from_secs(30), waits)
         .await
-        .unwrap_or_else(|_| panic!("{path} never set"));
+        .unwrap_or_else(|_| panic!("{path} stays {}", number(plant, path)));
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -238,4 +246,52 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
         Err(CallRefused::NoAnswer.into())
     );
     plant.stop_all();
+}
+
+/// STOP by every way that there is: what would begin motion is refused with 53 until it is released, and everything else goes on.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn stop_inhibits_motion_until_it_is_released() {
+    let (plant, handle) = Plant::start(&project()).expect("a thread");
+    let far = [
+        ("Move1.Position[0]", 500.0),
+        ("Move1.Position[1]", 0.0),
+        ("Move1.EnableIn", 1.0),
+    ];
+    for way in ["the plant", "a command", "the tag"] {
+        let began = write(&plant, &far);
+        plant.kept(began).await.expect("nothing is kept");
+        assert_eq!(number(&plant, "Move1.ER"), 0.0, "{way}");
+        match way {
+            "the plant" => plant.inhibit(),
+            "a command" => assert_eq!(plant.apply(CLIENT, Command::Inhibit).await, Ok(Outcome::Done)),
+            _ => drop(write(&plant, &[("MotionInhibit", 1.0)])),
+        }
+        assert!(plant.is_inhibited(), "{way}");
+        wait(&plant, "MotionInhibit").await;
+        wait_while(&plant, "XY.MotionStatus").await;
+        wait_while(&plant, "Move1.IP").await;
+        let again = write(&plant, &[("Move1.EnableIn", 0.0), ("Move1.EnableIn", 1.0)]);
+        plant.kept(again).await.expect("nothing is kept");
+        assert_eq!(
+            ["ER", "ERR", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
+            [1.0, 53.0, 0.0],
+            "{way}: EnableIn"
+        );
+        let jog = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+        let jogged = call(&plant, Mnemonic::Maj, None, &jog).await.expect("it binds");
+        assert_eq!(jogged.control.err, 53, "{way}: a service");
+        let stopped = call(&plant, Mnemonic::Mcs, None, &[]).await.expect("it binds");
+        assert_eq!(stopped.control.err, 0, "{way}: a stop is no motion");
+        match way {
+            "the tag" => drop(write(&plant, &[("MotionInhibit", 0.0)])),
+            _ => assert_eq!(plant.apply(CLIENT, Command::Release).await, Ok(Outcome::Done)),
+        }
+        assert!(!plant.is_inhibited(), "{way}");
+        drop(write(&plant, &[("Move1.EnableIn", 0.0)]));
+        wait_while(&plant, "MotionInhibit").await;
+    }
+    // A stop of everything that is no STOP, as that of the outputs of I/O, inhibits nothing.
+    plant.stop_all();
+    assert!(!plant.is_inhibited());
+    handle.stop();
 }

@@ -402,7 +402,7 @@ impl<'m> Runner<'m> {
                 // Output cams write it.
                 self.reads_motion |= self.image.is_output(path);
             }
-            Some(TagKind::FeedOverride | TagKind::FaultInject) => {}
+            Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => {}
             Some(_) => {
                 self.reads_motion = true;
                 self.show(tick);
@@ -514,6 +514,13 @@ impl<'m> Runner<'m> {
                 for (axis, causes) in (0..).map(AxisId).zip(self.image.injected_faults()) {
                     self.controller.inject(axis, causes);
                 }
+            }
+            Some(Edge::Inhibit(on)) => {
+                self.controller.inhibit(on);
+                if on {
+                    self.controller.stop_all();
+                }
+                self.shown = None;
             }
             Some(Edge::DynamicsBits) => {
                 for (object, index, bits) in self.image.dynamics_bits() {

@@ -169,6 +169,8 @@ impl Server {
             .clients
             .block_on(async { tokio::time::timeout(SOON, answer).await });
         answered.expect("STOP is answered");
+        let released = self.clients.block_on(self.plant.apply(Principal::Server, Do::Release));
+        assert_eq!(released, Ok(Outcome::Done));
         took
     }
 }

@@ -18,6 +18,7 @@ mod fault_inject;
 mod feed_override;
 mod health;
 mod inputs;
+mod motion_inhibit;
 mod names;
 mod outputs;
 mod read;
@@ -49,6 +50,7 @@ pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
+pub use motion_inhibit::MOTION_INHIBIT_TAG;
 pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use written::Written;
@@ -179,6 +181,7 @@ impl Image {
         }
         image.add_feed_override(machine);
         image.add_fault_inject(machine);
+        image.add_motion_inhibit();
         image.add_template(&predefined::motion_instruction());
         image.encoder.constants(machine, &mut image.bytes);
         image.apply_snapshot(&Snapshot::new(machine));

@@ -41,6 +41,8 @@ pub enum TagKind {
     FeedOverride,
     /// The injected causes of faults of every axis.
     FaultInject,
+    /// Whether motion is inhibited.
+    MotionInhibit,
 }
 
 /// What an alias stands for.
@@ -97,9 +99,11 @@ impl TagKind {
     /// Whether clients may write at least a part of such a tag.
     pub(super) fn access(self) -> Access {
         match self {
-            TagKind::Instruction(_) | TagKind::Plain | TagKind::FeedOverride | TagKind::FaultInject => {
-                Access::ReadWrite
-            }
+            TagKind::Instruction(_)
+            | TagKind::Plain
+            | TagKind::FeedOverride
+            | TagKind::FaultInject
+            | TagKind::MotionInhibit => Access::ReadWrite,
             _ => Access::ReadOnly,
         }
     }
@@ -167,6 +171,8 @@ pub enum Edge {
     FaultInject,
     /// Dynamics Configuration Bits were set: [`Image::dynamics_bits`](super::Image::dynamics_bits).
     DynamicsBits,
+    /// The tag `MotionInhibit` was written: motion stops and stays inhibited, or is released.
+    Inhibit(bool),
     /// A plain tag that the machine reads was written: [`Image::take_inputs`](super::Image::take_inputs).
     Input,
 }

@@ -15,7 +15,7 @@ impl Image {
         }
         match tag.kind {
             TagKind::Plain => tag.access == Access::ReadWrite,
-            TagKind::FeedOverride | TagKind::FaultInject => true,
+            TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
@@ -52,6 +52,7 @@ impl Image {
         match self.tag(id).map(|tag| tag.kind) {
             Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
             Some(TagKind::FaultInject) => return self.write_fault_inject(id, offset, data),
+            Some(TagKind::MotionInhibit) => return self.write_motion_inhibit(id, data),
             _ => {}
         }
         if let Some(bytes) = self.bytes_mut(id) {
@@ -79,6 +80,9 @@ impl Image {
             let mut byte = self.bytes(id).get(offset).copied().unwrap_or_default();
             put_bit(&mut byte, mask, on);
             return self.write_fault_inject(id, offset, &[byte]);
+        }
+        if self.tag(id).is_some_and(|tag| tag.kind == TagKind::MotionInhibit) {
+            return self.write_motion_inhibit(id, &[u8::from(on)]);
         }
         let rises = on && self.bytes(id).get(offset).is_some_and(|byte| byte & mask == 0);
         if enable.is_some() && rises {

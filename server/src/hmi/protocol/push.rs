@@ -48,6 +48,8 @@ pub(crate) struct Status {
     pub(crate) coordinate_systems: Vec<SystemStatus>,
     /// The group.
     pub(crate) group: GroupStatus,
+    /// Whether STOP inhibits motion until it is released.
+    pub(crate) inhibited: bool,
     /// The real-time thread.
     pub(crate) realtime: RealTime,
     /// The viewer that has control of an object, by the object's name.

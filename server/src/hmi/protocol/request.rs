@@ -90,11 +90,14 @@ requests! {
         /// Name of the axis.
         axis: String,
     } -> Done;
-    /// Stops one object; without an object it stops everything, the program included. Needs no control.
+    /// Stops one object; without an object it stops everything, the program included, and inhibits motion until `release_stop`. Needs no
+    /// control.
     Stop {
         /// Name of the coordinate system, axis or group.
         object: Option<String>,
     } -> Done;
+    /// Releases a STOP of everything: instructions may begin motion again. Needs no control.
+    ReleaseStop {} -> Done;
     /// Sets the feed override of a coordinate system.
     Override {
         /// Name of the coordinate system.
