@@ -53,6 +53,7 @@ mod error;
 mod fault;
 mod feed_override;
 mod fetch;
+mod inhibit;
 mod link;
 mod machine;
 mod motion;

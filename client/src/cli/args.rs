@@ -105,9 +105,16 @@ pub(crate) enum Command {
     Resume(System),
     /// Stop a coordinate system (MCS), an axis (MAS), or everything when none is named
     #[command(
-        after_help = "Example: arcline stop\n         arcline stop CS1 --type move\n         arcline stop Conveyor"
+        after_help = "With --hold the server refuses all motion, of every client and program, until `arcline release`.\n\
+        Example: arcline stop\n         arcline stop CS1 --type move\n         arcline stop Conveyor\n         arcline stop --hold"
     )]
     Stop(Stop),
+    /// Release a STOP that holds: motion may begin again
+    #[command(
+        after_help = "It releases `arcline stop --hold`, the STOP of the page and the tag MotionInhibit.\n\
+        Example: arcline release"
+    )]
+    Release,
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(
         after_help = "--all means every axis that has a drive; virtual axes have none.\nExample: arcline servo on X Y Z"

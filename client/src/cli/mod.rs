@@ -8,6 +8,7 @@ mod fault;
 mod feed_override;
 mod gcode;
 mod identify;
+mod inhibit;
 mod margin;
 mod moves;
 mod operands;
@@ -253,7 +254,9 @@ async fn on_machine(client: &Client, command: Command, output: &Output) -> Resul
         Command::Fault(FaultCommand::Inject(command)) => fault::inject(client, &command, output).await,
         Command::Fault(FaultCommand::Clear(command)) => fault::clear(client, &command, output).await,
         Command::Fault(FaultCommand::List(command)) => fault::list(client, &command, output).await,
+        Command::Stop(command) if command.hold => inhibit::inhibit(client, output).await,
         Command::Stop(command) => moves::stop(client, command, output).await,
+        Command::Release => inhibit::release(client, output).await,
         Command::Home(command) => moves::home(client, command, output).await,
         Command::Servo(command) => moves::servo(client, command, output).await,
         Command::Status(command) => status::status(client, &command.of.names, output).await,

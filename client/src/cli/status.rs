@@ -44,7 +44,7 @@ impl Kind {
         match self {
             Self::Axis => &["axis", "position", "command", "velocity", "servo", "homed", "state"],
             Self::System => &["coordinate system", "position", "active move", "state"],
-            Self::Group => &["motion group", "synced", "faults"],
+            Self::Group => &["motion group", "synced", "motion", "faults"],
             Self::RealTime => &[
                 "real time",
                 "period ms",
@@ -166,7 +166,7 @@ impl StatusQuery {
                     };
                     system(tag, &reading, axes, overrides.get(&tag.name).copied(), progress)
                 }
-                Kind::Group => group(tag, &reading),
+                Kind::Group => group(tag, &reading, self.is_inhibited(client).await?),
                 Kind::RealTime => real_time(tag, &reading),
             });
         }
@@ -199,6 +199,14 @@ impl StatusQuery {
             Err(_) => Vec::new(),
         };
         Ok(self.systems.iter().cloned().zip(values).collect())
+    }
+
+    /// Whether STOP inhibits motion; never on a server that cannot.
+    async fn is_inhibited(&self, client: &Client) -> Result<bool, Failure> {
+        match client.is_motion_inhibited().await {
+            Err(error) if error.is_connection() => Err(error.into()),
+            inhibited => Ok(inhibited.unwrap_or(false)),
+        }
     }
 
     /// The names of the axes or coordinate systems among them.
@@ -387,7 +395,7 @@ fn told(progress: Option<Progress>) -> String {
     text
 }
 
-fn group(tag: &Tag, reading: &TagValue) -> ObjectStatus {
+fn group(tag: &Tag, reading: &TagValue, inhibited: bool) -> ObjectStatus {
     let synced = reading.flag("GroupSynced");
     let faults = words(
         reading,
@@ -402,10 +410,15 @@ fn group(tag: &Tag, reading: &TagValue) -> ObjectStatus {
         ],
     );
     let object = json!({
-        "kind": "motion group", "name": tag.name, "synced": synced,
+        "kind": "motion group", "name": tag.name, "synced": synced, "motion_inhibited": inhibited,
         "faults": faults.split_whitespace().collect::<Vec<_>>(),
     });
-    let row = vec![tag.name.clone(), yes_no(synced, "yes", "no"), or(faults, "none")];
+    let row = vec![
+        tag.name.clone(),
+        yes_no(synced, "yes", "no"),
+        yes_no(inhibited, "inhibited by STOP", "permitted"),
+        or(faults, "none"),
+    ];
     ObjectStatus {
         kind: Kind::Group,
         name: tag.name.clone(),

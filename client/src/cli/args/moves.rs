@@ -110,6 +110,9 @@ pub(crate) struct Stop {
     /// The motion to stop
     #[arg(long = "type", value_enum, default_value = "all")]
     pub(crate) kind: StopType,
+    /// Stop everything, and refuse motion until `arcline release`
+    #[arg(long, conflicts_with_all = ["name", "kind"])]
+    pub(crate) hold: bool,
 }
 
 #[derive(Args, Debug)]

@@ -100,7 +100,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
         ("Motion", 1, "MOTION_GROUP", 88), ("X", 2, "AXIS_CIP_DRIVE", 1040), ("V", 3, "AXIS_VIRTUAL", 132),
         ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
         ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 248),
-        ("FeedOverride", 10, "REAL", 4), ("FaultInject", 11, "DINT", 8),
+        ("FeedOverride", 10, "REAL", 4), ("FaultInject", 11, "DINT", 8), ("MotionInhibit", 12, "BOOL", 1),
     ];
     for (name, id, data_type, size) in cases {
         let tag = image.find(&name.to_uppercase()).unwrap_or_else(|| panic!("{name}"));

@@ -310,6 +310,29 @@ fn stop_and_change_on_the_way() {
 }
 
 #[test]
+fn a_stop_that_holds_lasts_until_its_release() {
+    let server = Server::start();
+    let at = server.address();
+    let speed = || read_numbers(at, &["X.CommandVelocity"])[0];
+    let inhibited = || arcline(at, &["--json", "status", "Motion"]).expect(0).objects()[0]["motion_inhibited"].clone();
+    assert_eq!(inhibited(), false);
+    let _ = arcline(at, &["move", "CS1", "100000,0,0", "--speed", "100", "--no-wait"]).expect(0);
+    eventually("motion", Duration::from_secs(20), || (speed() > 1.0).then_some(()));
+    let _ = arcline(at, &["stop", "--hold"]).expect(0);
+    eventually("rest", Duration::from_secs(20), || (speed() == 0.0).then_some(()));
+    assert_eq!(inhibited(), true);
+    let refused = arcline(at, &["move", "CS1", "10,0,0"]).expect(1);
+    assert!(refused.stderr.contains("ERR 53"), "{}", refused.stderr);
+    // A stop without --hold is another command; it inhibits and releases nothing.
+    let _ = arcline(at, &["stop"]).expect(0);
+    assert_eq!(inhibited(), true);
+    let _ = arcline(at, &["release"]).expect(0);
+    assert_eq!(inhibited(), false);
+    let _ = arcline(at, &["move", "CS1", "10,0,0", "--relative"]).expect(0);
+    let _ = arcline(at, &["stop", "X", "--hold"]).expect(2);
+}
+
+#[test]
 fn servers_end_in_a_controlled_way() {
     let server = Server::start();
     let _ = arcline(
