@@ -14,6 +14,7 @@ pub(crate) mod control;
 mod counters;
 mod io;
 mod log;
+pub(crate) mod movers;
 mod moves;
 mod owned;
 mod policy;

@@ -19,7 +19,7 @@ export class Machine {
     this.health = Object.fromEntries(["state", "tick", "p50", "p99", "max", "missed"].map((name) => [name, h("dd")]));
     this.groupBits = statusBits();
     this.faults = h("ul.faults", { "aria-label": "Faults and what to do", hidden: true });
-    const head = ["Axis", "Command", "Actual", "Error", "Velocity", "State", "Homed", "Servo", "Faults"];
+    const head = ["Axis", "Command", "Actual", "Error", "Velocity", "State", "Moved by", "Homed", "Servo", "Faults"];
     this.element = h("section.view.machine", { "aria-label": this.title },
       h("div.panel.axes", {}, h("h2", {}, "Axes"),
         h("div.scroll-x", { tabindex: "0", role: "region", "aria-label": "Axes" }, h("table.axis-table", {},
@@ -38,7 +38,7 @@ export class Machine {
     const cell = (label, kind = "td") => h(kind, { "data-label": label });
     const cells = {
       command: cell("Command", "td.number"), actual: cell("Actual", "td.number.strong"), error: cell("Error", "td.number"),
-      velocity: cell("Velocity", "td.number"), state: cell("State"), homed: cell("Homed"), servo: cell("Servo"), faults: cell("Faults"),
+      velocity: cell("Velocity", "td.number"), state: cell("State"), mover: cell("Moved by"), homed: cell("Homed"), servo: cell("Servo"), faults: cell("Faults"),
     };
     const bar = h("span.bar");
     const velocity = h("span");
@@ -51,14 +51,14 @@ export class Machine {
     const part = {
       active: h("p.active-move"), progress: h("progress", { max: 1, value: 0, "aria-label": "Progress of the active move" }),
       pending: h("p.pending-moves"), speed: h("output.big"), speedBar: h("span.bar"), override: h("dd"), position: h("dd.number"),
-      driver: h("dd"), bits: statusBits(),
+      driver: h("dd"), mover: h("dd"), bits: statusBits(),
     };
     const units = this.app.store.axis(system.axes[0])?.units ?? "";
     const axes = system.axes.map((name) => h("span.axis-name", { "data-series": this.app.store.series(name) }, name));
     const element = h("article.panel.system", { "aria-label": system.name },
       h("header", {}, h("h2", {}, system.name), h("span.axis-names", {}, axes), h("span.spring"), h("span.path-speed", {}, part.speed, " ", h("abbr", {}, rate(units, 1)))),
       part.speedBar, part.active, part.progress, part.pending,
-      h("dl.facts", {}, h("dt", {}, "Position"), part.position, h("dt", {}, "Override"), part.override, h("dt", {}, "Control"), part.driver), part.bits.element);
+      h("dl.facts", {}, h("dt", {}, "Position"), part.position, h("dt", {}, "Override"), part.override, h("dt", {}, "Control"), part.driver, h("dt", {}, "Moved by"), part.mover), part.bits.element);
     return { system, element, ...part };
   }
 
@@ -101,6 +101,7 @@ export class Machine {
     const title = `CIP axis state: ${status.state}`;
     if (row.state.title !== title) row.state.title = title;
     state(row.state, "kind", status.faults.length ? "bad" : status.moving ? "busy" : "calm");
+    text(row.mover, status.moved_by ?? "–");
     text(row.homed, status.homed ? "Homed" : "Not homed");
     state(row.homed, "kind", status.homed ? "calm" : "warn");
     text(row.servo, status.servo_on ? "On" : "Off");
@@ -134,6 +135,7 @@ export class Machine {
     const driver = store.driver(part.system.name);
     text(part.driver, driver === null ? "no page" : driver === store.viewer ? "you" : driver);
     state(part.driver, "kind", driver === store.viewer && driver !== null ? "mine" : "calm");
+    text(part.mover, status.moved_by ?? "–");
     part.bits.show(status.bits);
   }
 }

@@ -325,6 +325,8 @@ export type AxisStatus = {
   faults: string[];
   /** Whether the axis is homed. */
   homed: boolean;
+  /** The client, page or program that moves it, or moves its coordinate system; null while nothing does. */
+  moved_by: string | null;
   /** Whether the command velocity is not 0. */
   moving: boolean;
   /** Name. */
@@ -861,6 +863,8 @@ export type SystemStatus = {
   bits: string[];
   /** Whether a feed hold is in force. */
   held: boolean;
+  /** The client, page or program that moves it; null while nothing does. */
+  moved_by: string | null;
   /** Name. */
   name: string;
   /** Feed override, percent. */

@@ -55,6 +55,12 @@ impl Jogs {
         if !is_held() {
             return Err(Refusal::new("the button was released before the jog began"));
         }
+        let mover = plant.movers().axes.into_iter().nth(usize::from(place)).flatten();
+        if let Some(mover) = mover.filter(|mover| mover.principal.viewer() != Some(viewer)) {
+            return Err(Refusal::new(format!(
+                "{axis} is moved by {mover}; it can be jogged when that motion has ended"
+            )));
+        }
         let (accel_units, accel) = rate(accel);
         let (decel_units, decel_rate) = rate(decel);
         #[rustfmt::skip]

@@ -15,6 +15,7 @@ use tokio::time::{MissedTickBehavior, interval};
 use super::protocol::{AxisStatus, GroupStatus, Push, RealTime, Status as State, SystemStatus, text_of};
 use super::{Shared, paths};
 use crate::plant::LiveMoves;
+use crate::plant::movers::{Mover, Movers};
 
 /// Time between two of them.
 const EVERY: Duration = Duration::from_millis(66);
@@ -105,12 +106,13 @@ impl Words {
         let machine = shared.plant.machine();
         let health = shared.plant.health();
         let drivers = shared.plant.control().drivers(machine);
+        let movers = shared.plant.movers();
         shared.plant.with_state(|image, snapshot, moves| {
             Push::Status(State {
                 tick: snapshot.tick,
                 time_s: snapshot.tick as f64 * machine.period(),
-                axes: self.axes(machine, image, snapshot),
-                coordinate_systems: self.systems(machine, image, snapshot, moves, paths),
+                axes: self.axes((machine, &movers), image, snapshot),
+                coordinate_systems: self.systems((machine, &movers), image, (snapshot, moves), paths),
                 group: GroupStatus {
                     name: machine.group.clone(),
                     bits: set(image, &machine.group, &self.group),
@@ -122,9 +124,9 @@ impl Words {
         })
     }
 
-    fn axes(&self, machine: &Machine, image: &Image, snapshot: &Snapshot) -> Vec<AxisStatus> {
+    fn axes(&self, (machine, movers): (&Machine, &Movers), image: &Image, snapshot: &Snapshot) -> Vec<AxisStatus> {
         let axes = machine.axes.iter().zip(&snapshot.axes).zip(&self.axes);
-        let axes = axes.map(|((axis, now), bits)| {
+        let axes = axes.zip(&movers.axes).map(|(((axis, now), bits), mover)| {
             let faults = now.faults.kinds().map(|kind| kind.fault().word).collect();
             AxisStatus {
                 name: axis.name.clone(),
@@ -138,6 +140,7 @@ impl Words {
                 homed: now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
                 servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
                 moving: now.command[1] != 0.0,
+                moved_by: mover.as_ref().map(Mover::to_string),
                 bits: set(image, &axis.name, bits),
                 faults,
             }
@@ -147,29 +150,32 @@ impl Words {
 
     fn systems(
         &self,
-        machine: &Machine,
+        (machine, movers): (&Machine, &Movers),
         image: &Image,
-        snapshot: &Snapshot,
-        moves: &LiveMoves,
+        (snapshot, moves): (&Snapshot, &LiveMoves),
         drawn: Paths,
     ) -> Vec<SystemStatus> {
         let systems = machine.systems.iter().zip(&snapshot.systems).zip(&self.systems);
-        let systems = systems.enumerate().map(|(place, ((system, now), bits))| {
-            // Of a robot the page draws the path of the tool, which differs from that of the axes.
-            let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
-            SystemStatus {
-                name: system.name.clone(),
-                position: now.actual[..system.axes.len().min(now.actual.len())].to_vec(),
-                active: paths::active(moves, place, image, now),
-                pending: paths::pending(moves, place, image),
-                path_version: moves.version(place),
-                speed: now.path_speed,
-                feed_override: 100.0 * now.feed_override,
-                held: now.feed_override == 0.0,
-                bits: set(image, &system.name, bits),
-                path: is_drawn.then(|| paths::of(moves, place, system.linear().len())),
-            }
-        });
+        let systems = systems
+            .zip(&movers.systems)
+            .enumerate()
+            .map(|(place, (((system, now), bits), mover))| {
+                // Of a robot the page draws the path of the tool, which differs from that of the axes.
+                let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
+                SystemStatus {
+                    name: system.name.clone(),
+                    position: now.actual[..system.axes.len().min(now.actual.len())].to_vec(),
+                    moved_by: mover.as_ref().map(Mover::to_string),
+                    active: paths::active(moves, place, image, now),
+                    pending: paths::pending(moves, place, image),
+                    path_version: moves.version(place),
+                    speed: now.path_speed,
+                    feed_override: 100.0 * now.feed_override,
+                    held: now.feed_override == 0.0,
+                    bits: set(image, &system.name, bits),
+                    path: is_drawn.then(|| paths::of(moves, place, system.linear().len())),
+                }
+            });
         systems.collect()
     }
 }

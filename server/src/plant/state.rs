@@ -17,6 +17,7 @@ use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
 use super::log::{Change, Log};
+use super::movers::MotionTickets;
 use super::moves::LiveMoves;
 use super::owned::Owned;
 use super::principal::Principal;
@@ -58,6 +59,8 @@ pub(super) struct State {
     pub(super) moves: LiveMoves,
     /// What connections have begun.
     pub(super) owned: Owned,
+    /// By which instructions objects move.
+    pub(super) motion_tickets: MotionTickets,
     lost: u64,
     /// Whether the tags show that motion is inhibited.
     inhibited: bool,
@@ -143,6 +146,7 @@ impl State {
             log: Log::new(period),
             moves,
             owned: Owned::default(),
+            motion_tickets: MotionTickets::default(),
             lost: 0,
             inhibited: false,
             watch,
@@ -320,6 +324,7 @@ impl State {
             None => Command::Call(ticket, call),
             Some(data) => Command::CallWith(ticket, call, data),
         });
+        self.motion_tickets.note(ticket, &call);
         self.own(principal.owner(), ticket, &call);
         (ticket, receiver)
     }

@@ -82,6 +82,8 @@ pub(crate) struct AxisStatus {
     pub(crate) servo_on: bool,
     /// Whether the command velocity is not 0.
     pub(crate) moving: bool,
+    /// The client, page or program that moves it, or moves its coordinate system; null while nothing does.
+    pub(crate) moved_by: Option<String>,
     /// Names of the status bits that are set, without those of faults and alarms.
     pub(crate) bits: Vec<String>,
     /// Words of the faults that are set.
@@ -96,6 +98,8 @@ pub(crate) struct SystemStatus {
     pub(crate) name: String,
     /// Actual positions of its axes.
     pub(crate) position: Vec<f64>,
+    /// The client, page or program that moves it; null while nothing does.
+    pub(crate) moved_by: Option<String>,
     /// The active move.
     pub(crate) active: Option<ActiveMove>,
     /// Pending moves, oldest first, at most 200.

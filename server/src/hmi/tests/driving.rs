@@ -311,6 +311,30 @@ async fn what_was_asked_before_stop_is_not_begun_after_it() {
 }
 
 #[tokio::test]
+async fn every_motion_names_its_mover_and_no_other_viewer_jogs_it() {
+    let bench = Bench::start().await;
+    let (mut one, mut two) = (bench.viewer().await, bench.viewer().await);
+    one.take("CS1").await;
+    one.execute(SLOW).await.expect("it has the right");
+    let moving = two.status(|status| x(status)["moving"] == true).await;
+    let mover = moving["drivers"]["CS1"].as_str().expect("the viewer's name").to_owned();
+    assert_eq!(cs1(&moving)["moved_by"], json!(mover));
+    assert_eq!(x(&moving)["moved_by"], json!(mover), "its coordinate system moves it");
+    let taken = two.ask(json!({"do": "take", "object": "X", "force": true})).await;
+    assert_eq!(taken, Ok(json!({})));
+    let jog = json!({"do": "jog", "axis": "X", "speed": 1.0});
+    let refused = two.ask(jog.clone()).await.expect_err("the move still runs");
+    assert_eq!(
+        refused["text"],
+        format!("X is moved by {mover}; it can be jogged when that motion has ended")
+    );
+    assert_eq!(two.ask(json!({"do": "stop", "object": "CS1"})).await, Ok(json!({})));
+    let rest = two.status(|status| x(status)["moving"] == false).await;
+    assert_eq!(x(&rest)["moved_by"], json!(null));
+    assert_eq!(two.ask(jog).await, Ok(json!({})));
+}
+
+#[tokio::test]
 async fn a_jog_without_right_or_beyond_the_limit_is_refused() {
     let bench = Bench::start().await;
     let (mut one, mut two) = (bench.viewer().await, bench.viewer().await);
