@@ -213,12 +213,12 @@ impl Axis {
 
     /// Whether anything waits for what the feedback says: motion, homing, a watch position, a registration, output cams, a turn.
     pub(crate) fn uses_feedback(&self) -> bool {
-        self.in_motion()
-            || self.is_homing()
-            || self.unwind.is_some()
-            || self.watch.is_armed()
-            || self.registrations.iter().any(Registration::is_armed)
-            || !self.outputs.is_empty()
+        self.in_motion() || self.is_homing() || self.unwind.is_some() || self.awaits_events()
+    }
+
+    /// Whether a watch position, a registration or an output cam waits for what the feedback says.
+    pub(crate) fn awaits_events(&self) -> bool {
+        self.watch.is_armed() || self.registrations.iter().any(Registration::is_armed) || !self.outputs.is_empty()
     }
 
     /// What faults look at.

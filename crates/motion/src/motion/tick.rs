@@ -66,7 +66,7 @@ impl Motion {
 
     /// What the feedback of one axis says.
     fn use_feedback_of(&mut self, index: AxisId) {
-        let found = self.axes[index].home_was_found(&self.clock);
+        let found = self.axes[index].is_homing() && self.axes[index].home_was_found(&self.clock);
         if self.axes[index].in_motion() {
             self.report_generators(index);
         }
@@ -75,8 +75,10 @@ impl Motion {
             axis.homed = true;
             self.end_move(ended.execution, Flag::Pc.mask());
         }
-        self.take_registrations(index);
-        self.look_out(index);
+        if self.axes[index].awaits_events() {
+            self.take_registrations(index);
+            self.look_out(index);
+        }
         self.axes[index].fold(&self.clock);
     }
 
