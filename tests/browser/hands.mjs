@@ -124,7 +124,7 @@ export async function every_instruction_has_a_form({ browser, url }) {
   await row.getByRole("button", { name: "Servo off" }).waitFor();
   await choice.selectOption("MAM");
   await operand(page, "Position", 7);
-  await ready(page, "MAM(X,");
+  await ready(page, "Absolute,7,");
   await page.getByRole("button", { name: "Copy" }).click();
   const line = await page.locator(".form .line code").textContent();
   await until(page, "the line in the clipboard", (wanted) => navigator.clipboard.readText().then((text) => text === wanted), line);

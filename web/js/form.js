@@ -156,10 +156,6 @@ export class InstructionForm {
     const words = this.words();
     this.table?.arrange();
     for (const item of this.fields.values()) if (!item.hosted) this.#annotate(item, words);
-    // The line of before the change must not run any more.
-    this.line = null;
-    this.asked += 1;
-    this.update();
     this.later();
   }
 
