@@ -22,8 +22,6 @@ const TOLERATED_LOSSES: u32 = 2;
 pub(crate) struct DriveLink {
     /// What came in at the last exchange.
     pub(crate) feedback: Feedback,
-    /// One of its latches has closed.
-    has_latches: bool,
     /// How far the axis was behind its set-point at the last exchange.
     lag: KinematicState,
     /// The axis was at its set-point, to the last bit.
@@ -47,34 +45,6 @@ impl DriveLink {
             trigger,
             then_marker,
         }
-    }
-
-    /// Takes what came in. Latches are copied only where one has closed, or had before.
-    fn take(&mut self, feedback: &Feedback) {
-        self.lost = 0;
-        let Feedback {
-            state,
-            following,
-            motion,
-            error,
-            saturation,
-            faults,
-            inputs,
-            latches,
-        } = feedback;
-        let own = &mut self.feedback;
-        (own.state, own.following, own.motion) = (*state, *following, *motion);
-        (own.error, own.saturation, own.faults, own.inputs) = (*error, *saturation, *faults, *inputs);
-        let closed = latches.iter().any(Option::is_some);
-        if closed || self.has_latches {
-            own.latches = *latches;
-            self.has_latches = closed;
-        }
-    }
-
-    fn forget_latches(&mut self) {
-        self.feedback.latches = [None; LATCHES];
-        self.has_latches = false;
     }
 }
 
@@ -113,7 +83,8 @@ impl Axis {
         } else {
             match feedback.filter(|feedback| feedback.state != DriveState::Lost) {
                 Some(feedback) => {
-                    self.link.take(feedback);
+                    self.link.lost = 0;
+                    self.link.feedback = *feedback;
                     self.link.at_set_point = feedback.motion.position == sent.position;
                     self.set_actual(KinematicState {
                         position: self.placed(feedback.motion.position),
@@ -123,7 +94,7 @@ impl Axis {
                 None => {
                     self.set_actual(self.expected(clock));
                     self.link.lost = self.link.lost.saturating_add(1);
-                    self.link.forget_latches();
+                    self.link.feedback.latches = [None; LATCHES];
                 }
             }
             self.take_drive_state();
@@ -209,11 +180,6 @@ impl Axis {
     /// Following error as the drive tells it; 0 without a drive.
     pub(crate) fn position_error(&self) -> f64 {
         self.link.feedback.error
-    }
-
-    /// Whether anything waits for what the feedback says: motion, homing, a watch position, a registration, output cams, a turn.
-    pub(crate) fn uses_feedback(&self) -> bool {
-        self.in_motion() || self.is_homing() || self.unwind.is_some() || self.awaits_events()
     }
 
     /// Whether a watch position, a registration or an output cam waits for what the feedback says.

@@ -106,6 +106,7 @@ impl Axis {
     }
 
     /// The MAH under way. One that moved the axis and was stopped is none.
+    #[inline]
     pub(crate) fn homing(&self) -> Option<&Homing> {
         let homing = self.homing.as_ref()?;
         let alive = !homing.driven || self.sum.get(Slot::Home).is_some_and(|home| !home.stopping);
@@ -125,6 +126,7 @@ impl Axis {
     }
 
     /// Whether homing gives the command of the axis.
+    #[inline]
     pub(crate) fn is_driven_home(&self) -> bool {
         self.homing().is_some_and(|homing| homing.driven)
     }
@@ -142,6 +144,9 @@ impl Axis {
 
     /// Whether the home point was found in the update that ends now.
     pub(crate) fn home_was_found(&mut self, clock: &Clock) -> bool {
+        if !self.is_homing() {
+            return false;
+        }
         self.take_home_latch(clock);
         if std::mem::take(&mut self.home_reached) {
             return true;

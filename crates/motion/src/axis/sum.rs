@@ -154,13 +154,7 @@ impl Sum {
 
     /// Every generator under way, with its kind.
     pub(crate) fn active(&self) -> impl Iterator<Item = (Slot, &Generator)> {
-        let mut left = self.active;
-        std::iter::from_fn(move || {
-            let slot = *Slot::ALL.get(left.trailing_zeros() as usize)?;
-            left &= left - 1;
-            Some(slot)
-        })
-        .filter_map(|slot| self.get(slot).map(|generator| (slot, generator)))
+        slots(self.active).filter_map(|slot| self.get(slot).map(|generator| (slot, generator)))
     }
 
     /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant,
@@ -258,10 +252,8 @@ impl Sum {
 
     /// Brings planned generators to the present tick.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        let mut left = self.active;
-        while let Some(slot) = Slot::ALL.get(left.trailing_zeros() as usize) {
-            left &= left - 1;
-            if let Some(generator) = self.get_mut(*slot)
+        for slot in slots(self.active) {
+            if let Some(generator) = self.get_mut(slot)
                 && let Law::Planned { .. } = generator.law
             {
                 generator.advance(clock);
@@ -303,16 +295,16 @@ impl Sum {
     /// A position in a generator's frame, or its present one, as a position of the axis at this tick.
     pub(crate) fn seen_from(&self, slot: Slot, position: Option<f64>) -> Option<f64> {
         let generator = self.get(slot)?;
-        // Without the sign of a zero, as a sum has none.
-        let mut others = generator.shift + 0.0;
-        let alone = self.active == slot.bit();
-        // Alone, as nearly always, and behind nothing else that was.
-        if !alone || self.displaced != generator.others {
-            let now = if alone { self.displaced } else { self.displacements() };
-            for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
-                if other != slot as usize {
-                    others += now - then;
-                }
+        let mut others = generator.shift;
+        // Alone, as nearly always, an axis has only what has been.
+        let now = if self.active == slot.bit() {
+            self.displaced
+        } else {
+            self.displacements()
+        };
+        for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
+            if other != slot as usize {
+                others += now - then;
             }
         }
         Some(position.unwrap_or(generator.now.position) + others)
@@ -325,6 +317,15 @@ impl Sum {
         }
         displacements
     }
+}
+
+/// The kinds of generators whose bits are set.
+fn slots(mut bits: u16) -> impl Iterator<Item = Slot> {
+    std::iter::from_fn(move || {
+        let slot = *Slot::ALL.get(bits.trailing_zeros() as usize)?;
+        bits &= bits - 1;
+        Some(slot)
+    })
 }
 
 /// The limits of two motions at once: the speeds add up, the harder rates count.

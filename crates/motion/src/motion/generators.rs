@@ -23,9 +23,7 @@ impl Motion {
         }
         for index in self.axes.ids() {
             self.axes[index].advance(&self.clock);
-            if self.axes[index].is_homing() {
-                self.axes[index].advance_homing(&self.clock);
-            }
+            self.axes[index].advance_homing(&self.clock);
         }
     }
 
@@ -222,7 +220,7 @@ impl Motion {
     /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
     pub(crate) fn report_generators(&mut self, axis: AxisId) {
         let tick = self.clock.tick;
-        let is_driven_home = self.axes[axis].is_homing() && self.axes[axis].is_driven_home();
+        let is_driven_home = self.axes[axis].is_driven_home();
         for slot in Slot::ALL {
             if Axis::CAMS.contains(&slot) {
                 self.report_cam(axis, slot);

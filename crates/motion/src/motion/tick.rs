@@ -4,7 +4,7 @@
 //! axes and coordinate systems and by a fixed number of moves.
 
 use arcline_drive::Drives;
-use arcline_instruction_set::{AxisId, Flag};
+use arcline_instruction_set::Flag;
 
 use super::Motion;
 
@@ -58,28 +58,21 @@ impl Motion {
             self.finish_settling(index, drives);
         }
         for index in self.axes.ids() {
-            if self.axes[index].uses_feedback() {
-                self.use_feedback_of(index);
+            let found = self.axes[index].home_was_found(&self.clock);
+            if self.axes[index].in_motion() {
+                self.report_generators(index);
             }
+            let axis = &mut self.axes[index];
+            if found && let Some(ended) = axis.homing.take() {
+                axis.homed = true;
+                self.end_move(ended.execution, Flag::Pc.mask());
+            }
+            if self.axes[index].awaits_events() {
+                self.take_registrations(index);
+                self.look_out(index);
+            }
+            self.axes[index].fold(&self.clock);
         }
-    }
-
-    /// What the feedback of one axis says.
-    fn use_feedback_of(&mut self, index: AxisId) {
-        let found = self.axes[index].is_homing() && self.axes[index].home_was_found(&self.clock);
-        if self.axes[index].in_motion() {
-            self.report_generators(index);
-        }
-        let axis = &mut self.axes[index];
-        if found && let Some(ended) = axis.homing.take() {
-            axis.homed = true;
-            self.end_move(ended.execution, Flag::Pc.mask());
-        }
-        if self.axes[index].awaits_events() {
-            self.take_registrations(index);
-            self.look_out(index);
-        }
-        self.axes[index].fold(&self.clock);
     }
 
     /// Stops that are over.

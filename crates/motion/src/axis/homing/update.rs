@@ -20,9 +20,13 @@ const SHORTEST_STEP: f64 = 1e-9;
 impl Axis {
     /// The command of an axis that homing moves, at the present tick: legs that end before it, and the one that is under way.
     pub(crate) fn advance_homing(&mut self, clock: &Clock) {
-        if !self.is_driven_home() {
-            return;
+        // In every tick of every axis.
+        if self.is_driven_home() {
+            self.advance_legs(clock);
         }
+    }
+
+    fn advance_legs(&mut self, clock: &Clock) {
         let began = began(clock);
         // Seconds of this update that the command has behind it.
         let mut at = 0.0;
