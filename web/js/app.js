@@ -96,7 +96,7 @@ export class App extends Emitter {
    */
   async instruct(mnemonic, object, operands = {}) {
     const form = this.store.instruction(mnemonic)?.operands ?? [];
-    const member = (wanted) => form.find(({ kind }) => kind === wanted)?.member ?? wanted;
+    const member = (/** @type {string} */ wanted) => form.find(({ kind }) => kind === wanted)?.member ?? wanted;
     try {
       const { text } = await this.connection.request("line", {
         instruction: mnemonic, operands: { [member("target")]: object, [member("control")]: `Hmi_${mnemonic}_${object}`, ...operands },

@@ -1,5 +1,12 @@
 // A parallel projection that is turned, moved and scaled. Pixels of the style sheet, y downwards; the world in position units.
 
+/** A point of the world. @typedef {[number, number, number]} Point */
+/** The least and the greatest coordinates of some points. @typedef {[low: Point, high: Point]} Box */
+/** The pixel of a point. @typedef {(x: number, y: number, z: number) => [number, number]} Projection */
+/** A look along an axis of the world. @typedef {"top" | "front" | "side"} Plane */
+/** A fixed look. @typedef {keyof typeof LOOKS} Look */
+/** The angles of a look, in radians. @typedef {{ turn: number, height: number }} Angles */
+
 const RIGHT_ANGLE = Math.PI / 2;
 /** Between a picture that is fitted and the edges of its place, and what covers a part of it. */
 const MARGIN = 56;
@@ -24,7 +31,7 @@ export class Camera {
   width = 1;
   tall = 1;
 
-  /** Takes one of `LOOKS`. */
+  /** Takes one of `LOOKS`. @param {Angles} angles */
   look({ turn, height }) {
     this.turn = turn;
     this.height = height;
@@ -41,7 +48,7 @@ export class Camera {
     };
   }
 
-  /** A function that gives the pixel of a point; made once for a picture. */
+  /** A function that gives the pixel of a point; made once for a picture. @returns {Projection} */
   projection() {
     const { right, up } = this.axes();
     const [cx, cy, cz] = this.centre;
@@ -55,19 +62,19 @@ export class Camera {
     };
   }
 
-  /** Moves the picture by pixels. */
+  /** Moves the picture by pixels. @param {number} dx @param {number} dy */
   pan(dx, dy) {
     const { right, up } = this.axes();
     for (let k = 0; k < 3; k++) this.centre[k] += (-dx * right[k] + dy * up[k]) / this.scale;
   }
 
-  /** Turns the world under the pointer by pixels. */
+  /** Turns the world under the pointer by pixels. @param {number} dx @param {number} dy */
   orbit(dx, dy) {
     this.turn -= dx * 0.008;
     this.height = Math.min(RIGHT_ANGLE, Math.max(-RIGHT_ANGLE, this.height + dy * 0.008));
   }
 
-  /** Scales about a pixel, which keeps its place in the world. */
+  /** Scales about a pixel, which keeps its place in the world. @param {number} factor @param {number} x @param {number} y */
   zoom(factor, x, y) {
     const scale = Math.min(1e6, Math.max(1e-6, this.scale * factor));
     const real = scale / this.scale;
@@ -77,7 +84,11 @@ export class Camera {
     return real;
   }
 
-  /** Shows a box `[[min…], [max…]]` whole; below what covers the top of the picture, where that would hide a corner of it. */
+  /**
+   * Shows a box whole; below the elements that cover the top of the picture, where one would hide a corner of the box.
+   * @param {Box} box
+   * @param {{ left: number, right: number, bottom: number }[]} covers
+   */
   fit(box, covers = []) {
     this.#fit(box, 0);
     if (!covers.length) return;
@@ -89,7 +100,7 @@ export class Camera {
     if (hidden) this.#fit(box, Math.max(...covers.map(({ bottom }) => bottom)) - MARGIN + CLEAR);
   }
 
-  /** Shows a box whole, with so many pixels at the top free beside the margin. */
+  /** Shows a box whole, with so many pixels at the top free beside the margin. @param {Box} box @param {number} top */
   #fit([low, high], top) {
     const { right, up } = this.axes();
     let [wide, tall] = [0, 0];
@@ -104,7 +115,7 @@ export class Camera {
     this.pan(0, top / 2);
   }
 
-  /** Whether the look is along an axis, so that it is a drawing in two dimensions. */
+  /** The look along an axis, which is a drawing in two dimensions; `null` of any other look. @returns {Plane | null} */
   get plane() {
     const level = Math.abs(Math.sin(2 * this.turn)) < 1e-6;
     if (level && Math.abs(this.height - RIGHT_ANGLE) < 1e-6) return "top";
@@ -113,7 +124,7 @@ export class Camera {
   }
 }
 
-/** The eight corners of a box. */
+/** The eight corners of a box. @param {Box} box */
 function corners([low, high]) {
-  return [0, 1, 2, 3, 4, 5, 6, 7].map((which) => low.map((value, k) => ((which >> k) & 1 ? high[k] : value)));
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((which) => /** @type {Point} */ (low.map((value, k) => ((which >> k) & 1 ? high[k] : value))));
 }

@@ -9,6 +9,11 @@ export class Stage {
   #running = false;
   #dirty = true;
 
+  /**
+   * @param {HTMLElement} host
+   * @param {(context: CanvasRenderingContext2D, width: number, height: number) => void} draw
+   * @param {Record<string, string>} attributes
+   */
   constructor(host, draw, attributes) {
     this.element = document.createElement("canvas");
     for (const [name, value] of Object.entries(attributes)) this.element.setAttribute(name, value);
@@ -20,6 +25,7 @@ export class Stage {
     new ResizeObserver(([entry]) => this.#resize(entry.contentRect)).observe(host);
   }
 
+  /** @param {DOMRectReadOnly} size */
   #resize({ width, height }) {
     const ratio = Math.min(FINEST, devicePixelRatio || 1);
     this.width = Math.max(1, Math.round(width));
@@ -45,7 +51,7 @@ export class Stage {
     this.#dirty = true;
   }
 
-  /** Draws while it is seen: in every frame if `live()` holds, else when it was touched. */
+  /** Draws while it is seen: in every frame if `live()` holds, else when it was touched. @param {() => boolean} live */
   start(live) {
     if (this.#running) return;
     this.#running = true;
@@ -92,14 +98,14 @@ export function gestures(element, { drag, zoom, tap, start, end }) {
     const [dx, dy] = [place[0] - last[0], place[1] - last[1]];
     moved += Math.abs(dx) + Math.abs(dy);
     if (other) {
-      const spread = (a) => Math.hypot(a[0] - other[0], a[1] - other[1]) || 1;
+      const spread = (/** @type {number[]} */ a) => Math.hypot(a[0] - other[0], a[1] - other[1]) || 1;
       zoom(spread(place) / spread(last), (place[0] + other[0]) / 2, (place[1] + other[1]) / 2);
       drag(dx / 2, dy / 2, event, 2);
     } else {
       drag(dx, dy, event, 1);
     }
   });
-  const up = (event) => {
+  const up = (/** @type {PointerEvent} */ event) => {
     if (fingers.delete(event.pointerId) && moved < 4) tap?.(event.offsetX, event.offsetY, event);
     if (!fingers.size) end?.();
   };

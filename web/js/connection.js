@@ -108,7 +108,7 @@ export class Connection extends Emitter {
     });
   }
 
-  /** Whether a request was refused with this text within the last `time` ms. */
+  /** Whether a request was refused with this text within the last `time` ms. @param {string} text @param {number} time */
   hasRefused(text, time) {
     return performance.now() - (this.#refused.get(text) ?? -Infinity) < time;
   }

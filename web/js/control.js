@@ -39,17 +39,19 @@ export class ControlBar {
     this.#key = key;
     const focused = this.element.contains(document.activeElement);
     state(this.element, "kind", this.mine ? "mine" : holder ? "other" : "free");
-    const names = (list) => list.join(", ");
+    const names = (/** @type {string[]} */ list) => list.join(", ");
     if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You have control of "), names(this.objects)), this.#button("Release", () => this.#release()));
     else if (holder) fill(this.element, icon("lock"), h("span", {}, h("b", {}, holder), ` has control of ${names(missing)}`), this.#takeOver(holder, asked));
     else fill(this.element, icon("lock"), h("span", {}, `No page has control of ${names(missing)}`), this.#button("Take control", () => this.#take(), "primary"));
     if (focused) this.element.querySelector("button")?.focus();
   }
 
+  /** @param {string} title @param {() => void} onclick @param {string} kind */
   #button(title, onclick, kind = "") {
     return h(kind ? `button.${kind}` : "button", { type: "button", onclick }, title);
   }
 
+  /** @param {string} holder @param {boolean} asked */
   #takeOver(holder, asked) {
     if (asked) return this.#button("Take over now", () => this.#take(true), "danger");
     return h("button", { type: "button", title: `Takes control away from ${holder}; a second press confirms it`, onclick: () => {
@@ -59,6 +61,7 @@ export class ControlBar {
     } }, "Take over…");
   }
 
+  /** @param {boolean} force */
   async #take(force = false) {
     this.sure = 0;
     for (const object of this.objects.filter((name) => !this.app.store.drives(name))) {

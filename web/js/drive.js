@@ -8,11 +8,27 @@ import { fixed, rate, short } from "./format.js";
 import { PathCanvas } from "./path_canvas.js";
 import { PreviewFacts } from "./preview.js";
 
-/** Lengths of a step; 0 jogs as long as the button is held. */
+/**
+ * The row of an axis.
+ * @typedef {object} Row
+ * @property {string} axis
+ * @property {HTMLElement} element
+ * @property {HTMLElement} actual
+ * @property {HTMLElement} note
+ * @property {HTMLButtonElement} servo
+ * @property {HTMLButtonElement} home
+ * @property {HTMLButtonElement} reset
+ * @property {HTMLButtonElement} less
+ * @property {HTMLButtonElement} more
+ */
+
+/** Kinds of objects as the catalogue calls them. @typedef {"CoordinateSystem" | "Axis" | "MotionGroup"} Kind */
+
+/** Lengths of a step; 0 jogs as long as the button is held. @type {[number, string][]} */
 const STEPS = [[0, "Continuous"], [0.1, "0.1"], [1, "1"], [10, "10"], [100, "100"]];
 /** Keys that jog the first three axes, backwards and forwards. */
 const KEYS = [["ArrowLeft", "ArrowRight"], ["ArrowDown", "ArrowUp"], ["PageDown", "PageUp"]];
-/** The forms of an object: a quick one for its usual moves, and that of any instruction. */
+/** The forms of an object: a quick one for its usual moves, and that of any instruction. @type {Record<Kind, [string, string][]>} */
 const FORMS = {
   CoordinateSystem: [["MCLM", "Move"], ["MCCM", "Arc"], ["any", "Any instruction"]],
   Axis: [["MAM", "Move"], ["any", "Any instruction"]],
@@ -20,21 +36,22 @@ const FORMS = {
 };
 /** The instruction that "Any instruction" begins with. */
 const FIRST = { CoordinateSystem: "MCLM", Axis: "MAM", MotionGroup: "MGS" };
+/** @type {Record<Kind, string>} */
 const KINDS = { CoordinateSystem: "Coordinate systems", Axis: "Axes", MotionGroup: "Motion group" };
-/** What the quick forms show at once; everything else is one click away. */
+/** The members that the quick forms show at once; all others are one click away. @type {Partial<Record<string, string[]>>} */
 const QUICK = {
   MCLM: ["MoveType", "Speed", "TerminationType"],
   MCCM: ["MoveType", "CircleType", "Direction", "Speed", "TerminationType"],
   MAM: ["MoveType", "Position", "Speed"],
 };
 const MOST_OVERRIDE = 200;
-const ASKED = { override: "The override of", hold: "The feed hold of", resume: "The resume of" };
 
 export class Drive {
   title = "Drive";
   #step = 0;
+  /** The axes that are jogged by keys, by the key. @type {Map<string, string>} */
   #heldKeys = new Map();
-  /** The rows of the axes of the object. @type {any[]} */
+  /** The rows of the axes of the object. @type {Row[]} */
   parts = [];
   /** @type {string[]} */
   axes = [];
@@ -42,13 +59,19 @@ export class Drive {
   name = "";
   /** @type {InstructionForm | null} */
   form = null;
+  /** The kind of the object. @type {Kind | null} */
+  objectKind = null;
+  /** The form that is shown: a mnemonic, or `any`; empty before the first one. */
+  chosen = "";
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
     this.app = app;
     const { machine } = app.store;
     this.control = new ControlBar(app);
-    this.object = h("select", { "aria-label": "What to drive", onchange: () => this.#select(this.object.value) });
+    this.object = h("select", { "aria-label": "What to drive", onchange: () => {
+      this.#select(this.object.value);
+    } });
     fill(this.object,
       h("optgroup", { label: "Coordinate systems" }, machine.coordinate_systems.map(({ name }) => h("option", { value: name }, name))),
       h("optgroup", { label: "Axes" }, machine.axes.map(({ name }) => h("option", { value: name }, name))),
@@ -65,13 +88,26 @@ export class Drive {
     this.forms = h("div.form-host");
     this.kindHost = h("span");
     this.mnemonic = h("select", { "aria-label": "Instruction", hidden: true, onchange: () => this.#form("any") });
+    this.overrideText = h("output", {}, "100 %");
+    this.override = h("input", { type: "range", min: "0", max: String(MOST_OVERRIDE), step: "1", value: "100", "aria-label": "Override of the path speed in percent",
+      oninput: () => {
+        text(this.overrideText, `${this.override.value} %`);
+      }, onchange: () => {
+        this.#setOverride(Number(this.override.value));
+      } });
+    this.hold = h("button", { type: "button", onclick: () => this.#feed(this.held ? "resume" : "hold") });
+    this.hundred = h("button", { type: "button", onclick: () => this.#setOverride(100) }, "Override 100 %");
+    this.stopText = h("span", {}, "Stop");
+    this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), this.stopText);
+    this.feed = h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText);
+    this.motion = h("div.panel", {}, h("h2", {}, "Motion"), this.feed, h("div.buttons", {}, this.hold, this.hundred, this.stop));
     this.element = h("section.view.drive", { "aria-label": this.title },
       h("div.drive-left", {},
         h("div.panel", {}, h("div.row", {}, this.object, this.control.element)),
         h("div.panel", {}, h("h2", {}, "Jog"), steps.element,
           h("label.slider", {}, h("span", {}, "Speed"), this.speed, this.speedText), this.rows,
           h("label.check", {}, this.keys, "Jog by keys"), this.keyHelp),
-        this.#motion()),
+        this.motion),
       h("div.panel.form-panel", {}, h("div.row", {}, this.kindHost, this.mnemonic), this.forms),
       h("div.panel.preview-panel", {}, h("h2", {}, "Preview"), host, this.facts.element));
     app.on("preview", () => {
@@ -98,17 +134,7 @@ export class Drive {
     this.canvas.stage.stop();
   }
 
-  #motion() {
-    this.override = h("input", { type: "range", min: "0", max: String(MOST_OVERRIDE), step: "1", value: "100", "aria-label": "Override of the path speed in percent",
-      oninput: () => text(this.overrideText, `${this.override.value} %`), onchange: () => this.#ask("override", { percent: Number(this.override.value) }) });
-    this.overrideText = h("output", {}, "100 %");
-    this.hold = h("button", { type: "button", onclick: () => this.#ask(this.held ? "resume" : "hold") });
-    this.hundred = h("button", { type: "button", onclick: () => this.#ask("override", { percent: 100 }) }, "Override 100 %");
-    this.stop = h("button.danger", { type: "button", onclick: () => this.#stop() }, icon("stop"), "Stop");
-    this.feed = h("label.slider", {}, h("span", {}, "Override"), this.override, this.overrideText);
-    return h("div.panel", {}, h("h2", {}, "Motion"), this.feed, h("div.buttons", {}, this.hold, this.hundred, this.stop));
-  }
-
+  /** @param {string} name */
   #select(name) {
     this.app.jogger.endAll();
     this.object.value = name;
@@ -120,7 +146,7 @@ export class Drive {
     const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
     text(this.keyHelp, `${help.join(", ")}, held. Esc stops.`);
     if (this.system) this.canvas.show(name);
-    text(this.stop.lastChild, `Stop ${name}`);
+    text(this.stopText, `Stop ${name}`);
     this.#showSpeed();
     this.#forms();
     this.update();
@@ -129,6 +155,7 @@ export class Drive {
   /** Offers the forms that fit the object; of any instruction those for it come first. */
   #forms() {
     const { store } = this.app;
+    /** @type {Kind} */
     const kind = this.system ? "CoordinateSystem" : store.axis(this.name) ? "Axis" : "MotionGroup";
     if (kind !== this.objectKind) {
       this.objectKind = kind;
@@ -136,7 +163,8 @@ export class Drive {
       if (!forms.some(([form]) => form === this.chosen)) [[this.chosen]] = forms;
       const { element } = segmented("Form", forms, this.chosen, (form) => this.#form(form));
       fill(this.kindHost, element);
-      const order = [kind, ...Object.keys(KINDS).filter((other) => other !== kind)];
+      const kinds = /** @type {Kind[]} */ (Object.keys(KINDS));
+      const order = [kind, ...kinds.filter((other) => other !== kind)];
       fill(this.mnemonic, order.map((group) => h("optgroup", { label: KINDS[group] },
         store.catalogue.instructions.filter(({ object }) => object === group).map(({ mnemonic, title }) => h("option", { value: mnemonic }, `${mnemonic}  ${title}`)))));
       this.mnemonic.value = FIRST[kind];
@@ -144,27 +172,28 @@ export class Drive {
     this.#form(this.chosen);
   }
 
+  /** @param {string} axis */
   #row(axis) {
     const { jogger, store } = this.app;
-    const part = { axis, actual: h("output"), servo: h("button", { type: "button" }) };
-    const button = (sign, title) => {
+    const button = (/** @type {number} */ sign, /** @type {string} */ title) => {
       const made = h("button.jog", { type: "button", "aria-label": `Jog ${axis} ${title}`, onclick: () => this.#step && this.#stepAxis(axis, sign) }, sign < 0 ? "−" : "+");
       jogger.attach(made, axis, () => (this.#step ? 0 : sign * this.#speedOf(axis)));
       return made;
     };
-    part.servo.addEventListener("click", () => this.app.instruct(store.axisStatus(axis)?.servo_on ? "MSF" : "MSO", axis));
-    part.home = h("button", { type: "button", "aria-label": `Home ${axis}`, onclick: () => this.app.instruct("MAH", axis) }, icon("home"), "Home");
-    part.reset = h("button", { type: "button", "aria-label": `Reset ${axis}`, title: "Clears faults and shutdown (MASR)", onclick: () => this.app.instruct("MASR", axis) }, icon("reset"), "Reset");
-    part.less = button(-1, "backwards");
-    part.more = button(1, "forwards");
-    part.note = h("small.bad");
-    part.element = h("div.jog-row", { "aria-label": `Axis ${axis}`, role: "group" },
-      h("span.jog-name", { "data-series": store.series(axis) }, axis), part.actual, h("abbr", {}, store.configuredAxis(axis).units),
-      h("span.jog-buttons", {}, part.less, part.more), h("span.jog-actions", {}, part.servo, part.home, part.reset), part.note);
-    this.parts = [...this.parts.filter((other) => this.axes.includes(other.axis) && other.axis !== axis), part];
-    return part.element;
+    const actual = h("output");
+    const servo = h("button", { type: "button", onclick: () => this.app.instruct(store.axisStatus(axis)?.servo_on ? "MSF" : "MSO", axis) });
+    const home = h("button", { type: "button", "aria-label": `Home ${axis}`, onclick: () => this.app.instruct("MAH", axis) }, icon("home"), "Home");
+    const reset = h("button", { type: "button", "aria-label": `Reset ${axis}`, title: "Clears faults and shutdown (MASR)", onclick: () => this.app.instruct("MASR", axis) }, icon("reset"), "Reset");
+    const [less, more] = [button(-1, "backwards"), button(1, "forwards")];
+    const note = h("small.bad");
+    const element = h("div.jog-row", { "aria-label": `Axis ${axis}`, role: "group" },
+      h("span.jog-name", { "data-series": store.series(axis) }, axis), actual, h("abbr", {}, store.configuredAxis(axis).units),
+      h("span.jog-buttons", {}, less, more), h("span.jog-actions", {}, servo, home, reset), note);
+    this.parts = [...this.parts.filter((other) => this.axes.includes(other.axis) && other.axis !== axis), { axis, element, actual, note, servo, home, reset, less, more }];
+    return element;
   }
 
+  /** @param {string} axis */
   #speedOf(axis) {
     return (this.app.store.configuredAxis(axis).max_speed * Number(this.speed.value)) / 100;
   }
@@ -174,11 +203,12 @@ export class Drive {
     text(this.speedText, `${short(this.#speedOf(axis.name))} ${rate(axis.units, 1)}`);
   }
 
-  /** A step is a move by a length, with the speed of the slider. */
+  /** A step is a move by a length, with the speed of the slider. @param {string} axis @param {number} sign */
   #stepAxis(axis, sign) {
     this.app.instruct("MAM", axis, { MoveType: 1, Position: sign * this.#step, Speed: Number(this.speed.value), SpeedUnits: 1 });
   }
 
+  /** @param {string} kind A mnemonic, or `any`. */
   #form(kind) {
     this.chosen = kind;
     if (!this.app.store.status) return;
@@ -197,11 +227,21 @@ export class Drive {
     fill(this.forms, this.form.element);
   }
 
-  async #ask(what, fields = {}) {
+  /** @param {number} percent */
+  async #setOverride(percent) {
     try {
-      await this.app.connection.request(what, /** @type {any} */ ({ coordinate_system: this.name, ...fields }));
+      await this.app.connection.request("override", { coordinate_system: this.name, percent });
     } catch (error) {
-      this.app.toasts.bad(`${ASKED[what]} ${this.name} was refused`, error);
+      this.app.toasts.bad(`The override of ${this.name} was not set`, error);
+    }
+  }
+
+  /** @param {"hold" | "resume"} what */
+  async #feed(what) {
+    try {
+      await this.app.connection.request(what, { coordinate_system: this.name });
+    } catch (error) {
+      this.app.toasts.bad(`The feed ${what} of ${this.name} was refused`, error);
     }
   }
 
@@ -213,10 +253,10 @@ export class Drive {
     }
   }
 
-  /** Keys jog only while they are switched on, this view is shown, and nobody is typing. */
+  /** Keys jog only while they are switched on, this view is shown, and nobody is typing. @param {KeyboardEvent} event */
   #key(event) {
     if (!this.shown || !this.keys.checked || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target.closest?.("input:not([type=checkbox]), select, textarea, canvas, .jog")) return;
+    if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea, canvas, .jog")) return;
     const k = KEYS.findIndex((pair) => pair.includes(event.key));
     if (k < 0 || k >= this.axes.length) return;
     event.preventDefault();
@@ -231,6 +271,7 @@ export class Drive {
     this.app.jogger.begin(axis, sign * this.#speedOf(axis));
   }
 
+  /** @param {KeyboardEvent} event */
   #keyUp(event) {
     const axis = this.#heldKeys.get(event.key);
     if (axis === undefined) return;

@@ -3,13 +3,21 @@
 
 import { fill, h, property } from "./dom.js";
 
+/**
+ * An error of the text; line and column count from 1.
+ * @typedef {{ line?: number | null, column?: number | null, text: string }} Problem
+ */
+
 const TOKENS = /(\/\/[^\n]*|\(\*[\s\S]*?(?:\*\)|$))|\b(IF|THEN|ELSIF|ELSE|END_IF|FOR|TO|BY|DO|END_FOR|WHILE|END_WHILE|WAIT|DELAY|AND|OR|NOT|XOR|MOD|TRUE|FALSE)\b|\b(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)\b|([A-Za-z_][A-Za-z0-9_]*)(?=\s*\()/gi;
 
 /** An editor; `onchange(text)` after every change. */
 export class Editor {
+  /** @type {Problem[]} */
   #errors = [];
+  /** The line that runs. @type {number | null} */
   #line = null;
 
+  /** @param {{ mnemonics: string[], onchange: (text: string) => void, label: string }} options */
   constructor({ mnemonics, onchange, label }) {
     this.mnemonics = new Set(mnemonics);
     this.onchange = onchange;
@@ -32,15 +40,15 @@ export class Editor {
     this.#paint();
   }
 
-  /** Shows errors `{line, column, text}`, both counted from 1. */
+  /** Shows errors `{line, column, text}`, both counted from 1. @param {Problem[]} errors */
   setErrors(errors) {
     this.#errors = errors;
     fill(this.messages, errors.map((error) => h("li", {},
-      h("button", { type: "button", onclick: () => this.go(error.line, error.column) }, `Line ${error.line}`), " ", error.text)));
+      h("button", { type: "button", onclick: () => this.go(error.line ?? 1, error.column ?? 1) }, `Line ${error.line}`), " ", error.text)));
     this.#paint();
   }
 
-  /** Shows the line that runs, `null` for none. */
+  /** Shows the line that runs, `null` for none. @param {number | null} line */
   setLine(line) {
     if (line === this.#line) return;
     this.#line = line;
@@ -52,10 +60,10 @@ export class Editor {
     if (top < scrollTop || top > scrollTop + clientHeight - 2 * tall) this.area.scrollTop = Math.max(0, top - clientHeight / 3);
   }
 
-  /** Puts the caret to a place. */
+  /** Puts the caret to a place. @param {number} line @param {number} column */
   go(line, column = 1) {
     const lines = this.text.split("\n");
-    const start = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0) + Math.max(0, (column ?? 1) - 1);
+    const start = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0) + Math.max(0, column - 1);
     this.area.focus();
     this.area.setSelectionRange(start, start);
   }
@@ -65,7 +73,7 @@ export class Editor {
     this.onchange(this.text);
   }
 
-  /** Tab indents; Escape is the stop of the page, so Tab leaves with Alt held. */
+  /** Tab indents; Escape is the stop of the page, so Tab leaves with Alt held. @param {KeyboardEvent} event */
   #key(event) {
     if (event.key !== "Tab" || event.shiftKey || event.altKey || event.ctrlKey) return;
     event.preventDefault();
@@ -94,11 +102,11 @@ export class Editor {
   }
 }
 
-/** The text as lines of coloured parts. */
+/** The text as lines of coloured parts. @param {string} source @param {Set<string>} mnemonics */
 function coloured(source, mnemonics) {
   /** @type {(string | HTMLElement)[][]} */
   const lines = [[]];
-  const put = (piece, kind) => piece.split("\n").forEach((part, k) => {
+  const put = (/** @type {string} */ piece, /** @type {string | null} */ kind = null) => piece.split("\n").forEach((part, k) => {
     if (k) lines.push([]);
     if (part) lines[lines.length - 1].push(kind ? h(`span.${kind}`, {}, part) : part);
   });

@@ -5,12 +5,18 @@ import { clock, duration, timestamp } from "./format.js";
 import { standing } from "./executions.js";
 import { explanation } from "./toasts.js";
 
+/** @import { Execution } from "./executions.js" */
+/** @import { Store } from "./store.js" */
+/** @import { FaultEvent } from "../types/protocol.js" */
+
 const SHOWN = 200;
 
 export class Events {
   title = "Events";
   #dirty = true;
+  /** The keys of the executions that are opened. @type {Set<Execution["key"]>} */
   #open = new Set();
+  /** @type {Map<Execution["key"], { mark: string, element: HTMLElement }>} */
   #drawn = new Map();
 
   /** @param {import("./app.js").App} app */
@@ -35,7 +41,7 @@ export class Events {
     this.#touch();
   }
 
-  /** Shows one execution, opened. */
+  /** Shows one execution, opened. @param {Execution} execution */
   reveal(execution) {
     this.#open.add(execution.key);
     this.#touch();
@@ -69,10 +75,15 @@ export class Events {
     if (!focused || rows.some((row, k) => this.list.children[k] !== row)) fill(this.list, rows);
   }
 
+  /** @param {Execution} execution */
   #row(execution) {
     const [kind, word, why] = standing(execution);
-    const last = execution.steps.at(-1);
-    const details = h("details", { open: this.#open.has(execution.key), ontoggle: () => (details.open ? this.#open.add(execution.key) : this.#open.delete(execution.key)) },
+    const last = execution.steps[execution.steps.length - 1];
+    const toggled = () => {
+      if (details.open) this.#open.add(execution.key);
+      else this.#open.delete(execution.key);
+    };
+    const details = h("details", { open: this.#open.has(execution.key), ontoggle: toggled },
       h("summary", {},
         h("time", { title: timestamp(execution.at) }, clock(execution.began, 3)),
         h("b", {}, execution.instruction), h("span.event-tag", {}, execution.tag || "unnamed"), h("span.event-object", {}, execution.object ?? ""),
@@ -86,16 +97,16 @@ export class Events {
       execution.text && h("div.line", {}, h("code", {}, execution.text)),
       h("ol.steps", {}, execution.steps.map((step) => h("li", {},
         h("time", {}, `+${duration(step.time_s - execution.began)}`),
-        (step.set ?? step.fault?.set ?? []).map((bit) => h("span.chip.set", {}, bit)), (step.clear ?? step.fault?.clear ?? []).map((bit) => h("span.chip.clear", { title: `${bit} cleared` }, bit)),
+        changes(step).set.map((bit) => h("span.chip.set", {}, bit)), changes(step).clear.map((bit) => h("span.chip.clear", { title: `${bit} cleared` }, bit)),
         h("small", {}, `tick ${step.tick}`)))),
       h("p.event-by", {}, execution.viewer && h("span", {}, `By ${execution.viewer}`),
         h("button", { type: "button", onclick: () => this.#showTime(execution) }, icon("trends"), "Show this moment")));
     return h(`li.event.${kind}`, {}, details);
   }
 
-  /** Shows the trends of the moment in which it began, if they are still kept. */
+  /** Shows the trends of the moment in which it began, if they are still kept. @param {Execution} execution */
   #showTime(execution) {
-    const tick = execution.steps.at(-1).tick;
+    const { tick } = execution.steps[execution.steps.length - 1];
     const { samples, timeCursor, toasts } = this.app;
     if (tick < samples.first) {
       toasts.bad("That moment is not kept any more", { text: `The oldest that is kept is ${clock(samples.time(samples.first))}.` });
@@ -106,7 +117,12 @@ export class Events {
   }
 }
 
-/** What each fault that was raised means. */
+/** The bits or faults that an event set and cleared. @param {Execution["steps"][number]} step @returns {{ set: string[], clear: string[] }} */
+function changes(step) {
+  return "fault" in step ? step.fault : step;
+}
+
+/** The meaning of each fault that was raised. @param {FaultEvent} fault @param {Store} store */
 function faultAdvice({ set, refused }, store) {
   return [...set.map((word) => h("p", {}, store.faultText(word))), refused && h("p", {}, `${refused.text}.`)];
 }

@@ -13,7 +13,7 @@ import { Emitter } from "./emitter.js";
  * @property {string | null} object
  * @property {number} began Machine time, s.
  * @property {number} at Time of the day, ms since 1970.
- * @property {any[]} steps Its events.
+ * @property {Event[]} steps Its events, at least one.
  * @property {Set<string>} bits Bits that are set.
  * @property {string | null} text Its line of Structured Text.
  * @property {string | null} viewer

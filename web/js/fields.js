@@ -4,12 +4,33 @@
 import { h, options } from "./dom.js";
 import { exact } from "./format.js";
 
-/** Whether all of an operand's conditions hold for the values `{member: number}`. */
+/** @import { App } from "./app.js" */
+/** @import { Attributes } from "../types/dom.js" */
+/** @import { OperandForm, RangeForm } from "../types/protocol.js" */
+
+/** Values of the words that are chosen, by member. @typedef {Record<string, number>} Words */
+
+/**
+ * The input of a field. `read` gives the operand's value, or throws a text that says what is wrong.
+ * @typedef {object} Input
+ * @property {HTMLInputElement | HTMLSelectElement} input
+ * @property {() => string | number | number[]} read
+ * @property {(value: unknown) => void} write
+ */
+
+/**
+ * A field of a form: an operand with its input.
+ * @typedef {Input & {
+ *   id: string, operand: OperandForm, label: HTMLElement, note: HTMLElement, suffix: HTMLElement, row: HTMLElement, mate: Field | null, hosted: boolean,
+ * }} Field
+ */
+
+/** Whether all of an operand's conditions hold for the values `{member: number}`. @param {Pick<OperandForm, "shown_when">} operand @param {Words} values */
 export function isShown(operand, values) {
-  return (operand.shown_when ?? []).every(({ member, in: allowed }) => allowed.includes(values[member]));
+  return (operand.shown_when ?? []).every(({ member, in: allowed }) => allowed.includes(values[member ?? ""]));
 }
 
-/** Text of a range: `more than 0`, `0 to 100`. */
+/** Text of a range: `more than 0`, `0 to 100`. @param {RangeForm | null | undefined} range @param {Words} values */
 export function rangeText(range, values = {}) {
   if (!range) return "";
   const most = highest(range, values);
@@ -19,13 +40,20 @@ export function rangeText(range, values = {}) {
   return range.min_exclusive ? `${least}, at most ${most}` : `${range.min} to ${most}`;
 }
 
+/** @param {RangeForm} range @param {Words} values @returns {number | null} */
 function highest(range, values) {
   const { max_when: rule } = range;
-  if (rule?.in.includes(values[rule.member])) return rule.max;
+  if (rule?.in.includes(values[rule.member ?? ""])) return rule.max;
   return range.max ?? null;
 }
 
-/** What is wrong with a number in a range; `null` if nothing is. */
+/**
+ * What is wrong with a number in a range; `null` if nothing is.
+ * @param {Pick<OperandForm, "kind" | "range">} operand
+ * @param {number} value
+ * @param {Words} values
+ * @returns {string | null}
+ */
 export function fault(operand, value, values) {
   if (!Number.isFinite(value)) return "a number is expected";
   if (operand.kind === "integer" && !Number.isInteger(value)) return "a whole number is expected";
@@ -37,58 +65,77 @@ export function fault(operand, value, values) {
   return wrong ? `${rangeText(range, values)} is expected` : null;
 }
 
-/** A typed number; a comma is taken for a point, a real minus for a hyphen. */
+/** A typed number; a comma is taken for a point, a real minus for a hyphen. @param {string} text */
 export function number(text) {
   const plain = text.trim().replace(",", ".").replace("\u2212", "-");
   return plain === "" ? NaN : Number(plain);
 }
 
-/** Numbers with commas or blanks between them, with or without brackets. */
+/** Numbers with commas or blanks between them, with or without brackets. @param {string} text */
 export function numbers(text) {
   const plain = text.replace(/[[\]]/g, " ").trim();
   return plain === "" ? [] : plain.split(/[\s,;]+/).map(number);
 }
 
 /**
- * A field: `{element, read(), write(value)}`. `read` gives the operand's value, or throws a text that says what is wrong.
+ * The field of an operand. Its `mate` is the field that stands in the same row, with `hosted` set.
+ * @param {OperandForm} operand
+ * @param {App} app
+ * @param {() => Words} values
+ * @param {() => void} changed
+ * @returns {Field}
  */
 export function field(operand, app, values, changed) {
   const id = `operand-${operand.member}-${Math.random().toString(36).slice(2, 8)}`;
   const common = { id, "data-member": operand.member, "aria-describedby": `${id}-note`, oninput: changed, onchange: changed };
-  const make = { word: words, target: names, reference: names, number: scalar, integer: scalar }[operand.kind] ?? plainText;
-  const made = make(operand, app, values, common);
+  const make = INPUTS[operand.kind] ?? plainText;
   const note = h("small.field-note", { id: `${id}-note` });
   const label = h("label", { for: id, title: operand.help }, operand.name);
-  return { id, operand, label, note, ...made };
+  const row = h("div.field", { "data-row": operand.member });
+  return { id, operand, label, note, suffix: h("span.suffix"), row, mate: null, hosted: false, ...make(operand, app, values, common) };
 }
 
+/** Makes the input of an operand by its kind. @type {Partial<Record<import("../types/protocol.js").OperandKind, typeof scalar>>} */
+const INPUTS = { word: words, target: names, reference: names, number: scalar, integer: scalar };
+
+/** @param {OperandForm} operand @param {App} _app @param {() => Words} _values @param {Attributes} common @returns {Input} */
 function words(operand, _app, _values, common) {
   const input = h("select", common);
-  options(input, operand.words.map(({ value, title, text }) => [value, title ?? text]), operand.default);
+  options(input, (operand.words ?? []).map(({ value, title, text }) => [value, title ?? text]), operand.default);
   return { input, read: () => Number(input.value), write: (value) => (input.value = String(value)) };
 }
 
+/** @param {OperandForm} operand @param {App} app @param {() => Words} _values @param {Attributes} common @returns {Input} */
 function names(operand, app, _values, common) {
   const { machine } = app.store;
+  /** @type {Partial<Record<string, { name: string }[]>>} */
   const lists = { CoordinateSystem: machine.coordinate_systems, Axis: machine.axes };
-  const list = lists[operand.object]?.map(({ name }) => name) ?? [machine.group];
+  const list = lists[operand.object ?? ""]?.map(({ name }) => name) ?? [machine.group];
   const input = h("select", common);
   options(input, list);
-  return { input, read: () => input.value, write: (value) => (input.value = value) };
+  return { input, read: () => input.value, write: (value) => (input.value = String(value)) };
 }
 
+/** @param {OperandForm} operand @param {App} _app @param {() => Words} values @param {Attributes} common @returns {Input} */
 function scalar(operand, _app, values, common) {
-  const input = h("input", { ...common, type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false", value: exact(operand.default ?? 0) });
+  const input = h("input", { ...common, type: "text", inputmode: "decimal", autocomplete: "off", spellcheck: "false", value: exact(Number(operand.default)) });
   const read = () => {
     const value = number(input.value);
     const wrong = fault(operand, value, values());
     if (wrong) throw wrong;
     return value;
   };
-  return { input, read, write: (value) => (input.value = exact(value)) };
+  return { input, read, write: (value) => (input.value = exact(Number(value))) };
 }
 
-/** Tags by name, and arrays as lists of numbers or the name of a tag. */
+/**
+ * Tags by name, and arrays as lists of numbers or the name of a tag.
+ * @param {OperandForm} operand
+ * @param {App} _app
+ * @param {() => Words} _values
+ * @param {Attributes} common
+ * @returns {Input}
+ */
 function plainText(operand, _app, _values, common) {
   const array = operand.kind === "array" || operand.kind === "array_or_none";
   const optional = ["array_or_none", "written_array", "structure_or_none"].includes(operand.kind);
@@ -107,5 +154,5 @@ function plainText(operand, _app, _values, common) {
     if (!list.every(Number.isFinite)) throw "numbers with commas between them are expected";
     return list;
   };
-  return { input, read, write: (value) => (input.value = Array.isArray(value) ? value.map(exact).join(", ") : value || "") };
+  return { input, read, write: (value) => (input.value = Array.isArray(value) ? value.map(exact).join(", ") : String(value || "")) };
 }

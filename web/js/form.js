@@ -2,11 +2,14 @@
 // a preview before anything moves; and the button that runs it.
 
 import { refusalOf } from "./connection.js";
-import { calm, fill, h, icon, state, text } from "./dom.js";
+import { calm, fill, found, h, icon, state, text } from "./dom.js";
 import { field, isShown, rangeText } from "./fields.js";
 import { rate } from "./format.js";
 import { NOISE, TargetTable } from "./target.js";
 import { explanation } from "./toasts.js";
+
+/** @import { Field } from "./fields.js" */
+/** @import { OperandForm } from "../types/protocol.js" */
 
 const LINE_MS = 120;
 const PREVIEW_MS = 350;
@@ -23,6 +26,10 @@ export class InstructionForm {
   sure = null;
   /** The checked line, or `null`. @type {string | null} */
   line = null;
+  /** Position units of its first axis. */
+  units = "";
+  /** The object whose axes the table shows. */
+  shownObject = "";
 
   /**
    * @param {import("./app.js").App} app
@@ -37,7 +44,9 @@ export class InstructionForm {
     this.app = app;
     this.instruction = instruction;
     this.onobject = onobject;
+    /** @type {Map<string, Field>} */
     this.fields = new Map();
+    /** Members of the operands that a person has edited. @type {Set<string>} */
     this.touched = new Set();
     this.asked = 0;
     const { target_position: rule } = instruction;
@@ -50,8 +59,8 @@ export class InstructionForm {
     this.target = instruction.operands[0];
     this.control = instruction.operands.find(({ kind }) => kind === "control");
     for (const [member, value] of Object.entries(values)) this.fields.get(member)?.write(value);
-    this.fields.get(this.target.member).write(object);
-    if (this.control) this.fields.get(this.control.member).write(nextTag());
+    this.#field(this.target.member).write(object);
+    if (this.control) this.#field(this.control.member).write(nextTag());
     this.code = h("code");
     this.copy = h("button", { type: "button", onclick: () => this.#copy() }, icon("copy"), "Copy");
     this.problem = h("div.problem", { role: "alert", hidden: true });
@@ -73,58 +82,61 @@ export class InstructionForm {
     this.#changed();
   }
 
-  /** The name of what it acts on. */
+  /** The name of the axis, coordinate system or group that it acts on. */
   get object() {
-    return this.fields.get(this.target.member).read();
+    return this.#field(this.target.member).input.value;
   }
 
-  /** Acts on another object from now on. */
+  /** @param {string} member */
+  #field(member) {
+    return found(this.fields.get(member), member);
+  }
+
+  /** Acts on another object from now on. @param {string} object */
   setObject(object) {
-    const input = this.fields.get(this.target.member);
-    if (input.read() === object) return;
-    input.write(object);
+    if (this.object === object) return;
+    this.#field(this.target.member).write(object);
     this.#object();
     this.#changed();
   }
 
-  /** Writes a value that nobody has chosen: it follows the machine. */
+  /** Writes a value that nobody has chosen: it follows the machine. @param {string} member @param {number} value */
   follow(member, value) {
-    const { input, read, write } = this.fields.get(member);
-    if (this.touched.has(member) || input === document.activeElement || Math.abs(read() - value) <= NOISE) return;
+    const { input, read, write } = this.#field(member);
+    if (this.touched.has(member) || input === document.activeElement || Math.abs(Number(read()) - value) <= NOISE) return;
     write(value);
     this.#changed();
   }
 
   /** The numbers of the words that are chosen. */
   words() {
+    /** @type {Record<string, number>} */
     const values = {};
     for (const [member, { operand, input }] of this.fields) if (operand.kind === "word") values[member] = Number(input.value);
     return values;
   }
 
+  /** @param {string[] | null} first */
   #layout(first) {
-    const hosts = new Map();
     const rows = [];
-    for (const [member, item] of this.fields) {
+    for (const item of this.fields.values()) {
       const { unit } = item.operand;
       // A number and the word that says its unit stand together; the word has no row of its own.
-      const mate = unit?.member && !hosts.has(unit.member) ? this.fields.get(unit.member) : null;
-      if (mate) {
-        hosts.set(unit.member, member);
-        mate.hosted = true;
-      }
-      item.suffix = h("span.suffix");
+      const mate = unit && "member" in unit ? this.fields.get(unit.member ?? "") : null;
+      if (!mate || mate.hosted) continue;
+      mate.hosted = true;
       item.mate = mate;
     }
     for (const [member, item] of this.fields) {
       if (item.hosted) continue;
       const inputs = item.mate ? h("div.pair", {}, item.input, item.mate.input) : h("div.pair", {}, item.input, item.suffix);
       item.mate?.input.setAttribute("aria-label", item.mate.operand.name);
-      item.row = h("div.field", { "data-row": member }, item.label, inputs, item.note);
+      fill(item.row, item.label, inputs, item.note);
       if (item.mate) item.mate.row = item.row;
       rows.push({ member, row: item.row });
     }
-    const seen = (member) => !first || first.includes(member);
+    const seen = (/** @type {string} */ member) => !first || first.includes(member);
+    /** @type {HTMLElement[]} */
     const parts = [h("div.fields", {}, rows.filter(({ member }) => seen(member)).map(({ row }) => row))];
     if (this.table) parts.splice(1, 0, this.table.element);
     const more = rows.filter(({ member }) => !seen(member));
@@ -141,7 +153,7 @@ export class InstructionForm {
     this.onobject?.(object);
   }
 
-  /** A form shows a preview by itself only after an edit, and not after it has run. */
+  /** A form shows a preview by itself only after an edit, and not after it has run. @param {string} member */
   #edit(member = "") {
     this.edited = true;
     this.touched.add(member);
@@ -159,6 +171,7 @@ export class InstructionForm {
     this.later();
   }
 
+  /** @param {Field} item @param {Record<string, number>} words */
   #annotate(item, words) {
     const { operand } = item;
     item.row.hidden = !isShown(operand, words);
@@ -166,18 +179,20 @@ export class InstructionForm {
     text(item.note, [operand.help, rangeText(operand.range, words)].filter(Boolean).join(" · "));
   }
 
+  /** @param {OperandForm} operand */
   #unit(operand) {
     const { unit } = operand;
     if (!unit) return "";
-    if (unit.member) {
-      const mate = this.fields.get(unit.member);
-      return mate?.input.selectedOptions[0]?.textContent ?? "";
+    if ("member" in unit) {
+      const mate = this.fields.get(unit.member ?? "");
+      return mate?.input instanceof HTMLSelectElement ? mate.input.selectedOptions[0]?.textContent ?? "" : "";
     }
     return unit.text === "position" ? rate(this.units, 0) : unit.text;
   }
 
   /** The operands by member; marks what is wrong and gives `null`. */
   #read() {
+    /** @type {Record<string, unknown>} */
     const operands = {};
     const wrong = [];
     const words = this.words();
@@ -204,6 +219,7 @@ export class InstructionForm {
     return null;
   }
 
+  /** @param {unknown} error */
   #say(error) {
     this.problem.hidden = !error;
     fill(this.problem, error ? explanation(error) : "");
@@ -230,15 +246,16 @@ export class InstructionForm {
     this.update();
   }
 
-  /** Marks the operand that an error names: by member, or by EXERR of "Parameter Out Of Range". */
+  /** Marks the operand that an error names: by member, or by EXERR of "Parameter Out Of Range". @param {unknown} error */
   #mark(error) {
     const { err, exerr, member: named } = refusalOf(error);
     const counted = err === 13 && typeof exerr === "number" ? this.instruction.operands[exerr]?.member : null;
     const member = named ?? counted ?? "";
     this.fields.get(member)?.input.setAttribute("aria-invalid", "");
-    this.fields.get(member)?.row?.closest("details")?.setAttribute("open", "");
+    this.fields.get(member)?.row.closest("details")?.setAttribute("open", "");
   }
 
+  /** @param {boolean} quiet */
   async #preview(quiet = false) {
     if (!this.line || !this.moves) return;
     const turn = this.asked;
@@ -277,7 +294,10 @@ export class InstructionForm {
       this.app.setPreview(null);
       this.#say(null);
       this.app.toasts.good(`${this.instruction.mnemonic} accepted`);
-      if (this.control) this.fields.get(this.control.member).write(nextTag(this.fields.get(this.control.member).read()));
+      if (this.control) {
+        const { input, write } = this.#field(this.control.member);
+        write(nextTag(input.value.trim()));
+      }
       this.#changed();
     } catch (error) {
       this.#mark(error);
@@ -308,7 +328,7 @@ export class InstructionForm {
   }
 }
 
-/** The next of a few motion control tags; a name that a user has typed is kept. */
+/** The next of a few motion control tags; a name that a user has typed is kept. @param {string} present */
 function nextTag(present = "") {
   if (present !== "" && !/^Hmi[1-8]$/.test(present)) return present;
   lastTag = (lastTag % TAGS) + 1;

@@ -2,42 +2,60 @@
 
 import { decimals, fixed, niceStep } from "./format.js";
 
+/** @import { Box, Camera, Plane, Projection } from "./camera.js" */
+/** @import { Palette } from "./theme.js" */
+
 const LABEL_EVERY = 72;
 const EDGE = 4;
 /** Free room around a number. */
 const CLEAR = 3;
 
-/** For each fixed look: the place in the world of the picture's x and y. */
+/** For each fixed look: the coordinates of the world that are the picture's x and y. @type {Record<Plane, [number, number]>} */
 const PLANES = { top: [0, 1], front: [0, 2], side: [1, 2] };
 
-/** Writes numbers that do not touch each other: of two that would, the first stays. */
+/** Writes numbers that are inside the picture and do not touch each other: of two that would, the first stays. */
 class Labels {
+  /** The boxes of the numbers: left, top, right, bottom. @type {[number, number, number, number][]} */
   #taken = [];
 
+  /** @param {CanvasRenderingContext2D} context */
   constructor(context) {
     this.context = context;
+    const { canvas } = context;
+    const { a: ratio } = context.getTransform();
+    this.width = canvas.width / ratio;
+    this.height = canvas.height / ratio;
   }
 
-  /** Writes a text at a place with the alignment of the context, if there is room for it. */
+  /** Writes a text at a place with the alignment of the context, if there is room for it. @param {string} text @param {number} x @param {number} y */
   write(text, x, y) {
     const { width, actualBoundingBoxLeft: left, actualBoundingBoxAscent: above, actualBoundingBoxDescent: below } = this.context.measureText(text);
+    /** @type {[number, number, number, number]} */
     const box = [x - left - CLEAR, y - above - CLEAR, x - left + width + CLEAR, y + below + CLEAR];
+    if (box[0] < -CLEAR || box[1] < -CLEAR || box[2] > this.width + CLEAR || box[3] > this.height + CLEAR) return;
     if (this.#taken.some((other) => box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])) return;
     this.#taken.push(box);
     this.context.fillText(text, x, y);
   }
 }
 
-/** Draws the grid of a look along an axis over the whole picture, with numbers at its edges. */
+/**
+ * Draws the grid of a look along an axis over the whole picture, with numbers at its edges.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Plane} plane
+ * @param {Palette} colours
+ * @param {string[]} names
+ */
 export function flatGrid(context, camera, plane, colours, names) {
   const [across, along] = PLANES[plane];
   const step = niceStep(LABEL_EVERY / camera.scale);
   const places = decimals(step);
   const { width, tall, scale, centre } = camera;
   const sign = plane === "side" ? camera.axes().right[1] : camera.axes().right[0];
-  const x = (value) => width / 2 + sign * scale * (value - centre[across]);
-  const y = (value) => tall / 2 - scale * (value - centre[along]);
-  const span = (size, middle) => {
+  const x = (/** @type {number} */ value) => width / 2 + sign * scale * (value - centre[across]);
+  const y = (/** @type {number} */ value) => tall / 2 - scale * (value - centre[along]);
+  const span = (/** @type {number} */ size, /** @type {number} */ middle) => {
     const half = size / 2 / scale;
     return [Math.ceil((middle - half) / step), Math.floor((middle + half) / step)];
   };
@@ -65,16 +83,23 @@ export function flatGrid(context, camera, plane, colours, names) {
   context.fillText(names[along] ? `↑ ${names[along]}` : "", width - 8, tall - 36);
 }
 
-/** Draws a grid on the ground of the third dimension, a little larger than a box. */
-export function groundGrid(context, project, [low, high], colours) {
+/**
+ * Draws a grid on the ground of the third dimension, a little larger than a box.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Projection} project
+ * @param {Box} box
+ * @param {Palette} colours
+ */
+export function groundGrid(context, project, box, colours) {
+  const [low, high] = box;
   const span = Math.max(high[0] - low[0], high[1] - low[1], 1e-6);
   const step = niceStep(span / 8);
-  const range = (k) => [Math.floor(low[k] / step), Math.ceil(high[k] / step)];
+  const range = (/** @type {number} */ k) => [Math.floor(low[k] / step), Math.ceil(high[k] / step)];
   const [x0, x1] = range(0);
   const [y0, y1] = range(1);
   const ground = Math.min(low[2], 0);
   context.lineWidth = 1;
-  const line = (a, b, strong) => {
+  const line = (/** @type {number[]} */ a, /** @type {number[]} */ b, /** @type {boolean} */ strong) => {
     context.strokeStyle = strong ? colours.line : colours.grid;
     context.beginPath();
     context.moveTo(...project(a[0], a[1], ground));
@@ -93,7 +118,14 @@ export function groundGrid(context, project, [low, high], colours) {
   for (let k = y0; k <= y1; k += k % 2 ? 1 : 2) labels.write(fixed(k * step, places), ...project((x0 - 0.5) * step, k * step, ground));
 }
 
-/** Draws the directions of the axes in the lower left corner. */
+/**
+ * Draws the directions of the axes in the lower left corner.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Camera} camera
+ * @param {Palette} colours
+ * @param {string[]} names
+ * @param {(name: string, k: number) => string} axisColour
+ */
 export function triad(context, camera, colours, names, axisColour) {
   const { right, up } = camera.axes();
   const [x, y, length] = [46, camera.tall - 46, 26];

@@ -21,7 +21,7 @@ export class History {
     this.#known = this.app.samples.end;
   }
 
-  /** Takes a binary message. */
+  /** Takes a binary message. @param {ArrayBuffer} buffer */
   take(buffer) {
     const { samples } = this.app;
     if (Samples.isHistory(buffer)) {
@@ -35,7 +35,7 @@ export class History {
     this.#load(start, known);
   }
 
-  /** Fills the ticks from `known` to before `before`, as far as the server has them. */
+  /** Fills the ticks from `known` to before `before`, as far as the server has them. @param {number} before @param {number} known */
   async #load(before, known) {
     const { connection, samples } = this.app;
     const turn = this.#turn;

@@ -12,6 +12,7 @@ const KEEP_MS = 50;
  * @extends {Emitter<{ change: void }>}
  */
 export class Jogger extends Emitter {
+  /** The speeds of the axes that are held. @type {Map<string, number>} */
   #held = new Map();
   #timer = 0;
 
@@ -26,12 +27,12 @@ export class Jogger extends Emitter {
     app.connection.on("lost", () => this.#forget());
   }
 
-  /** Whether an axis is held. */
+  /** Whether an axis is held. @param {string} axis */
   holds(axis) {
     return this.#held.has(axis);
   }
 
-  /** Moves an axis at a speed in units/s, its sign the direction, until `end`. Speed 0 is no jog. */
+  /** Moves an axis at a speed in units/s, its sign the direction, until `end`. Speed 0 is no jog. @param {string} axis @param {number} speed */
   async begin(axis, speed) {
     if (!speed || this.#held.has(axis) || document.hidden) return;
     this.#held.set(axis, speed);
@@ -45,7 +46,7 @@ export class Jogger extends Emitter {
     }
   }
 
-  /** Lets go of an axis. */
+  /** Lets go of an axis. @param {string} axis */
   end(axis) {
     if (!this.#held.delete(axis)) return;
     this.app.connection.tell("jog_end", { axis });
@@ -61,7 +62,7 @@ export class Jogger extends Emitter {
     for (const axis of this.#held.keys()) this.#keepOne(axis);
   }
 
-  /** A server that has stopped the axis by itself, since it heard nothing for too long, is believed. */
+  /** A server that has stopped the axis by itself, since it heard nothing for too long, is believed. @param {string} axis */
   async #keepOne(axis) {
     try {
       await this.app.connection.request("keep", { axis });
@@ -86,7 +87,12 @@ export class Jogger extends Emitter {
     this.emit("change", undefined);
   }
 
-  /** Makes a button that is held: by pointer, or by Space or Enter while it has the focus. */
+  /**
+   * Makes a button that is held: by pointer, or by Space or Enter while it has the focus.
+   * @param {HTMLButtonElement} button
+   * @param {string} axis
+   * @param {() => number} speed
+   */
   attach(button, axis, speed) {
     const end = () => this.end(axis);
     button.addEventListener("pointerdown", (event) => {

@@ -42,8 +42,9 @@ export function withLegend(picture, width, heading, lines, colours) {
   const context = /** @type {CanvasRenderingContext2D} */ (out.getContext("2d"));
   const font = `12px ${colours.font}`;
   context.font = font;
-  const name = (line) => `${line.name} (${line.unit})`;
-  const wide = (line) => SWATCH + 6 + context.measureText(name(line)).width + GAP;
+  /** @typedef {typeof lines[number]} Line */
+  const name = (/** @type {Line} */ line) => `${line.name} (${line.unit})`;
+  const wide = (/** @type {Line} */ line) => SWATCH + 6 + context.measureText(name(line)).width + GAP;
   const list = rows(lines, wide, width - 2 * EDGE);
   const height = LINE * (list.length + 1) + 2 * EDGE;
   const ratio = picture.width / width;

@@ -3,6 +3,8 @@
 import { chips, fill, h, icon, property, state, text } from "./dom.js";
 import { duration, fixed, rate } from "./format.js";
 
+/** @import { AxisConfiguration, AxisStatus, SystemConfiguration, SystemStatus } from "../types/protocol.js" */
+
 /** Bits of an axis's status words and what the axis does while one is set, the most telling first. */
 const DOING = [["HomingStatus", "Homing"], ["JogStatus", "Jogging"], ["PositionCamStatus", "Following a cam"], ["TimeCamStatus", "Following a cam"],
   ["GearingStatus", "Geared"], ["MoveStatus", "Moving (MAM)"], ["CoordinatedMotionStatus", "Coordinated move"], ["ControlledByTransformStatus", "Led by a transform"], ["StoppingStatus", "Stopping"]];
@@ -14,8 +16,8 @@ export class Machine {
   constructor(app) {
     this.app = app;
     const { machine } = app.store;
-    this.axes = machine.axes.map((axis) => this.#axis(axis));
-    this.systems = machine.coordinate_systems.map((system) => this.#system(system));
+    this.axes = machine.axes.map((axis) => this.row(axis));
+    this.systems = machine.coordinate_systems.map((system) => this.card(system));
     this.health = Object.fromEntries(["state", "tick", "p50", "p99", "max", "missed"].map((name) => [name, h("dd")]));
     this.groupBits = statusBits();
     this.faults = h("ul.faults", { "aria-label": "Faults and what to do", hidden: true });
@@ -33,9 +35,10 @@ export class Machine {
         this.groupBits.element));
   }
 
-  #axis(axis) {
+  /** @param {AxisConfiguration} axis */
+  row(axis) {
     const place = this.app.store.series(axis.name);
-    const cell = (label, kind = "td") => h(kind, { "data-label": label });
+    const cell = (/** @type {string} */ label, kind = "td") => h(kind, { "data-label": label });
     const cells = {
       command: cell("Command", "td.number"), actual: cell("Actual", "td.number.strong"), error: cell("Error", "td.number"),
       velocity: cell("Velocity", "td.number"), state: cell("State"), mover: cell("Moved by"), homed: cell("Homed"), servo: cell("Servo"), faults: cell("Faults"),
@@ -47,7 +50,8 @@ export class Machine {
     return { axis, row, ...cells, bar, velocity };
   }
 
-  #system(system) {
+  /** @param {SystemConfiguration} system */
+  card(system) {
     const part = {
       active: h("p.active-move"), progress: h("progress", { max: 1, value: 0, "aria-label": "Progress of the active move" }),
       pending: h("p.pending-moves"), speed: h("output.big"), speedBar: h("span.bar"), override: h("dd"), position: h("dd.number"),
@@ -78,7 +82,7 @@ export class Machine {
       }));
     }
     const { realtime, group } = status;
-    const micro = (value) => (Number.isFinite(value) ? `${Math.round(value)} µs` : "–");
+    const micro = (/** @type {number} */ value) => (Number.isFinite(value) ? `${Math.round(value)} µs` : "–");
     text(this.health.state, group.bits.includes("GroupSynced") ? "Synchronized" : "–");
     text(this.health.tick, `${status.tick} · ${duration(status.time_s)}`);
     text(this.health.p50, micro(realtime?.p50_us));
@@ -89,6 +93,7 @@ export class Machine {
     this.groupBits.show(group?.bits ?? []);
   }
 
+  /** @param {ReturnType<Machine["row"]>} row @param {AxisStatus | undefined} status */
   #updateAxis(row, status) {
     if (!status) return;
     const { axis } = row;
@@ -109,6 +114,7 @@ export class Machine {
     chips(row.faults, status.faults, "chip.bad", "–");
   }
 
+  /** @param {ReturnType<Machine["card"]>} part @param {SystemStatus | undefined} status */
   #updateSystem(part, status) {
     if (!status) return;
     const { store } = this.app;
@@ -122,7 +128,7 @@ export class Machine {
       part.progress.value = active.progress ?? 0;
       const rest = [`${Math.round(100 * (active.progress ?? 0))} %`];
       if (Number.isFinite(active.remaining)) rest.push(`${fixed(active.remaining, 1)} to go`);
-      if (Number.isFinite(active.eta_s)) rest.push(duration(active.eta_s));
+      if (active.eta_s !== null) rest.push(duration(active.eta_s));
       text(part.active, `${active.instruction} ${active.tag || "unnamed"} · ${rest.join(" · ")}`);
     }
     const waiting = status.pending.map(({ tag, instruction }) => `${instruction} ${tag || "unnamed"}`);
@@ -140,7 +146,7 @@ export class Machine {
   }
 }
 
-/** What an axis does; a drive that runs may stand still. */
+/** What an axis does; a drive that runs may stand still. @param {AxisStatus} status */
 function standing({ state, moving, bits }) {
   if (state !== "Running") return state;
   const doing = DOING.find(([bit]) => bits?.includes(bit))?.[1];
@@ -153,13 +159,14 @@ function statusBits() {
   const element = h("details.bits", {}, h("summary", {}, icon("right"), count), list);
   return {
     element,
-    show: (bits) => {
+    show: (/** @type {string[]} */ bits) => {
       text(count, `${bits.length || "No"} status ${bits.length === 1 ? "bit" : "bits"} set`);
       chips(list, bits);
     },
   };
 }
 
+/** @param {number} value @param {number} most */
 function share(value, most) {
   const part = most > 0 ? Math.abs(value) / most : 0;
   return Math.min(1, Number.isFinite(part) ? part : 0).toFixed(3);

@@ -5,16 +5,20 @@ import { duration, fixed, rate } from "./format.js";
 import { BASE, PathCanvas } from "./path_canvas.js";
 import { Timebar } from "./timebar.js";
 
+/** @import { Look } from "./camera.js" */
+
+/** @type {[Look, string][]} */
 const LOOKS = [["space", "3D"], ["top", "Top"], ["front", "Front"], ["side", "Side"]];
+/** @type {[number, string][]} */
 const TRAILS = [[5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
 
 export class Path {
   title = "Path";
   /** This view shows the moment that is chosen. */
   hasTime = true;
-  /** The rows of the axes. @type {any[]} */
+  /** The rows of the axes. @type {{ axis: string, command: HTMLElement, error: HTMLElement }[]} */
   rows = [];
-  /** The rows of a robot's tool. @type {any[]} */
+  /** The rows of a robot's tool. @type {{ series: import("./samples.js").Series, place: HTMLElement }[]} */
   tool = [];
 
   /** @param {import("./app.js").App} app */
@@ -23,10 +27,14 @@ export class Path {
     const host = h("div.path-canvas");
     this.canvas = new PathCanvas(host, app);
     const names = app.store.machine.coordinate_systems.map((system) => system.name);
-    this.choice = h("select", { "aria-label": "Coordinate system", onchange: () => this.#show(this.choice.value) });
+    this.choice = h("select", { "aria-label": "Coordinate system", onchange: () => {
+      this.#show(this.choice.value);
+    } });
     options(this.choice, names);
     this.looks = segmented("Look", LOOKS, "space", (look) => this.canvas.look(look));
     const trail = segmented("Length of the trail", TRAILS, 20, (seconds) => (this.canvas.trailSeconds = seconds));
+    this.speed = h("output");
+    this.rest = h("small");
     this.readout = h("div.dro", { "aria-label": "Positions" });
     this.legend = this.#legend();
     this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
@@ -59,9 +67,14 @@ export class Path {
   }
 
   #layers() {
-    const titles = { path: "Path", trail: "Trail", tolerance: "Tolerances" };
-    const boxes = Object.entries(titles).map(([layer, title]) => h("label.check", {},
-      h("input", { type: "checkbox", checked: true, onchange: (event) => (this.canvas.layers[layer] = event.target.checked) }), title));
+    /** @type {[keyof PathCanvas["layers"], string][]} */
+    const titles = [["path", "Path"], ["trail", "Trail"], ["tolerance", "Tolerances"]];
+    const boxes = titles.map(([layer, title]) => {
+      const box = h("input", { type: "checkbox", checked: true, onchange: () => {
+        this.canvas.layers[layer] = box.checked;
+      } });
+      return h("label.check", {}, box, title);
+    });
     return h("div.choices", { role: "group", "aria-label": "What is drawn" }, boxes);
   }
 
@@ -70,14 +83,13 @@ export class Path {
     return h("ul.legend", { "aria-label": "Colours" }, items.map(([colour, title]) => h("li", {}, h("span", { "data-colour": colour }), title)));
   }
 
+  /** @param {string} name */
   #show(name) {
     this.canvas.show(name);
     const system = this.app.store.configuredSystem(name);
     this.looks.choose(system.axes.length > 2 ? "space" : "top");
     this.rows = system.axes.map((axis) => ({ axis, command: h("output"), error: h("small") }));
     this.tool = (this.app.samples.system(name).tool ?? []).map((series) => ({ series, place: h("output") }));
-    this.speed = h("output");
-    this.rest = h("small");
     const { store } = this.app;
     this.readout.replaceChildren(
       ...this.rows.map(({ axis, command, error }) => h("div", {}, h("span.dro-axis", { "data-series": store.series(axis) }, axis), command, h("abbr", {}, store.configuredAxis(axis).units), error)),

@@ -6,7 +6,10 @@ import { Stage, gestures } from "./canvas.js";
 import { flatGrid, groundGrid, triad } from "./grid.js";
 import { axisColour, palette } from "./theme.js";
 
-/** @import { Paths, Simulated, SystemConfiguration } from "../types/protocol.js" */
+/** @import { Box, Look, Point, Projection } from "./camera.js" */
+/** @import { Series } from "./samples.js" */
+/** @import { Palette } from "./theme.js" */
+/** @import { Circle, Paths, Simulated, SystemConfiguration } from "../types/protocol.js" */
 
 const TRAIL_POINTS = 1600;
 const TRAIL_SHADES = 6;
@@ -27,9 +30,9 @@ export class PathCanvas {
   /** What is drawn. */
   layers = { path: true, trail: true, tolerance: true };
   #untouched = true;
-  /** @type {[number[], number[]] | null} */
+  /** @type {Box | null} */
   #fitted = null;
-  /** @type {number[][]} */
+  /** @type {Point[]} */
   #points = [];
 
   /** @param {HTMLElement} host @param {import("./app.js").App} app @param {string} label */
@@ -54,13 +57,13 @@ export class PathCanvas {
     this.stage.element.addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** Shows a coordinate system, from above or in space. */
+  /** Shows a coordinate system, from above or in space. @param {string} name @param {Look | null} look */
   show(name, look = null) {
     this.system = this.app.store.configuredSystem(name);
     this.look(look ?? (this.system.axes.length > 2 ? "space" : "top"));
   }
 
-  /** Takes one of the fixed looks. */
+  /** Takes one of the fixed looks. @param {Look} name */
   look(name) {
     this.camera.look(LOOKS[name]);
     this.fit();
@@ -77,7 +80,7 @@ export class PathCanvas {
     this.stage.touch();
   }
 
-  /** Shows a preview, whole. */
+  /** Shows a preview, whole. @param {Simulated | null} preview */
   setPreview(preview) {
     this.preview = preview;
     if (preview || this.#untouched) this.fit();
@@ -89,6 +92,7 @@ export class PathCanvas {
     this.stage.touch();
   }
 
+  /** @param {number} dx @param {number} dy @param {PointerEvent} event @param {number} fingers */
   #drag(dx, dy, event, fingers) {
     const panning = fingers > 1 || event.shiftKey || event.buttons !== 1 || this.camera.plane !== null;
     if (panning) this.camera.pan(dx, dy);
@@ -96,13 +100,16 @@ export class PathCanvas {
     this.#touched();
   }
 
+  /** @param {KeyboardEvent} event */
   #key(event) {
     const step = 40;
+    /** @type {Partial<Record<string, [number, number]>>} */
     const moves = { ArrowLeft: [step, 0], ArrowRight: [-step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
     const middle = [this.camera.width / 2, this.camera.tall / 2];
-    if (moves[event.key]) {
-      if (event.shiftKey || this.camera.plane) this.camera.pan(moves[event.key][0], moves[event.key][1]);
-      else this.camera.orbit(moves[event.key][0], moves[event.key][1]);
+    const move = moves[event.key];
+    if (move) {
+      if (event.shiftKey || this.camera.plane) this.camera.pan(...move);
+      else this.camera.orbit(...move);
     } else if (event.key === "+" || event.key === "=") this.camera.zoom(1.25, middle[0], middle[1]);
     else if (event.key === "-") this.camera.zoom(0.8, middle[0], middle[1]);
     else if (event.key === "f" || event.key === "F") {
@@ -169,11 +176,13 @@ export class PathCanvas {
     return (this.preview?.paths ?? []).filter((path) => path.coordinate_system === this.system?.name);
   }
 
-  /** The least and the greatest coordinates of what is shown. @returns {[number[], number[]]} */
+  /** The least and the greatest coordinates of all that is drawn. @returns {Box} */
   #box() {
+    /** @type {Point} */
     const low = [Infinity, Infinity, Infinity];
+    /** @type {Point} */
     const high = [-Infinity, -Infinity, -Infinity];
-    const take = (p) => spread(p).forEach((value, k) => {
+    const take = (/** @type {number[]} */ p) => spread(p).forEach((value, k) => {
       if (!Number.isFinite(value)) return;
       low[k] = Math.min(low[k], value);
       high[k] = Math.max(high[k], value);
@@ -198,6 +207,7 @@ export class PathCanvas {
     return [low, high];
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {number} width @param {number} height */
   #draw(context, width, height) {
     const colours = palette();
     context.fillStyle = colours.canvas;
@@ -231,17 +241,18 @@ export class PathCanvas {
     if (!plane) triad(context, this.camera, colours, this.#names(), (name, k) => axisColour(this.system?.robot ? k : this.app.store.place(name)));
   }
 
-  /** Until somebody moves the picture it grows with what it shows; it does not shrink by itself. */
+  /** Until a person moves the picture, it grows with the points that it shows; it does not shrink by itself. @param {Box} shown */
   #keepInside([low, high]) {
     const [left, right] = this.#fitted ?? [low, high];
     const outside = low.some((value, k) => value < left[k] - 1e-9 || high[k] > right[k] + 1e-9);
     if (this.#fitted && !outside) return;
-    /** @type {[number[], number[]]} */
-    const box = [low.map((value, k) => Math.min(value, left[k])), high.map((value, k) => Math.max(value, right[k]))];
+    /** @type {Box} */
+    const box = [spread(low.map((value, k) => Math.min(value, left[k]))), spread(high.map((value, k) => Math.max(value, right[k])))];
     this.#fitted = this.#place() && box;
     this.camera.fit(box, this.covers());
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {Projection} project @param {Palette} colours */
   #drawTrail(context, project, colours) {
     const points = this.#points;
     const part = Math.ceil(points.length / TRAIL_SHADES);
@@ -252,6 +263,7 @@ export class PathCanvas {
     context.globalAlpha = 1;
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {Projection} project @param {Palette} colours */
   #drawPlace(context, project, colours) {
     const place = this.#place();
     if (!place) return;
@@ -274,14 +286,17 @@ export class PathCanvas {
   }
 }
 
+/** @param {number[]} values @returns {Point} */
 function spread(values) {
   return [values[0] ?? 0, values[1] ?? 0, values[2] ?? 0];
 }
 
+/** @param {Series[]} axes @param {number} tick */
 function point(axes, tick) {
   return spread(axes.map((series) => series.at(tick)));
 }
 
+/** @param {CanvasRenderingContext2D} context @param {Projection} project @param {number[][]} points @param {string} colour @param {number} width */
 function stroke(context, project, points, colour, width) {
   if (points.length < 2) return;
   context.strokeStyle = colour;
@@ -300,7 +315,14 @@ function stroke(context, project, points, colour, width) {
   context.stroke();
 }
 
-/** Tolerances are spheres, so every look shows them as circles. */
+/**
+ * Tolerances are spheres, so every look shows them as circles.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Projection} project
+ * @param {number} scale
+ * @param {Circle[]} list
+ * @param {string} colour
+ */
 function circles(context, project, scale, list, colour) {
   context.strokeStyle = colour;
   context.lineWidth = 1.25;
@@ -312,6 +334,7 @@ function circles(context, project, scale, list, colour) {
   }
 }
 
+/** @param {CanvasRenderingContext2D} context @param {Projection} project @param {number[][]} points @param {string} colour */
 function ends(context, project, points, colour) {
   const last = points.at(-1);
   if (!last) return;

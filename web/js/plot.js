@@ -3,6 +3,21 @@
 
 import { clock, decimals, duration, fixed, niceStep, short } from "./format.js";
 
+/** @import { Samples, Series } from "./samples.js" */
+/** @import { Palette } from "./theme.js" */
+
+/** @typedef {[least: number, greatest: number]} Range */
+
+/**
+ * A signal of a lane. `columns` is the memory of its last picture.
+ * @typedef {{ name: string, unit: string, colour: string, series: Series, dashes?: number[], columns?: Float64Array }} Line
+ */
+
+/**
+ * A lane: signals over one scale. The scale stays with it between frames, so that it does not tremble.
+ * @typedef {{ kind: string, title: string, unit: string, least: number, lines: Line[], range?: Range }} Lane
+ */
+
 /** Room for the numbers at the left and the times below, in pixels. */
 export const MARGIN = { left: 62, right: 12, top: 6, bottom: 22, gap: 8 };
 
@@ -10,26 +25,33 @@ const TITLE = 17;
 /** Least height of a step between two numbers at the left. */
 const LABEL = 24;
 
-/** Where each lane is: `{top, height}` in pixels. */
+/** Where each lane is: `{top, height}` in pixels. @param {number} count @param {number} height */
 export function places(count, height) {
   const room = height - MARGIN.top - MARGIN.bottom - MARGIN.gap * (count - 1);
   const each = room / Math.max(count, 1);
   return Array.from({ length: count }, (_, k) => ({ top: MARGIN.top + k * (each + MARGIN.gap), height: each }));
 }
 
-/** The tick at a pixel. */
+/** The tick at a pixel. @param {number} x @param {number} width @param {number} from @param {number} to */
 export function tickAt(x, width, from, to) {
   return from + ((x - MARGIN.left) / (width - MARGIN.left - MARGIN.right)) * (to - from);
 }
 
-/** The pixel of a tick. */
+/** The pixel of a tick. @param {number} tick @param {number} width @param {number} from @param {number} to */
 export function pixelOf(tick, width, from, to) {
   return MARGIN.left + ((tick - from) / (to - from)) * (width - MARGIN.left - MARGIN.right);
 }
 
 /**
- * Draws lanes `{title, unit, least, lines: [{colour, series, dashes}], range}` for the ticks `from` to `to`.
- * `range` is kept by the caller between frames so that the scale does not tremble.
+ * Draws lanes for the ticks `from` to `to`.
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} width
+ * @param {number} height
+ * @param {Lane[]} lanes
+ * @param {number} from
+ * @param {number} to
+ * @param {Samples} samples
+ * @param {Palette} colours
  */
 export function drawLanes(context, width, height, lanes, from, to, samples, colours) {
   context.fillStyle = colours.canvas;
@@ -40,11 +62,18 @@ export function drawLanes(context, width, height, lanes, from, to, samples, colo
     const { top, height: tall } = room[k];
     const columns = lane.lines.map((line) => (line.columns = extremaColumns(line.columns, line.series, from, to, width)));
     lane.range = settle(lane.range, reach(columns), lane.least);
-    drawLane(context, width, lane, columns, { top, tall, from, to }, colours);
+    drawLane(context, width, lane, columns, { top, tall, from, to, range: lane.range }, colours);
   });
 }
 
-/** Least and greatest of each column: `[tick, least, greatest, …]`, in the memory of the last picture if it is enough. */
+/**
+ * Least and greatest of each column: `[tick, least, greatest, …]`, in the memory of the last picture if it is enough.
+ * @param {Float64Array | undefined} memory
+ * @param {Series} series
+ * @param {number} from
+ * @param {number} to
+ * @param {number} width
+ */
 function extremaColumns(memory, series, from, to, width) {
   const pixels = Math.max(1, width - MARGIN.left - MARGIN.right);
   const ticks = (to - from) / pixels;
@@ -78,10 +107,12 @@ function reach(columns) {
   return least <= greatest ? [least, greatest] : [0, 0];
 }
 
-/** Grows at once and shrinks only when much room is unused. */
-function settle(range, [least, greatest], smallest) {
+/** Grows at once and shrinks only when much room is unused. @param {Range | undefined} range @param {Range} reached @param {number} smallest @returns {Range} */
+function settle(range, reached, smallest) {
+  const [least, greatest] = reached;
   const middle = (least + greatest) / 2;
   const half = Math.max((greatest - least) / 2, smallest / 2);
+  /** @type {Range} */
   const wanted = [middle - half * 1.08, middle + half * 1.08];
   if (!range) return wanted;
   const span = range[1] - range[0];
@@ -90,6 +121,15 @@ function settle(range, [least, greatest], smallest) {
   return inside && !small ? range : wanted;
 }
 
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} width
+ * @param {number} height
+ * @param {number} from
+ * @param {number} to
+ * @param {Samples} samples
+ * @param {Palette} colours
+ */
 function timeGrid(context, width, height, from, to, samples, colours) {
   const seconds = (to - from) * samples.period;
   const step = niceStep((seconds * 92) / Math.max(width - MARGIN.left, 1));
@@ -112,9 +152,17 @@ function timeGrid(context, width, height, from, to, samples, colours) {
   }
 }
 
-function drawLane(context, width, lane, columns, { top, tall, from, to }, colours) {
-  const [low, high] = lane.range;
-  const y = (value) => top + tall - ((value - low) / (high - low)) * tall;
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} width
+ * @param {Lane} lane
+ * @param {Float64Array[]} columns
+ * @param {{ top: number, tall: number, from: number, to: number, range: Range }} frame
+ * @param {Palette} colours
+ */
+function drawLane(context, width, lane, columns, { top, tall, from, to, range }, colours) {
+  const [low, high] = range;
+  const y = (/** @type {number} */ value) => top + tall - ((value - low) / (high - low)) * tall;
   const right = width - MARGIN.right;
   const step = niceStep(((high - low) * LABEL) / Math.max(tall, 1));
   const places = decimals(step);
@@ -151,10 +199,18 @@ function drawLane(context, width, lane, columns, { top, tall, from, to }, colour
   context.fillText(title, MARGIN.left + 8, top + 3 + TITLE / 2);
 }
 
+/** @param {number} value @param {number} places */
 function label(value, places) {
   return Math.abs(value) >= 1e5 ? short(value) : fixed(value, places);
 }
 
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Float64Array} column
+ * @param {Line} line
+ * @param {(tick: number) => number} x
+ * @param {(value: number) => number} y
+ */
 function drawLine(context, column, { colour, dashes = [] }, x, y) {
   context.strokeStyle = colour;
   context.lineWidth = 1.4;
@@ -183,7 +239,18 @@ function drawLine(context, column, { colour, dashes = [] }, x, y) {
   context.setLineDash([]);
 }
 
-/** Draws a cursor through all lanes, with its name at the top. */
+/**
+ * Draws a cursor through all lanes, with its name at the bottom.
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} width
+ * @param {number} height
+ * @param {number} tick
+ * @param {string | null} name
+ * @param {number} from
+ * @param {number} to
+ * @param {string} colour
+ * @param {Palette} colours
+ */
 export function drawCursor(context, width, height, tick, name, from, to, colour, colours) {
   const x = Math.round(pixelOf(tick, width, from, to)) + 0.5;
   if (x < MARGIN.left || x > width - MARGIN.right) return;
@@ -203,7 +270,17 @@ export function drawCursor(context, width, height, tick, name, from, to, colour,
   context.fillText(name, x, height - MARGIN.bottom + 8.5);
 }
 
-/** Says below the lanes where only a few ticks at a time are known, as `{from, to, every}`. */
+/**
+ * Marks below the lanes where only a few ticks at a time are known.
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} width
+ * @param {number} height
+ * @param {Samples["coarse"]} coarse
+ * @param {number} from
+ * @param {number} to
+ * @param {Samples} samples
+ * @param {Palette} colours
+ */
 export function drawCoarse(context, width, height, coarse, from, to, samples, colours) {
   for (const part of coarse) {
     const left = pixelOf(Math.max(part.from, from), width, from, to);

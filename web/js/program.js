@@ -1,5 +1,6 @@
 // The view of a program: edit, dry run, run, step, pause, stop. One program runs at a time, for all viewers.
 
+import { refusalOf } from "./connection.js";
 import { ControlBar } from "./control.js";
 import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
 import { Editor } from "./editor.js";
@@ -10,10 +11,14 @@ import { keep } from "./keep.js";
 import { STOPS } from "./form.js";
 import { explanation } from "./toasts.js";
 
-/** @import { ProgramStatus } from "../types/protocol.js" */
+/** @import { Store } from "./store.js" */
+/** @import { Machine, ProgramStatus } from "../types/protocol.js" */
 
 const KEY = "arcline.program";
 const CHECK_MS = 250;
+/** @type {Record<ProgramStatus["state"], string>} */
+const COLOURS = { idle: "calm", running: "busy", paused: "warn", ended: "good", failed: "bad" };
+/** @type {Record<ProgramStatus["state"], string>} */
 const WORDS = { idle: "No program is running", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
 
 /** What is shown before the server has told. @type {ProgramStatus} */
@@ -21,6 +26,14 @@ const IDLE = { state: "idle", line: null, viewer: null, error: null, run: -1 };
 
 export class Program {
   title = "Program";
+  /** The number of the newest program that was shown. @type {number | undefined} */
+  run;
+  /** Objects whose control the program needs. @type {string[]} */
+  needed = [];
+  /** Whether a program runs or is paused. */
+  active = false;
+  /** Whether the program is paused. */
+  paused = false;
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -31,9 +44,9 @@ export class Program {
       onchange: (source) => this.#changed(source),
     });
     this.status = h("span.pill", { role: "status" });
-    const button = (title, picture, action, kind = "") => h(kind ? `button.${kind}` : "button", { type: "button", onclick: action }, icon(picture), title);
+    const button = (/** @type {string} */ title, /** @type {string} */ picture, /** @type {() => void} */ action, kind = "") => h(kind ? `button.${kind}` : "button", { type: "button", onclick: action }, icon(picture), title);
     this.dry = button("Dry run", "eye", () => this.#dryRun());
-    this.runButton = button("Run", "run", () => this.#ask("run", { text: this.editor.text }), "primary");
+    this.runButton = button("Run", "run", () => this.#run(), "primary");
     this.step = button("Step", "step", () => this.#step());
     this.pause = button("Pause", "pause", () => this.#ask(this.paused ? "continue" : "pause"));
     this.end = button("Stop", "stop", () => this.#ask("end"), "danger");
@@ -44,7 +57,7 @@ export class Program {
     this.problem = h("div.problem", { role: "alert", hidden: true });
     const host = h("div.path-canvas.small");
     this.canvas = new PathCanvas(host, app, "Path of the program");
-    const systems = store.machine.coordinate_systems.map(({ name }) => [name, name]);
+    const systems = store.machine.coordinate_systems.map(({ name }) => /** @type {[string, string]} */ ([name, name]));
     this.control = new ControlBar(app);
     this.system = segmented("Coordinate system", systems.slice(0, 6), systems[0]?.[0], (name) => this.#showSystem(name));
     this.element = h("section.view.program", { "aria-label": this.title },
@@ -53,7 +66,7 @@ export class Program {
       h("div.program-body", {}, this.editor.element,
         h("div.program-side", {}, this.control.element, this.problem,
           h("div.panel", {}, h("div.row", {}, h("h2", {}, "Dry run"), h("span.spring"), this.system.element), host, this.facts.element, this.events))));
-    this.check = calm(CHECK_MS, (source) => this.#check(source));
+    this.check = calm(CHECK_MS, (/** @type {string} */ source) => this.#check(source));
     store.on("program", () => this.#program());
     this.editor.text = keep.get(KEY) ?? example(store.machine);
     if (systems.length) this.#showSystem(systems[0][0]);
@@ -70,6 +83,7 @@ export class Program {
     this.canvas.stage.stop();
   }
 
+  /** @param {string} name */
   #showSystem(name) {
     this.canvas.show(name);
     this.#showNeeded();
@@ -83,6 +97,7 @@ export class Program {
     this.update();
   }
 
+  /** @param {string} source */
   #changed(source) {
     keep.set(KEY, source);
     this.#say(null);
@@ -93,6 +108,7 @@ export class Program {
     this.check(source);
   }
 
+  /** @param {string} source */
   async #check(source) {
     if (!this.app.connection.isOpen) return;
     try {
@@ -124,10 +140,21 @@ export class Program {
     }
   }
 
-  async #ask(what, fields = {}) {
+  /** @param {"step" | "pause" | "continue" | "end"} what */
+  #ask(what) {
+    return this.#attempt(() => this.app.connection.request(what));
+  }
+
+  /** Runs the program; with `step` it pauses in front of the first statement. */
+  #run(step = false) {
+    return this.#attempt(() => this.app.connection.request("run", { text: this.editor.text, step }));
+  }
+
+  /** Makes a request, and shows its refusal. @param {() => Promise<unknown>} request */
+  async #attempt(request) {
     this.#say(null);
     try {
-      await this.app.connection.request(what, fields);
+      await request();
     } catch (error) {
       this.#fault(error);
     }
@@ -135,20 +162,24 @@ export class Program {
 
   /** Steps a program; the first step begins one. */
   async #step() {
-    if (!this.active) await this.#ask("run", { text: this.editor.text, step: true });
+    if (!this.active) await this.#run(true);
     else await this.#ask("step");
   }
 
+  /** @param {unknown} error */
   #fault(error) {
     this.failed = true;
-    if (error.line) this.editor.setErrors([{ line: error.line, column: error.column ?? 1, text: error.text }]);
+    const { line, column, text } = refusalOf(error);
+    if (line) this.editor.setErrors([{ line, column, text }]);
     this.#say(error);
   }
 
+  /** @param {unknown} error */
   #say(error) {
-    this.refusedFor = error?.control ?? null;
-    this.problem.hidden = !error;
-    fill(this.problem, error ? [error.line ? h("strong", {}, `Line ${error.line}`) : "", explanation(error)] : "");
+    const refusal = error ? refusalOf(error) : null;
+    this.refusedFor = refusal?.control ?? null;
+    this.problem.hidden = !refusal;
+    fill(this.problem, refusal && [refusal.line ? h("strong", {}, `Line ${refusal.line}`) : "", explanation(refusal)]);
   }
 
   #program() {
@@ -160,7 +191,7 @@ export class Program {
     this.paused = program.state === "paused";
     const who = this.active && program.viewer && program.viewer !== this.app.store.viewer ? ` for ${program.viewer}` : "";
     text(this.status, `${WORDS[program.state] ?? program.state}${this.active && program.line ? `, line ${program.line}` : ""}${who}`);
-    state(this.status, "kind", { running: "busy", paused: "warn", failed: "bad", ended: "good" }[program.state] ?? "calm");
+    state(this.status, "kind", COLOURS[program.state]);
     if (this.active && program.text !== undefined && program.text !== null && program.text !== this.editor.text) {
       this.editor.text = program.text;
       this.check(program.text);
@@ -196,7 +227,7 @@ export class Program {
   }
 
   async #open() {
-    const [file] = this.file.files;
+    const [file] = this.file.files ?? [];
     if (!file) return;
     this.editor.text = await file.text();
     this.file.value = "";
@@ -208,8 +239,9 @@ export class Program {
   }
 }
 
-/** The objects that the calls of a program move: their first operand, and every coordinate system that they name. */
+/** The objects that the calls of a program move: their first operand, and every coordinate system that they name. @param {string} source @param {Store} store */
 function moved(source, store) {
+  /** @type {Set<string>} */
   const names = new Set();
   const { axes, coordinate_systems: systems, group } = store.machine;
   const known = new Map([...axes, ...systems, { name: group }].map(({ name }) => [name.toLowerCase(), name]));
@@ -224,11 +256,11 @@ function moved(source, store) {
   return [...names];
 }
 
-/** A program to begin with, for the first coordinate system of two axes or more. */
+/** A program to begin with, for the first coordinate system of two axes or more. @param {Machine} machine */
 function example(machine) {
   const system = machine.coordinate_systems.find(({ axes }) => axes.length > 1) ?? machine.coordinate_systems[0];
   if (!system) return "";
-  const at = (...values) => `[${system.axes.map((_, k) => values[k] ?? 0).join(", ")}]`;
-  const move = (tag, place) => `MCLM(${system.name}, ${tag}, Absolute, ${place}, 50, %ofMaximum, 100, %ofMaximum, 100, %ofMaximum,\n     S-curve, 100, 100, %ofTime, CommandTolerance);`;
+  const at = (/** @type {number[]} */ ...values) => `[${system.axes.map((_, k) => values[k] ?? 0).join(", ")}]`;
+  const move = (/** @type {string} */ tag, /** @type {string} */ place) => `MCLM(${system.name}, ${tag}, Absolute, ${place}, 50, %ofMaximum, 100, %ofMaximum, 100, %ofMaximum,\n     S-curve, 100, 100, %ofTime, CommandTolerance);`;
   return `// A square with rounded corners. Dry run shows it before anything moves.\n${move("Hmi1", at(100, 0))}\n${move("Hmi2", at(100, 100))}\n${move("Hmi3", at(0, 100))}\n${move("Hmi4", at(0, 0))}\nWAIT(Hmi4.PC);\n`;
 }

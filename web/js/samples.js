@@ -5,13 +5,30 @@
 
 import { found } from "./dom.js";
 
+/** @import { Machine, SystemConfiguration } from "../types/protocol.js" */
+
+/**
+ * A frame: its first tick, how many rows, ticks of a row, signals, and the numbers of each row.
+ * @typedef {object} Frame
+ * @property {number} start
+ * @property {number} count
+ * @property {number} every
+ * @property {number} columns
+ * @property {(row: number, column: number, which: number) => number} value
+ */
+
+/** A signal whose values are in a memory of its own. @typedef {Series & { stored: Float32Array | Float64Array }} StoredSeries */
+
 const MAGIC = 0x31435241; // "ARC1", little-endian
 const HISTORY = 0x32435241; // "ARC2"
 const HEAD = 24;
 const SECONDS = 660;
 const BUCKETS = [16, 256];
 
-/** What is kept of each axis, and the unit's order of derivation. */
+/**
+ * The signals of each axis that are kept, and the order of derivation of their units.
+ * @type {{ kind: "position" | "velocity" | "acceleration" | "jerk" | "error", title: string, order: number }[]}
+ */
 export const KINDS = [
   { kind: "position", title: "Position", order: 0 },
   { kind: "velocity", title: "Velocity", order: 1 },
@@ -21,11 +38,12 @@ export const KINDS = [
 ];
 
 /** One signal: a value for each tick, and its extrema. */
-class Series {
-  constructor(owner, capacity, value, stored) {
+export class Series {
+  /** @param {Samples} owner @param {(tick: number) => number} value */
+  constructor(owner, value) {
+    const { capacity } = owner;
     this.owner = owner;
     this.value = value;
-    this.stored = stored;
     this.levels = BUCKETS.map((size) => ({
       size,
       least: new Float32Array(capacity / size).fill(NaN),
@@ -41,7 +59,13 @@ class Series {
     }
   }
 
-  /** Enters what is known of the ticks `from` to before `to` into the extrema, beside what is there. */
+  /**
+   * Enters what is known of the ticks `from` to before `to` into the extrema, beside what is there.
+   * @param {number} from
+   * @param {number} to
+   * @param {number} low
+   * @param {number} high
+   */
   cover(from, to, low, high) {
     if (Number.isNaN(low) || Number.isNaN(high)) return;
     for (const { size, least, greatest } of this.levels) {
@@ -53,12 +77,12 @@ class Series {
     }
   }
 
-  /** The value at a tick; NaN where there is none. */
+  /** The value at a tick; NaN where there is none. @param {number} tick */
   at(tick) {
     return tick >= this.owner.first && tick < this.owner.end ? this.value(tick) : NaN;
   }
 
-  /** Enters a value into the extrema; `begins` says that nothing older may remain. */
+  /** Enters a value into the extrema; `begins` says that nothing older may remain. @param {number} tick @param {number} value @param {boolean} begins */
   note(tick, value, begins) {
     for (const { size, least, greatest } of this.levels) {
       const place = Math.floor(tick / size) % least.length;
@@ -74,7 +98,13 @@ class Series {
     }
   }
 
-  /** Least and greatest of the ticks `from` to before `to` into `out`, from whole buckets of 1, 16 or 256 ticks. */
+  /**
+   * Least and greatest of the ticks `from` to before `to` into `out`, from whole buckets of 1, 16 or 256 ticks.
+   * @param {number} from
+   * @param {number} to
+   * @param {number} bucket
+   * @param {number[]} out
+   */
   extrema(from, to, bucket, out) {
     let least = NaN;
     let greatest = NaN;
@@ -109,10 +139,10 @@ export class Samples {
   first = 0;
   /** The tick behind the newest. */
   end = 0;
-  /** Where only a few ticks at a time are known: `{from, to, every}`. */
+  /** Where only a few ticks at a time are known. @type {{ from: number, to: number, every: number }[]} */
   coarse = [];
 
-  /** `machine` is the answer of `/api/machine`. */
+  /** `machine` is the answer of `/api/machine`. @param {Machine} machine */
   constructor(machine) {
     this.period = machine.period_s;
     const wanted = Math.ceil(SECONDS / this.period);
@@ -123,22 +153,22 @@ export class Samples {
     this.columns = this.axes.length * 4 + this.systems.length + this.tools.length;
   }
 
-  /** The signals of an axis by the kinds of `KINDS`, and `actual`. */
+  /** The signals of an axis by the kinds of `KINDS`, and `actual`. @param {string} name */
   axis(name) {
     return found(this.axes.find((axis) => axis.name === name), name);
   }
 
-  /** The path speed of a coordinate system, and of a robot's `tool`: where it is in the frame of the base; `null` of others. */
+  /** The path speed of a coordinate system, and of a robot's `tool`: where it is in the frame of the base; `null` of others. @param {string} name */
   system(name) {
     return found(this.systems.find((system) => system.name === name), name);
   }
 
-  /** Seconds since tick 0. */
+  /** Seconds since tick 0. @param {number} tick */
   time(tick) {
     return tick * this.period;
   }
 
-  /** Takes a frame; gives its first tick, or `null` if it was none of this machine. */
+  /** Takes a frame; gives its first tick, or `null` if it was none of this machine. @param {ArrayBuffer} buffer */
   add(buffer) {
     const frame = read(buffer, MAGIC);
     if (!frame || frame.columns !== this.columns) return null;
@@ -150,12 +180,12 @@ export class Samples {
     return start;
   }
 
-  /** Whether a frame is one of what was before. */
+  /** Whether a frame is one of what was before. @param {ArrayBuffer} buffer */
   static isHistory(buffer) {
     return buffer.byteLength >= HEAD && new DataView(buffer).getUint32(0, true) === HISTORY;
   }
 
-  /** Takes a frame of what was before the tick `before`, behind which everything is known. */
+  /** Takes a frame of what was before the tick `before`, behind which everything is known. @param {ArrayBuffer} buffer @param {number} before */
   fill(buffer, before) {
     const frame = read(buffer, HISTORY, this.columns);
     if (!frame || before > this.end) return;
@@ -184,12 +214,12 @@ export class Samples {
     else this.coarse.unshift({ from: oldest, to: until, every });
   }
 
-  /** Ticks from one known value to the next at a tick: 1 where every tick is known. */
+  /** Ticks from one known value to the next at a tick: 1 where every tick is known. @param {number} tick */
   step(tick) {
     return this.coarse.find(({ from, to }) => tick >= from && tick < to)?.every ?? 1;
   }
 
-  /** Straight lines between the first values of rows of a few ticks. */
+  /** Straight lines between the first values of rows of a few ticks. @param {Frame} frame @param {number} from @param {number} to */
   #lines({ start, count, every, value }, from, to) {
     for (let tick = from; tick < to; tick++) {
       const row = Math.floor((tick - start) / every);
@@ -204,9 +234,9 @@ export class Samples {
     }
   }
 
-  /** The extrema of a row of a few ticks. */
+  /** The extrema of a row of a few ticks. @param {Frame} frame @param {number} row @param {number} from @param {number} to */
   #extrema({ value }, row, from, to) {
-    const enter = (series, column) => series.cover(from, to, value(row, column, 1), value(row, column, 2));
+    const enter = (/** @type {Series} */ series, /** @type {number} */ column) => series.cover(from, to, value(row, column, 1), value(row, column, 2));
     this.axes.forEach((axis, k) => {
       for (const [column, series] of [axis.position, axis.velocity, axis.acceleration, axis.actual].entries()) enter(series, 4 * k + column);
       for (const [column, series] of [axis.jerk, axis.error].entries()) enter(series, this.columns + 2 * k + column);
@@ -215,13 +245,14 @@ export class Samples {
     for (const [k, series] of this.tools.entries()) enter(series, 4 * this.axes.length + this.systems.length + k);
   }
 
+  /** @param {(series: Series) => void} take */
   #each(take) {
     for (const axis of this.axes) axis.all.forEach(take);
     for (const system of this.systems) take(system.speed);
     this.tools.forEach(take);
   }
 
-  /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. */
+  /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. @param {number} start @param {number} count */
   #skipTo(start, count) {
     const restarted = start + count < this.end;
     if (this.end === 0 || restarted || start - this.end >= this.capacity) {
@@ -233,6 +264,7 @@ export class Samples {
     while (this.end < start) this.#put(this.end, () => NaN);
   }
 
+  /** @param {number} tick @param {(column: number) => number} column */
   #put(tick, column) {
     const begins = tick === this.first;
     this.end = tick + 1;
@@ -243,7 +275,7 @@ export class Samples {
     this.#each((series) => series.note(tick, series.value(tick), begins));
   }
 
-  /** Enters the values of a tick. */
+  /** Enters the values of a tick. @param {number} tick @param {(column: number) => number} column */
   #write(tick, column) {
     const place = tick % this.capacity;
     this.axes.forEach((axis, k) => {
@@ -257,15 +289,18 @@ export class Samples {
     for (const [k, series] of this.tools.entries()) series.stored[place] = column(4 * this.axes.length + this.systems.length + k);
   }
 
+  /** @param {Float32ArrayConstructor | Float64ArrayConstructor} kind */
   #kept(kind) {
     const stored = new kind(this.capacity);
-    return new Series(this, this.capacity, (tick) => stored[tick % this.capacity], stored);
+    return Object.assign(new Series(this, (tick) => stored[tick % this.capacity]), { stored });
   }
 
+  /** @param {(tick: number) => number} value */
   #derived(value) {
-    return new Series(this, this.capacity, value, null);
+    return new Series(this, value);
   }
 
+  /** @param {string} name */
   #axis(name) {
     const position = this.#kept(Float64Array);
     const velocity = this.#kept(Float32Array);
@@ -278,6 +313,7 @@ export class Samples {
     return { name, position, velocity, acceleration, error, actual, jerk, all };
   }
 
+  /** @param {SystemConfiguration} system */
   #system({ name, robot }) {
     const tool = robot ? [0, 1, 2].map(() => this.#kept(Float32Array)) : null;
     return { name, speed: this.#kept(Float32Array), tool };
@@ -287,6 +323,10 @@ export class Samples {
 /**
  * A frame: its first tick, how many rows, ticks of a row, signals, and `value(row, column, which)`. One that has more than
  * `known` signals has three numbers of each: the first value, the least and the greatest. `null` if it is none.
+ * @param {ArrayBuffer} buffer
+ * @param {number} magic
+ * @param {number} known
+ * @returns {Frame | null}
  */
 function read(buffer, magic, known = Infinity) {
   const view = new DataView(buffer);
@@ -298,6 +338,6 @@ function read(buffer, magic, known = Infinity) {
   if (buffer.byteLength < HEAD + columns * (8 + 4 * each * count)) return null;
   const bases = new Float64Array(buffer, HEAD, columns);
   const rows = new Float32Array(buffer, HEAD + 8 * columns, columns * each * count);
-  const value = (row, column, which) => bases[column] + rows[(row * columns + column) * each + which];
+  const value = (/** @type {number} */ row, /** @type {number} */ column, /** @type {number} */ which) => bases[column] + rows[(row * columns + column) * each + which];
   return { start: Number(view.getBigUint64(16, true)), count, every, columns, value };
 }

@@ -4,6 +4,9 @@ import { h, icon, fill, state, text, toggle } from "./dom.js";
 import { clock } from "./format.js";
 import * as theme from "./theme.js";
 
+/** @import { View } from "./app.js" */
+
+/** @type {Record<theme.Choice, [icon: string, title: string]>} */
 const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
 
 /** How long a tick that was missed is told in the bar; the machine view tells all of them. */
@@ -11,11 +14,18 @@ const MISSED_MS = 10_000;
 
 /** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
 export class Shell {
-  /** @param {import("./app.js").App} app */
+  /** @param {import("./app.js").App} app @param {[key: string, icon: string, view: View][]} views */
   constructor(app, views) {
     this.app = app;
     this.views = views;
+    /** The view that is shown. @type {View | null} */
+    this.view = null;
+    /** @type {Map<string, HTMLElement>} */
     this.links = new Map();
+    /** Missed ticks at the newest status. @type {number | undefined} */
+    this.missed = undefined;
+    this.newlyMissed = 0;
+    this.missedAt = -Infinity;
     this.link = h("span.pill", { role: "status" });
     this.motion = h("span.pill.wide-only");
     this.control = h("span.pill.wide-only.narrow-too");
@@ -50,12 +60,13 @@ export class Shell {
     setInterval(() => this.#age(), 200);
   }
 
+  /** @param {Event} event */
   #skip(event) {
     event.preventDefault();
     this.main.focus();
   }
 
-  /** The press stops, not the release: nobody holds a stop button to think about it. */
+  /** The press stops, not the release: nobody holds a stop button to think about it. @param {PointerEvent} event */
   #press(event) {
     if (event.button === 0) this.app.stop();
   }
@@ -81,6 +92,7 @@ export class Shell {
   /** A view without time stays live while the pictures show an earlier moment: it says so. */
   #showPaused() {
     const { timeCursor } = this.app;
+    if (!this.view) return;
     this.paused.hidden = timeCursor.tick === null || this.view.hasTime === true;
     text(this.pausedText, `Path and Trends are paused. ${this.view.title} shows the present.`);
   }
@@ -123,7 +135,7 @@ export class Shell {
     this.view?.update?.();
   }
 
-  /** Says unmistakably whether what is shown is true. */
+  /** Says unmistakably whether what is shown is true. @param {boolean} on */
   connected(on) {
     document.documentElement.dataset.connection = on ? "open" : "lost";
     text(this.link, on ? "Connected" : "No connection");

@@ -86,37 +86,37 @@ export class Store extends Emitter {
     return linear.size === 1 ? units : "units";
   }
 
-  /** The status of an axis, `undefined` before the first push. */
+  /** The status of an axis, `undefined` before the first push. @param {string} name */
   axisStatus(name) {
     return this.status?.axes?.find((axis) => axis.name === name);
   }
 
-  /** Where an axis is, without the noise of its drive. */
+  /** Where an axis is, without the noise of its drive. @param {string} name */
   standsAt(name) {
     return Math.round((this.axisStatus(name)?.actual ?? 0) * 1e6) / 1e6;
   }
 
-  /** The status of a coordinate system. */
+  /** The status of a coordinate system. @param {string} name */
   systemStatus(name) {
     return this.status?.coordinate_systems?.find((system) => system.name === name);
   }
 
-  /** The place of an axis in the configuration, which is also that of its colour. */
+  /** The place of an axis in the configuration, which is also that of its colour. @param {string} name */
   place(name) {
     return this.machine.axes.findIndex((axis) => axis.name === name);
   }
 
-  /** The colour of an axis, as `data-series` of the style sheet. */
+  /** The colour of an axis, as `data-series` of the style sheet. @param {string} name */
   series(name) {
     return seriesOf(this.place(name));
   }
 
-  /** The instruction of a mnemonic. */
+  /** The instruction of a mnemonic. @param {string} mnemonic */
   instruction(mnemonic) {
     return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
   }
 
-  /** What has happened when an axis has a fault, and what to do. */
+  /** What has happened when an axis has a fault, and what to do. @param {string} word */
   faultText(word) {
     const meaning = this.catalogue.faults.find((fault) => fault.word === word)?.meaning ?? "";
     // Beyond a travel limit the servo stays on, and the way back is the remedy.
@@ -124,13 +124,13 @@ export class Store extends Emitter {
     return `${word}: ${meaning} ${remedy}`;
   }
 
-  /** The names of the axes of an axis, a coordinate system or the group. */
+  /** The names of the axes of an axis, a coordinate system or the group. @param {string} object @returns {string[]} */
   axesOf(object) {
     if (object === this.machine.group) return this.machine.axes.map(({ name }) => name);
     return this.system(object)?.axes ?? (this.axis(object) ? [object] : []);
   }
 
-  /** Which viewer controls an object: another one that has one of its axes, this one if it has them all, or `null`. */
+  /** Which viewer controls an object: another one that has one of its axes, this one if it has them all, or `null`. @param {string} object */
   driver(object) {
     const owners = this.axesOf(object).map((axis) => this.status?.drivers?.[axis] ?? null);
     const other = owners.find((owner) => owner !== null && owner !== this.viewer);
@@ -138,12 +138,12 @@ export class Store extends Emitter {
     return owners.length && owners.every((owner) => owner === this.viewer) ? this.viewer : null;
   }
 
-  /** Whether this page has control of an object: of all of its axes. */
+  /** Whether this page has control of an object: of all of its axes. @param {string} object */
   drives(object) {
     return this.viewer !== null && this.driver(object) === this.viewer;
   }
 
-  /** What this page has taken that has axes in common with an object, or at all. */
+  /** What this page has taken that has axes in common with an object, or at all. @param {string} object */
   taken(object = this.machine.group) {
     const axes = new Set(this.axesOf(object));
     const own = Object.entries(this.status?.drivers ?? {}).filter(([, viewer]) => viewer === this.viewer).map(([name]) => name);

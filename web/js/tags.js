@@ -5,6 +5,8 @@ import { calm, fill, h, icon, text } from "./dom.js";
 import { plain } from "./format.js";
 import { keep } from "./keep.js";
 
+/** @import { TagRow } from "../types/protocol.js" */
+
 const KEY = "arcline.watch";
 const SEARCH_MS = 150;
 const MOST_WATCHED = 64;
@@ -13,7 +15,7 @@ export class Tags {
   title = "Tags";
   /** @type {Map<string, HTMLElement>} */
   #rows = new Map();
-  /** Access of the tags that were listed, by name in lower case. */
+  /** Access of the tags that were listed, by name in lower case. @type {Map<string, TagRow["access"]>} */
   #access = new Map();
   /** Watched names that cannot be written, as the server said. @type {Set<string>} */
   #readOnly = new Set();
@@ -31,13 +33,14 @@ export class Tags {
     this.empty = h("p.empty", {}, "No watched tags. Press a star, or type a name above.");
     this.add = h("input", { type: "text", placeholder: "Move1.PC", "aria-label": "Name of a tag or member to watch", autocomplete: "off", spellcheck: "false",
       onkeydown: (event) => event.key === "Enter" && this.#add() });
-    const heard = (name) => h("span.heard", {}, name);
-    const head = (...names) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name))));
+    const heard = (/** @type {string} */ name) => h("span.heard", {}, name);
+    const head = (/** @type {(string | HTMLElement)[]} */ ...names) => h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name))));
+    this.watchTable = h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", heard("Stop watching")), this.watch));
     this.element = h("section.view.tags", { "aria-label": this.title },
       h("div.panel.tag-list", {}, h("div.row", {}, h("h2", {}, "Tags"), this.search, this.count),
         h("div.scroll", {}, h("table", {}, head(heard("Value"), "Name", "Type", "Access", heard("Watch")), this.table), this.more)),
       h("div.panel.watch-list", {}, h("div.row", {}, h("h2", {}, "Watched"), this.add, h("button", { type: "button", onclick: () => this.#add() }, "Watch")),
-        this.empty, h("div.scroll", {}, h("table", {}, head("Name", "Value", "Write", heard("Stop watching")), this.watch))));
+        this.empty, this.watchTable));
     app.store.on("values", (values) => this.#values(values));
     app.connection.on("open", () => this.element.isConnected && this.show());
     this.#showWatched();
@@ -74,19 +77,24 @@ export class Tags {
     }
   }
 
+  /** @param {TagRow} tag */
   #tag(tag) {
     const dims = tag.dims?.length ? `[${tag.dims.join(", ")}]` : "";
     const detail = h("tr.tag-detail", { hidden: true });
-    const open = h("button.bare", { type: "button", "aria-expanded": "false", "aria-label": `Value of ${tag.name}`, onclick: () => this.#expand(tag, open, detail) }, icon("right"));
+    const open = h("button.bare", { type: "button", "aria-expanded": "false", "aria-label": `Value of ${tag.name}`, onclick: () => {
+      this.#expand(tag, open, detail);
+    } }, icon("right"));
     const row = h("tr.tag", {}, h("td", {}, open), h("th", { scope: "row" }, breakable(tag.name)), h("td.type", {}, `${tag.type}${dims}`), h("td", {}, tag.access ?? ""),
       h("td", {}, this.#star(tag.name)));
     return [row, detail];
   }
 
+  /** @param {string} name */
   #star(name) {
     return h("button.bare", { type: "button", title: "Watch", "aria-label": `Watch ${name}`, onclick: () => this.#watchOne(name) }, icon("star"));
   }
 
+  /** @param {TagRow} tag @param {HTMLElement} open @param {HTMLElement} detail */
   async #expand(tag, open, detail) {
     const shown = open.getAttribute("aria-expanded") === "true";
     open.setAttribute("aria-expanded", String(!shown));
@@ -108,6 +116,7 @@ export class Tags {
     this.add.value = "";
   }
 
+  /** @param {string} name */
   #watchOne(name) {
     if (this.watched.includes(name) || this.watched.length >= MOST_WATCHED) return;
     this.watched.push(name);
@@ -115,6 +124,7 @@ export class Tags {
     this.#watchAll();
   }
 
+  /** @param {string} name */
   #unwatch(name) {
     this.watched = this.watched.filter((other) => other !== name);
     this.#showWatched();
@@ -136,12 +146,15 @@ export class Tags {
 
   #showWatched() {
     this.empty.hidden = this.watched.length > 0;
+    this.watchTable.hidden = !this.watched.length;
     this.#rows.clear();
     fill(this.watch, this.watched.map((name) => {
       const value = h("td.number.value", {}, "–");
       const readOnly = this.#isReadOnly(name);
       if (readOnly) value.classList.add("read-only");
-      const input = h("input", { type: "text", "aria-label": `New value of ${name}`, placeholder: "New value", autocomplete: "off", onkeydown: (event) => event.key === "Enter" && this.#write(name, input) });
+      const input = h("input", { type: "text", "aria-label": `New value of ${name}`, placeholder: "New value", autocomplete: "off", onkeydown: (event) => {
+        if (event.key === "Enter") this.#write(name, input);
+      } });
       this.#rows.set(name, value);
       return h("tr", {}, h("th", { scope: "row" }, breakable(name)), value,
         h("td", {}, readOnly ? h("small", {}, "read only") : h("span.pair", {}, input, h("button", { type: "button", onclick: () => this.#write(name, input) }, "Write"))),
@@ -149,21 +162,23 @@ export class Tags {
     }));
   }
 
-  /** Whether the tag that a path begins with is known to be read only. */
+  /** Whether the tag that a path begins with is known to be read only. @param {string} name */
   #isReadOnly(name) {
     return this.#readOnly.has(name) || this.#access.get(tagOf(name)) === "read";
   }
 
+  /** @param {Record<string, unknown>} values */
   #values(values) {
     for (const [name, value] of Object.entries(values ?? {})) {
       const cell = this.#rows.get(name);
       if (!cell) continue;
-      const failed = value !== null && typeof value === "object" && typeof value.error === "string";
-      text(cell, failed ? value.error : plain(value));
-      cell.classList.toggle("bad", failed);
+      const failed = value !== null && typeof value === "object" && "error" in value && typeof value.error === "string" ? value.error : null;
+      text(cell, failed ?? plain(value));
+      cell.classList.toggle("bad", failed !== null);
     }
   }
 
+  /** @param {string} name @param {HTMLInputElement} input */
   async #write(name, input) {
     try {
       await this.app.connection.request("write", { tag: name, value: typed(input.value) });
@@ -180,12 +195,12 @@ function tagOf(path) {
   return (/^(program:[^.[]*\.)?[^.[]*/i.exec(path)?.[0] ?? path).toLowerCase();
 }
 
-/** A name that may be broken behind its parts, and nowhere else. */
+/** A name that may be broken behind its parts, and nowhere else. @param {string} name */
 function breakable(name) {
   return name.split(/(?<=[._:\]])/).flatMap((part) => [part, h("wbr")]);
 }
 
-/** A typed value: a number, true or false, a list or structure as JSON, otherwise text. */
+/** A typed value: a number, true or false, a list or structure as JSON, otherwise text. @param {string} source */
 function typed(source) {
   const plainText = source.trim();
   // A number of the browser would lose the last digits of a LINT.
@@ -198,7 +213,7 @@ function typed(source) {
   }
 }
 
-/** A structure or array as names and values, one level of names at a time. */
+/** A structure or array as names and values, one level of names at a time. @param {string} name @param {unknown} value @returns {[string, unknown][]} */
 function members(name, value) {
   if (Array.isArray(value)) return value.slice(0, 256).flatMap((item, k) => members(`${name}[${k}]`, item));
   if (value !== null && typeof value === "object") return Object.entries(value).flatMap(([member, item]) => members(`${name}.${member}`, item));

@@ -11,14 +11,19 @@ export const NOISE = 1e-3;
 /** The table of an instruction for a coordinate system; `words()` gives the values of the move and circle type. */
 export class TargetTable {
   #key = "";
+  /** The typed targets by axis. @type {Map<string, string>} */
   #targets = new Map();
-  /** Axes whose target a person has chosen; that of the others follows the machine. */
+  /** Axes whose target a person has chosen; that of the others follows the machine. @type {Set<string>} */
   #chosen = new Set();
+  /** The typed vias by axis. @type {Map<string, string>} */
   #vias = new Map();
 
-  /** The cells of the actual positions, and the inputs of the targets, by axis. */
+  /** The cells of the actual positions by axis. @type {Map<string, HTMLElement>} */
   actuals = new Map();
+  /** The inputs of the targets by axis. @type {Map<string, HTMLInputElement>} */
   inputs = new Map();
+  /** @type {string[]} */
+  axes = [];
   /** Called when targets have followed the machine. @type {(() => void) | null} */
   onfollow = null;
 
@@ -39,10 +44,9 @@ export class TargetTable {
     this.viaButton = h("button", { type: "button", onclick: () => this.#copy(this.#vias) }, "Set Vias = Actuals");
     this.table = h("table.target-table");
     this.element = h("div.target", {}, this.table, h("div.buttons", {}, this.targetButton, rule.vias && this.viaButton));
-    this.axes = [];
   }
 
-  /** Takes the axes of a coordinate system; a number that was typed for an axis is kept. */
+  /** Takes the axes of a coordinate system; a number that was typed for an axis is kept. @param {string[]} axes */
   show(axes) {
     this.axes = axes;
     for (const axis of axes) {
@@ -73,7 +77,7 @@ export class TargetTable {
     this.#key = key;
     this.actuals = new Map();
     this.inputs = new Map();
-    const columns = ["Axis Name", row.target, "Actual Position", row.via].filter(Boolean);
+    const columns = ["Axis Name", row.target, "Actual Position", row.via].filter((name) => name !== null);
     const head = columns.map((name) => h("th", { scope: "col" }, name));
     const rows = this.axes.map((axis, k) => {
       const actual = h("td.number");
@@ -90,19 +94,22 @@ export class TargetTable {
     this.update();
   }
 
+  /** @param {Map<string, string>} values @param {string} axis @param {string | null} label @param {string | null} member */
   #input(values, axis, label, member) {
-    return h("input", {
+    const input = h("input", {
       type: "text", inputmode: "decimal", autocomplete: "off", "aria-label": label, "data-member": member, "data-axis": axis,
       value: values.get(axis),
-      oninput: (event) => {
-        values.set(axis, event.target.value);
+      oninput: () => {
+        values.set(axis, input.value);
         if (values === this.#targets) this.#chosen.add(axis);
-        event.target.toggleAttribute("aria-invalid", !Number.isFinite(number(event.target.value)));
+        input.toggleAttribute("aria-invalid", !Number.isFinite(number(input.value)));
         this.changed();
       },
     });
+    return input;
   }
 
+  /** @param {string} axis */
   #actual(axis) {
     return exact(this.app.store.standsAt(axis));
   }
@@ -114,9 +121,9 @@ export class TargetTable {
       const status = this.app.store.axisStatus(axis);
       text(cell, fixed(status?.actual ?? NaN));
       const input = this.inputs.get(axis);
-      if (!status || status.moving || this.#chosen.has(axis) || input === document.activeElement) continue;
+      if (!input || !status || status.moving || this.#chosen.has(axis) || input === document.activeElement) continue;
       const target = this.row?.targets_from_actuals ? this.#actual(axis) : "0";
-      if (Math.abs(number(target) - number(this.#targets.get(axis))) <= NOISE) continue;
+      if (Math.abs(number(target) - number(this.#targets.get(axis) ?? "")) <= NOISE) continue;
       this.#targets.set(axis, target);
       input.value = target;
       moved = true;
@@ -124,6 +131,7 @@ export class TargetTable {
     if (moved) this.onfollow?.();
   }
 
+  /** @param {Map<string, string>} values */
   #copy(values) {
     for (const axis of this.axes) {
       values.set(axis, this.#actual(axis));
@@ -136,8 +144,8 @@ export class TargetTable {
 
   /** The operands of the table; throws a text that says what is wrong. */
   read() {
-    const list = (values, axes) => axes.map((axis) => {
-      const value = number(values.get(axis));
+    const list = (/** @type {Map<string, string>} */ values, /** @type {string[]} */ axes) => axes.map((axis) => {
+      const value = number(values.get(axis) ?? "");
       if (!Number.isFinite(value)) throw `${axis}: a number is expected`;
       return value;
     });
@@ -146,7 +154,7 @@ export class TargetTable {
     return operands;
   }
 
-  /** Shows numbers that were chosen elsewhere. */
+  /** Shows numbers that were chosen elsewhere. @param {number[]} targets */
   write(targets) {
     this.axes.forEach((axis, k) => {
       if (!Number.isFinite(targets[k])) return;

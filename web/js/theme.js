@@ -12,16 +12,19 @@ const KEY = "arcline.theme";
 /** Colours of axes and of coordinate systems in the style sheet. */
 export const SERIES = 12;
 export const SYSTEMS = 4;
+/** @typedef {"auto" | "light" | "dark"} Choice */
+/** @type {Choice[]} */
 const ORDER = ["auto", "light", "dark"];
 const system = matchMedia("(prefers-color-scheme: dark)");
+/** @type {Set<() => void>} */
 const listeners = new Set();
 /** @type {Palette | null} */
 let colours = null;
 
-/** `auto`, `light` or `dark`. */
+/** The choice that the browser keeps. */
 export function choice() {
-  const kept = keep.get(KEY) ?? "";
-  return ORDER.includes(kept) ? kept : "auto";
+  const kept = keep.get(KEY);
+  return ORDER.find((known) => known === kept) ?? "auto";
 }
 
 /** The next choice in the order auto, light, dark. */
@@ -39,7 +42,7 @@ export function apply() {
   for (const listener of listeners) listener();
 }
 
-/** Calls `listener` after every change. */
+/** Calls `listener` after every change. @param {() => void} listener */
 export function onchange(listener) {
   listeners.add(listener);
 }
@@ -48,7 +51,7 @@ export function onchange(listener) {
 export function palette() {
   if (colours) return colours;
   const style = getComputedStyle(document.documentElement);
-  const read = (name) => style.getPropertyValue(name).trim();
+  const read = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
   const fresh = {
     text: read("--text"), muted: read("--muted"), faint: read("--faint"), line: read("--line"), grid: read("--grid"),
     panel: read("--panel"), canvas: read("--canvas"), accent: read("--accent"), ok: read("--ok"), warn: read("--warn"),
@@ -61,19 +64,19 @@ export function palette() {
 }
 
 /** The place of an axis's colour among those of the style sheet (`data-series`). */
-export const seriesOf = (place) => place % SERIES;
+export const seriesOf = (/** @type {number} */ place) => place % SERIES;
 
-/** The colour of an axis, the same in every view. */
+/** The colour of an axis, the same in every view. @param {number} place */
 export function axisColour(place) {
   return palette().series[seriesOf(place)];
 }
 
-/** The colour of a coordinate system: no axis has it. */
+/** The colour of a coordinate system: no axis has it. @param {number} place */
 export function systemColour(place) {
   return palette().systems[place % SYSTEMS];
 }
 
-/** The dashes of a line in a trend: without them for the first use of a colour, longer ones for each further use. */
+/** The dashes of a line in a trend: without them for the first use of a colour, longer ones for each further use. @param {number} place @param {number} colours */
 export function dashes(place, colours) {
   const round = Math.floor(place / colours);
   return round ? [3 * round, 3] : [];

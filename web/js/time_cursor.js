@@ -25,7 +25,7 @@ export class TimeCursor extends Emitter {
     return this.#tick ?? Math.max(this.samples.end - 1, 0);
   }
 
-  /** Shows a tick of those that are kept. */
+  /** Shows a tick of those that are kept. @param {number} tick */
   scrub(tick) {
     const { first, end } = this.samples;
     this.#set(Math.round(Math.min(Math.max(tick, first), Math.max(end - 1, first))));
@@ -49,6 +49,7 @@ export class TimeCursor extends Emitter {
     this.#set(null);
   }
 
+  /** @param {number | null} tick */
   #set(tick) {
     if (tick === this.#tick) return;
     this.#tick = tick;

@@ -46,17 +46,21 @@ export class Timebar {
     else this.app.timeCursor.live();
   }
 
+  /** @param {number} x */
   #to(x) {
     const { first, end } = this.app.samples;
     const share = Math.min(1, Math.max(0, x / this.stage.width));
     this.app.timeCursor.scrub(first + share * (end - 1 - first));
   }
 
+  /** @param {KeyboardEvent} event */
   #key(event) {
     const second = Math.round(1 / this.app.samples.period);
+    /** @type {Partial<Record<string, number>>} */
     const steps = { ArrowLeft: -1, ArrowRight: 1, PageUp: -second, PageDown: second };
     const { timeCursor, samples } = this.app;
-    if (steps[event.key]) timeCursor.scrub(timeCursor.shown + steps[event.key] * (event.shiftKey ? second / 10 : 1));
+    const step = steps[event.key];
+    if (step) timeCursor.scrub(timeCursor.shown + step * (event.shiftKey ? second / 10 : 1));
     else if (event.key === "Home") timeCursor.scrub(samples.first);
     else if (event.key === "End") timeCursor.live();
     else if (event.key === " ") this.#toggle();
@@ -72,6 +76,7 @@ export class Timebar {
     state(this.element, "paused", String(paused));
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {number} width */
   #draw(context, width) {
     const { samples, timeCursor } = this.app;
     const colours = palette();
@@ -79,7 +84,7 @@ export class Timebar {
     context.fillStyle = colours.canvas;
     context.fillRect(0, 0, width, HEIGHT);
     const span = Math.max(end - first, 1);
-    const x = (tick) => ((tick - first) / span) * width;
+    const x = (/** @type {number} */ tick) => ((tick - first) / span) * width;
     const bucket = span > 128 * width ? 256 : 16;
     const step = Math.max(bucket, Math.ceil(span / width / bucket) * bucket);
     const pair = [0, 0];

@@ -4,6 +4,8 @@ import { refusalOf } from "./connection.js";
 import { ControlBar } from "./control.js";
 import { h, icon } from "./dom.js";
 
+/** @import { Child } from "../types/dom.js" */
+
 const GOOD_MS = 4000;
 const BAD_MS = 15_000;
 const MOST = 3;
@@ -29,7 +31,7 @@ export class Toasts {
     this.app = app;
   }
 
-  /** Says that an action has succeeded. */
+  /** Says that an action has succeeded. @param {string} text */
   good(text) {
     this.#show("good", "status", h("p", {}, text), GOOD_MS, text);
   }
@@ -55,10 +57,13 @@ export class Toasts {
     }
   }
 
+  /** @param {"good" | "bad"} kind @param {string} role @param {Child} content @param {number} time @param {string} key */
   #show(kind, role, content, time, key) {
     for (const other of this.element.querySelectorAll("[data-key]")) if (/** @type {HTMLElement} */ (other).dataset.key === key) other.remove();
     const toast = h(`div.toast.${kind}`, { role, "data-key": key }, icon(kind === "bad" ? "warning" : "check"), h("div", {}, content),
-      h("button.bare", { type: "button", "aria-label": "Close this message", onclick: () => toast.remove() }, icon("close")));
+      h("button.bare", { type: "button", "aria-label": "Close this message", onclick: () => {
+        toast.remove();
+      } }, icon("close")));
     this.element.append(toast);
     while (this.element.children.length > MOST) this.element.firstElementChild?.remove();
     setTimeout(() => toast.remove(), time);

@@ -11,8 +11,12 @@ import { KINDS } from "./samples.js";
 import { SERIES, SYSTEMS, axisColour, dashes, onchange, palette, seriesOf, systemColour } from "./theme.js";
 import { Timebar } from "./timebar.js";
 
+/** @import { Lane, Line } from "./plot.js" */
+/** @import { Series } from "./samples.js" */
+
 const KEY = "arcline.trends";
 const NARROW = matchMedia("(max-width: 680px)");
+/** @type {[number, string][]} */
 const SPANS = [[1, "1 s"], [5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
 const SPEED = { kind: "speed", title: "Path speed", order: 1 };
 /** A lane never shows less than this much of a value, so that rounding does not look like motion. */
@@ -23,13 +27,13 @@ export class Trends {
   /** This view shows the moment that is chosen. */
   hasTime = true;
   #ticks = 20_000;
-  /** @type {any[]} */
+  /** @type {Lane[]} */
   #lanes = [];
   /** @type {number | null} */
   #hover = null;
   /** @type {(number | null)[]} */
   #cursors = [null, null];
-  /** @type {{ line: any, cells: HTMLElement[], row: HTMLElement }[]} */
+  /** @type {{ line: Line, cells: HTMLElement[], row: HTMLElement }[]} */
   rows = [];
   /** @type {HTMLElement[]} */
   times = [];
@@ -98,7 +102,7 @@ export class Trends {
       h("div.choices", { role: "group", "aria-label": "Path speeds" }, systems)];
   }
 
-  /** @param {Set<string>} set @param {string} value @param {string} title @param {object | null} colour */
+  /** @param {Set<string>} set @param {string} value @param {string} title @param {Record<string, string | number> | null} colour */
   #choice(set, value, title, colour = null) {
     const button = h("button.choice", {
       type: "button", "aria-pressed": String(set.has(value)),
@@ -113,25 +117,24 @@ export class Trends {
 
   #rebuild() {
     const { samples, store } = this.app;
+    /** @type {Lane[]} */
     const lanes = [];
+    const lane = (/** @type {keyof typeof LEAST} */ kind, /** @type {string} */ title, /** @type {Line[]} */ lines) => {
+      const unit = [...new Set(lines.map((line) => line.unit))].join(", ");
+      if (lines.length) lanes.push({ kind, title, lines, unit, least: LEAST[kind], range: this.#lanes.find((other) => other.kind === kind)?.range });
+    };
     for (const { kind, title, order } of KINDS) {
       if (!this.kinds.has(kind)) continue;
-      const lines = store.machine.axes.filter(({ name }) => this.axes.has(name)).map((axis) => ({
+      lane(kind, title, store.machine.axes.filter(({ name }) => this.axes.has(name)).map((axis) => ({
         name: `${axis.name} ${title}`, colour: axisColour(store.place(axis.name)), dashes: dashes(store.place(axis.name), SERIES), series: samples.axis(axis.name)[kind], unit: rate(axis.units, order),
-      }));
-      if (lines.length) lanes.push({ kind, title, lines, least: LEAST[kind] });
+      })));
     }
     if (this.kinds.has("speed")) {
-      const lines = store.machine.coordinate_systems.filter(({ name }) => this.systems.has(name)).map((system) => ({
+      lane("speed", SPEED.title, store.machine.coordinate_systems.filter(({ name }) => this.systems.has(name)).map((system) => ({
         name: `${system.name} path speed`, series: samples.system(system.name).speed,
         colour: systemColour(store.machine.coordinate_systems.indexOf(system)), dashes: dashes(store.machine.coordinate_systems.indexOf(system), SYSTEMS),
         unit: rate(store.axis(system.axes[0])?.units ?? "", 1),
-      }));
-      if (lines.length) lanes.push({ kind: "speed", title: SPEED.title, lines, least: LEAST.speed });
-    }
-    for (const lane of lanes) {
-      lane.unit = [...new Set(lane.lines.map(({ unit }) => unit))].join(", ");
-      lane.range = this.#lanes.find(({ kind }) => kind === lane.kind)?.range;
+      })));
     }
     this.#lanes = lanes;
     this.#table();
@@ -152,24 +155,27 @@ export class Trends {
       h("tbody", {}, h("tr.times", {}, h("th", { scope: "row" }, "Time"), this.times), this.rows.map(({ row }) => row))));
   }
 
-  /** The ticks that are shown. */
+  /** The ticks that are shown. @returns {[number, number]} */
   #window() {
     const end = this.app.timeCursor.tick === null ? this.app.samples.end : this.app.timeCursor.tick + 1;
     return [end - this.#ticks, end];
   }
 
+  /** @param {number} ticks */
   #span(ticks) {
     const { samples } = this.app;
     this.#ticks = Math.min(samples.capacity, Math.max(16, ticks));
     this.spans.choose(Math.round(this.#ticks * samples.period));
   }
 
+  /** @param {number} dx */
   #pan(dx) {
     if (!dx) return;
     const per = this.#ticks / Math.max(this.stage.width - 74, 1);
     this.app.timeCursor.scrub(this.app.timeCursor.shown - dx * per);
   }
 
+  /** @param {number} factor @param {number} x */
   #zoom(factor, x) {
     const [from, to] = this.#window();
     const tick = tickAt(x, this.stage.width, from, to);
@@ -179,6 +185,7 @@ export class Trends {
     this.app.timeCursor.scrub(tick + (1 - share) * this.#ticks);
   }
 
+  /** @param {number} x @param {number} which */
   #place(x, which) {
     this.#cursors[which] = Math.round(tickAt(x, this.stage.width, ...this.#window()));
     this.app.timeCursor.pause();
@@ -188,9 +195,10 @@ export class Trends {
     this.#cursors = [null, null];
   }
 
+  /** @param {KeyboardEvent} event */
   #key(event) {
     const which = event.shiftKey ? 1 : 0;
-    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    const step = event.key === "ArrowLeft" ? -1 : event.key === "ArrowRight" ? 1 : 0;
     const middle = this.stage.width / 2;
     if (step) {
       this.app.timeCursor.pause();
@@ -201,6 +209,7 @@ export class Trends {
     event.preventDefault();
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {number} width @param {number} height */
   #draw(context, width, height) {
     const { samples } = this.app;
     const colours = palette();
@@ -222,11 +231,12 @@ export class Trends {
     this.#readout(from, to);
   }
 
+  /** @param {number} from @param {number} to */
   #readout(from, to) {
     const { samples } = this.app;
     const free = this.#hover === null ? samples.end - 1 : Math.round(tickAt(this.#hover, this.stage.width, from, to));
     const [a, b] = [this.#cursors[0] ?? (this.app.timeCursor.tick === null ? free : this.app.timeCursor.shown), this.#cursors[1]];
-    const time = (tick) => (tick === null ? "" : `${short(samples.time(tick))} s`);
+    const time = (/** @type {number | null} */ tick) => (tick === null ? "" : `${short(samples.time(tick))} s`);
     text(this.times[0], time(a));
     text(this.times[1], time(b));
     text(this.times[2], b === null ? "" : duration((b - a) * samples.period));
@@ -244,8 +254,8 @@ export class Trends {
     const [from, to] = this.#window();
     const columns = store.machine.axes.filter(({ name }) => this.axes.has(name)).flatMap(({ name }) => {
       const axis = samples.axis(name);
-      return [["CommandPosition", axis.position], ["CommandVelocity", axis.velocity], ["CommandAcceleration", axis.acceleration], ["ActualPosition", axis.actual]]
-        .map(([member, series]) => ({ name: `${name}.${member}`, series }));
+      const members = { CommandPosition: axis.position, CommandVelocity: axis.velocity, CommandAcceleration: axis.acceleration, ActualPosition: axis.actual };
+      return Object.entries(members).map(([member, series]) => ({ name: `${name}.${member}`, /** @type {Series} */ series }));
     });
     for (const name of this.systems) columns.push({ name: `${name}.PathSpeed`, series: samples.system(name).speed });
     save(csv(samples, columns, from, to), fileName("trend", samples, to, "csv"));
