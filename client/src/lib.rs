@@ -36,6 +36,14 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Lost connections
+//!
+//! A [`Client`] has one TCP connection and on it one class 3 connection. When a reply does not come in time
+//! ([`ClientError::Timeout`]), the class 3 connection is lost; the next request opens it again. A request that only reads is
+//! then repeated once. A write or an instruction without a reply is never repeated, since the server may have carried it out:
+//! read the tag or the motion control tag, then decide. When the TCP connection is lost, every request fails with
+//! [`ClientError::Closed`]; connect again, and expect that the jogs of the lost connection have been stopped.
 #![forbid(unsafe_code)]
 
 // The command line names this library as any other program does.

@@ -2,21 +2,28 @@
 //!
 //! [`ClientSession`] makes and reads the frames; here are the socket, the clock and the waiting callers. One request is
 //! outstanding on the connection. A caller may stop waiting at any time: the task reads the late answer and drops it.
-//! Nothing here depends on the meaning of a request.
+//!
+//! A class 3 connection that was lost (a reply did not come in time, or the server refused a packet) is opened again by the
+//! next request, once. A request that had no reply is repeated only if it [reads](is_read); any other may have been carried
+//! out, so its caller gets the error. A TCP connection that was lost stays lost: what the server knew of this client (jogs,
+//! executions, control) has gone with it, so the program that uses the client decides whether to connect again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddrV4;
+use std::sync::Arc;
 use std::time::Duration;
 
 use bytes::BytesMut;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{Mutex, mpsc, oneshot};
 use tokio::time::Instant;
 
-use arcline_proto::cip::{Reply, Request};
+use arcline_proto::cip::{Reply, Request, class, service, split_multiple};
 use arcline_proto::client::{self as session, Call, ClientSession, Connected, OpenOptions, Outcome};
 use arcline_proto::connection::ConnectionKey;
 use arcline_proto::cpf::ConnectionId;
+use arcline_proto::encap::Command;
+use arcline_proto::epath::Target;
 use arcline_proto::identity::{Identity, VENDOR_ID};
 
 use crate::ClientError;
@@ -36,6 +43,10 @@ pub(crate) struct Link {
     jobs: mpsc::Sender<Job>,
     timeout: Duration,
     budget: usize,
+    /// Size of the class 3 connection, bytes; `None`: requests go unconnected.
+    size: Option<u16>,
+    /// Held while the connection is opened again.
+    reopening: Arc<Mutex<()>>,
 }
 
 #[derive(Debug)]
@@ -48,6 +59,7 @@ struct Job {
 enum What {
     Register,
     Identify,
+    /// Opens a class 3 connection, unless one is open.
     Open(OpenOptions),
     Message(Request),
     /// Forward Close, UnRegisterSession, and the end.
@@ -67,12 +79,17 @@ impl Link {
             jobs,
             timeout,
             budget: UNCONNECTED_BUDGET,
+            size: None,
+            reopening: Arc::default(),
         };
-        this.ask(What::Register).await?;
+        let registered = this.ask(What::Register).await?;
+        this.checked(registered)?;
         for size in [size, size.min(SMALL_CONNECTION)] {
-            match this.ask(What::Open(open_options(size))).await {
+            let opened = this.ask(What::Open(open_options(size))).await?;
+            match this.checked(opened) {
                 Ok(Outcome::Opened { budget, .. }) => {
                     this.budget = budget;
+                    this.size = Some(size);
                     break;
                 }
                 Ok(_) | Err(ClientError::Refused { .. }) => {}
@@ -87,9 +104,8 @@ impl Link {
         self.budget
     }
 
-    /// Asks the message router.
+    /// Asks the message router. Opens a lost connection again, and repeats the request if that is safe.
     pub(crate) async fn request(&self, request: Request) -> Result<Reply, ClientError> {
-        let service = request.service;
         let length = request.to_bytes().map_err(session::ClientError::from)?.len();
         if length > self.budget {
             return Err(ClientError::TooLarge {
@@ -98,8 +114,25 @@ impl Link {
                 limit: self.budget,
             });
         }
-        match self.ask(What::Message(request)).await? {
-            Outcome::Reply(reply) if reply.service == service => Ok(reply),
+        let first = self.ask(What::Message(request.clone())).await?;
+        let Some(size) = self.size.filter(|_| may_repeat(&first, &request)) else {
+            return self.reply(&request, first);
+        };
+        self.reopen(size).await?;
+        let second = self.ask(What::Message(request.clone())).await?;
+        self.reply(&request, second)
+    }
+
+    /// Opens the class 3 connection again, unless another caller has done it.
+    async fn reopen(&self, size: u16) -> Result<(), ClientError> {
+        let _alone = self.reopening.lock().await;
+        let outcome = self.ask(What::Open(open_options(size))).await?;
+        self.checked(outcome).map(drop)
+    }
+
+    fn reply(&self, request: &Request, outcome: Outcome) -> Result<Reply, ClientError> {
+        match self.checked(outcome)? {
+            Outcome::Reply(reply) if reply.service == request.service => Ok(reply),
             _ => Err(ClientError::Malformed {
                 what: "a reply is for another service",
             }),
@@ -108,7 +141,8 @@ impl Link {
 
     /// The identity of the server, and the address at which it says it listens.
     pub(crate) async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
-        match self.ask(What::Identify).await? {
+        let outcome = self.ask(What::Identify).await?;
+        match self.checked(outcome)? {
             Outcome::Identity(Some(found)) => Ok(found),
             _ => Err(ClientError::Malformed {
                 what: "a ListIdentity reply holds no identity",
@@ -128,12 +162,43 @@ impl Link {
             .send(Job { what, answer })
             .await
             .map_err(|_| ClientError::Closed)?;
-        match answered.await {
-            Ok(Outcome::Failed(session::ClientError::TimedOut)) => Err(ClientError::Timeout { after: self.timeout }),
-            Ok(Outcome::Failed(error)) => Err(error.into()),
-            Ok(outcome) => Ok(outcome),
-            Err(_) => Err(ClientError::Closed),
+        answered.await.map_err(|_| ClientError::Closed)
+    }
+
+    fn checked(&self, outcome: Outcome) -> Result<Outcome, ClientError> {
+        match outcome {
+            Outcome::Failed(session::ClientError::TimedOut) => Err(ClientError::Timeout { after: self.timeout }),
+            Outcome::Failed(error) => Err(error.into()),
+            outcome => Ok(outcome),
         }
+    }
+}
+
+/// Whether a request on a class 3 connection that ended like this can be sent again without being carried out twice.
+fn may_repeat(outcome: &Outcome, request: &Request) -> bool {
+    match outcome {
+        Outcome::Failed(session::ClientError::NotOpen) => true,
+        // The server refused the packet, so it has not read the request.
+        Outcome::Failed(session::ClientError::Encapsulation { command, .. }) => *command == Command::SEND_UNIT_DATA,
+        Outcome::Failed(session::ClientError::TimedOut) => is_read(request),
+        _ => false,
+    }
+}
+
+/// Whether a request reads and changes nothing.
+fn is_read(request: &Request) -> bool {
+    match request.service {
+        service::GET_ATTRIBUTES_ALL
+        | service::GET_ATTRIBUTE_LIST
+        | service::GET_ATTRIBUTE_SINGLE
+        | service::GET_INSTANCE_ATTRIBUTE_LIST => true,
+        // The codes mean other services on other classes.
+        service::READ_TAG | service::READ_TAG_FRAGMENTED => Target::new(&request.path)
+            .is_ok_and(|target| matches!(target.class, None | Some(class::SYMBOL | class::TEMPLATE))),
+        service::MULTIPLE_SERVICE_PACKET => {
+            split_multiple(&request.data).is_ok_and(|parts| parts.iter().all(|part| part.as_ref().is_ok_and(is_read)))
+        }
+        _ => false,
     }
 }
 
@@ -158,9 +223,19 @@ struct Wire<S> {
     session: ClientSession,
     input: BytesMut,
     start: Instant,
-    connection: Option<Connected>,
+    connection: Option<Opened>,
+    /// How the connection that is being opened is opened.
+    opening: Option<OpenOptions>,
     waiting: BTreeMap<Call, oneshot::Sender<Outcome>>,
     life: Life,
+}
+
+/// A class 3 connection that was opened; it may have been lost since.
+#[derive(Clone)]
+struct Opened {
+    connected: Connected,
+    budget: usize,
+    options: OpenOptions,
 }
 
 /// How far the end has come.
@@ -180,6 +255,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             input: BytesMut::new(),
             start: Instant::now(),
             connection: None,
+            opening: None,
             waiting: BTreeMap::new(),
             life: Life::Open,
         }
@@ -230,8 +306,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
     fn settle(&mut self) -> bool {
         let mut over = false;
         while let Some(event) = self.session.poll_event() {
-            if let Outcome::Opened { connection, .. } = event.outcome {
-                self.connection = Some(connection);
+            if let (Outcome::Opened { connection, budget }, Some(options)) = (&event.outcome, &self.opening) {
+                self.connection = Some(Opened {
+                    connected: *connection,
+                    budget: *budget,
+                    options: options.clone(),
+                });
             }
             over |= matches!(
                 event.outcome,
@@ -256,14 +336,31 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
 
     fn start(&mut self, job: Job) {
         let now = self.start.elapsed();
-        let call = match (job.what, self.connection) {
+        let call = match (job.what, &self.connection) {
             (What::Register, _) => Ok(self.session.register(now)),
             (What::Identify, _) => Ok(self.session.identify(now)),
-            (What::Open(options), _) => self.session.open(options, now),
-            (What::Message(request), Some(connection)) => self.session.request_connected(connection, &request, now),
+            (What::Open(_), Some(opened)) if self.session.is_open(opened.connected) => {
+                let outcome = Outcome::Opened {
+                    connection: opened.connected,
+                    budget: opened.budget,
+                };
+                drop(job.answer.send(outcome));
+                return;
+            }
+            (What::Open(options), lost) => {
+                if let Some(lost) = lost {
+                    // Whether the server still has it or not: no caller waits for the answer.
+                    let _ = self.session.close_lost(&lost.options, now);
+                }
+                self.opening = Some(options.clone());
+                self.session.open(options, now)
+            }
+            (What::Message(request), Some(opened)) => self.session.request_connected(opened.connected, &request, now),
             (What::Message(request), None) => self.session.request(&request, None, now),
-            (What::Close, connection) => {
-                let close = connection.and_then(|connection| self.session.close(connection, now).ok());
+            (What::Close, opened) => {
+                let close = opened
+                    .as_ref()
+                    .and_then(|opened| self.session.close(opened.connected, now).ok());
                 match close {
                     Some(call) => self.life = Life::Closing(call, job.answer),
                     None => {
@@ -289,4 +386,65 @@ const FAR: Duration = Duration::from_secs(86_400);
 fn random_bits() -> u64 {
     use std::hash::{BuildHasher, Hasher};
     std::collections::hash_map::RandomState::new().build_hasher().finish()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use arcline_proto::cip::join_multiple;
+    use arcline_proto::encap::EncapStatus;
+    use arcline_proto::epath::Epath;
+    use bytes::Bytes;
+
+    fn tag(code: u8) -> Request {
+        Request::new(code, Epath::symbol("Speed"), Bytes::from_static(&[1, 0]))
+    }
+
+    fn object(code: u8, class: u16) -> Request {
+        Request::new(code, Epath::object(class, 1), Bytes::new())
+    }
+
+    fn several(requests: &[Request]) -> Request {
+        let data = join_multiple(requests).unwrap();
+        Request::new(
+            service::MULTIPLE_SERVICE_PACKET,
+            Epath::object(class::MESSAGE_ROUTER, 1),
+            data,
+        )
+    }
+
+    #[test]
+    fn only_reads_are_repeated_after_a_lost_reply() {
+        let read = || tag(service::READ_TAG);
+        #[rustfmt::skip]
+        let cases = [
+            ("a tag",                          read(),                                              true),
+            ("a part of a tag",                tag(service::READ_TAG_FRAGMENTED),                   true),
+            ("attributes of an execution",     object(service::GET_ATTRIBUTE_LIST, 0x0303),         true),
+            ("the list of tags",               object(service::GET_INSTANCE_ATTRIBUTE_LIST, 0x6B),  true),
+            ("a template",                     object(service::READ_TAG, 0x6C),                     true),
+            ("reads together",                 several(&[read(), read()]),                          true),
+            ("a read and a write together",    several(&[read(), tag(service::WRITE_TAG)]),         false),
+            ("a write",                        tag(service::WRITE_TAG),                             false),
+            ("a change of bits",               tag(service::READ_MODIFY_WRITE_TAG),                 false),
+            ("an attribute that is set",       object(service::SET_ATTRIBUTE_SINGLE, 0x0300),       false),
+            ("the same code on another class", object(service::READ_TAG, 0x0302),                   false),
+            ("an instruction",                 object(0x32, 0x0302),                                false),
+            ("a trace that begins",            object(0x06, 0x0304),                                false),
+        ];
+        for (why, request, repeated) in cases {
+            let late = Outcome::Failed(session::ClientError::TimedOut);
+            assert_eq!(may_repeat(&late, &request), repeated, "{why}");
+            let unsent = Outcome::Failed(session::ClientError::NotOpen);
+            assert!(may_repeat(&unsent, &request), "{why}, which was not sent");
+            let unread = Outcome::Failed(session::ClientError::Encapsulation {
+                command: Command::SEND_UNIT_DATA,
+                status: EncapStatus::INCORRECT_DATA,
+            });
+            assert!(may_repeat(&unread, &request), "{why}, which the server has not read");
+            let lost = Outcome::Failed(session::ClientError::Lost);
+            assert!(!may_repeat(&lost, &request), "{why}, of a broken TCP connection");
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! The client against a server in memory: fragments, fallbacks, timeouts, cancelled requests, and servers that lie.
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Options};
@@ -20,7 +21,12 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
 /// Answers requests; `None` never answers.
 type Handler = Box<dyn FnMut(&Request, usize) -> Option<Reply> + Send>;
 
-async fn serve(mut stream: DuplexStream, settings: Settings, mut handler: Handler) {
+async fn serve(stream: DuplexStream, settings: Settings, handler: Handler) {
+    serve_losing(stream, settings, handler, Arc::default()).await;
+}
+
+/// Serves, and loses the next reply when `lose` is set.
+async fn serve_losing(mut stream: DuplexStream, settings: Settings, mut handler: Handler, lose: Arc<AtomicBool>) {
     let mut host = TestHost {
         identity: Identity::new("Fake", 1),
         ..TestHost::new(Draws::Mixed(7))
@@ -32,6 +38,7 @@ async fn serve(mut stream: DuplexStream, settings: Settings, mut handler: Handle
         session.handle_input(&mut input, Duration::ZERO, &mut host);
         while let Some(event) = session.poll_event() {
             match event {
+                Event::Outgoing(_) if lose.swap(false, Ordering::Relaxed) => {}
                 Event::Outgoing(bytes) => {
                     if stream.write_all(&bytes).await.is_err() {
                         return;
@@ -310,6 +317,78 @@ async fn a_silent_server_times_out() {
         "{error}"
     );
     assert!(error.is_connection());
+}
+
+/// A client of a controller in memory whose reply to the first request of a service is lost; and the services of all
+/// requests that the controller has carried out.
+async fn client_losing(lost: u8) -> (Client, Arc<Mutex<Vec<u8>>>) {
+    let mut memory = Memory::new();
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let lose = Arc::new(AtomicBool::default());
+    let (services, loses) = (seen.clone(), lose.clone());
+    let handler = move |request: &Request, budget: usize| {
+        let mut services = services.lock().unwrap();
+        if request.service == lost && !services.contains(&lost) {
+            loses.store(true, Ordering::Relaxed);
+        }
+        services.push(request.service);
+        Some(memory.handle(request, budget))
+    };
+    let (ours, theirs) = duplex(1 << 16);
+    tokio::spawn(serve_losing(theirs, Settings::default(), Box::new(handler), lose));
+    (Client::over(ours, &Options::default()).await.unwrap(), seen)
+}
+
+fn count(seen: &Mutex<Vec<u8>>, code: u8) -> usize {
+    seen.lock().unwrap().iter().filter(|service| **service == code).count()
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_read_without_a_reply_is_repeated_on_a_new_connection() {
+    let (client, seen) = client_losing(service::READ_TAG).await;
+    client.write("Count", 7).await.unwrap();
+    let start = tokio::time::Instant::now();
+    assert_eq!(client.read("Count").await.unwrap().as_f64(), Some(7.0));
+    assert_eq!(start.elapsed().as_secs(), 5, "after the time-out of the first one");
+    assert_eq!(count(&seen, service::READ_TAG), 2);
+    assert_eq!(
+        client.read("Count").await.unwrap().as_f64(),
+        Some(7.0),
+        "and it stays open"
+    );
+    assert_eq!(count(&seen, service::READ_TAG), 3);
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_write_without_a_reply_is_never_repeated() {
+    let (client, seen) = client_losing(service::WRITE_TAG).await;
+    client.browse().await.unwrap();
+    let error = client.write("Count", 7).await.unwrap_err();
+    assert!(matches!(error, ClientError::Timeout { .. }), "{error}");
+    assert_eq!(count(&seen, service::WRITE_TAG), 1, "the controller has carried it out");
+    assert_eq!(
+        client.read("Count").await.unwrap().as_f64(),
+        Some(7.0),
+        "the next request opens the connection again"
+    );
+    client.write("Count", 8).await.unwrap();
+    assert_eq!(count(&seen, service::WRITE_TAG), 2, "once more, on purpose");
+    assert_eq!(client.read("Count").await.unwrap().as_f64(), Some(8.0));
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_write_that_waited_behind_a_lost_read_is_sent_once() {
+    let (client, seen) = client_losing(service::READ_TAG).await;
+    client.browse().await.unwrap();
+    let (read, written) = tokio::join!(client.read("Speed"), async {
+        // Later than the read, so that its own time is not over.
+        tokio::time::sleep(Duration::from_secs(1)).await;
+        client.write("Count", 7).await
+    });
+    read.unwrap();
+    written.unwrap();
+    assert_eq!(count(&seen, service::WRITE_TAG), 1);
+    assert_eq!(client.read("Count").await.unwrap().as_f64(), Some(7.0));
 }
 
 #[tokio::test(start_paused = true)]

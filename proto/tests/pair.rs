@@ -512,6 +512,48 @@ fn watchdog_and_unknown_connections() {
 }
 
 #[test]
+fn a_refused_packet_loses_the_connection() {
+    let mut pair = Pair::registered();
+    let connection = pair.open();
+    let sent = pair.client.request_connected(connection, &read("A"), pair.now).unwrap();
+    let waiting = pair.client.request_connected(connection, &read("B"), pair.now).unwrap();
+    let mut bytes = BytesMut::from(&pair.client.poll_transmit().unwrap()[..]);
+    let frame = FrameDecoder::default().decode(&mut bytes).unwrap().unwrap();
+    pair.client
+        .handle_frame(&Frame::error(&frame.header, EncapStatus::INCORRECT_DATA));
+    let refused = ClientError::Encapsulation {
+        command: Command::SEND_UNIT_DATA,
+        status: EncapStatus::INCORRECT_DATA,
+    };
+    let mut outcomes: Vec<_> = std::iter::from_fn(|| pair.client.poll_event()).collect();
+    outcomes.sort_by_key(|event| event.call);
+    let outcomes = outcomes.into_iter().map(|event| (event.call, event.outcome));
+    assert_eq!(
+        outcomes.collect::<Vec<_>>(),
+        [
+            (sent, Outcome::Failed(refused)),
+            (waiting, Outcome::Failed(ClientError::NotOpen)),
+        ]
+    );
+    assert!(!pair.client.is_open(connection));
+    assert_eq!(pair.client.poll_transmit(), None, "no further packet");
+}
+
+#[test]
+fn a_lost_connection_is_closed_at_the_server() {
+    let mut pair = Pair::registered();
+    let connection = pair.open();
+    let call = pair.client.request_connected(connection, &read("A"), pair.now).unwrap();
+    pair.drive();
+    pair.client.handle_timeout(pair.now + Duration::from_secs(5));
+    assert_eq!(pair.outcome(call), Outcome::Failed(ClientError::TimedOut));
+    assert_eq!(pair.server.connections(), 1);
+    let close = pair.client.close_lost(&options(1), pair.now).unwrap();
+    assert_eq!(pair.outcome(close), Outcome::Closed);
+    assert_eq!(pair.server.connections(), 0);
+}
+
+#[test]
 fn silence_closes() {
     let mut pair = Pair::new();
     assert_eq!(pair.server.poll_timeout(), Some(Duration::from_secs(30)));

@@ -70,9 +70,13 @@ impl Connection {
         self.outstanding = None;
     }
 
-    /// All that is without a reply.
-    pub(super) fn into_calls(self) -> impl Iterator<Item = Call> {
-        let waiting = self.backlog.into_iter().map(|(call, _)| call);
-        self.outstanding.into_iter().chain(waiting)
+    /// The call whose message was sent and has no reply.
+    pub(super) fn outstanding(&self) -> Option<Call> {
+        self.outstanding
+    }
+
+    /// The calls whose messages were not sent.
+    pub(super) fn into_unsent(self) -> impl Iterator<Item = Call> {
+        self.backlog.into_iter().map(|(call, _)| call)
     }
 }

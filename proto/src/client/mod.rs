@@ -138,16 +138,36 @@ impl ClientSession {
     pub fn close(&mut self, connected: Connected, now: Duration) -> Result<Call, ClientError> {
         self.check()?;
         let connection = self.connections.get(&connected.0).ok_or(ClientError::NotOpen)?;
-        let close = ForwardClose {
-            time: TickTime::DEFAULT,
-            key: connected.0,
-            path: connection.path().clone(),
-        };
-        let message = connection_manager(service::FORWARD_CLOSE, close.to_bytes()?).to_bytes()?;
-        Ok(self.send_unconnected(Wait::Close { key: connected.0 }, message, now))
+        let path = connection.path().clone();
+        self.forward_close(connected.0, path, now)
     }
 
-    /// Sends a message on a connection, after those that wait for it already.
+    /// Whether a connection is open, as far as this side knows.
+    pub fn is_open(&self, connected: Connected) -> bool {
+        self.connections.contains_key(&connected.0)
+    }
+
+    /// Sends a Forward Close for a connection that was given up: the target may still have it.
+    ///
+    /// # Errors
+    /// `NotRegistered`, `Path`, `Lost`.
+    pub fn close_lost(&mut self, options: &OpenOptions, now: Duration) -> Result<Call, ClientError> {
+        self.check()?;
+        self.forward_close(options.key, options.path(), now)
+    }
+
+    fn forward_close(&mut self, key: ConnectionKey, path: Epath, now: Duration) -> Result<Call, ClientError> {
+        let close = ForwardClose {
+            time: TickTime::DEFAULT,
+            key,
+            path,
+        };
+        let message = connection_manager(service::FORWARD_CLOSE, close.to_bytes()?).to_bytes()?;
+        Ok(self.send_unconnected(Wait::Close { key }, message, now))
+    }
+
+    /// Sends a message on a connection, after those that wait for it already. A message that could not be sent before the
+    /// connection was lost fails with `NotOpen`.
     ///
     /// # Errors
     /// `NotRegistered`, `NotOpen`, `Path`, `Lost`.
@@ -193,8 +213,8 @@ impl ClientSession {
         self.pending.values().map(|pending| pending.deadline).min()
     }
 
-    /// Fails calls whose reply has not come in time. A connection whose reply is missing is given up with all that waits
-    /// for it: its state at the peer is unknown.
+    /// Fails calls whose reply has not come in time. A connection whose reply is missing is given up: its state at the peer
+    /// is unknown. Its calls that were not sent fail with `NotOpen`.
     pub fn handle_timeout(&mut self, now: Duration) {
         let late: Vec<Call> = self
             .pending
@@ -270,8 +290,11 @@ impl ClientSession {
         } else {
             Err(ClientError::Encapsulation { command, status })
         };
-        if let Some(key) = on {
-            self.send_next(key);
+        match on {
+            // A peer that refuses the packet has no such connection.
+            Some(key) if status != EncapStatus::SUCCESS => self.give_up(key, ClientError::NotOpen),
+            Some(key) => self.send_next(key),
+            None => {}
         }
         self.finish(call, outcome.unwrap_or_else(Outcome::Failed));
     }
@@ -374,12 +397,14 @@ impl ClientSession {
         }
     }
 
-    /// Forgets a connection; what waits on it fails.
+    /// Forgets a connection. The call that awaits a reply on it fails with `error`, those that were not sent with `NotOpen`.
     fn give_up(&mut self, key: ConnectionKey, error: ClientError) {
         let Some(connection) = self.connections.remove(&key) else {
             return;
         };
-        for call in connection.into_calls() {
+        let sent = connection.outstanding().map(|call| (call, error));
+        let unsent = connection.into_unsent().map(|call| (call, ClientError::NotOpen));
+        for (call, error) in sent.into_iter().chain(unsent) {
             if self.pending.remove(&call).is_some() {
                 self.finish(call, Outcome::Failed(error));
             }

@@ -74,7 +74,7 @@ pub enum ClientError {
     /// We were called wrongly: the path cannot be encoded.
     #[error(transparent)]
     Path(#[from] PathError),
-    /// We were called wrongly: no such connection is open.
+    /// No such connection is open; the message was not sent.
     #[error("no such connection is open")]
     NotOpen,
     /// We were called wrongly: there is no session yet.
