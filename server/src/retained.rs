@@ -54,9 +54,9 @@ pub(crate) enum RetainError {
         /// Why.
         error: io::Error,
     },
-    /// The file cannot be written.
-    #[error("--state {file}: cannot be written: {error}")]
-    Write {
+    /// The system has no thread left that could write the file.
+    #[error("--state {file}: cannot be kept: {error}")]
+    Thread {
         /// The file.
         file: PathBuf,
         /// Why.
@@ -128,6 +128,13 @@ impl Retained {
             }
         };
         if let Some(kept) = &kept {
+            if kept.cut_off > 0 {
+                tracing::warn!(
+                    "{}: the last {} bytes were not whole and have been left out; the disk never had them when the last server ended",
+                    file.display(),
+                    kept.cut_off
+                );
+            }
             let taken = take_over(&kept.state, project, &mut image);
             taken.report(file);
         }
@@ -139,10 +146,7 @@ impl Retained {
             RetainError::TooLarge { file, damage }
         })?;
         let axes = state.axes.clone();
-        let store = place
-            .begin(state, kept)
-            .map_err(|error| RetainError::Write { file: at(file), error })?;
-        let keeper = Keeper::start(store).map_err(|error| RetainError::Write { file: at(file), error })?;
+        let keeper = Keeper::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
         let watch = Watch::new(keeper.jobs(), axes, tags, project.machine.period_ns);
         Ok(Retained { image, watch, keeper })
     }

@@ -6,20 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Change, MAX_TOTAL, State};
 
-/// One record of a file.
+/// One record of a file: what is kept as one, whole or not at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Record {
-    /// Everything. The first record, and no other.
+pub enum Record {
+    /// Everything, in place of what there was: the first record of a file, and one whenever there are other tags.
     State(State),
     /// Changes that belong together.
     Changes(Vec<Change>),
 }
 
-/// What [`encode`] takes: a record that is borrowed. The names of the variants do not matter, their order does.
+/// The bytes of [`Record::State`], from a state that is borrowed. The names of the variants do not matter, their order does.
 #[derive(Serialize)]
-pub(crate) enum RecordRef<'a> {
-    State(&'a State),
-    Changes(&'a [Change]),
+enum Borrowed<'s> {
+    State(&'s State),
 }
 
 /// Bytes of a tag.
@@ -33,8 +32,13 @@ const CONFIG: Configuration<LittleEndian, Varint, Limit<MAX_RECORD>> = config::s
     .with_limit::<MAX_RECORD>();
 
 /// Appends the bytes of a record.
-pub(crate) fn encode(record: &RecordRef<'_>, out: &mut Vec<u8>) {
+pub(crate) fn encode(record: &Record, out: &mut Vec<u8>) {
     bincode::serde::encode_into_std_write(record, out, CONFIG).expect("plain data goes into a vector");
+}
+
+/// Appends the bytes of a record that is this state.
+pub(crate) fn encode_state(state: &State, out: &mut Vec<u8>) {
+    bincode::serde::encode_into_std_write(Borrowed::State(state), out, CONFIG).expect("plain data goes into a vector");
 }
 
 /// Reads a record; `None`: the bytes are not one record exactly.

@@ -1,6 +1,6 @@
 //! What can be wrong with a file.
 
-/// Why a file is no retained state that can be used.
+/// Why a file is not a retained state that can be used.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Damage {
     /// It does not begin as one.
@@ -20,13 +20,27 @@ pub enum Damage {
         /// Its length, bytes.
         length: usize,
     },
-    /// A checksum does not fit what it stands behind.
+    /// It ends before what the disk had.
+    #[error("it ends after {length} bytes, and the disk had {synchronised}")]
+    Truncated {
+        /// Where its last whole record ends, bytes.
+        length: usize,
+        /// Bytes that were synchronised.
+        synchronised: u64,
+    },
+    /// It is longer than a retained state can be.
+    #[error("it has more than {limit} bytes")]
+    TooLong {
+        /// The limit, bytes.
+        limit: usize,
+    },
+    /// A checksum does not fit the bytes before it.
     #[error("its checksum at byte {offset} is wrong")]
     Checksum {
         /// Where the checksum stands.
         offset: usize,
     },
-    /// A record is not what can stand there.
+    /// A record is not one that can stand there.
     #[error("its record at byte {offset} cannot be read")]
     Record {
         /// Where the record begins.
@@ -35,20 +49,20 @@ pub enum Damage {
     /// A number in it is beyond its limit.
     #[error("it has {found} {what}, and there are at most {limit}")]
     Limit {
-        /// Of what there are too many.
+        /// The quantity of which there is too much.
         what: Limit,
         /// How many there are.
         found: usize,
         /// The limit.
         limit: usize,
     },
-    /// A position is no number.
+    /// A position is not a number.
     #[error("the position of its axis {axis} is not a number")]
     NotANumber {
         /// Place of the axis.
         axis: usize,
     },
-    /// A change of something that its state does not have.
+    /// A change of an axis or a tag that its state does not have.
     #[error("it changes {what} number {place}, which it does not have")]
     NoSuchPlace {
         /// What is changed.
@@ -58,7 +72,7 @@ pub enum Damage {
     },
 }
 
-/// What is counted.
+/// A quantity that has a limit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Limit {
     /// Axes.
@@ -71,8 +85,6 @@ pub enum Limit {
     TagBytes,
     /// Bytes of all tags.
     Total,
-    /// Bytes of the file.
-    File,
 }
 
 impl std::fmt::Display for Limit {
@@ -83,7 +95,6 @@ impl std::fmt::Display for Limit {
             Limit::Text => "bytes in a name",
             Limit::TagBytes => "bytes in a tag",
             Limit::Total => "bytes in all tags",
-            Limit::File => "bytes",
         })
     }
 }

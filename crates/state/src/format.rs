@@ -1,23 +1,25 @@
 //! The bytes of a file, without any file.
 //!
 //! ```text
-//! header   "ARCSTATE"   format u32   checksum u32
-//! record   length u32   checksum u32   length bytes   checksum u32     the state
-//! record   …                                                           changes, any number
+//! page 0    "ARCSTATE"   format u32   checksum u32
+//! page 1    length u64   checksum u32                                   the horizon: bytes that the disk has
+//! page 2    the same, of the synchronisation before or after
+//! record    length u32   checksum u32   length bytes   checksum u32     the state
+//! record    …                                                           changes, and other states
 //! ```
 //!
-//! Little-endian. A checksum is a CRC-32 over everything in the file before it but the other checksums: a record that is
-//! missing, moved or of another file does not fit. A length has its own, so that a damaged one is not mistaken for a
-//! record that was cut off.
+//! Little-endian; a page has 4,096 bytes, the rest of each is zero. A record's checksum is a CRC-32 over the header and all records before it but
+//! for their checksums: a record that is missing, moved or of another file does not fit. A length has its own, so that a damaged one is not
+//! mistaken for a record that was cut off. Format 2, which is still read, has no horizon: its records stand behind the header.
 
 use crc32fast::Hasher;
 
-use crate::codec::{self, MAX_RECORD, Record, RecordRef};
-use crate::state::within;
-use crate::{Change, Damage, Limit, State};
+use crate::codec::{self, MAX_RECORD, Record};
+use crate::horizon::{self, PAGE};
+use crate::{Damage, State};
 
-/// The format that is written and read.
-pub const FORMAT: u32 = 2;
+/// The format that is written.
+pub const FORMAT: u32 = 3;
 /// Longest file that is read, bytes.
 pub const MAX_FILE: usize = 4 * MAX_RECORD;
 
@@ -26,9 +28,9 @@ pub const MAX_FILE: usize = 4 * MAX_RECORD;
 pub struct Kept {
     /// The state, with all changes.
     pub state: State,
-    /// Where the next record goes. What stands behind was cut off while it was written.
-    pub(crate) end: usize,
-    pub(crate) chain: Chain,
+    /// Bytes at the end that were cut off: a record that was being written, or what a crash of the system left of records that were
+    /// never synchronised.
+    pub cut_off: usize,
 }
 
 /// The checksum so far.
@@ -37,10 +39,14 @@ pub(crate) struct Chain(u32);
 
 impl Chain {
     /// Appends a record.
-    pub(crate) fn push(&mut self, record: &RecordRef<'_>, out: &mut Vec<u8>) {
+    pub(crate) fn push(&mut self, record: &Record, out: &mut Vec<u8>) {
+        self.push_encoded(out, |out| codec::encode(record, out));
+    }
+
+    fn push_encoded(&mut self, out: &mut Vec<u8>, encode: impl FnOnce(&mut Vec<u8>)) {
         let head = out.len();
         out.extend_from_slice(&[0; HEAD]);
-        codec::encode(record, out);
+        encode(out);
         let length = u32::try_from(out.len() - head - HEAD)
             .expect("a record is far below 4 GiB")
             .to_le_bytes();
@@ -58,77 +64,110 @@ impl Chain {
     }
 }
 
-/// A whole file with a state and no changes.
+/// A whole file with a state and no changes. Its horizon is its end, since it is synchronised before it gets its name.
 pub(crate) fn fresh(state: &State) -> (Vec<u8>, Chain) {
     let mut out = MAGIC.to_vec();
     out.extend_from_slice(&FORMAT.to_le_bytes());
     let mut chain = Chain(0).over(&out);
     out.extend_from_slice(&chain.0.to_le_bytes());
-    chain.push(&RecordRef::State(state), &mut out);
+    out.resize(RECORDS, 0);
+    chain.push_encoded(&mut out, |out| codec::encode_state(state, out));
+    let (horizon, at) = (horizon::page(out.len()), horizon::offset(0));
+    out[at..at + horizon.len()].copy_from_slice(&horizon);
     (out, chain)
 }
 
-/// Appends changes that belong together.
-pub(crate) fn changes(changes: &[Change], chain: &mut Chain, out: &mut Vec<u8>) {
-    chain.push(&RecordRef::Changes(changes), out);
-}
-
-/// Reads a file. The last record may be cut off at any byte; it is left out then, since its writer never said that
-/// it was kept.
+/// Reads a file. Records that are not whole and stand behind its horizon are left out: they were never synchronised, and one that the end of
+/// the process cut off was never answered.
 ///
 /// # Errors
 /// Anything else that is not as it was written.
 pub fn parse(bytes: &[u8]) -> Result<Kept, Damage> {
-    within(Limit::File, bytes.len(), MAX_FILE)?;
-    let too_short = Damage::TooShort { length: bytes.len() };
-    if bytes.is_empty() {
-        return Err(too_short);
+    if bytes.len() > MAX_FILE {
+        return Err(Damage::TooLong { limit: MAX_FILE });
     }
+    let too_short = Damage::TooShort { length: bytes.len() };
+    let (format, chain) = header(bytes)?;
+    let (first, horizon) = match format {
+        FORMAT => (RECORDS, horizon::of(bytes)),
+        WITHOUT_HORIZON => (HEADER, None),
+        found => {
+            return Err(Damage::OtherFormat {
+                found,
+                expected: FORMAT,
+            });
+        }
+    };
+    let mut reader = Reader {
+        bytes,
+        end: first,
+        chain,
+    };
+    let mut state = match reader.next()? {
+        Some((Record::State(state), behind)) => {
+            state.check()?;
+            reader = behind;
+            state
+        }
+        Some((Record::Changes(_), _)) => return Err(Damage::Record { offset: first }),
+        None => return Err(too_short),
+    };
+    let damage = loop {
+        match reader.next() {
+            Ok(Some((record, behind))) => match state.apply(&record) {
+                Ok(()) => reader = behind,
+                Err(damage) => break Some(damage),
+            },
+            Ok(None) => break None,
+            Err(damage) => break Some(damage),
+        }
+    };
+    let end = reader.end;
+    let lost = match horizon {
+        Some(synchronised) if (end as u64) < synchronised => Some(damage.unwrap_or(Damage::Truncated {
+            length: end,
+            synchronised,
+        })),
+        Some(_) => None,
+        None => damage.filter(|damage| !is_zero_from(bytes, end, damage)),
+    };
+    match lost {
+        Some(damage) => Err(damage),
+        None => Ok(Kept {
+            state,
+            cut_off: bytes.len() - end,
+        }),
+    }
+}
+
+/// The format of a file, and the checksum behind its header.
+fn header(bytes: &[u8]) -> Result<(u32, Chain), Damage> {
     let magic = &bytes[..bytes.len().min(MAGIC.len())];
     if !MAGIC.starts_with(magic) {
         return Err(Damage::NotAState);
     }
-    let Some(header) = bytes.first_chunk::<HEADER>() else {
-        return Err(too_short);
-    };
+    let header = bytes.first_chunk::<HEADER>();
+    let header = header.ok_or(Damage::TooShort { length: bytes.len() })?;
     let (told, checksum) = header.split_at(HEADER - CHECKSUM);
     let chain = Chain(0).over(told);
     if word(checksum) != chain.0 {
-        return Err(Damage::Checksum {
-            offset: HEADER - CHECKSUM,
-        });
+        let offset = HEADER - CHECKSUM;
+        return Err(Damage::Checksum { offset });
     }
-    let found = word(&told[MAGIC.len()..]);
-    if found != FORMAT {
-        return Err(Damage::OtherFormat {
-            found,
-            expected: FORMAT,
-        });
-    }
-    let mut reader = Reader {
-        bytes,
-        end: HEADER,
-        chain,
-    };
-    let Some(Record::State(mut state)) = reader.next()? else {
-        return Err(too_short);
-    };
-    state.check()?;
-    loop {
-        let offset = reader.end;
-        match reader.next()? {
-            None => break,
-            Some(Record::Changes(changes)) => changes.iter().try_for_each(|change| state.apply(change))?,
-            Some(Record::State(_)) => return Err(Damage::Record { offset }),
-        }
-    }
-    Ok(Kept {
-        state,
-        end: reader.end,
-        chain: reader.chain,
-    })
+    Ok((word(&told[MAGIC.len()..]), chain))
 }
 
+/// Whether a file without a horizon has only zeros from the sector of the damage on, as a crash of the system leaves them where a file had
+/// grown before it was written.
+fn is_zero_from(bytes: &[u8], end: usize, damage: &Damage) -> bool {
+    let at = match damage {
+        Damage::Checksum { offset } => offset - offset % SECTOR,
+        _ => end,
+    };
+    bytes[at.max(end)..].iter().all(|byte| *byte == 0)
+}
+
+#[derive(Clone, Copy)]
 struct Reader<'b> {
     bytes: &'b [u8],
     /// Behind the last whole record.
@@ -136,9 +175,9 @@ struct Reader<'b> {
     chain: Chain,
 }
 
-impl Reader<'_> {
-    /// The next record; `None`: no whole one is left.
-    fn next(&mut self) -> Result<Option<Record>, Damage> {
+impl<'b> Reader<'b> {
+    /// The next record and the reader behind it; `None`: no whole one is left.
+    fn next(self) -> Result<Option<(Record, Reader<'b>)>, Damage> {
         let offset = self.end;
         let Some(head) = self.bytes.get(offset..).and_then(<[u8]>::first_chunk::<HEAD>) else {
             return Ok(None);
@@ -162,8 +201,8 @@ impl Reader<'_> {
             return Err(Damage::Checksum { offset: tail });
         }
         let record = codec::decode(data).ok_or(Damage::Record { offset })?;
-        (self.end, self.chain) = (tail + CHECKSUM, chain);
-        Ok(Some(record))
+        let end = tail + CHECKSUM;
+        Ok(Some((record, Reader { end, chain, ..self })))
     }
 }
 
@@ -176,3 +215,9 @@ const CHECKSUM: usize = 4;
 const HEADER: usize = MAGIC.len() + 4 + CHECKSUM;
 /// Length and checksum in front of a record.
 const HEAD: usize = 4 + CHECKSUM;
+/// Where the first record stands: behind the header and the two horizons.
+pub(crate) const RECORDS: usize = 3 * PAGE;
+/// The format before this one.
+const WITHOUT_HORIZON: u32 = 2;
+/// What a disk writes whole or not at all, bytes.
+const SECTOR: usize = 512;

@@ -1,11 +1,11 @@
-//! The retained state: what a machine keeps over a restart, as a file that survives the death of its writer at any
+//! The retained state: what a machine keeps over a restart, as a file that survives the death of its writer, and of the system, at any
 //! instant.
 //!
-//! One file holds a whole [`State`] and behind it the changes since, each in a record with a checksum. A change is one
-//! record and one `write`, so it is there when the call returns, whatever then becomes of the process; a record that the
-//! end of the process cut off never counted. When the changes have grown, the state is written anew beside the file,
-//! synchronised and renamed over it ([`Store`]). A file that is not whole in any other way is [`Damage`], and its
-//! reader never guesses.
+//! One file holds a whole [`State`] and behind it the changes since, each in a [`Record`] with a checksum. A record is part of one `write`, so it is
+//! there when it is answered, whatever then becomes of the process; a record that the end of the process cut off was never answered. The
+//! [`Writer`] synchronises the file from time to time and notes in it how far the disk has it (the horizon), so that what a crash
+//! of the system leaves behind that point is told from damage. When the file has grown, the state is written anew beside it, synchronised
+//! and renamed over it. A file that is not whole in any other way is [`Damage`], and its reader never guesses.
 //!
 //! Not here: machines, tags and ticks (names and types are text, values bytes), threads, clocks and logs. Positions are in
 //! position units of their axis.
@@ -14,13 +14,22 @@
 
 mod codec;
 mod damage;
+mod disk;
 mod format;
+mod horizon;
+mod place;
+#[cfg(any(test, feature = "recording"))]
+pub mod recording;
 mod state;
 mod store;
 #[cfg(test)]
 mod tests;
+mod writer;
 
+pub use codec::Record;
 pub use damage::{Damage, Limit};
+pub use disk::{Disk, OpenError, System};
 pub use format::{FORMAT, Kept, MAX_FILE, parse};
+pub use place::{Place, ReadError};
 pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
-pub use store::{OpenError, Place, ReadError, Store};
+pub use writer::{Action, Ended, Failure, NotKept, Pace, Report, Task, Writer};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::codec::Bytes;
-use crate::{Damage, Limit};
+use crate::{Damage, Limit, Record};
 
 /// Everything that is kept.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -75,59 +75,61 @@ pub enum Change {
 }
 
 impl State {
-    /// Makes a change.
+    /// Takes over a record: all of it, or nothing of it.
     ///
     /// # Errors
-    /// [`Damage::NoSuchPlace`] and [`Damage::NotANumber`]; then nothing has changed.
-    pub fn apply(&mut self, change: &Change) -> Result<(), Damage> {
-        match change {
-            Change::Axis { axis, state } => {
-                let place = Damage::NoSuchPlace {
-                    what: Limit::Axes,
-                    place: *axis,
-                };
-                let kept = self.axes.get_mut(*axis as usize).ok_or(place)?;
-                finite(*axis as usize, state)?;
-                kept.state = *state;
+    /// [`Damage::NoSuchPlace`] and [`Damage::NotANumber`] for a change; for a state what [`State::check`] says.
+    pub fn apply(&mut self, record: &Record) -> Result<(), Damage> {
+        match record {
+            Record::State(state) => {
+                state.check()?;
+                self.clone_from(state);
             }
-            Change::Tag { tag, offset, bytes } => {
-                let from = *offset as usize;
-                let kept = self.tags.get_mut(*tag as usize);
-                let kept = kept.and_then(|kept| kept.bytes.get_mut(from..from.checked_add(bytes.len())?));
-                kept.ok_or(Damage::NoSuchPlace {
-                    what: Limit::Tags,
-                    place: *tag,
-                })?
-                .copy_from_slice(bytes);
+            Record::Changes(changes) => {
+                changes.iter().try_for_each(|change| self.check_change(change))?;
+                changes.iter().for_each(|change| self.make(change));
             }
         }
         Ok(())
     }
 
-    /// What makes `next` of this state; `None` when `next` has other axes or tags, or has them in another order.
-    pub fn changes_to(&self, next: &State) -> Option<Vec<Change>> {
-        let axes = self
-            .axes
-            .iter()
-            .map(|axis| (&axis.name, &axis.kind))
-            .eq(next.axes.iter().map(|axis| (&axis.name, &axis.kind)));
-        let shape = |tag: &Tag| (tag.name.clone(), tag.kind.clone(), tag.bytes.len());
-        if !axes || !self.tags.iter().map(shape).eq(next.tags.iter().map(shape)) {
-            return None;
+    fn check_change(&self, change: &Change) -> Result<(), Damage> {
+        match change {
+            Change::Axis { axis, state } => {
+                let (what, place) = (Limit::Axes, *axis);
+                if *axis as usize >= self.axes.len() {
+                    return Err(Damage::NoSuchPlace { what, place });
+                }
+                finite(*axis as usize, state)
+            }
+            Change::Tag { tag, offset, bytes } => {
+                let (what, place) = (Limit::Tags, *tag);
+                let known = self.tags.get(*tag as usize);
+                let room = known.and_then(|tag| tag.bytes.len().checked_sub(*offset as usize));
+                match room {
+                    Some(room) if bytes.len() <= room => Ok(()),
+                    _ => Err(Damage::NoSuchPlace { what, place }),
+                }
+            }
         }
-        let axes = (0..).zip(self.axes.iter().zip(&next.axes));
-        let axes = axes.filter(|(_, (was, is))| was.state != is.state);
-        let tags = (0..).zip(self.tags.iter().zip(&next.tags));
-        let tags = tags.filter(|(_, (was, is))| was.bytes != is.bytes);
-        Some(
-            axes.map(|(axis, (_, is))| Change::Axis { axis, state: is.state })
-                .chain(tags.map(|(tag, (_, is))| Change::Tag {
-                    tag,
-                    offset: 0,
-                    bytes: is.bytes.clone(),
-                }))
-                .collect(),
-        )
+    }
+
+    /// Makes a change that has been checked.
+    fn make(&mut self, change: &Change) {
+        match change {
+            Change::Axis { axis, state } => {
+                if let Some(axis) = self.axes.get_mut(*axis as usize) {
+                    axis.state = *state;
+                }
+            }
+            Change::Tag { tag, offset, bytes } => {
+                let tag = self.tags.get_mut(*tag as usize);
+                let part = tag.and_then(|tag| tag.bytes.get_mut(*offset as usize..)?.get_mut(..bytes.len()));
+                if let Some(part) = part {
+                    part.copy_from_slice(bytes);
+                }
+            }
+        }
     }
 
     /// Holds a state against the limits.

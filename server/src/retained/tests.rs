@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
 use arcline_realtime::Handle;
-use arcline_state::Change;
+use arcline_state::{Change, Record};
 use arcline_tag::Value;
 
 use super::keeper::Job;
@@ -182,7 +182,7 @@ fn show(watch: &mut Watch, tick: u64, axis: AxisSnapshot) {
 
 /// The axis that was sent, and it is kept at once.
 fn sent(jobs: &mpsc::Receiver<Job>) -> Option<AxisState> {
-    let Ok(Job::Keep(changes, kept)) = jobs.try_recv() else {
+    let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
         return None;
     };
     let [Change::Axis { axis: 0, state }] = changes[..] else {
@@ -279,13 +279,13 @@ fn a_slow_disk_makes_axes_come_less_often() {
     assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
 }
 
-/// A plant whose state nobody can keep.
+/// A plant whose state is never kept.
 pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
     let (plant, handle, _) = plant(project);
     (plant, handle)
 }
 
-/// A plant whose state somebody else keeps.
+/// A plant whose state the test keeps.
 fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
     let mut image = image_of(project);
     image.remember_written();
@@ -311,7 +311,7 @@ async fn a_write_is_answered_when_it_is_kept() {
     assert!(jobs.try_recv().is_err(), "operands of instructions are not kept");
     for answer in [Ok(()), Err(NotKept)] {
         let written = write("Recipe[1]");
-        let Ok(Job::Keep(changes, kept)) = jobs.try_recv() else {
+        let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
             panic!("nothing was sent")
         };
         let expected = Change::Tag {
@@ -331,7 +331,7 @@ async fn a_write_is_answered_when_it_is_kept() {
     assert_eq!(
         plant.kept(write("Count")).await,
         Err(NotKept),
-        "nobody keeps it any more"
+        "there is no keeper any more"
     );
     handle.stop();
 }

@@ -9,7 +9,7 @@ use std::sync::mpsc;
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
-use arcline_state::{Axis, AxisState, Change, State};
+use arcline_state::{Axis, AxisState, Change, Record, State};
 use tokio::sync::oneshot;
 
 use super::keeper::{Job, NotKept};
@@ -69,7 +69,7 @@ impl Watch {
                     .to_vec(),
             })
         });
-        self.send(changes.collect())
+        self.send_changes(changes.collect())
     }
 
     fn table(&mut self, image: &Image) -> Option<Kept> {
@@ -87,9 +87,7 @@ impl Watch {
             axes: self.axes.clone(),
             tags,
         };
-        let (sender, receiver) = oneshot::channel();
-        let _ = self.jobs.send(Job::Replace(state, sender));
-        Some(receiver)
+        Some(self.send(Record::State(state)))
     }
 
     /// Sends what a snapshot shows to have changed: at once that an axis began to move or came to rest, that it was
@@ -108,7 +106,7 @@ impl Watch {
         if due {
             self.due = snapshot.tick + self.interval;
         }
-        self.under_way = self.send(news);
+        self.under_way = self.send_changes(news);
     }
 
     /// Sends the axes as they are after a controlled stop. A drive that is on comes to rest where it is told to.
@@ -118,7 +116,7 @@ impl Watch {
             ..snapshot.clone()
         };
         let news = self.news(&settled, |_, _| true);
-        self.under_way = self.send(news);
+        self.under_way = self.send_changes(news);
     }
 
     fn news(&mut self, snapshot: &Snapshot, wanted: impl Fn(&AxisState, &AxisState) -> bool) -> Vec<Change> {
@@ -136,14 +134,15 @@ impl Watch {
         .collect()
     }
 
-    fn send(&self, changes: Vec<Change>) -> Option<Kept> {
-        if changes.is_empty() {
-            return None;
-        }
+    fn send_changes(&self, changes: Vec<Change>) -> Option<Kept> {
+        (!changes.is_empty()).then(|| self.send(Record::Changes(changes)))
+    }
+
+    fn send(&self, record: Record) -> Kept {
         let (sender, receiver) = oneshot::channel();
         // A keeper that is gone drops the sender, and so answers.
-        let _ = self.jobs.send(Job::Keep(changes, sender));
-        Some(receiver)
+        let _ = self.jobs.send(Job::Keep(record, sender));
+        receiver
     }
 }
 

@@ -20,6 +20,16 @@ pub struct Server {
     log: Log,
 }
 
+/// A server that ended before it was ready, or was not ready in time: what it said.
+#[derive(Debug)]
+pub struct NotReady(String);
+
+impl std::fmt::Display for NotReady {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 /// What a server writes to standard error.
 struct Log {
     text: Arc<Mutex<Vec<u8>>>,
@@ -98,7 +108,19 @@ impl Server {
         Self::start_by(shell, "127.0.0.1:0", arguments)
     }
 
-    fn start_by(mut command: Command, listen: &str, arguments: &[&str]) -> Self {
+    /// Starts the server by a command that becomes it, or runs it.
+    ///
+    /// # Errors
+    /// When it is not ready in time, or ends before it is.
+    pub fn try_start(command: Command, arguments: &[&str]) -> Result<Self, NotReady> {
+        Self::start_or_say(command, "127.0.0.1:0", arguments)
+    }
+
+    fn start_by(command: Command, listen: &str, arguments: &[&str]) -> Self {
+        Self::start_or_say(command, listen, arguments).unwrap_or_else(|not_ready| panic!("{not_ready}"))
+    }
+
+    fn start_or_say(mut command: Command, listen: &str, arguments: &[&str]) -> Result<Self, NotReady> {
         let began = Instant::now();
         let mut child = command
             .args(["run", "--listen", listen])
@@ -133,18 +155,18 @@ impl Server {
             // It may have ended by itself; its log says why either way.
             let _ = child.kill();
             let status = child.wait();
-            panic!(
+            return Err(NotReady(format!(
                 "no ready line within {READY:?} but {line:?} ({status:?}); the server's log:\n{}",
                 log.until_the_end().unwrap_or_default()
-            );
+            )));
         };
-        Self {
+        Ok(Self {
             hmi: ready_address(&line, "hmi="),
             child,
             address,
             ready_after,
             log,
-        }
+        })
     }
 
     /// Where EtherNet/IP is served, TCP and UDP.

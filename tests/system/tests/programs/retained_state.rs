@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Operands, TagValue, WriteValue};
-use arcline_state::{Axis, AxisState, Place, State, parse};
+use arcline_state::{Axis, AxisState, Pace, Place, State, Writer, parse};
 use arcline_system_tests::programs;
 use arcline_system_tests::server::Server;
 use arcline_tests::random::Random;
@@ -234,13 +234,18 @@ fn judge(kept: &[Axis], legs: &[Leg], killed: Instant, why: &str) {
 /// Makes the axes homed again, for lack of anything that would do so in the server. Where they were moving they
 /// were moving.
 fn home_again(file: &Path) {
-    let place = Place::lock(file).expect("nobody has it");
-    let kept = place.read().expect("whole");
-    let mut state = kept.as_ref().expect("it is there").state.clone();
+    let place = Place::lock(file).expect("no other process has it");
+    let mut state = place.read().expect("whole").expect("it is there").state;
     for axis in &mut state.axes {
         axis.state.homed = true;
     }
-    place.begin(state, kept).expect("the folder is writable");
+    write_state(place, state);
+}
+
+/// Puts a state in the place of the one that is kept.
+fn write_state(place: Place, state: State) {
+    let mut writer = Writer::<_, ()>::start(place, state, Pace::default(), Duration::ZERO);
+    assert_eq!(writer.actions().count(), 0, "the folder is writable");
 }
 
 /// What a server shows that has just been started on a state.
@@ -495,15 +500,14 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
     assert_eq!(server.terminate().0.code(), Some(0));
     let whole = std::fs::read(&files.state).expect("it is there");
     let mut damaged = whole.clone();
-    damaged[whole.len() / 2] ^= 0x10;
+    damaged[(12_288 + whole.len()) / 2] ^= 0x10;
     let mut other = State::default();
     other.axes.push(Axis {
         name: "Arm".to_owned(),
         kind: "servo, deg".to_owned(),
         state: AxisState::default(),
     });
-    let place = Place::lock(&files.state).expect("nobody has it");
-    drop(place.begin(other, None).expect("the folder is writable"));
+    write_state(Place::lock(&files.state).expect("no other process has it"), other);
     let foreign = std::fs::read(&files.state).expect("it is there");
     let cases: [(&str, &[u8]); 4] = [
         ("is wrong", &damaged),

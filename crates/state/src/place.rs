@@ -1,0 +1,107 @@
+//! The name of a file, locked for one process: reading it, setting it aside, beginning to keep a state there.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::disk::{Disk, OpenError, System};
+use crate::{Damage, Kept, MAX_FILE, format};
+
+/// A file in which no other process keeps a state while this lives. It may not exist yet.
+#[derive(Debug)]
+pub struct Place<D: Disk = System> {
+    disk: D,
+    file: PathBuf,
+    _lock: D::File,
+}
+
+/// Why a file gave no state.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// It is damaged or foreign.
+    #[error(transparent)]
+    Damage(#[from] Damage),
+    /// The system's error.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+}
+
+impl Place {
+    /// Takes a file for this process.
+    ///
+    /// # Errors
+    /// See [`OpenError`].
+    pub fn lock(file: &Path) -> Result<Place, OpenError> {
+        let (disk, file) = System::with(file)?;
+        Place::lock_on(disk, file)
+    }
+}
+
+impl<D: Disk> Place<D> {
+    /// Takes a file of this disk for this process.
+    ///
+    /// # Errors
+    /// See [`OpenError`].
+    pub fn lock_on(disk: D, file: PathBuf) -> Result<Self, OpenError> {
+        let lock = disk.lock(&with_suffix(&file, ".lock"))?;
+        Ok(Place {
+            disk,
+            file,
+            _lock: lock,
+        })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The file that is written before it takes the place of this one.
+    pub(crate) fn beside(&self) -> PathBuf {
+        with_suffix(&self.file, ".new")
+    }
+
+    pub(crate) fn disk(&self) -> &D {
+        &self.disk
+    }
+
+    /// Reads the file; `None`: there is none.
+    ///
+    /// # Errors
+    /// See [`ReadError`]. After a [`Damage`] the file should be [set aside](Place::set_aside).
+    pub fn read(&self) -> Result<Option<Kept>, ReadError> {
+        match self.disk.read(&self.file, MAX_FILE) {
+            Ok(None) => Ok(None),
+            Ok(Some(bytes)) => Ok(Some(format::parse(&bytes)?)),
+            Err(error) if error.kind() == io::ErrorKind::FileTooLarge => {
+                Err(Damage::TooLong { limit: MAX_FILE }.into())
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Renames the file to one that did not exist, and returns its name.
+    ///
+    /// # Errors
+    /// The system's. Then the file is where it was.
+    pub fn set_aside(&self) -> io::Result<PathBuf> {
+        for number in 1..=MOST_ASIDE {
+            let aside = with_suffix(&self.file, &format!(".set-aside-{number}"));
+            if !self.disk.exists(&aside) {
+                self.disk.rename(&self.file, &aside)?;
+                return Ok(aside);
+            }
+        }
+        Err(io::Error::other(format!(
+            "{MOST_ASIDE} files have been set aside already"
+        )))
+    }
+}
+
+fn with_suffix(file: &Path, suffix: &str) -> PathBuf {
+    let mut name = file.as_os_str().to_owned();
+    name.push(suffix);
+    name.into()
+}
+
+/// Files that are set aside before an operator must remove some.
+const MOST_ASIDE: u32 = 1000;

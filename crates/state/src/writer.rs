@@ -1,0 +1,312 @@
+//! When what is written: a state machine without threads or clocks, which a thread carries out.
+//!
+//! Everything that waits when [`Writer::turn`] is called is one write. The writer never waits for the disk: at most once in a
+//! [`Pace::pause`] it hands out a [`Task`], a synchronisation that another thread runs and whose end comes back as [`Writer::ended`]. When the
+//! file has grown it is written anew beside itself, synchronised there while records go on, and renamed.
+//!
+//! After a failed write, synchronisation or rename the file is given up: the system may hold as written what the disk never gets, and a later
+//! success says nothing about it. From then on every record is answered with [`NotKept`], and after each pause the whole state is tried in a new
+//! file.
+
+use std::collections::VecDeque;
+use std::io;
+use std::path::Path;
+use std::time::Duration;
+
+use crate::disk::Disk;
+use crate::store::{Store, Synchronised};
+use crate::{Place, Record, State};
+
+/// The change is not in the file, at least not yet.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("it could not be written to the file of the retained state")]
+pub struct NotKept;
+
+/// How often the disk is used.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    /// Between two synchronisations, and between two attempts after a failure.
+    pub pause: Duration,
+    /// Growth of the file after which it is written anew, bytes; a file that is longer than that grows to the double.
+    pub growth: usize,
+}
+
+impl Default for Pace {
+    /// A second, and a mebibyte.
+    fn default() -> Self {
+        Pace {
+            pause: Duration::from_secs(1),
+            growth: 1024 * 1024,
+        }
+    }
+}
+
+/// Keeps a state in a file. `A` stands for the one who waits for an answer.
+#[derive(Debug)]
+pub struct Writer<D: Disk, A> {
+    store: Store<D>,
+    pace: Pace,
+    waiting: Vec<(Record, A)>,
+    actions: VecDeque<Action<A>>,
+    /// Whether a task is under way.
+    busy: bool,
+    /// The folder is to be synchronised next.
+    renamed: bool,
+    /// Records were written since the newest synchronisation was begun.
+    unsynchronised: bool,
+    /// The file was given up, and every record is answered with [`NotKept`].
+    failed: bool,
+    /// A new table of tags was refused: places of tags in later changes are not those of the state.
+    refused: bool,
+    /// When to synchronise, or to try again, since the start.
+    due: Duration,
+}
+
+/// What the owner of a writer has to carry out.
+#[derive(Debug)]
+pub enum Action<A> {
+    /// Answer that a record is kept, or not.
+    Answer(A, Result<(), NotKept>),
+    /// Write this to the log.
+    Report(Report),
+}
+
+/// What an operator should know.
+#[derive(Debug)]
+pub enum Report {
+    /// From now on nothing is kept.
+    Failed(Failure, io::Error),
+    /// From now on everything is kept again.
+    Recovered,
+    /// The file could not be written anew and goes on growing.
+    Grows(io::Error),
+}
+
+/// What has failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Failure {
+    /// A write.
+    Write,
+    /// A synchronisation.
+    Synchronisation,
+}
+
+/// A synchronisation, which takes as long as the disk takes.
+#[derive(Debug)]
+pub struct Task<D: Disk> {
+    disk: D,
+    what: What<D::File>,
+}
+
+#[derive(Debug)]
+enum What<F> {
+    /// The records in the file.
+    Records(F, Synchronised),
+    /// The file beside, before it takes the place of the file.
+    Beside(F),
+    /// The folder, after that.
+    Folder,
+}
+
+/// How a task ended.
+#[derive(Debug)]
+pub struct Ended {
+    what: What<()>,
+    result: io::Result<()>,
+}
+
+impl<D: Disk> Task<D> {
+    /// Carries it out.
+    pub fn run(self) -> Ended {
+        let (what, result) = match self.what {
+            What::Records(file, covered) => (What::Records((), covered), self.disk.sync(&file)),
+            What::Beside(file) => (What::Beside(()), self.disk.sync(&file)),
+            What::Folder => (What::Folder, self.disk.sync_folder()),
+        };
+        Ended { what, result }
+    }
+}
+
+impl<D: Disk, A> Writer<D, A> {
+    /// Begins to keep a state: writes it anew and synchronises it, as long as the disk takes. When that fails the writer
+    /// reports it and tries again after each pause.
+    pub fn start(place: Place<D>, state: State, pace: Pace, now: Duration) -> Self {
+        let mut writer = Writer {
+            store: Store::new(place, state, pace.growth),
+            pace,
+            waiting: Vec::new(),
+            actions: VecDeque::new(),
+            busy: false,
+            renamed: false,
+            unsynchronised: false,
+            failed: false,
+            refused: false,
+            due: now,
+        };
+        if let Err(error) = writer.store.rewrite() {
+            writer.fail(Failure::Write, error, now);
+        }
+        writer
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.store.path()
+    }
+
+    /// Takes a record. The next [`Writer::turn`] writes it.
+    pub fn keep(&mut self, record: Record, answer: A) {
+        self.waiting.push((record, answer));
+    }
+
+    /// How many records the next turn writes.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Takes the end of a task.
+    pub fn ended(&mut self, ended: Ended, now: Duration) {
+        self.busy = false;
+        match (ended.what, ended.result) {
+            (What::Records((), covered), Ok(())) => {
+                if let Err(error) = self.store.synchronised(covered) {
+                    self.fail(Failure::Write, error, now);
+                }
+            }
+            (What::Beside(()), Ok(())) => match self.store.finish_rewrite() {
+                Ok(()) => self.renamed = true,
+                Err(error) => self.not_rewritten(error, now),
+            },
+            (What::Beside(()), Err(error)) => {
+                self.store.end_rewrite();
+                self.not_rewritten(error, now);
+            }
+            (What::Folder, Ok(())) => {
+                if std::mem::take(&mut self.failed) {
+                    self.actions.push_back(Action::Report(Report::Recovered));
+                    self.wrote(now);
+                }
+            }
+            (What::Records(..) | What::Folder, Err(error)) => self.fail(Failure::Synchronisation, error, now),
+        }
+    }
+
+    /// Writes what waits, and returns what the disk has to do next, if it is idle and something is due.
+    pub fn turn(&mut self, now: Duration) -> Option<Task<D>> {
+        self.write(now);
+        if self.busy {
+            return None;
+        }
+        let what = self.next(now)?;
+        self.busy = true;
+        let disk = self.store.disk().clone();
+        Some(Task { disk, what })
+    }
+
+    /// What is to be carried out, in order.
+    pub fn actions(&mut self) -> impl Iterator<Item = Action<A>> {
+        self.actions.drain(..)
+    }
+
+    /// When the next turn is due without a record, since the start; `None`: not before the next record or the end of a task.
+    pub fn due(&self) -> Option<Duration> {
+        (!self.busy && (self.unsynchronised || self.failed)).then_some(self.due)
+    }
+
+    /// Writes what waits and the state anew, and synchronises it; as long as the disk takes.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn close(&mut self, now: Duration) -> io::Result<()> {
+        self.write(now);
+        self.store.rewrite()
+    }
+
+    fn write(&mut self, now: Duration) {
+        let mut records = Vec::with_capacity(self.waiting.len());
+        let mut answers = Vec::with_capacity(self.waiting.len());
+        for (record, answer) in std::mem::take(&mut self.waiting) {
+            if self.take_over(&record) {
+                records.push(record);
+                answers.push(answer);
+            } else {
+                self.actions.push_back(Action::Answer(answer, Err(NotKept)));
+            }
+        }
+        if records.is_empty() {
+            return;
+        }
+        let written = self.store.append(records.iter());
+        let kept = match written {
+            Err(error) if !self.failed => {
+                self.fail(Failure::Write, error, now);
+                Err(NotKept)
+            }
+            Ok(()) if !self.failed => Ok(()),
+            _ => Err(NotKept),
+        };
+        if !self.failed {
+            self.wrote(now);
+        }
+        let answers = answers.into_iter().map(|answer| Action::Answer(answer, kept));
+        self.actions.extend(answers);
+    }
+
+    /// There is something to synchronise.
+    fn wrote(&mut self, now: Duration) {
+        if !std::mem::replace(&mut self.unsynchronised, true) {
+            self.due = now + self.pace.pause;
+        }
+    }
+
+    /// Takes a record over into the state, if it fits.
+    fn take_over(&mut self, record: &Record) -> bool {
+        let table = matches!(record, Record::State(_));
+        if self.refused && !table {
+            return false;
+        }
+        let fits = self.store.apply(record).is_ok();
+        self.refused = table && !fits;
+        fits
+    }
+
+    fn next(&mut self, now: Duration) -> Option<What<D::File>> {
+        if std::mem::take(&mut self.renamed) {
+            return Some(What::Folder);
+        }
+        let due = now >= self.due;
+        let rewrite = if self.failed { due } else { self.store.wants_rewrite() };
+        if rewrite {
+            return match self.store.begin_rewrite() {
+                Ok(file) => Some(What::Beside(file)),
+                Err(error) => {
+                    self.not_rewritten(error, now);
+                    None
+                }
+            };
+        }
+        if !self.unsynchronised || !due {
+            return None;
+        }
+        self.unsynchronised = false;
+        let (file, covered) = self.store.to_synchronise()?;
+        Some(What::Records(file, covered))
+    }
+
+    /// The file could not be written anew. Unless it was given up, it is still good.
+    fn not_rewritten(&mut self, error: io::Error, now: Duration) {
+        if self.failed {
+            self.due = now + self.pace.pause;
+        } else {
+            self.actions.push_back(Action::Report(Report::Grows(error)));
+        }
+    }
+
+    fn fail(&mut self, what: Failure, error: io::Error, now: Duration) {
+        self.store.give_up();
+        self.due = now + self.pace.pause;
+        if !std::mem::replace(&mut self.failed, true) {
+            self.actions.push_back(Action::Report(Report::Failed(what, error)));
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! The real server on a disk that fails: every system call of the retained state can be made to fail, to wait or to be the last one (strace), and
+//! a file system can be full (tmpfs).
+//!
+//! `ARCLINE_KILLS` sets up to which call the server is killed: 40 without it.
+#![allow(missing_docs)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use arcline_client::{Client, ClientError, WriteValue};
+use arcline_state::{State, parse};
+use arcline_system_tests::server::{NotReady, Server};
+use arcline_system_tests::{not_granted, not_run, programs};
+
+/// DINTs that a client writes in one message.
+const ELEMENTS: usize = 16;
+/// The calls by which the server uses its state file.
+const CALLS: &str = "openat,write,pwrite64,fdatasync,fsync,rename,unlink";
+
+/// A machine with a table of DINTs, and a folder for its state.
+struct Files {
+    folder: tempfile::TempDir,
+}
+
+impl Files {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let files = Files { folder };
+        let tag = format!("\n[[tag]]\nname = \"Table\"\ntype = \"DINT[{ELEMENTS}]\"\n");
+        let text = arcline_config::DEFAULT.to_owned() + &tag;
+        std::fs::write(files.path("machine.toml"), text).expect("the folder is writable");
+        files
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn start(&self) -> Server {
+        let started = self.start_under(Command::new(programs::arcline_server()), &self.path("machine.state"));
+        started.unwrap_or_else(|not_ready| panic!("{not_ready}"))
+    }
+
+    fn start_under(&self, command: Command, state: &Path) -> Result<Server, NotReady> {
+        let [config, state] = [&self.path("machine.toml"), state].map(|path| path.display().to_string());
+        Server::try_start(command, &["--config", &config, "--state", &state])
+    }
+
+    /// Starts the server under strace, which does something to the calls that concern its state file.
+    fn start_injected(&self, injection: &str) -> Result<Server, NotReady> {
+        let mut strace = Command::new("strace");
+        // As a grandchild, so that the server is the child that tests kill.
+        strace.args(["-D", "-f", "-qqq", "-o", "/dev/null"]);
+        strace.arg("-e").arg(format!("trace={CALLS}"));
+        strace.arg("-e").arg(format!("inject={injection}"));
+        for name in ["machine.state", "machine.state.new"] {
+            strace.arg("-P").arg(self.path(name));
+        }
+        strace.arg("-P").arg(self.folder.path());
+        strace.arg(programs::arcline_server());
+        self.start_under(strace, &self.path("machine.state"))
+    }
+
+    /// The state in the file; `None`: there is none.
+    fn read(&self, why: &str) -> Option<State> {
+        let bytes = std::fs::read(self.path("machine.state")).ok()?;
+        Some(parse(&bytes).unwrap_or_else(|damage| panic!("{why}: {damage}")).state)
+    }
+
+    /// The number that the table in the file is full of.
+    fn table(&self, why: &str) -> Option<i64> {
+        let state = self.read(why)?;
+        let numbers: Vec<i32> = (state.tags[0].bytes.chunks_exact(4))
+            .filter_map(|four| four.first_chunk().copied().map(i32::from_le_bytes))
+            .collect();
+        assert_eq!(numbers, [numbers[0]; ELEMENTS], "{why}: the table is of one message");
+        Some(numbers[0].into())
+    }
+}
+
+fn strace_is_missing(test: &str) -> bool {
+    let traced = Command::new("strace")
+        .args(["-D", "-qqq", "-o", "/dev/null", "true"])
+        .output();
+    match traced {
+        Ok(output) if output.status.success() => return false,
+        Ok(output) => not_granted(test, &String::from_utf8_lossy(&output.stderr)),
+        Err(error) => not_run(test, &format!("strace: {error} (Debian: apt-get install strace)")),
+    }
+    true
+}
+
+async fn write(client: &Client, number: i64) -> Result<(), ClientError> {
+    client
+        .write("Table", WriteValue::Array(vec![WriteValue::from(number); ELEMENTS]))
+        .await
+}
+
+async fn connect(server: &Server) -> Client {
+    let client = Client::connect(&server.address().to_string()).await;
+    client.expect("a ready server accepts")
+}
+
+/// Writes until the server is gone. Returns the last number that was answered, and the last one that was sent.
+async fn write_to_the_end(server: &Server, from: i64) -> (i64, i64) {
+    let Ok(client) = Client::connect(&server.address().to_string()).await else {
+        return (from, from);
+    };
+    for number in from + 1..from + 5000 {
+        if write(&client, number).await.is_err() {
+            return (number - 1, number);
+        }
+    }
+    (from + 4999, from + 4999)
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_kill_at_any_call_keeps_what_was_answered() {
+    if strace_is_missing("kill at any call") {
+        return;
+    }
+    let kills: u32 = std::env::var("ARCLINE_KILLS").map_or(40, |kills| kills.parse().expect("a number"));
+    let files = Files::new();
+    drop(files.start());
+    let (mut number, mut at_start, mut written) = (0, 0, 0);
+    for call in 1..=kills {
+        let why = format!("kill at call {call} of a thread");
+        let before = files.table(&why);
+        let range = match files.start_injected(&format!("{CALLS}:signal=SIGKILL:when={call}")) {
+            Err(_) => {
+                at_start += 1;
+                number..=number
+            }
+            Ok(server) => {
+                let (answered, sent) = write_to_the_end(&server, number).await;
+                drop(server);
+                written += answered - number;
+                answered..=sent
+            }
+        };
+        let kept = files.table(&why).or(before).unwrap_or_default();
+        assert!(
+            range.contains(&kept),
+            "{why}: {kept} is kept, and {range:?} were answered and sent"
+        );
+        number = kept;
+    }
+    let server = files.start();
+    let shown = connect(&server).await.read_numbers("Table").await.expect("a tag");
+    assert_eq!(shown, [number as f64; ELEMENTS]);
+    println!("{kills} kills, {at_start} of them while the server started; {written} writes answered, none lost");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_disk_that_fails_is_an_answer_and_recovers() {
+    let test = "calls that fail";
+    if strace_is_missing(test) {
+        return;
+    }
+    // strace counts the calls of each thread: the first ones are those at the start, and those that follow in the threads.
+    let cases = [
+        "fdatasync:error=EIO:when=1",
+        "fdatasync:error=EIO:when=2",
+        "fsync:error=EIO:when=1",
+        "rename:error=EIO:when=1",
+        "openat:error=EMFILE:when=3",
+        "write:error=ENOSPC:when=2..3",
+        "pwrite64:error=EIO:when=1",
+    ];
+    for case in cases {
+        let files = Files::new();
+        let server = files
+            .start_injected(case)
+            .unwrap_or_else(|not_ready| panic!("{case}: {not_ready}"));
+        let client = connect(&server).await;
+        let (mut answered, mut refused) = (0, 0);
+        let until = Instant::now() + Duration::from_secs(4);
+        let mut number = 0;
+        while Instant::now() < until {
+            number += 1;
+            match write(&client, number).await {
+                Ok(()) => answered = number,
+                Err(error) if error.to_string().contains("could not save it") => refused += 1,
+                Err(error) => panic!("{case}: {error}"),
+            }
+            tokio::time::sleep(Duration::from_millis(5)).await;
+        }
+        let log = server.kill();
+        assert_eq!(answered, number, "{case}: it is kept again at the end; {log}");
+        assert_eq!(files.table(case), Some(answered), "{case}");
+        assert_eq!(
+            refused > 0,
+            log.contains("writes of plain tags are refused"),
+            "{case}: {log}"
+        );
+        assert_eq!(refused > 0, log.contains("is written again"), "{case}: {log}");
+        println!("{case}: {number} writes, {refused} of them refused");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_slow_disk_delays_no_answer() {
+    if strace_is_missing("a slow disk") {
+        return;
+    }
+    let mut longest = Vec::new();
+    for delay in [0, 2_000_000] {
+        let files = Files::new();
+        let server = files.start_injected(&format!("fdatasync:delay_enter={delay}"));
+        let server = server.unwrap_or_else(|not_ready| panic!("{not_ready}"));
+        let client = connect(&server).await;
+        let (mut worst, until) = (Duration::ZERO, Instant::now() + Duration::from_secs(5));
+        let mut number = 0;
+        while Instant::now() < until {
+            number += 1;
+            let began = Instant::now();
+            write(&client, number).await.expect("it is kept");
+            worst = worst.max(began.elapsed());
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        longest.push((delay, number, worst));
+        drop(server);
+    }
+    println!("microseconds that each fdatasync takes longer, writes, longest answer: {longest:?}");
+    // The disk takes 2 s; the machine may be busy, which the run without delay shows.
+    let [(_, _, quick), (_, _, slow)] = longest[..] else {
+        unreachable!("two runs")
+    };
+    assert!(
+        slow < Duration::from_millis(500).max(4 * quick),
+        "an answer waited for the disk: {longest:?}"
+    );
+}
+
+/// A file system in memory, gone when this is dropped.
+struct Small(PathBuf);
+
+impl Small {
+    fn mount(at: PathBuf) -> Result<Self, String> {
+        std::fs::create_dir(&at).map_err(|error| error.to_string())?;
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", "size=1m", "tmpfs"])
+            .arg(&at)
+            .output();
+        match mounted {
+            Ok(output) if output.status.success() => Ok(Small(at)),
+            Ok(output) => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}
+
+impl Drop for Small {
+    fn drop(&mut self) {
+        // The folder that is removed with the test would stay otherwise, and the next run has another one.
+        let _ = Command::new("umount").arg("-l").arg(&self.0).output();
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_full_file_system_recovers_when_there_is_room_again() {
+    let files = Files::new();
+    let small = match Small::mount(files.path("small")) {
+        Ok(small) => small,
+        Err(why) => return not_granted("a full tmpfs", &why),
+    };
+    let (state, filler) = (small.0.join("machine.state"), small.0.join("filler"));
+    let program = || Command::new(programs::arcline_server());
+    let server = files
+        .start_under(program(), &state)
+        .unwrap_or_else(|not_ready| panic!("{not_ready}"));
+    let client = connect(&server).await;
+    write(&client, 1).await.expect("there is room");
+    // As long as there is room for a byte.
+    let mut room = 1024 * 1024;
+    while room > 0 {
+        let filled = std::fs::OpenOptions::new().create(true).append(true).open(&filler);
+        let written = filled.and_then(|mut file| std::io::Write::write_all(&mut file, &vec![0; room]));
+        room = if written.is_ok() { room } else { room / 2 };
+    }
+    let mut number = 1;
+    while write(&client, number + 1).await.is_ok() {
+        number += 1;
+        assert!(number < 10_000, "the file system has a limit");
+    }
+    drop(client);
+    let _ = server.kill();
+    // A server that starts on a full disk has what was answered, and refuses to keep more.
+    let server = files
+        .start_under(program(), &state)
+        .unwrap_or_else(|not_ready| panic!("{not_ready}"));
+    let client = connect(&server).await;
+    let shown = client.read_numbers("Table").await.expect("a tag");
+    assert_eq!(shown, [number as f64; ELEMENTS]);
+    let refused = write(&client, 100_000).await.expect_err("the disk is full");
+    assert!(refused.to_string().contains("could not save it"), "{refused}");
+    std::fs::remove_file(&filler).expect("it was written");
+    let until = Instant::now() + Duration::from_secs(20);
+    while write(&client, 200_000).await.is_err() {
+        assert!(Instant::now() < until, "it is never written again");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    let _ = server.kill();
+    let bytes = std::fs::read(&state).expect("it is there");
+    let kept = parse(&bytes).expect("whole").state;
+    assert_eq!(kept.tags[0].bytes[..4], 200_000_i32.to_le_bytes());
+}
