@@ -4,7 +4,8 @@
 
 use bytes::{BufMut, Bytes, BytesMut};
 
-use crate::wire::{Reader, counted};
+use super::{put_name, read_name};
+use crate::wire::Reader;
 
 /// The class code.
 pub const CLASS: u16 = 0x0303;
@@ -52,11 +53,8 @@ impl Ending {
     pub fn to_bytes(&self) -> Bytes {
         let mut out = BytesMut::with_capacity(3 + self.name.len() + self.detail.len() + 16);
         out.put_u8(self.code);
-        for text in [&self.name, &self.detail] {
-            let (length, text) = counted(text.as_bytes());
-            out.put_u8(length);
-            out.put_slice(text);
-        }
+        put_name(&mut out, &self.name);
+        put_name(&mut out, &self.detail);
         out.put_f64_le(self.time);
         out.put_u64_le(self.utc_micros);
         out.freeze()
@@ -66,12 +64,7 @@ impl Ending {
     pub fn decode(data: &[u8]) -> Option<Self> {
         let mut reader = Reader::new(data);
         let code = reader.u8()?;
-        let mut text = || {
-            let length = reader.u8()?;
-            let text = reader.take(length.into())?;
-            Some(std::str::from_utf8(text).ok()?.to_owned())
-        };
-        let (name, detail) = (text()?, text()?);
+        let (name, detail) = (read_name(&mut reader)?, read_name(&mut reader)?);
         Some(Self {
             code,
             name,

@@ -4,11 +4,28 @@
 //! little-endian; a name is a SHORT_STRING (length USINT, bytes).
 
 pub mod execution;
+pub mod machine;
 pub mod motion;
 pub mod trace;
 
+use bytes::{BufMut, BytesMut};
+
 use crate::cip::CipStatus;
-use crate::wire::Reader;
+use crate::wire::{Reader, counted};
+
+/// Writes a name; of a longer one its first 255 bytes.
+fn put_name(out: &mut BytesMut, name: &str) {
+    let (length, name) = counted(name.as_bytes());
+    out.put_u8(length);
+    out.put_slice(name);
+}
+
+/// Reads a name; `None` when it is cut or no UTF-8.
+fn read_name(reader: &mut Reader<'_>) -> Option<String> {
+    let length = reader.u8()?;
+    let name = reader.take(length.into())?;
+    Some(std::str::from_utf8(name).ok()?.to_owned())
+}
 
 /// Reads the data of a request field by field: 0x13 when it ends too early, 0x15 when bytes are left behind it.
 struct RequestReader<'a>(Reader<'a>);

@@ -3,8 +3,12 @@
 //! Instances count from 1 in the order of the configuration. The class codes are those of
 //! `arcline_instruction_set::Object`; what the numeric attributes mean is its `Attribute`.
 
+use std::fmt;
+
 use bytes::{BufMut, Bytes, BytesMut};
 
+use super::machine::Identification;
+use super::{put_name, read_name};
 use crate::wire::Reader;
 
 /// Attribute 1 of all three classes: the name, SHORT_STRING.
@@ -30,6 +34,8 @@ pub mod axis {
     pub const POSSIBLE_FAULTS: u16 = 10;
     /// The faults of the axis, UDINT.
     pub const FAULTS: u16 = 12;
+    /// What moves the axis, a [`Mover`](super::Mover).
+    pub const MOVER: u16 = 13;
 }
 
 /// Attributes of a Coordinate System, class 0x0302.
@@ -48,6 +54,8 @@ pub mod coordinate_system {
     pub const PATH_LENGTH: u16 = 28;
     /// Time to the end of the active move, LREAL, s; NaN: not known.
     pub const TIME_LEFT: u16 = 29;
+    /// What moves the coordinate system, a [`Mover`](super::Mover).
+    pub const MOVER: u16 = 30;
 }
 
 /// A list of instances: `count UINT, instance UINT × count`.
@@ -70,6 +78,86 @@ pub fn decode_instances(data: &[u8]) -> Option<Vec<u16>> {
     let mut reader = Reader::new(data);
     let count = reader.u16()?;
     (0..count).map(|_| reader.u16()).collect()
+}
+
+/// The kind of a [`Mover`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct MoverKind(pub u8);
+
+impl MoverKind {
+    /// The object does not move by an instruction.
+    pub const NONE: Self = Self(0);
+    /// A CIP client.
+    pub const CLIENT: Self = Self(1);
+    /// A viewer of the server's page.
+    pub const VIEWER: Self = Self(2);
+    /// A program that a viewer of the page has started.
+    pub const PROGRAM: Self = Self(3);
+    /// The outputs of implicit I/O.
+    pub const IO: Self = Self(4);
+    /// The server, such as the stop of a lost client.
+    pub const SERVER: Self = Self(5);
+}
+
+/// The source of the motion of an axis or coordinate system: `kind USINT, line UDINT`, then `address, product, user, program`, each a
+/// SHORT_STRING. A part that the client has not told is empty.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Mover {
+    /// Its kind.
+    pub kind: MoverKind,
+    /// The line of the program's statement, from 1; 0: no line.
+    pub line: u32,
+    /// The address of the client; of a viewer with its number.
+    pub address: String,
+    /// What the client has told of itself, or its connection shows.
+    pub told: Identification,
+}
+
+impl Mover {
+    /// The value of the attribute.
+    pub fn to_bytes(&self) -> Bytes {
+        let mut out = BytesMut::new();
+        out.put_u8(self.kind.0);
+        out.put_u32_le(self.line);
+        put_name(&mut out, &self.address);
+        out.put_slice(&self.told.to_bytes());
+        out.freeze()
+    }
+
+    /// Reads the value; `None` when it is cut, or a text is no UTF-8.
+    pub fn decode(data: &[u8]) -> Option<Self> {
+        let mut reader = Reader::new(data);
+        Some(Self {
+            kind: MoverKind(reader.u8()?),
+            line: reader.u32()?,
+            address: read_name(&mut reader)?,
+            told: Identification {
+                product: read_name(&mut reader)?,
+                user: read_name(&mut reader)?,
+                program: read_name(&mut reader)?,
+            },
+        })
+    }
+}
+
+impl fmt::Display for Mover {
+    /// `10.0.0.5:50123 (pycomm3)`, `the program of 10.0.0.7 #3 (Firefox/128.0), line 7`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            kind,
+            line,
+            address,
+            told,
+        } = self;
+        let address = if address.is_empty() { "a client" } else { address };
+        match *kind {
+            MoverKind::NONE => f.write_str("nothing"),
+            MoverKind::IO => f.write_str("the outputs of implicit I/O"),
+            MoverKind::SERVER => f.write_str("the server"),
+            MoverKind::PROGRAM => write!(f, "the program of {address}{told}, line {line}"),
+            _ => write!(f, "{address}{told}"),
+        }
+    }
 }
 
 /// The reply data of a motion service whose instruction was accepted: `instance UDINT, MOTION_INSTRUCTION`.
@@ -102,5 +190,31 @@ impl Accepted {
             instance: reader.u32()?,
             control: reader.array()?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn movers_are_read_as_they_were_written() {
+        let mover = Mover {
+            kind: MoverKind::PROGRAM,
+            line: 7,
+            address: "10.0.0.5 #3".into(),
+            told: Identification {
+                product: "Firefox/128.0".into(),
+                ..Identification::default()
+            },
+        };
+        let data = mover.to_bytes();
+        assert_eq!(&data[..6], &[3, 7, 0, 0, 0, 11]);
+        assert_eq!(mover.to_string(), "the program of 10.0.0.5 #3 (Firefox/128.0), line 7");
+        assert_eq!(Mover::decode(&data), Some(mover));
+        for cut in 0..data.len() {
+            assert_eq!(Mover::decode(&data[..cut]), None, "{cut}");
+        }
+        assert_eq!(Mover::decode(&Mover::default().to_bytes()), Some(Mover::default()));
     }
 }

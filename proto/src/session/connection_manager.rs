@@ -137,6 +137,7 @@ impl Connections {
         let connection = Connection::new(open, now);
         let reply = connection.reply(id);
         self.insert(id, connection);
+        host.connection_opened(id, open.key);
         Ok(Opened::Explicit(reply))
     }
 

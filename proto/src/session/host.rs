@@ -21,11 +21,13 @@ pub trait Host {
     fn acquire_connection(&mut self) -> bool;
     /// `count` connections have gone.
     fn release_connections(&mut self, count: usize);
+    /// A class 3 connection is open; its key has the vendor and the serial number of the originator.
+    fn connection_opened(&mut self, _id: ConnectionId, _key: ConnectionKey) {}
     /// A class 3 connection is no more. When the session ends, its connections end with it, without a call for each.
     fn connection_ended(&mut self, _id: ConnectionId, _how: ConnectionEnd) {}
     /// Counts for the Connection Manager's attributes.
     fn count(&mut self, count: Count);
-    /// Who the device is at present.
+    /// The identity of the device at present.
     fn identity(&self) -> &Identity;
     /// Opens an I/O connection, see [`crate::io::IoConnections::open`].
     ///

@@ -1,0 +1,207 @@
+//! Machine, class 0x0305: STOP, the identification of a client, and counters of commands (docs/spec/contract.md §7).
+//!
+//! One instance, number 1. Not the stops of single objects: those are instructions.
+
+use std::fmt;
+
+use bytes::{BufMut, Bytes, BytesMut};
+
+use super::{RequestReader, put_name, read_name};
+use crate::cip::CipStatus;
+use crate::wire::Reader;
+
+/// The class code.
+pub const CLASS: u16 = 0x0305;
+/// The only instance.
+pub const INSTANCE: u32 = 1;
+
+/// Services of the instance.
+pub mod service {
+    /// STOP: stops all motion and inhibits it until [`RELEASE`]. No data.
+    pub const STOP: u8 = 0x32;
+    /// Releases a STOP, of every client. No data.
+    pub const RELEASE: u8 = 0x33;
+    /// Tells the server what the client is, an [`Identification`](super::Identification).
+    pub const IDENTIFY: u8 = 0x34;
+}
+
+/// Attributes of the instance.
+pub mod attribute {
+    /// Whether STOP inhibits motion, BOOL.
+    pub const MOTION_INHIBITED: u16 = 1;
+    /// The commands since the start by their kind, a list of [`encode_counts`](super::encode_counts).
+    pub const COMMANDS: u16 = 2;
+}
+
+/// What a client tells of itself: `product, user, program`, each a SHORT_STRING. An empty one is not told.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Identification {
+    /// The product with its version, such as `arcline 0.2.0`.
+    pub product: String,
+    /// The user.
+    pub user: String,
+    /// The program that the client runs.
+    pub program: String,
+}
+
+impl Identification {
+    /// The request data of [`service::IDENTIFY`].
+    pub fn to_bytes(&self) -> Bytes {
+        let mut out = BytesMut::new();
+        for text in [&self.product, &self.user, &self.program] {
+            put_name(&mut out, text);
+        }
+        out.freeze()
+    }
+
+    /// Reads request data.
+    ///
+    /// # Errors
+    /// 0x13 when it is cut, 0x15 for bytes behind it, 0x20 for a text that is no UTF-8.
+    pub fn decode(data: &[u8]) -> Result<Self, CipStatus> {
+        let mut reader = RequestReader::new(data);
+        let this = Self {
+            product: reader.name()?,
+            user: reader.name()?,
+            program: reader.name()?,
+        };
+        reader.end()?;
+        Ok(this)
+    }
+
+    /// With texts fit to be shown: printable characters, at most [`Self::LONGEST`] of each text.
+    #[must_use]
+    pub fn bounded(self) -> Self {
+        let bounded = |text: String| text.chars().filter(|c| !c.is_control()).take(Self::LONGEST).collect();
+        Self {
+            product: bounded(self.product),
+            user: bounded(self.user),
+            program: bounded(self.program),
+        }
+    }
+
+    /// Characters of a text that are shown.
+    pub const LONGEST: usize = 60;
+}
+
+impl fmt::Display for Identification {
+    /// ` (arcline 0.2.0, user jane, program part.st)`: behind the address of the client; empty when nothing is told.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts = [("", &self.product), ("user ", &self.user), ("program ", &self.program)];
+        let told = parts.into_iter().filter(|(_, part)| !part.is_empty());
+        let told: Vec<String> = told.map(|(word, part)| format!("{word}{part}")).collect();
+        if told.is_empty() {
+            return Ok(());
+        }
+        write!(f, " ({})", told.join(", "))
+    }
+}
+
+/// Commands of one kind since the start.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CommandCount {
+    /// The kind, such as `instructions`.
+    pub kind: String,
+    /// Commands that were executed.
+    pub done: u64,
+    /// Commands that were refused.
+    pub refused: u64,
+}
+
+/// A list of counts: `count UINT, (kind SHORT_STRING, done ULINT, refused ULINT) × count`.
+pub fn encode_counts(counts: &[CommandCount]) -> Bytes {
+    let mut out = BytesMut::new();
+    let length = u16::try_from(counts.len()).unwrap_or(u16::MAX);
+    out.put_u16_le(length);
+    for count in counts.iter().take(length.into()) {
+        put_name(&mut out, &count.kind);
+        out.put_u64_le(count.done);
+        out.put_u64_le(count.refused);
+    }
+    out.freeze()
+}
+
+/// The other direction of [`encode_counts`]; `None` when the list is cut or a kind is no UTF-8.
+pub fn decode_counts(data: &[u8]) -> Option<Vec<CommandCount>> {
+    let mut reader = Reader::new(data);
+    let length = reader.u16()?;
+    let count = |_| {
+        Some(CommandCount {
+            kind: read_name(&mut reader)?,
+            done: reader.u64()?,
+            refused: reader.u64()?,
+        })
+    };
+    (0..length).map(count).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identifications_are_read_as_they_were_written() {
+        let told = Identification {
+            product: "arcline 0.2.0".into(),
+            user: "jane".into(),
+            program: String::new(),
+        };
+        let data = told.to_bytes();
+        assert_eq!(&data[..4], &[13, b'a', b'r', b'c']);
+        assert_eq!(Identification::decode(&data), Ok(told));
+        for cut in 0..data.len() {
+            assert_eq!(
+                Identification::decode(&data[..cut]),
+                Err(CipStatus::NOT_ENOUGH_DATA),
+                "{cut}"
+            );
+        }
+        let longer = [&data[..], &[0]].concat();
+        assert_eq!(Identification::decode(&longer), Err(CipStatus::TOO_MUCH_DATA));
+        assert_eq!(
+            Identification::decode(&[1, 0xFF, 0, 0]),
+            Err(CipStatus::INVALID_PARAMETER)
+        );
+    }
+
+    #[test]
+    fn what_is_told_is_shown() {
+        #[rustfmt::skip]
+        let cases = [
+            ("nothing",       ["", "", ""],                          ""),
+            ("the product",   ["pycomm3", "", ""],                   " (pycomm3)"),
+            ("all of it",     ["arcline 0.2.0", "jane", "part.st"],  " (arcline 0.2.0, user jane, program part.st)"),
+            ("the user only", ["", "jane", ""],                      " (user jane)"),
+            ("what a terminal would obey", ["a\u{1b}[31mb\n", "", ""], " (a[31mb)"),
+        ];
+        for (why, [product, user, program], expected) in cases {
+            let told = Identification {
+                product: product.into(),
+                user: user.into(),
+                program: program.into(),
+            };
+            assert_eq!(told.bounded().to_string(), expected, "{why}");
+        }
+        let long = Identification {
+            user: "x".repeat(1000),
+            ..Identification::default()
+        };
+        assert_eq!(long.bounded().user.len(), Identification::LONGEST);
+    }
+
+    #[test]
+    fn counts_are_read_as_they_were_written() {
+        let count = |kind: &str, done, refused| CommandCount {
+            kind: kind.into(),
+            done,
+            refused,
+        };
+        let counts = vec![count("writes", 7, 1), count("stops", u64::MAX, 0)];
+        let data = encode_counts(&counts);
+        assert_eq!(decode_counts(&data), Some(counts));
+        for cut in 0..data.len() {
+            assert_eq!(decode_counts(&data[..cut]), None, "{cut}");
+        }
+        assert_eq!(decode_counts(&encode_counts(&[])), Some(Vec::new()));
+    }
+}
