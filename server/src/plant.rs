@@ -5,16 +5,19 @@
 //! that it shows the newest tick, and of that tick positions and bits alike. The lock is held for microseconds and
 //! never across an await; the real-time thread knows nothing of it.
 //!
-//! Reads wait for no lock: they see the tag memory as it was published when the lock was last let go. The first read of a
-//! tick refreshes it; one that comes while somebody else does that, or writes, sees the memory before.
+//! Reads wait for no lock: they see the tag memory as it was published when the lock was last released. The first read of a
+//! tick refreshes it; a read during that refresh, or during a write, sees the memory before. [`Plant::view`] shows one tick, and
+//! [`Plant::changes`] is the stream of the tags that change.
 
 mod apply;
+mod changes;
+mod client;
 mod command;
 pub(crate) mod control;
 mod counters;
 mod io;
 mod log;
-pub(crate) mod movers;
+mod movers;
 mod moves;
 mod owned;
 mod policy;
@@ -42,18 +45,23 @@ use crate::guard::Guard;
 use crate::retained::Watch;
 use crate::trace::Trace;
 pub use apply::{Pending, Transaction};
+use changes::ChangeLog;
+pub use changes::{Changes, TagChanges};
+pub use client::ClientIdentity;
 pub use command::{Call, Command, Outcome, Refused, Systems};
 use control::Control;
 use counters::Counters;
 pub use counters::{Count, Counter};
+pub use io::View;
 pub use log::{Change, Logged};
+pub use movers::{Mover, Movers};
 pub use moves::{LiveMove, LiveMoves};
 pub use owned::Lost;
 pub use principal::Principal;
 pub(crate) use records::Executions;
 use records::instance_of;
 pub use reload::ReloadError;
-use state::{OUTSTANDING, Published, State, may_run};
+use state::{OUTSTANDING, Observers, Published, State, may_run};
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -104,10 +112,10 @@ pub(crate) struct Shared {
     machine: Machine,
     server: ServerConfig,
     trace: Trace,
-    /// Stops that no lock and no command is ahead of.
+    /// Stops that wait for no lock and no command.
     stops: Stops,
     guard: Guard,
-    /// What viewers of the page have control of.
+    /// The objects that viewers of the page have control of.
     control: Mutex<Control>,
     counters: Counters,
     /// Something was sent: the pump looks sooner.
@@ -126,7 +134,7 @@ impl Plant {
         Plant::start_with(project, image_of(project), None)
     }
 
-    /// The same with tags that hold something already, and with what sees their changes.
+    /// As [`Plant::start`] with the tags of `image`; `watch` sees their changes.
     pub(crate) fn start_with(
         project: &Project,
         image: Image,
@@ -144,7 +152,7 @@ impl Plant {
         Ok((plant, handle))
     }
 
-    /// A plant on rings whose other ends somebody else serves. Nothing drains them but reads.
+    /// A plant on rings whose other ends the caller serves. Only reads drain them.
     pub fn new(project: &Project, link: Link) -> Plant {
         Plant::with(project, link, image_of(project), None)
     }
@@ -153,13 +161,19 @@ impl Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
+            movers: ArcSwap::default(),
+            changes: ChangeLog::default(),
         };
         let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
         let stops = link.stops.clone();
         let guard = Guard::new(stops.clone(), &project.machine, project.server.jog_silence);
-        let period = Duration::from_nanos(project.machine.period_ns);
-        let state = State::new(image, link, watch, trace.clone(), guard.clone(), period);
+        let observers = Observers {
+            watch,
+            trace: trace.clone(),
+            guard: guard.clone(),
+        };
+        let state = State::new(&project.machine, image, link, observers);
         Plant(Arc::new(Shared {
             state: Mutex::new(state),
             published,
@@ -175,7 +189,7 @@ impl Plant {
         }))
     }
 
-    /// The plant, as long as somebody else has it.
+    /// The plant, as long as there is another handle of it.
     pub(crate) fn upgrade(shared: &Weak<Shared>) -> Option<Plant> {
         shared.upgrade().map(Plant)
     }
@@ -226,10 +240,10 @@ impl Plant {
         }
     }
 
-    /// A principal is lost: what it began and what still runs of that is stopped, held or goes on.
+    /// A principal is lost: the motion that it began and that still runs is stopped, held or goes on.
     pub fn lose(&self, lost: Principal, reaction: ConnectionLoss) -> Lost {
         let command = Command::Lose { lost, reaction };
-        // Nobody waits for the stops.
+        // The stops are sent; this call does not wait until they are executed.
         match self
             .transact(Principal::Server, |transaction| transaction.apply(command))
             .0
@@ -241,13 +255,13 @@ impl Plant {
 
     /// A principal has closed its connection in order: what it began goes on without an owner.
     pub fn disown(&self, principal: Principal) {
-        // It cannot be refused, and nothing is waited for.
+        // It cannot be refused, and has no answer to wait for.
         drop(self.transact(Principal::Server, |transaction| {
             transaction.apply(Command::Disown(principal))
         }));
     }
 
-    /// What viewers of the page have control of.
+    /// The objects that viewers of the page have control of.
     pub(crate) fn control(&self) -> MutexGuard<'_, Control> {
         self.0.control()
     }
@@ -333,7 +347,7 @@ impl Shared {
         self.control.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// `None`: somebody has it.
+    /// `None`: another thread has it.
     fn try_lock(&self) -> Option<Held<'_>> {
         let state = match self.state.try_lock() {
             Ok(state) => state,
@@ -347,7 +361,7 @@ impl Shared {
     }
 }
 
-/// The lock. What has changed is published before it is let go.
+/// The lock. Changes are published before it is released.
 struct Held<'p> {
     state: MutexGuard<'p, State>,
     published: &'p Published,
@@ -373,7 +387,7 @@ impl Drop for Held<'_> {
     }
 }
 
-/// Drains the rings as long as somebody has the plant.
+/// Drains the rings as long as there is a handle of the plant.
 async fn pump(plant: Weak<Shared>) {
     loop {
         let Some(plant) = plant.upgrade() else { return };

@@ -185,7 +185,7 @@ export interface Requests {
     };
     answer: Values;
   };
-  /** Reads tags now, and ten times a second as `values` pushes, instead of those watched before. */
+  /** Reads tags now, and pushes as `values` those that have changed, at most ten times a second; instead of those watched before. */
   watch: {
     fields: {
       /** At most 200 names. */
@@ -248,7 +248,7 @@ export type Push =
     }
   | {
       push: "values";
-      /** The value of each name, or `{error}`. */
+      /** The value of each name that has changed, or `{error}`. */
       values: Record<string, unknown>;
     }
   | ProgramStatus & {

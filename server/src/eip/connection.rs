@@ -24,6 +24,7 @@ use super::limiter::ClientSlot;
 use super::router::Router;
 use super::session_host::SessionHost;
 use crate::guard::Signs;
+use crate::plant::ClientIdentity;
 
 /// How long the frames of one connection are taken before the others get their turn: whatever a client sends, the others wait for
 /// one of its messages, or for as many as take no longer than this.
@@ -97,7 +98,10 @@ where
         None => peer.to_string(),
     };
     let face: Weak<Device> = Arc::downgrade(&device);
-    let signs = device.plant.guard().enter(number, &name, face);
+    let signs = device
+        .plant
+        .guard()
+        .enter(number, ClientIdentity::of_address(&name), face);
     let mut connection = Connection {
         stream,
         input: BytesMut::with_capacity(READ),

@@ -190,7 +190,7 @@ impl Device {
         self.set_loss(owner, None);
         let lost = self.plant.lose(owner, loss);
         if !lost.is_empty() {
-            let client = owner.session().map(|session| self.plant.guard().name_of(session));
+            let client = owner.session().map(|session| self.plant.guard().identity_of(session));
             let client = client.unwrap_or_default();
             let motion = lost.names(self.plant.machine());
             warn!(%client, reaction = loss.word(), %motion, "a connection is lost; it began motion");

@@ -19,6 +19,7 @@ mod io;
 mod limiter;
 mod listener;
 mod objects;
+mod originator;
 mod router;
 mod session_host;
 mod status;

@@ -10,6 +10,7 @@ use arcline_proto::identity::Identity;
 use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
 
 use super::device::Device;
+use super::originator;
 use crate::plant::Principal;
 
 /// The device, for the session of one TCP connection.
@@ -42,6 +43,14 @@ impl Host for SessionHost {
     fn release_connections(&mut self, count: usize) {
         self.device.limiter.release_connections(self.peer, count);
         (&*self.device).release_connections(count);
+    }
+
+    fn connection_opened(&mut self, _id: ConnectionId, key: ConnectionKey) {
+        self.device.plant.guard().identify(self.session, |identity| {
+            if identity.told.product.is_empty() {
+                identity.told.product = originator::product(key);
+            }
+        });
     }
 
     fn connection_ended(&mut self, id: ConnectionId, how: ConnectionEnd) {

@@ -28,6 +28,8 @@ pub(crate) fn refusal(refused: &Refused) -> CipStatus {
         Refused::Table(error) => table_status(error),
         Refused::Call(error) => call_status(error),
         Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        // Only jog buttons of the page are refused so.
+        Refused::MovedByAnother { .. } => CipStatus::OBJECT_STATE_CONFLICT,
         Refused::NotKept(_) => CipStatus::STORE_FAILURE,
     }
 }

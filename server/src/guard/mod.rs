@@ -26,7 +26,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
 use self::table::{Jog, Seen, Table};
-use crate::plant::{Plant, Principal};
+use crate::plant::{ClientIdentity, Plant, Principal};
 
 /// Without a sign of life for so long, a jog that is held by a button is stopped.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
@@ -148,14 +148,14 @@ impl Guard {
     }
 
     /// A client has come in.
-    pub(crate) fn enter(&self, session: u64, name: &str, face: Weak<dyn Face>) -> Signs {
+    pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, face: Weak<dyn Face>) -> Signs {
         let signs = Signs(Arc::new(SignsOfLife {
             epoch: self.0.epoch,
             heard: AtomicU64::new(0),
             wanted: AtomicBool::new(false),
         }));
         signs.heard();
-        self.table().name(session, name.into());
+        self.table().identify(session, |known| *known = identity);
         let client = Client {
             signs: signs.clone(),
             face,
@@ -174,9 +174,16 @@ impl Guard {
         self.table().leave(session);
     }
 
-    /// The name of a client.
-    pub(crate) fn name_of(&self, session: u64) -> Arc<str> {
-        self.table().name_of(session)
+    /// A client has told more of itself.
+    pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
+        if self.clients().contains_key(&session) {
+            self.table().identify(session, told);
+        }
+    }
+
+    /// What is known of a client.
+    pub(crate) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
+        self.table().identity_of(session)
     }
 
     /// A MAJ of an owner was sent. `runs`: whether a ticket may still run.
@@ -344,7 +351,7 @@ impl Guard {
             let client = jog
                 .owner
                 .session()
-                .map(|session| self.name_of(session))
+                .map(|session| self.identity_of(session))
                 .unwrap_or_default();
             warn!(axis, %client, "a jog is stopped: {}", why.reason());
         }

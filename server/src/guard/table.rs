@@ -9,7 +9,7 @@ use std::time::Duration;
 use arcline_controller::Ticket;
 use arcline_instruction_set::{AxisId, JogEnd};
 
-use crate::plant::Principal;
+use crate::plant::{ClientIdentity, Principal};
 
 /// The jogs of all clients, and the stops that are looked after until the axis stands.
 #[derive(Debug, Default)]
@@ -21,7 +21,7 @@ pub(super) struct Table {
 /// The jogs of one client.
 #[derive(Debug, Default)]
 struct Jogs {
-    name: Arc<str>,
+    identity: Arc<ClientIdentity>,
     jogs: Vec<Jog>,
 }
 
@@ -55,17 +55,15 @@ pub(super) enum Seen {
 }
 
 impl Table {
-    /// A client has come, or is named.
-    pub(super) fn name(&mut self, session: u64, name: Arc<str>) {
-        self.clients.entry(session).or_default().name = name;
+    /// A client has come, or has told more of itself.
+    pub(super) fn identify(&mut self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
+        told(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
     }
 
-    /// The name of a client.
-    pub(super) fn name_of(&self, session: u64) -> Arc<str> {
-        match self.clients.get(&session) {
-            Some(client) if !client.name.is_empty() => client.name.clone(),
-            _ => "a client".into(),
-        }
+    /// What is known of a client.
+    pub(super) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
+        let client = self.clients.get(&session);
+        client.map(|client| client.identity.clone()).unwrap_or_default()
     }
 
     /// A client has gone; its jogs must have been ended before.

@@ -1,4 +1,4 @@
-//! What moves the machine: instructions, stops and overrides, each with the right that it needs. Jogs are `jog`'s.
+//! Commands of a viewer that move the machine: instructions, stops and overrides. Jogs are in `jog`.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -24,7 +24,7 @@ pub(super) struct Accepted {
 }
 
 impl Shared {
-    /// Stops one object, or everything. Anybody may.
+    /// Stops one object, or everything. Every viewer may.
     pub(super) async fn stop(&self, viewer: ViewerId, object: Option<&str>) -> Result<Done, Refusal> {
         let machine = self.plant.machine();
         let Some(name) = object else {
@@ -43,8 +43,8 @@ impl Shared {
         Ok(Done {})
     }
 
-    /// Stops everything, now: neither a lock nor the work of others is ahead of it. What was asked before is not begun after it.
-    /// Motion stays inhibited until it is released.
+    /// STOP: waits for no lock and no other request. Requests that came before do not begin motion after it. Motion stays inhibited
+    /// until it is released.
     pub(super) fn stop_everything(&self) {
         self.stops.fetch_add(1, Ordering::AcqRel);
         self.plant.inhibit();
@@ -237,7 +237,7 @@ pub(super) fn rate(rate: Option<f64>) -> (f64, f64) {
     }
 }
 
-fn no_object(name: &str) -> Refusal {
+pub(super) fn no_object(name: &str) -> Refusal {
     let name: String = name.chars().take(60).collect();
     Refusal::new(format!("there is no axis, coordinate system or group {name:?}"))
 }

@@ -1,4 +1,4 @@
-//! What has happened to instructions and to the faults of axes: its text, its cause and what to do about it.
+//! The events of instructions and of the faults of axes: text, cause and remedy.
 
 use std::sync::Arc;
 use std::time::{Duration, UNIX_EPOCH};
@@ -8,7 +8,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, FaultChange};
 use arcline_instruction_set::{Ending, Flag, Object};
 use axum::extract::ws::Utf8Bytes;
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::sleep;
 
 use super::Shared;
 use super::protocol::{
@@ -28,10 +28,13 @@ pub(super) const WAITING: usize = 64;
 /// Pushes events as they come, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
     let mut last = shared.plant.events_since(0, |_, _, events| newest(&events));
-    let mut due = interval(EVERY);
-    due.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut changes = shared.plant.changes();
     loop {
-        due.tick().await;
+        // What happens to an instruction or a fault is published with the tags.
+        sleep(EVERY).await;
+        if changes.next().await.is_none() {
+            return;
+        }
         if shared.events.receiver_count() == 0 {
             continue;
         }
@@ -43,7 +46,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
         if number.is_some() {
             last = number;
             let text: Utf8Bytes = text_of(&Push::Event { events }).into();
-            // Everybody may just have gone.
+            // The last viewer may just have gone.
             let _ = shared.events.send(text);
         }
     }
@@ -112,7 +115,7 @@ fn instruction(
         instruction: event.mnemonic.name(),
         object: object.map(|object| object.name(machine).to_owned()),
         text: origin.and_then(|origin| origin.text.as_deref()).map(str::to_owned),
-        viewer: viewer.map(|viewer| viewer.name.to_string()),
+        viewer: viewer.map(|viewer| viewer.client.address.clone()),
         set: flags(event.set),
         clear: flags(event.clear),
         err: event.err,

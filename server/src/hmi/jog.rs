@@ -1,5 +1,5 @@
-//! Jogs with a dead-man: an axis moves as long as its viewer says that it is still meant. Who says nothing any more is the guard's
-//! business (`crate::guard`); here a jog begins, and ends with the hand.
+//! Jogs with a dead-man: an axis moves as long as its viewer confirms that the button is pressed. The guard (`crate::guard`) stops the
+//! jogs of viewers that confirm no more; here a jog begins, and ends with the release of its button.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -16,7 +16,7 @@ use crate::guard::{Face, VIEWERS};
 use crate::plant::control::{MotionObject, ViewerId};
 use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
-/// How often it is looked whether viewers that jog still have the right.
+/// Time between two checks that viewers that jog still have control of the axis.
 const LOOK: Duration = Duration::from_millis(10);
 /// How long the stop of a jog may take at its own deceleration; then it is one at the axis's full deceleration.
 const SOFT_STOP: Duration = Duration::from_secs(1);
@@ -28,8 +28,7 @@ const JOG: f64 = 1.0;
 pub(super) struct Jogs(Mutex<BTreeMap<(ViewerId, AxisId), Option<f64>>>);
 
 impl Jogs {
-    /// Moves an axis until [`Jogs::keep`] does not come any more. `speed`, `accel` and `decel` as numbers; `is_held`: the hand has not
-    /// let go since.
+    /// Moves an axis until [`Jogs::keep`] does not come any more. `is_held`: the button has not been released since the request.
     pub(super) async fn begin(
         &self,
         plant: &Plant,
@@ -55,12 +54,6 @@ impl Jogs {
         if !is_held() {
             return Err(Refusal::new("the button was released before the jog began"));
         }
-        let mover = plant.movers().axes.into_iter().nth(usize::from(place)).flatten();
-        if let Some(mover) = mover.filter(|mover| mover.principal.viewer() != Some(viewer)) {
-            return Err(Refusal::new(format!(
-                "{axis} is moved by {mover}; it can be jogged when that motion has ended"
-            )));
-        }
         let (accel_units, accel) = rate(accel);
         let (decel_units, decel_rate) = rate(decel);
         #[rustfmt::skip]
@@ -72,7 +65,7 @@ impl Jogs {
             ("Profile", 0.0),
         ];
         self.decelerations().insert((viewer, place), decel);
-        // The guard watches it from the moment in which it is sent.
+        // The guard watches it from the tick in which it is sent.
         let maj = instruction(Mnemonic::Maj, axis, &operands);
         let done = call(plant, Principal::Button(viewer), &maj, None).await;
         if !is_held() {
@@ -114,7 +107,7 @@ impl Jogs {
     }
 }
 
-/// Stops a jog as it was asked to stop. The guard stops it, should this fail.
+/// Stops a jog with the deceleration of its request. The guard stops it, should this fail.
 async fn stop_jog(plant: &Plant, viewer: ViewerId, axis: AxisId, decel: Option<f64>) {
     let machine = plant.machine();
     let name = MotionObject::Axis(axis).name(machine);
@@ -158,7 +151,7 @@ impl Face for Shared {
     }
 }
 
-/// Stops the jogs of viewers that lost the right, until the future is dropped.
+/// Stops the jogs of viewers that have lost control of the axis, until the future is dropped.
 pub(super) async fn watch(shared: Arc<Shared>) {
     let mut due = interval(LOOK);
     due.set_missed_tick_behavior(MissedTickBehavior::Delay);

@@ -1,5 +1,5 @@
-//! What a call or a program would do from the present state: the same controller on a virtual clock, without moving
-//! anything. Paths, duration, peaks of every axis, and the first limit that would be exceeded.
+//! The simulation of a call or a program from the present state: the same controller on a virtual clock, and nothing moves.
+//! It gives paths, duration, peaks of every axis, and the first limit that would be exceeded.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::{Machine, Start};
-use arcline_controller::{AcceptedMove, Controller, Event, Snapshot, Ticket};
+use arcline_controller::{AcceptedMove, Controller, Event, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
 use arcline_structured_text::{Interpreter, Program};
@@ -17,7 +17,7 @@ use super::paths;
 use super::peaks::{Exceeded, Peaks, Shape};
 use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
 use crate::cli::QueueFull;
-use crate::plant::{LiveMoves, Plant};
+use crate::plant::{Plant, View};
 use crate::simulate::{End, Observer, Options, Runner};
 
 /// Longest simulated time, s.
@@ -64,8 +64,7 @@ impl Previews {
 
 /// Simulates a program on this thread, for at most about `patience` of real time.
 pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration) -> Result<Simulated, Refusal> {
-    let (machine, image) =
-        plant.with_state(|image, snapshot, moves| (present(plant.machine(), snapshot, moves), image.clone()));
+    let (machine, image) = plant.view(|view| (present(plant.machine(), view), view.image.clone()));
     let options = Options {
         until: LONGEST,
         keep_going: false,
@@ -91,9 +90,9 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
 }
 
 /// The machine with its axes as they are now, or as they will be where moves under way end.
-fn present(machine: &Machine, snapshot: &Snapshot, moves: &LiveMoves) -> Machine {
+fn present(machine: &Machine, view: &View<'_>) -> Machine {
     let mut machine = machine.clone();
-    for (axis, now) in machine.axes.iter_mut().zip(&snapshot.axes) {
+    for (axis, now) in machine.axes.iter_mut().zip(&view.snapshot.axes) {
         axis.start = Start {
             position: now.command[0],
             servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
@@ -103,7 +102,9 @@ fn present(machine: &Machine, snapshot: &Snapshot, moves: &LiveMoves) -> Machine
         };
     }
     for (place, system) in machine.systems.iter().enumerate() {
-        let Some(last) = moves.of(place).last() else { continue };
+        let Some(last) = view.moves.of(place).last() else {
+            continue;
+        };
         let end = last.accepted.path.end();
         for (axis, position) in system.linear().iter().zip(end.iter()) {
             let axis = machine.axes.get_mut(usize::from(*axis));

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcline_proto::arcline::machine::Identification;
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Extension, Request, State};
@@ -20,7 +21,8 @@ use tokio::task::JoinSet;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
 use tracing::{debug, warn};
 
-use super::{Shared, access, viewer};
+use super::viewer::{self, Page};
+use super::{Shared, access};
 
 /// TCP connections at a time.
 const CONNECTIONS: usize = 256;
@@ -155,6 +157,10 @@ async fn socket(
         debug!(?origin, "a foreign page asked for the HMI's WebSocket: refused");
         return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
     }
+    let page = Page {
+        address: peer,
+        told: browser(headers),
+    };
     let Some(accepted) = accept_key(headers) else {
         return (StatusCode::BAD_REQUEST, "Here is a WebSocket of version 13.\n").into_response();
     };
@@ -168,7 +174,7 @@ async fn socket(
             .map(hyper::upgrade::Upgraded::downcast::<TokioIo<TcpStream>>)
         {
             Ok(Ok(parts)) => {
-                if let Err(error) = viewer::serve(parts.io.into_inner(), parts.read_buf, shared, peer).await {
+                if let Err(error) = viewer::serve(parts.io.into_inner(), parts.read_buf, shared, page).await {
                     debug!(%error, "a viewer could not be served");
                 }
             }
@@ -184,6 +190,23 @@ async fn socket(
     ];
     (StatusCode::SWITCHING_PROTOCOLS, headers).into_response()
 }
+
+/// The name of a browser with its version, such as `Firefox/128.0`, or else the first product of its `User-Agent`.
+fn browser(headers: &HeaderMap) -> Identification {
+    let agent = headers.get(header::USER_AGENT).and_then(|agent| agent.to_str().ok());
+    let agent = agent.unwrap_or_default();
+    let product = |name: &&str| agent.split_whitespace().find(|product| product.starts_with(*name));
+    let known = BROWSERS.iter().find_map(product);
+    let product = known.or_else(|| agent.split_whitespace().next());
+    let told = Identification {
+        product: product.unwrap_or_default().to_owned(),
+        ..Identification::default()
+    };
+    told.bounded()
+}
+
+/// Browsers by their product in `User-Agent`; the engines that several have in common come last.
+const BROWSERS: [&str; 6] = ["Firefox/", "Edg/", "OPR/", "HeadlessChrome/", "Chrome/", "Safari/"];
 
 /// What a request for a WebSocket is answered with (RFC 6455, 4.2); `None`: it is none, or of another version.
 fn accept_key(headers: &HeaderMap) -> Option<HeaderValue> {

@@ -4,21 +4,22 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use arcline_controller::Snapshot;
 use arcline_controller::image::{Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::predefined::{axis_status, motion_status};
+use arcline_instruction_set::{AxisId, SystemId};
 use arcline_tag::{DataType, Template};
 use axum::extract::ws::Utf8Bytes;
-use tokio::time::{MissedTickBehavior, interval};
+use tokio::time::{sleep, timeout};
 
 use super::protocol::{AxisStatus, GroupStatus, Push, RealTime, Status as State, SystemStatus, text_of};
 use super::{Shared, paths};
-use crate::plant::LiveMoves;
-use crate::plant::movers::{Mover, Movers};
+use crate::plant::{Mover, View};
 
-/// Time between two of them.
-const EVERY: Duration = Duration::from_millis(66);
+/// Shortest time between two pushes.
+const EVERY: Duration = Duration::from_millis(60);
+/// Longest time between two pushes while no tag changes.
+const LONGEST: Duration = Duration::from_millis(500);
 
 /// One push of the state.
 #[derive(Clone, Debug, Default)]
@@ -31,19 +32,22 @@ pub(super) struct Status {
     pub(super) whole: Utf8Bytes,
 }
 
-/// Makes a status whenever one is due, until the future is dropped.
+/// Makes a status when tags have changed, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
     let words = Words::new(&shared);
     let mut latest = Status::default();
     let (mut shown, mut viewers) = (Vec::new(), 0);
-    let mut due = interval(EVERY);
-    due.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut changes = shared.plant.changes();
     loop {
-        due.tick().await;
+        sleep(EVERY).await;
+        // Control of objects changes without the tags.
+        if let Ok(None) = timeout(LONGEST, changes.next()).await {
+            return;
+        }
         if shared.status.receiver_count() == 0 {
             continue;
         }
-        // Who is new has no paths yet.
+        // A new viewer has no paths yet.
         let now = (versions(&shared), shared.viewers.load(Ordering::Relaxed));
         if now != (shown, viewers) {
             latest.paths += 1;
@@ -55,7 +59,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     }
 }
 
-/// What is told of programmed paths.
+/// The programmed paths of a status.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Paths {
     /// Every point of them.
@@ -69,7 +73,7 @@ fn versions(shared: &Shared) -> Vec<u64> {
     let systems = shared.plant.machine().systems.len();
     shared
         .plant
-        .with_state(|_, _, moves| (0..systems).map(|system| moves.version(system)).collect())
+        .view(|view| (0..systems).map(|system| view.moves.version(system)).collect())
 }
 
 /// Where the status bits of each object stand in its tag.
@@ -106,16 +110,15 @@ impl Words {
         let machine = shared.plant.machine();
         let health = shared.plant.health();
         let drivers = shared.plant.control().drivers(machine);
-        let movers = shared.plant.movers();
-        shared.plant.with_state(|image, snapshot, moves| {
+        shared.plant.view(|view| {
             Push::Status(State {
-                tick: snapshot.tick,
-                time_s: snapshot.tick as f64 * machine.period(),
-                axes: self.axes((machine, &movers), image, snapshot),
-                coordinate_systems: self.systems((machine, &movers), image, (snapshot, moves), paths),
+                tick: view.snapshot.tick,
+                time_s: view.snapshot.tick as f64 * machine.period(),
+                axes: self.axes(machine, view),
+                coordinate_systems: self.systems(machine, view, paths),
                 group: GroupStatus {
                     name: machine.group.clone(),
-                    bits: set(image, &machine.group, &self.group),
+                    bits: set(view.image, &machine.group, &self.group),
                 },
                 inhibited: shared.plant.is_inhibited(),
                 realtime: realtime(&health),
@@ -124,9 +127,10 @@ impl Words {
         })
     }
 
-    fn axes(&self, (machine, movers): (&Machine, &Movers), image: &Image, snapshot: &Snapshot) -> Vec<AxisStatus> {
-        let axes = machine.axes.iter().zip(&snapshot.axes).zip(&self.axes);
-        let axes = axes.zip(&movers.axes).map(|(((axis, now), bits), mover)| {
+    fn axes(&self, machine: &Machine, view: &View<'_>) -> Vec<AxisStatus> {
+        let ids = AxisId::first(machine.axes.len());
+        let axes = machine.axes.iter().zip(&view.snapshot.axes).zip(&self.axes);
+        let axes = axes.zip(ids).map(|(((axis, now), bits), id)| {
             let faults = now.faults.kinds().map(|kind| kind.fault().word).collect();
             AxisStatus {
                 name: axis.name.clone(),
@@ -140,42 +144,36 @@ impl Words {
                 homed: now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,
                 servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
                 moving: now.command[1] != 0.0,
-                moved_by: mover.as_ref().map(Mover::to_string),
-                bits: set(image, &axis.name, bits),
+                moved_by: view.movers.of_axis(id).map(Mover::to_string),
+                bits: set(view.image, &axis.name, bits),
                 faults,
             }
         });
         axes.collect()
     }
 
-    fn systems(
-        &self,
-        (machine, movers): (&Machine, &Movers),
-        image: &Image,
-        (snapshot, moves): (&Snapshot, &LiveMoves),
-        drawn: Paths,
-    ) -> Vec<SystemStatus> {
-        let systems = machine.systems.iter().zip(&snapshot.systems).zip(&self.systems);
-        let systems = systems
-            .zip(&movers.systems)
-            .enumerate()
-            .map(|(place, (((system, now), bits), mover))| {
-                // Of a robot the page draws the path of the tool, which differs from that of the axes.
-                let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
-                SystemStatus {
-                    name: system.name.clone(),
-                    position: now.actual[..system.axes.len().min(now.actual.len())].to_vec(),
-                    moved_by: mover.as_ref().map(Mover::to_string),
-                    active: paths::active(moves, place, image, now),
-                    pending: paths::pending(moves, place, image),
-                    path_version: moves.version(place),
-                    speed: now.path_speed,
-                    feed_override: 100.0 * now.feed_override,
-                    held: now.feed_override == 0.0,
-                    bits: set(image, &system.name, bits),
-                    path: is_drawn.then(|| paths::of(moves, place, system.linear().len())),
-                }
-            });
+    fn systems(&self, machine: &Machine, view: &View<'_>, drawn: Paths) -> Vec<SystemStatus> {
+        let View { image, moves, .. } = *view;
+        let ids = SystemId::first(machine.systems.len());
+        let systems = machine.systems.iter().zip(&view.snapshot.systems).zip(&self.systems);
+        let systems = systems.zip(ids).map(|(((system, now), bits), id)| {
+            let index = id.index();
+            // Of a robot the page draws the path of the tool, which differs from that of the axes.
+            let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
+            SystemStatus {
+                name: system.name.clone(),
+                position: now.actual[..system.axes.len().min(now.actual.len())].to_vec(),
+                moved_by: view.movers.of_system(id).map(Mover::to_string),
+                active: paths::active(moves, index, image, now),
+                pending: paths::pending(moves, index, image),
+                path_version: moves.version(index),
+                speed: now.path_speed,
+                feed_override: 100.0 * now.feed_override,
+                held: now.feed_override == 0.0,
+                bits: set(image, &system.name, bits),
+                path: is_drawn.then(|| paths::of(moves, index, system.linear().len())),
+            }
+        });
         systems.collect()
     }
 }

@@ -1,6 +1,6 @@
-//! Tags for a viewer: a list by pages, values as JSON, and writes with the right that they need.
+//! Tags for a viewer: a list by pages, values as JSON, and writes with the control that they need.
 
-use arcline_controller::image::{Access, Image, Tag, TagKind};
+use arcline_controller::image::{Access, Image, Tag, TagId, TagKind};
 use arcline_tag::{
     DataType, Elementary, FloatsOnly, Fraction, Misfit, PathSegment, TagPath, TagValue, Value, WriteValue,
 };
@@ -71,16 +71,22 @@ pub(super) fn values(plant: &Plant, names: &[String]) -> Result<Values, Refusal>
     }))
 }
 
-/// Whether the values of tags are more than the threads that others share tell at once.
+/// The tag that a name means, behind an alias.
+pub(super) fn tag_of(image: &Image, name: &str) -> Option<TagId> {
+    let (tag, _) = image.locate(&path_of(name).ok()?).ok()?;
+    Some(tag)
+}
+
+/// Whether the values of tags are too many for the threads that all viewers share.
 pub(super) fn are_many(plant: &Plant, names: &[String]) -> bool {
     names.len() > FEW
         || plant.with_image(|image| {
-            let bytes = names.iter().map(|name| told_bytes(image, name).unwrap_or(0));
+            let bytes = names.iter().map(|name| shown_bytes(image, name).unwrap_or(0));
             bytes.fold(0, usize::saturating_add) > FEW_BYTES
         })
 }
 
-/// Writes a value. What executes an instruction or changes motion needs the right to drive what it moves.
+/// Writes a value. A write that executes an instruction or changes motion needs control of the object that moves.
 pub(super) async fn write(plant: &Plant, principal: Principal, name: &str, value: &Json) -> Result<Done, Refusal> {
     let path = path_of(name)?;
     let (done, pending) = plant.transact(principal, |transaction| put(transaction, &path, value));
@@ -96,8 +102,8 @@ fn is_read_only(image: &Image, name: &str) -> bool {
     tag.is_some_and(|tag| matches!(tag.access, Access::ReadOnly))
 }
 
-/// The bytes of a tag that [`value`] tells.
-fn told_bytes(image: &Image, name: &str) -> Option<usize> {
+/// The bytes of a tag that [`value`] shows.
+fn shown_bytes(image: &Image, name: &str) -> Option<usize> {
     let path = path_of(name).ok()?;
     let (_, place) = image.locate(&path).ok()?;
     let one = matches!(path.0.last(), Some(PathSegment::Element(_)));

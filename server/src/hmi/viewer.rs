@@ -1,9 +1,10 @@
-//! One viewer. It is read on the thread of stops (`guard`), where `stop`, `keep` and `jog_end` are done at once, whatever else the server
-//! does ([`hearing`]). Everything else that it asks waits in a bounded queue, is answered in order by one task, and another sends answers
-//! and pushes. What computes for long does so on threads of its own. Simulations are answered when they are done. A viewer that
-//! does not read loses its connection; nobody waits for it.
+//! One viewer. The thread of stops (`guard`) reads its requests and answers `stop`, `keep` and `jog_end` at once, whatever else the
+//! server does ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order, and another one sends answers
+//! and pushes. Long computations run on threads of their own. Simulations are answered when they are done. A viewer that
+//! does not read loses its connection, and delays no other one.
 
 mod hearing;
+mod watched;
 
 use std::io;
 use std::pin::Pin;
@@ -12,6 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::task::{Context, Poll};
 use std::time::Duration;
 
+use arcline_proto::arcline::machine::Identification;
 use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
 use futures_util::SinkExt as _;
@@ -21,7 +23,7 @@ use tokio::net::TcpStream;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, mpsc, watch};
 use tokio::task::JoinSet;
-use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio::time::{interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::protocol::Role;
@@ -29,6 +31,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
 use self::hearing::{Heard, Hearing};
+use self::watched::Watched;
 use super::protocol::{
     self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, Simulated, text_of,
 };
@@ -36,21 +39,25 @@ use super::status::Status;
 use super::{Shared, drive, events, frames, line, program, tags};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{Command, Plant, Principal};
+use crate::plant::{ClientIdentity, Command, Plant, Principal};
 use crate::trace::history;
 
-/// Serves a viewer until it goes, from `peer`; `begun` has come on its socket already.
+/// The page of a viewer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Page {
+    /// Its IP address.
+    pub(super) address: Option<String>,
+    /// The browser that shows it, as its product.
+    pub(super) told: Identification,
+}
+
+/// Serves the viewer of a page until it goes; `begun` has come on its socket already.
 ///
 /// # Errors
 /// The system has no descriptor left.
-pub(super) async fn serve(
-    socket: TcpStream,
-    begun: Bytes,
-    shared: Arc<Shared>,
-    peer: Option<String>,
-) -> io::Result<()> {
+pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, page: Page) -> io::Result<()> {
     let number = shared.viewers.fetch_add(1, Ordering::Relaxed) + 1;
-    let name = format!("{} #{number}", peer.as_deref().unwrap_or("viewer"));
+    let name = format!("{} #{number}", page.address.as_deref().unwrap_or("viewer"));
     // One descriptor is read on the thread of stops, the other is written here.
     let reading = socket.into_std()?;
     let writing = TcpStream::from_std(reading.try_clone()?)?;
@@ -59,7 +66,11 @@ pub(super) async fn serve(
     let (asks, asked) = mpsc::channel(ASKS);
     shared.plant.control().enter(number, name.clone());
     let weak = Arc::downgrade(&shared);
-    let signs = shared.plant.guard().enter(VIEWERS | number, &name, weak);
+    let identity = ClientIdentity {
+        address: name.clone(),
+        told: page.told,
+    };
+    let signs = shared.plant.guard().enter(VIEWERS | number, identity, weak);
     let hello = Push::Hello {
         viewer: &name,
         trace_signals: history::signals(shared.plant.machine()),
@@ -102,7 +113,7 @@ pub(super) async fn serve(
     Ok(())
 }
 
-/// A socket that somebody else reads.
+/// The writing half of a socket.
 struct WriteOnly(TcpStream);
 
 impl AsyncRead for WriteOnly {
@@ -132,11 +143,11 @@ struct Viewer {
     outbox: mpsc::Sender<Outgoing>,
     /// One for each piece of the past that may wait to be sent.
     pieces: Arc<Semaphore>,
-    /// How often the buttons of each axis's jog were let go.
+    /// How often the button of each axis's jog was released.
     releases: Arc<[AtomicU64]>,
 }
 
-/// What the task is given that sends.
+/// A message for the task that sends.
 #[derive(Debug)]
 enum Outgoing {
     /// A text.
@@ -189,7 +200,7 @@ impl Viewer {
                 .try_send(Outgoing::Text(protocol::reply(&id, answer).into()))
                 .is_err()
             {
-                // It does not read what it asks for.
+                // It does not read its answers.
                 return;
             }
         }
@@ -211,7 +222,7 @@ impl Viewer {
         }
         let answer = self.answer(id, request, heard, simulations).await;
         if moves && stopped() {
-            // It may have been sent behind the stop.
+            // Its instruction may have been sent after the stop.
             self.shared.plant.stop_all();
         }
         answer
@@ -353,15 +364,15 @@ impl Viewer {
     }
 
     fn take(&self, object: &str, force: bool) -> Result<Done, Refusal> {
-        let thing = self.thing(object)?;
+        let object = self.object(object)?;
         let machine = self.shared.plant.machine();
-        let taken = self.shared.plant.control().take(machine, self.id, thing, force);
+        let taken = self.shared.plant.control().take(machine, self.id, object, force);
         taken.map_err(|held| Refusal::control(held.object.name(machine), Some(&held.by)))?;
         Ok(Done {})
     }
 
     fn release(&self, object: &str) -> Result<Done, Refusal> {
-        self.shared.plant.control().release(self.id, self.thing(object)?);
+        self.shared.plant.control().release(self.id, self.object(object)?);
         Ok(Done {})
     }
 
@@ -403,11 +414,8 @@ impl Viewer {
         Ok(piece)
     }
 
-    fn thing(&self, object: &str) -> Result<MotionObject, Refusal> {
-        MotionObject::find(self.shared.plant.machine(), object).ok_or_else(|| {
-            let object: String = object.chars().take(60).collect();
-            Refusal::new(format!("there is no axis, coordinate system or group {object:?}"))
-        })
+    fn object(&self, name: &str) -> Result<MotionObject, Refusal> {
+        MotionObject::find(self.shared.plant.machine(), name).ok_or_else(|| drive::no_object(name))
     }
 
     fn send(&self, what: Outgoing) -> Result<(), Refusal> {
@@ -416,17 +424,15 @@ impl Viewer {
     }
 }
 
-/// Sends answers, and whatever is pushed to every viewer.
+/// Sends answers, and the pushes to every viewer.
 async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<Shared>) {
     let mut statuses = shared.status.subscribe();
     let mut events = shared.events.subscribe();
     let mut programs = shared.program.watch();
     let mut frames = None;
-    let mut watched: Vec<String> = Vec::new();
+    let mut watched = Watched::new(&shared.plant);
     let (mut paths, mut program) = (0, None);
     let mut pings = interval(PING);
-    let mut values = interval(VALUES);
-    values.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         let message = tokio::select! {
             biased;
@@ -439,7 +445,7 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
                     continue;
                 }
                 Some(Outgoing::Watch(names)) => {
-                    watched = names;
+                    watched.watch(&shared.plant, names);
                     continue;
                 }
                 None => return,
@@ -459,20 +465,24 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
             }
             event = events.recv() => match event {
                 Ok(text) => told(text),
-                // What was missed can be asked for: numbers tell.
+                // The page sees the gap in the numbers, and asks for the missed events.
                 Err(RecvError::Lagged(_)) => continue,
                 Err(RecvError::Closed) => return,
             },
             frame = next_frame(&mut frames) => Message::Binary(frame),
-            _ = values.tick(), if !watched.is_empty() => {
-                let names = watched.clone();
+            changes = watched.changes() => {
+                let Some(changes) = changes else { return };
+                let names = watched.take(&shared.plant, &changes);
+                if names.is_empty() {
+                    continue;
+                }
+                let is_long = tags::are_many(&shared.plant, &names);
                 let plant = shared.plant.clone();
                 let push = move || {
                     let values = tags::values(&plant, &names)?.values;
                     Ok::<_, Refusal>(text_of(&Push::Values { values }))
                 };
-                let text = shared.workers.compute_if(tags::are_many(&shared.plant, &watched), push).await;
-                let Ok(Ok(text)) = text else { continue };
+                let Ok(Ok(text)) = shared.workers.compute_if(is_long, push).await else { continue };
                 Message::Text(text.into())
             }
             _ = pings.tick() => Message::Ping(Bytes::new()),
@@ -568,5 +578,3 @@ const ASKS: usize = 256;
 const ASKED_BYTES: usize = 512 * 1024;
 /// The longest message that is read and worked on by the threads that others share, bytes.
 const SHORT: usize = 1024;
-/// Time between two pushes of watched values.
-const VALUES: Duration = Duration::from_millis(100);

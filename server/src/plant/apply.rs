@@ -1,9 +1,9 @@
 //! The one door to the machine: every command of every face goes through [`Plant::apply`], or through a [`Transaction`] where several
-//! commands and reads are one action. Under one lock it is authorized, written, sent to be kept, and queued for the controller with the
-//! operands as they are then; what is waited for, is waited for without the lock.
+//! commands and reads are one action. Under one lock a command is authorized, written, sent to the writer of the retained state, and
+//! queued for the controller with the operands as they are then. The caller waits for the answers without the lock.
 //!
-//! Ahead of the door are only the stops that must wait for no lock: [`Plant::stop_all`] and the end of jogs of lost clients
-//! (`crate::guard`).
+//! Only the stops that must wait for no lock do not take it: [`Plant::stop_all`], [`Plant::inhibit`] and the end of jogs of lost
+//! clients (`crate::guard`).
 
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
 use arcline_controller::{Ticket, UNNAMED};
@@ -12,37 +12,38 @@ use arcline_tag::{DataType, TagPath, Value};
 use tokio::sync::oneshot;
 
 use super::command::{Call, Command, Outcome, Refused, Systems};
+use super::control::MotionObject;
 use super::records::instance_of;
 use super::state::State;
 use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Shared, policy};
 use crate::retained::{NotKept, WhenKept};
 
-/// Commands and reads of one principal that are one action: nothing changes between them, and the controller learns of all at their
+/// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all edges at the
 /// end.
 pub struct Transaction<'t> {
     principal: Principal,
     shared: &'t Shared,
     state: &'t mut State,
-    /// What the controller is to learn, in order.
+    /// The edges of the writes so far, which the controller is not sent yet.
     edges: Vec<Edge>,
     pending: Pending,
     /// Whether something was changed that is kept over a restart.
     retained: bool,
 }
 
-/// What a transaction has begun, and what is not over yet.
+/// The instructions and writes of a transaction that are not answered or not in the file of the retained state yet.
 #[derive(Debug, Default)]
-#[must_use = "what was written may not be kept yet"]
+#[must_use = "the writes may not be in the file of the retained state yet"]
 pub struct Pending {
     /// The instructions that were sent.
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
-    /// Tells when everything is kept; `None`: nothing of it is kept over a restart.
+    /// Is ready when the file of the retained state has all writes; `None`: none of them is kept over a restart.
     kept: Option<WhenKept>,
 }
 
 impl Plant {
-    /// Executes a command and waits until it is done: until an instruction shows DN, ER or that it is in process (MAH, whose DN is its
-    /// end), and until what was written is kept.
+    /// Executes a command and waits until it is done: until an instruction shows DN, ER or IP (MAH sets DN at its end only), and until
+    /// the file of the retained state has the writes.
     ///
     /// # Errors
     /// See [`Refused`].
@@ -75,7 +76,7 @@ impl Plant {
         }
     }
 
-    /// Runs commands and reads as one action. What it has begun is for [`Plant::kept`]; who does not wait for it drops it.
+    /// Runs commands and reads as one action. [`Plant::kept`] waits for what is pending; a caller that does not wait drops it.
     pub fn transact<R>(&self, principal: Principal, work: impl FnOnce(&mut Transaction<'_>) -> R) -> (R, Pending) {
         let mut state = self.0.lock();
         state.refresh();
@@ -87,7 +88,7 @@ impl Plant {
             pending: Pending::default(),
             retained: false,
         };
-        transaction.tell_room();
+        transaction.update_room();
         let result = work(&mut transaction);
         let pending = transaction.finish();
         drop(state);
@@ -95,7 +96,7 @@ impl Plant {
         (result, pending)
     }
 
-    /// Waits until everything that a transaction began is answered and kept; at most [`ANSWER_WITHIN`].
+    /// Waits until all instructions of a transaction are answered and all writes kept; at most [`ANSWER_WITHIN`].
     ///
     /// # Errors
     /// [`NotKept`]: the tags have what was written, but may not have it after a restart.
@@ -135,7 +136,7 @@ impl Plant {
     }
 }
 
-/// What of a transaction is not as it was to be.
+/// Why a transaction is not done.
 enum Unsettled {
     NoAnswer,
     NotKept,
@@ -186,7 +187,22 @@ impl Transaction<'_> {
     fn authorized(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
         let (image, machine) = (self.state.image(), &self.shared.machine);
         policy::authorize(self.principal, &command, image, machine, &self.shared.control())?;
+        self.check_alone(&command)?;
         self.execute(command)
+    }
+
+    /// Refuses a command on an axis that another principal moves.
+    fn check_alone(&self, command: &Command<'_>) -> Result<(), Refused> {
+        let Some(axis) = policy::alone_on(self.principal, command) else {
+            return Ok(());
+        };
+        match self.state.motion_tickets.mover_of_axis(&self.state.records, axis) {
+            Some(mover) if mover.principal.viewer() != self.principal.viewer() => Err(Refused::MovedByAnother {
+                object: MotionObject::Axis(axis).name(&self.shared.machine).to_owned(),
+                mover,
+            }),
+            Some(_) | None => Ok(()),
+        }
     }
 
     fn execute(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
@@ -271,31 +287,31 @@ impl Transaction<'_> {
             given,
             text,
         } = call;
-        // What was written before it is ahead of it.
+        // The edges of earlier writes go first.
         self.send_edges();
         if !self.state.has_room(mnemonic) {
             return Err(CallRefused::Busy.into());
         }
-        // Bound before the tag is made: what is refused leaves nothing behind.
+        // Bound before the tag is made: a refused call makes no tag.
         let mut call = bind(mnemonic, target, UNNAMED, given, self.state.image()).map_err(CallRefused::from)?;
         if let Some(name) = control {
             call.control = self.state.image_mut().control_slot(name).map_err(CallRefused::from)?;
         }
         let (ticket, answer) = self.state.send(self.principal, text, call);
         self.pending.answers.push((ticket, answer));
-        self.tell_room();
+        self.update_room();
         Ok(Outcome::Begun(instance_of(ticket)))
     }
 
-    /// Sends what the controller is to learn of writes, with the operands as they are now.
+    /// Sends the controller the edges of the writes so far, with the operands as they are now.
     fn send_edges(&mut self) {
         for edge in std::mem::take(&mut self.edges) {
             self.pending.answers.extend(self.state.edge(self.principal, edge));
         }
     }
 
-    /// Says how many instructions writes may begin.
-    fn tell_room(&mut self) {
+    /// Updates the number of instructions that writes may begin.
+    fn update_room(&mut self) {
         let room = self.state.room();
         self.state.image_mut().set_call_room(room);
     }

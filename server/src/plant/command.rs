@@ -9,7 +9,7 @@ use arcline_config::ConnectionLoss;
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
 
-use super::{CallRefused, Executed, Lost, Principal};
+use super::{CallRefused, Executed, Lost, Mover, Principal};
 use crate::retained::NotKept;
 
 /// Something that is to be changed.
@@ -141,6 +141,14 @@ pub enum Refused {
         object: String,
         /// The name of the viewer that has control of it.
         holder: Option<String>,
+    },
+    /// An axis that a jog button was to move is moved by another principal.
+    #[error("{object} is moved by {mover}; it can be jogged when that motion has ended")]
+    MovedByAnother {
+        /// The name of the axis.
+        object: String,
+        /// The principal that moves it.
+        mover: Mover,
     },
     /// A tag was not written.
     #[error(transparent)]

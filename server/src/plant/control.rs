@@ -1,5 +1,6 @@
-//! The right to drive: an axis is one viewer's at a time, and a coordinate system is its axes. Whoever takes something takes
-//! it from nobody unless by force, and everybody sees who has what. Stopping needs no right.
+//! Control of objects by viewers of the page: one viewer at a time has control of an axis, and control of a coordinate system is
+//! control of its axes. A viewer takes control from another one by force only, and every viewer sees all controllers. Stops need no
+//! control.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,16 +10,16 @@ use arcline_instruction_set::{AxisId, Object, SystemId};
 /// A viewer.
 pub(crate) type ViewerId = u64;
 
-/// Who drives what.
+/// The viewer that has control of each object.
 #[derive(Debug, Default)]
 pub(crate) struct Control {
     /// Names of viewers.
     names: BTreeMap<ViewerId, String>,
-    /// Objects that were taken: by whom.
+    /// The viewer of each object that was taken.
     taken: BTreeMap<MotionObject, ViewerId>,
 }
 
-/// Something that can be driven, by its place.
+/// An object that moves, by its index.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum MotionObject {
     Axis(AxisId),
@@ -26,17 +27,17 @@ pub(crate) enum MotionObject {
     Group,
 }
 
-/// Somebody else drives it.
+/// Another viewer has control of an object.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Conflict {
-    /// What, as it was taken.
+    /// The object, as it was taken.
     pub(crate) object: MotionObject,
-    /// By whom.
+    /// The name of the viewer.
     pub(crate) by: String,
 }
 
 impl MotionObject {
-    /// What an object's name means.
+    /// The object of a name.
     pub(crate) fn find(machine: &Machine, name: &str) -> Option<Self> {
         let system = machine.system(name).map(Self::System);
         let axis = machine.axis(name).map(Self::Axis);
@@ -86,7 +87,7 @@ impl Control {
         self.names.insert(viewer, name);
     }
 
-    /// A viewer goes, and everything that it drives is free.
+    /// A viewer goes, and with it its control of all objects.
     pub(crate) fn leave(&mut self, viewer: ViewerId) {
         self.names.remove(&viewer);
         self.taken.retain(|_, by| *by != viewer);
@@ -96,10 +97,10 @@ impl Control {
         self.names.get(&viewer).map_or("", String::as_str)
     }
 
-    /// Gives a viewer the right to drive something.
+    /// Gives a viewer control of an object.
     ///
     /// # Errors
-    /// Another viewer drives one of its axes, and there is no force. By force that one loses what has these axes.
+    /// Another viewer has control of one of its axes, and there is no force. By force that viewer loses the objects with these axes.
     pub(crate) fn take(
         &mut self,
         machine: &Machine,
@@ -117,14 +118,14 @@ impl Control {
         Ok(())
     }
 
-    /// Takes the right back.
+    /// Ends the control of an object.
     pub(crate) fn release(&mut self, viewer: ViewerId, object: MotionObject) {
         if self.taken.get(&object) == Some(&viewer) {
             self.taken.remove(&object);
         }
     }
 
-    /// Who else drives one of its axes.
+    /// The control that another viewer has of one of its axes.
     fn held(&self, machine: &Machine, viewer: ViewerId, object: MotionObject) -> Option<Conflict> {
         let axes = object.axes(machine);
         let mut others = self.taken.iter().filter(|(_, by)| **by != viewer);
@@ -135,10 +136,10 @@ impl Control {
         })
     }
 
-    /// Whether a viewer may drive something: it has all of its axes.
+    /// Whether a viewer has control of all axes of an object.
     ///
     /// # Errors
-    /// Who else drives it; `None`: nobody.
+    /// The control that another viewer has of it; `None`: no viewer has.
     pub(crate) fn check(
         &self,
         machine: &Machine,
@@ -154,7 +155,7 @@ impl Control {
         }
     }
 
-    /// The driver of every object that has one: what was taken, and its axes.
+    /// The controller of every object that has one: objects that were taken, and their axes.
     pub(crate) fn drivers(&self, machine: &Machine) -> BTreeMap<String, String> {
         let mut drivers = BTreeMap::new();
         for (object, by) in &self.taken {

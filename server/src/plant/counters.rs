@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A kind of commands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
 pub enum Counter {
     /// Writes of tags.
     Writes,
@@ -23,6 +24,34 @@ pub enum Counter {
     Stops,
 }
 
+impl Counter {
+    /// Every kind, in their order.
+    pub const ALL: [Counter; 8] = [
+        Counter::Writes,
+        Counter::Attributes,
+        Counter::InjectedFaults,
+        Counter::Overrides,
+        Counter::Instructions,
+        Counter::Tables,
+        Counter::Owners,
+        Counter::Stops,
+    ];
+
+    /// Its name, for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Writes => "tag writes",
+            Self::Attributes => "attributes",
+            Self::InjectedFaults => "injected faults",
+            Self::Overrides => "overrides",
+            Self::Instructions => "instructions",
+            Self::Tables => "tag tables",
+            Self::Owners => "lost clients",
+            Self::Stops => "stops",
+        }
+    }
+}
+
 /// Commands of one kind since the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Count {
@@ -34,7 +63,7 @@ pub struct Count {
 
 /// The counters.
 #[derive(Debug, Default)]
-pub(super) struct Counters([[AtomicU64; 2]; Counter::Stops as usize + 1]);
+pub(super) struct Counters([[AtomicU64; 2]; Counter::ALL.len()]);
 
 impl Counters {
     pub(super) fn count(&self, counter: Counter, is_done: bool) {

@@ -1,11 +1,25 @@
-//! What implicit I/O does with the plant: the state of a tick for its inputs, and what its outputs command. Nothing here
-//! waits for the controller.
+//! Views of the plant, and what its faces command without waiting for the controller.
+
+use std::sync::Arc;
 
 use arcline_controller::Snapshot;
 use arcline_controller::image::Image;
 use arcline_instruction_set::SystemId;
 
-use super::{Command, Executions, LiveMoves, Logged, Plant, Principal, Systems};
+use super::{Command, Counter, Executions, LiveMoves, Logged, Movers, Plant, Principal, Systems};
+
+/// Everything that one tick shows.
+#[derive(Debug)]
+pub struct View<'v> {
+    /// The tags.
+    pub image: &'v Image,
+    /// The state of the controller.
+    pub snapshot: &'v Snapshot,
+    /// The moves under way.
+    pub moves: &'v LiveMoves,
+    /// The principals that move axes and coordinate systems.
+    pub movers: Arc<Movers>,
+}
 
 impl Plant {
     /// Reads the state of the newest tick.
@@ -23,15 +37,19 @@ impl Plant {
         read(state.image(), &state.records, events)
     }
 
-    /// Reads the state of the newest tick, the tags of the same one, and the moves under way.
-    pub fn with_state<R>(&self, read: impl FnOnce(&Image, &Snapshot, &LiveMoves) -> R) -> R {
+    /// Looks at everything that one tick shows.
+    pub fn view<R>(&self, look: impl FnOnce(&View<'_>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
-        let (image, snapshot, moves) = state.view();
-        read(image, snapshot, moves)
+        look(&state.view())
     }
 
-    /// As [`Plant::with_snapshot`], but does not wait for whoever has the plant: `None` when it is not to be had soon.
+    /// The principals that move axes and coordinate systems, as of the last change. It waits for no lock.
+    pub fn movers(&self) -> Arc<Movers> {
+        self.0.published.movers.load_full()
+    }
+
+    /// As [`Plant::with_snapshot`], but does not wait for the lock: `None` when another thread holds it for longer.
     pub fn try_with_snapshot<R>(&self, read: impl FnOnce(&Snapshot) -> R) -> Option<R> {
         for _ in 0..LOOKS {
             if let Some(mut state) = self.0.try_lock() {
@@ -74,12 +92,16 @@ impl Plant {
     /// Stops everything that moves, every axis by itself. It cannot be refused, and waits for nothing: neither for a lock nor behind
     /// other commands. What was sent before and is executed later is stopped as soon as it is.
     pub fn stop_all(&self) {
+        self.0.counters.count(Counter::Stops, true);
         self.0.stops.stop_all();
     }
 
     /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
     pub fn inhibit(&self) {
+        self.0.counters.count(Counter::Stops, true);
         self.0.stops.inhibit();
+        // The tags show it with the next look.
+        self.0.sent.notify_one();
     }
 
     /// Whether motion is inhibited by STOP.
@@ -88,5 +110,5 @@ impl Plant {
     }
 }
 
-/// Looks at the lock: some microseconds, as long as it is held by somebody who runs.
+/// Tries to take the lock: some microseconds, as long as a running thread holds it.
 const LOOKS: usize = 1000;

@@ -7,33 +7,95 @@ use std::sync::Arc;
 use arcline_controller::Ticket;
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{AxisId, Call, SystemId};
+use arcline_proto::arcline::motion::{self, MoverKind};
 
+use super::client::ClientIdentity;
 use super::control::MotionObject;
 use super::policy::stop_of;
 use super::principal::Principal;
-use super::records::Executions;
+use super::records::{Executions, Origin};
 use super::state::may_run;
-use super::{Plant, records::Origin};
 
-/// The newest instructions that began motion of each object, newest first.
-#[derive(Debug, Default)]
-pub(super) struct MotionTickets(BTreeMap<MotionObject, VecDeque<Ticket>>);
+/// The instructions by which objects move, and the movers that follow from them.
+#[derive(Debug)]
+pub(super) struct MotionTickets {
+    /// The newest instructions that began motion of each object, newest first.
+    newest: BTreeMap<MotionObject, VecDeque<Ticket>>,
+    axes: usize,
+    /// The axes of each coordinate system.
+    systems: Vec<Vec<AxisId>>,
+    movers: Arc<Movers>,
+    /// Whether an execution has changed since the movers were found.
+    is_stale: bool,
+}
 
 impl MotionTickets {
+    /// Of a machine on which nothing moves.
+    pub(super) fn new(machine: &Machine) -> Self {
+        MotionTickets {
+            newest: BTreeMap::new(),
+            axes: machine.axes.len(),
+            systems: machine.systems.iter().map(|system| system.axes.clone()).collect(),
+            movers: Arc::new(Movers {
+                axes: vec![None; machine.axes.len()],
+                systems: vec![None; machine.systems.len()],
+            }),
+            is_stale: false,
+        }
+    }
+
+    /// An execution has changed.
+    pub(super) fn executions_changed(&mut self) {
+        self.is_stale = true;
+    }
+
+    /// The movers as the executions are now.
+    pub(super) fn movers(&mut self, records: &Executions) -> Arc<Movers> {
+        if std::mem::take(&mut self.is_stale) {
+            let movers = Movers {
+                axes: AxisId::first(self.axes)
+                    .map(|axis| self.mover_of_axis(records, axis))
+                    .collect(),
+                systems: SystemId::first(self.systems.len())
+                    .map(|system| self.mover(records, MotionObject::System(system)))
+                    .collect(),
+            };
+            self.movers = Arc::new(movers);
+        }
+        self.movers.clone()
+    }
+
+    /// The mover of an axis: of itself, or else of a coordinate system that has it.
+    pub(super) fn mover_of_axis(&self, records: &Executions, axis: AxisId) -> Option<Mover> {
+        let systems = SystemId::first(self.systems.len()).zip(&self.systems);
+        let mut its_own = systems.filter(|(_, axes)| axes.contains(&axis));
+        self.mover(records, MotionObject::Axis(axis))
+            .or_else(|| its_own.find_map(|(system, _)| self.mover(records, MotionObject::System(system))))
+    }
+
+    fn mover(&self, records: &Executions, object: MotionObject) -> Option<Mover> {
+        let origin = self.running(object, records)?;
+        Some(Mover {
+            principal: origin.principal,
+            client: origin.client.clone(),
+        })
+    }
+
     /// Notes a call that may begin motion.
     pub(super) fn note(&mut self, ticket: Ticket, call: &Call) {
         let (Some(target), Some(_)) = (call.target, stop_of(call.mnemonic)) else {
             return;
         };
         let object = MotionObject::of(call.mnemonic.instruction().object, target);
-        let tickets = self.0.entry(object).or_default();
+        let tickets = self.newest.entry(object).or_default();
         tickets.truncate(NEWEST - 1);
         tickets.push_front(ticket);
+        self.is_stale = true;
     }
 
     /// The origin of the newest one that runs.
     fn running<'r>(&self, object: MotionObject, records: &'r Executions) -> Option<&'r Origin> {
-        let mut tickets = self.0.get(&object)?.iter();
+        let mut tickets = self.newest.get(&object)?.iter();
         let running = tickets.find(|ticket| records.get(**ticket).is_some_and(may_run))?;
         records.origin(*running)
     }
@@ -41,64 +103,53 @@ impl MotionTickets {
 
 /// A principal that moves an object.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct Mover {
-    pub(crate) principal: Principal,
-    /// The name of its client as it was when it began; empty: it is no client.
-    name: Arc<str>,
+pub struct Mover {
+    /// The principal.
+    pub principal: Principal,
+    /// Its client, as it had identified itself when the instruction was sent; empty: it is no client.
+    pub client: Arc<ClientIdentity>,
 }
 
-impl fmt::Display for Mover {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.principal, self.principal.line()) {
-            (Principal::Io, _) => f.write_str("the outputs of implicit I/O"),
-            (Principal::Server, _) => f.write_str("the server"),
-            (_, Some(line)) => write!(f, "the program of {}, line {line}", self.name),
-            (_, None) => f.write_str(&self.name),
+impl Mover {
+    /// As it is told to clients.
+    pub(crate) fn encoded(&self) -> motion::Mover {
+        motion::Mover {
+            kind: match self.principal {
+                Principal::Server => MoverKind::SERVER,
+                Principal::Io => MoverKind::IO,
+                Principal::Client { .. } => MoverKind::CLIENT,
+                Principal::Viewer(_) | Principal::Button(_) => MoverKind::VIEWER,
+                Principal::Program { .. } => MoverKind::PROGRAM,
+            },
+            line: self.principal.line().unwrap_or(0),
+            address: self.client.address.clone(),
+            told: self.client.told.clone(),
         }
     }
 }
 
-/// The mover of each object; `None`: nothing moves it.
-#[derive(Clone, Debug)]
-pub(crate) struct Movers {
-    /// Of each axis: of itself, or of the coordinate system that moves it.
-    pub(crate) axes: Vec<Option<Mover>>,
-    /// Of each coordinate system.
-    pub(crate) systems: Vec<Option<Mover>>,
-}
-
-impl Plant {
-    /// The mover of every axis and coordinate system.
-    pub(crate) fn movers(&self) -> Movers {
-        let mut state = self.0.lock();
-        state.refresh();
-        let mover = |object| {
-            let origin = state.motion_tickets.running(object, &state.records)?;
-            Some(Mover {
-                principal: origin.principal,
-                name: origin.name.clone(),
-            })
-        };
-        of_machine(self.machine(), mover)
+impl fmt::Display for Mover {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.encoded().fmt(f)
     }
 }
 
-fn of_machine(machine: &Machine, mover: impl Fn(MotionObject) -> Option<Mover>) -> Movers {
-    let systems: Vec<Option<Mover>> = SystemId::first(machine.systems.len())
-        .map(|system| mover(MotionObject::System(system)))
-        .collect();
-    let axes = (0..machine.axes.len()).map(|index| {
-        let axis = AxisId::from_index(index);
-        let of_system = || {
-            let mut all = machine.systems.iter().zip(&systems);
-            let (_, mover) = all.find(|(system, mover)| mover.is_some() && system.axes.contains(&axis))?;
-            mover.clone()
-        };
-        mover(MotionObject::Axis(axis)).or_else(of_system)
-    });
-    Movers {
-        axes: axes.collect(),
-        systems,
+/// The mover of each object; `None`: nothing moves it.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Movers {
+    axes: Vec<Option<Mover>>,
+    systems: Vec<Option<Mover>>,
+}
+
+impl Movers {
+    /// The mover of an axis: of itself, or else of a coordinate system that has it.
+    pub fn of_axis(&self, axis: AxisId) -> Option<&Mover> {
+        self.axes.get(usize::from(axis))?.as_ref()
+    }
+
+    /// The mover of a coordinate system.
+    pub fn of_system(&self, system: SystemId) -> Option<&Mover> {
+        self.systems.get(usize::from(system))?.as_ref()
     }
 }
 

@@ -1,8 +1,7 @@
-//! Motion that a connection began, and what becomes of it when the connection is lost (docs/CONFIGURATION.md,
-//! `connection_loss`).
+//! Motion that a connection began, and the reaction when that connection is lost (docs/CONFIGURATION.md, `connection_loss`).
 //!
-//! Not when a connection is lost, which its session knows; nor the outputs of implicit I/O, whose owner commands everything
-//! that moves. What has ended is nobody's.
+//! Sessions find that a connection is lost, not this module; the outputs of implicit I/O have a reaction of their own. An
+//! instruction that has ended has no owner.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +24,7 @@ struct Begun {
     target: u16,
 }
 
-/// What owners have begun, oldest first.
+/// The instructions of each owner, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Owned(BTreeMap<Principal, Vec<Begun>>);
 
@@ -47,7 +46,7 @@ impl Owned {
         });
     }
 
-    /// What an owner has begun is without an owner now.
+    /// The instructions of an owner have no owner any more.
     pub(super) fn forget(&mut self, owner: Principal) {
         self.0.remove(&owner);
     }
@@ -60,7 +59,7 @@ impl Owned {
     }
 }
 
-/// What of a lost owner was stopped or held.
+/// The axes and coordinate systems of a lost owner that were stopped or held.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Lost {
     /// Axes, by their place.
@@ -70,7 +69,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Whether nothing was.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.axes.is_empty() && self.systems.is_empty()
     }
@@ -91,7 +90,7 @@ impl Lost {
 }
 
 impl State {
-    /// An owner is lost: does with what it began, and what still runs of that, as the reaction says. Jogs are the guard's.
+    /// An owner is lost: its instructions that still run are stopped, held or go on. The guard ends jogs.
     pub(super) fn lose(&mut self, owner: Principal, reaction: ConnectionLoss) -> Lost {
         let mut begun = self.owned.0.remove(&owner).unwrap_or_default();
         let snapshot = self.link.snapshots.output_buffer();
@@ -101,7 +100,7 @@ impl State {
             return Lost::default();
         }
         let (mut stops, mut held) = (Vec::new(), Vec::new());
-        // What has no end of its own does not go on alone.
+        // A jog has no end of its own: it never goes on without its owner.
         let mut lost = Lost {
             axes: self.guard.end(owner),
             systems: Vec::new(),
@@ -143,7 +142,7 @@ impl State {
         lost
     }
 
-    /// What an owner began goes on without it.
+    /// The instructions of an owner go on without it.
     pub(super) fn disown(&mut self, owner: Principal) {
         self.guard.forget(owner);
         self.owned.forget(owner);
@@ -154,7 +153,7 @@ impl State {
     fn stop_lost(&mut self, mnemonic: Mnemonic, what: &str, target: u16, ticket: Ticket) {
         let given = [Given::Word(what.to_owned())];
         match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
-            // Nobody waits for it.
+            // Its answer is not waited for.
             Ok(call) if self.has_room(mnemonic) => drop(self.send(Principal::Server, None, call)),
             Ok(_) => {
                 tracing::error!("too many instructions wait for the controller: everything is stopped");
@@ -172,12 +171,12 @@ impl State {
     }
 }
 
-/// Of an execution that is not kept any more nothing tells that it has ended.
+/// An execution that was dropped from the records may still run.
 fn is_running(begun: Begun, records: &Executions) -> bool {
     records.get(begun.ticket).is_none_or(may_run)
 }
 
-/// Whether what an instruction may have moved is being stopped: the stop may be a weak one, and it ended the instruction.
+/// Whether the object of an instruction is being stopped: the stop may be a weak one, and it ended the instruction.
 fn is_braking(begun: Begun, snapshot: &Snapshot) -> bool {
     let place = usize::from(begun.target);
     match stop_of(begun.mnemonic) {

@@ -1,7 +1,8 @@
-//! The rules that hold for every command, each one exhaustive `match`: what right it needs, who owns the motion it begins, what is
-//! kept over a restart, and what the log and the counters call it. A new command or instruction does not compile before all are answered.
+//! The rules that hold for every command, each one exhaustive `match`: the right that it needs, the owner of the motion that it begins,
+//! whether it is kept over a restart, and its counter. A new command or instruction does not compile before all are answered.
 //!
-//! Today every CIP client may do everything, and a viewer of the page needs control of what it moves. Roles would be asked here.
+//! A CIP client may execute every command. A viewer of the page needs control of the objects that its commands move. A jog button
+//! moves no axis that another principal moves. Roles would be checked here.
 
 use arcline_controller::image::{Image, TagId, TagKind};
 use arcline_controller::machine::Machine;
@@ -35,6 +36,14 @@ pub(super) fn authorize(
             })?;
     }
     Ok(())
+}
+
+/// The axis that no other principal may move when the command begins: that of a jog button.
+pub(super) fn alone_on(principal: Principal, command: &Command<'_>) -> Option<AxisId> {
+    match (principal, command) {
+        (Principal::Button(_), Command::Call(call)) if call.mnemonic == Mnemonic::Maj => call.target.map(AxisId),
+        _ => None,
+    }
 }
 
 /// The objects of which a viewer needs control: those that move, or move in another way, because of the command. Stops and holds

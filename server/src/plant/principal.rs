@@ -1,11 +1,11 @@
-//! Who commands, and so owns the motion that a command begins.
+//! The principals of commands, which own the motion that these begin.
 
 use crate::guard::VIEWERS;
 
-/// Who commands. What a client begins is its own ([`Principal::owner`]) until it ends, from whatever face it came.
+/// The source of a command. Motion that it begins belongs to its owner ([`Principal::owner`]) until it ends, from every face.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Principal {
-    /// The server itself: what becomes of the motion of a lost client, another configuration.
+    /// The server itself: it stops or holds the motion of a lost client, or takes over another configuration.
     Server,
     /// The owner of the outputs of implicit I/O.
     Io,

@@ -7,25 +7,26 @@ use std::time::SystemTime;
 use arcline_controller::{Cause, Event, Ticket};
 use arcline_instruction_set::{Flag, MotionControl};
 
+use super::client::ClientIdentity;
 use super::principal::Principal;
 
 #[derive(Clone, Debug)]
 struct Record {
     control: MotionControl,
-    /// The object it acts on, by its place.
+    /// The index of the object it acts on.
     target: Option<u16>,
     origin: Origin,
     ended: Option<Ended>,
 }
 
-/// Who began an execution, and as what.
+/// The principal that began an execution, and the text that it gave.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Origin {
-    /// Who.
+    /// The principal.
     pub(crate) principal: Principal,
-    /// The name of the client as it was then; empty: it was no client.
-    pub(crate) name: Arc<str>,
-    /// The Structured Text that it was given as.
+    /// Its client as it was known then; empty: it was no client.
+    pub(crate) client: Arc<ClientIdentity>,
+    /// The Structured Text of the instruction.
     pub(crate) text: Option<Arc<str>>,
 }
 

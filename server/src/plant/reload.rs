@@ -38,7 +38,9 @@ impl Plant {
             Ok(_) => Ok(()),
             Err(Refused::Table(error)) => Err(error.into()),
             Err(Refused::NotKept(NotKept)) => Err(ReloadError::NotKept),
-            Err(Refused::NoControl { .. } | Refused::Write(_) | Refused::Call(_)) => Ok(()),
+            Err(Refused::NoControl { .. } | Refused::MovedByAnother { .. } | Refused::Write(_) | Refused::Call(_)) => {
+                Ok(())
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the plant's lock guards: tags, rings, and which tickets somebody waits for; and what of it is published for readers.
+//! The state that the plant's lock guards: tags, rings, and the tickets whose senders wait; and the copies for readers.
 //! It never blocks and knows no tasks.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -8,16 +8,18 @@ use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
-use arcline_controller::machine::DynamicsBits;
-use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Snapshot, Ticket};
+use arcline_controller::machine::{DynamicsBits, Machine};
+use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Ticket};
 use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
 };
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
+use super::changes::ChangeLog;
+use super::io::View;
 use super::log::{Change, Log};
-use super::movers::MotionTickets;
+use super::movers::{MotionTickets, Movers};
 use super::moves::LiveMoves;
 use super::owned::Owned;
 use super::principal::Principal;
@@ -26,13 +28,17 @@ use crate::guard::Guard;
 use crate::retained::{Watch, WhenKept};
 use crate::trace::Trace;
 
-/// What readers have without the lock.
+/// The copies that readers have without the lock.
 #[derive(Debug)]
 pub(super) struct Published {
     /// The tag memory after the last change.
     pub(super) image: ArcSwap<Image>,
     /// How many snapshots there were when its newest one was taken.
     pub(super) snapshots: AtomicU64,
+    /// The principals that move objects, as of the last change.
+    pub(super) movers: ArcSwap<Movers>,
+    /// The tags that have changed.
+    pub(super) changes: ChangeLog,
 }
 
 /// Everything behind the plant's lock.
@@ -41,7 +47,7 @@ pub(super) struct State {
     image: Image,
     /// Whether the image is another one than what was published of it.
     changed: bool,
-    /// Who is to be told as soon as the image is published.
+    /// The calls that are answered as soon as the image is published.
     done: Vec<oneshot::Sender<()>>,
     /// How many snapshots there were when the newest one was taken.
     snapshots: u64,
@@ -50,21 +56,21 @@ pub(super) struct State {
     began: bool,
     next_ticket: u64,
     pub(super) waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
-    /// What found no room in the ring.
+    /// Commands that found no room in the ring.
     later: Later,
     /// Stops the jogs of clients that are lost.
     pub(super) guard: Guard,
     pub(super) records: Executions,
     pub(super) log: Log,
     pub(super) moves: LiveMoves,
-    /// What connections have begun.
+    /// The instructions that connections have sent.
     pub(super) owned: Owned,
     /// By which instructions objects move.
     pub(super) motion_tickets: MotionTickets,
     lost: u64,
     /// Whether the tags show that motion is inhibited.
     inhibited: bool,
-    /// What instructions under way write to tags when they are done.
+    /// Writes to tags that instructions make when they are done.
     staged: BTreeMap<Ticket, Staged>,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
@@ -78,13 +84,13 @@ pub(super) struct State {
     trace: Trace,
 }
 
-/// What found no room in the ring and is sent as soon as there is some: each at most once, the newest in place of older ones, so
-/// that it is bounded by the machine and its tags. Overrides and injected faults that wait are those that differ from the sent ones.
+/// Commands that found no room in the ring and are sent as soon as there is some: each at most once, the newest in place of older ones,
+/// so that they are bounded by the machine and its tags. Overrides and injected faults that wait are those that differ from the sent ones.
 #[derive(PartialEq, Debug, Default)]
 struct Later {
     /// Rung conditions that are false.
     rungs: BTreeSet<ControlSlot>,
-    /// What was written to tags that the machine reads.
+    /// Writes of tags that the machine reads.
     inputs: VecDeque<Input>,
     overrides: bool,
     injected: bool,
@@ -116,15 +122,23 @@ fn is_of_the_same(one: &Input, other: &Input) -> bool {
     }
 }
 
+/// What sees the changes of a plant.
+pub(super) struct Observers {
+    /// Sees what is kept over a restart.
+    pub(super) watch: Option<Watch>,
+    /// Sees what triggers traces.
+    pub(super) trace: Trace,
+    /// Sees jogs.
+    pub(super) guard: Guard,
+}
+
 impl State {
     /// On rings of which nothing has come yet.
     pub(super) fn new(
+        machine: &Machine,
         image: Image,
         link: Link,
-        watch: Option<Watch>,
-        trace: Trace,
-        guard: Guard,
-        period: Duration,
+        Observers { watch, trace, guard }: Observers,
     ) -> Self {
         let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
@@ -143,10 +157,10 @@ impl State {
             guard,
             staged: BTreeMap::new(),
             records: Executions::default(),
-            log: Log::new(period),
+            log: Log::new(Duration::from_nanos(machine.period_ns)),
             moves,
             owned: Owned::default(),
-            motion_tickets: MotionTickets::default(),
+            motion_tickets: MotionTickets::new(machine),
             lost: 0,
             inhibited: false,
             watch,
@@ -159,9 +173,14 @@ impl State {
         &self.image
     }
 
-    /// The tag memory, the snapshot that it shows, and the moves under way.
-    pub(super) fn view(&mut self) -> (&Image, &Snapshot, &LiveMoves) {
-        (&self.image, self.link.snapshots.output_buffer(), &self.moves)
+    /// The tag memory, the snapshot that it shows, the moves under way and the movers.
+    pub(super) fn view(&mut self) -> View<'_> {
+        View {
+            movers: self.motion_tickets.movers(&self.records),
+            image: &self.image,
+            snapshot: self.link.snapshots.output_buffer(),
+            moves: &self.moves,
+        }
     }
 
     /// The tag memory, which is then published anew.
@@ -170,19 +189,24 @@ impl State {
         &mut self.image
     }
 
-    /// Publishes the tag memory if it has changed, then tells those who waited for what it shows now.
+    /// Publishes the tag memory if it has changed, then answers the calls that waited for what it shows now.
     pub(super) fn publish(&mut self, published: &Published) {
         if std::mem::take(&mut self.changed) {
-            published.image.store(Arc::new(self.image.clone()));
+            let before = published.image.swap(Arc::new(self.image.clone()));
+            published.changes.note(&before, &self.image);
+        }
+        let movers = self.motion_tickets.movers(&self.records);
+        if !Arc::ptr_eq(&movers, &published.movers.load()) {
+            published.movers.store(movers);
         }
         published.snapshots.store(self.snapshots, Ordering::Release);
-        for waiting in self.done.drain(..) {
-            // Whoever waited may have given up.
-            let _ = waiting.send(());
+        for answer in self.done.drain(..) {
+            // The caller may have given up.
+            let _ = answer.send(());
         }
     }
 
-    /// What has to be kept of what was written.
+    /// Sends new writes to the writer of the retained state.
     pub(super) fn keep(&mut self) -> Option<WhenKept> {
         let watch = self.watch.as_mut()?;
         watch.tags(&mut self.image)
@@ -228,6 +252,7 @@ impl State {
             let record = self.records.get_mut(event.ticket);
             if let Some(control) = record {
                 event.apply(control);
+                self.motion_tickets.executions_changed();
                 if is_accepted(control) {
                     let control = *control;
                     self.complete(event.ticket, &control);
@@ -256,6 +281,7 @@ impl State {
                     .filter(|control| !is_accepted(control))
                 {
                     *control = answer.control;
+                    self.motion_tickets.executions_changed();
                 }
                 self.complete(answer.ticket, &answer.control);
             }
@@ -302,7 +328,7 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
-    /// Sends a call; the receiver is told when DN, ER or IP is set.
+    /// Sends a call; the receiver has its answer when DN, ER or IP is set.
     pub(super) fn send(
         &mut self,
         principal: Principal,
@@ -310,7 +336,7 @@ impl State {
         call: Call,
     ) -> (Ticket, oneshot::Receiver<()>) {
         if self.later.rungs.remove(&call.control) {
-            // What was false before is told before it is true again.
+            // The false rung condition is sent before it is true again.
             self.push(Command::RungFalse(call.control));
         }
         let ticket = self.ticket(principal, text, call.target);
@@ -329,7 +355,7 @@ impl State {
         (ticket, receiver)
     }
 
-    /// Notes who has begun what, as far as it can be lost.
+    /// Notes the owner of a call, as far as an owner can be lost.
     fn own(&mut self, owner: Principal, ticket: Ticket, call: &Call) {
         if owner.session().is_none() {
             return;
@@ -346,11 +372,12 @@ impl State {
     fn ticket(&mut self, principal: Principal, text: Option<Arc<str>>, target: Option<u16>) -> Ticket {
         let ticket = Ticket(self.next_ticket);
         self.next_ticket += 1;
-        let name = match principal.session() {
-            Some(session) => self.guard.name_of(session),
-            None => Arc::default(),
+        let client = principal.session().map(|session| self.guard.identity_of(session));
+        let origin = Origin {
+            principal,
+            client: client.unwrap_or_default(),
+            text,
         };
-        let origin = Origin { principal, name, text };
         self.records.begin(ticket, target, origin);
         ticket
     }
@@ -386,7 +413,7 @@ impl State {
         self.link.commands.slots() > FOR_STOPS
     }
 
-    /// Sends what waits for room.
+    /// Sends the commands that wait for room.
     pub(super) fn flush(&mut self) {
         while self.has_room_beside_stops()
             && let Some(control) = self.later.rungs.pop_first()
@@ -485,7 +512,8 @@ impl State {
         }
     }
 
-    /// Sends what a write brought about. Of an instruction: its ticket, and the receiver that is told when DN, ER or IP is set.
+    /// Sends the controller the edge of a write. Of an instruction: its ticket, and the receiver of the answer, which comes when DN, ER
+    /// or IP is set.
     pub(super) fn edge(&mut self, principal: Principal, edge: Edge) -> Option<(Ticket, oneshot::Receiver<()>)> {
         let id = match edge {
             Edge::Rising(id) | Edge::Falling(id) => id,
@@ -556,7 +584,7 @@ pub(super) fn may_run(control: &MotionControl) -> bool {
     control.has(Flag::Ip) || !is_answered(control)
 }
 
-/// Whoever sent it is told now: a process that has begun is not waited for.
+/// Whether the sender has its answer: it does not wait for the end of a process that has begun.
 fn is_accepted(control: &MotionControl) -> bool {
     is_answered(control) || control.has(Flag::Ip)
 }

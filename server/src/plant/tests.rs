@@ -156,7 +156,7 @@ fn the_newest_executions_are_kept() {
     for ticket in 1..=RECORDS as u64 + 10 {
         let origin = Origin {
             principal: CLIENT,
-            name: "a client".into(),
+            client: Arc::new(ClientIdentity::of_address("a client")),
             text: None,
         };
         records.begin(Ticket(ticket), None, origin);
@@ -294,4 +294,109 @@ async fn stop_inhibits_motion_until_it_is_released() {
     plant.stop_all();
     assert!(!plant.is_inhibited());
     handle.stop();
+}
+
+/// A jog button moves no axis that another principal moves: refused under the lock under which it would begin, as its own tag or
+/// another client's, and with the axis of a coordinate system too.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_jog_button_is_refused_on_an_axis_that_another_principal_moves() {
+    let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.control().enter(7, "viewer".into());
+    let taken = plant
+        .control()
+        .take(plant.machine(), 7, control::MotionObject::Group, false);
+    assert_eq!(taken, Ok(()));
+    let jog = [0.0, 1.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+    let press = || {
+        let call = Call {
+            mnemonic: Mnemonic::Maj,
+            target: Some(0),
+            control: None,
+            given: &jog,
+            text: None,
+        };
+        plant.apply(Principal::Button(7), Command::Call(call))
+    };
+    let far = [
+        ("Move1.Position[0]", 500.0),
+        ("Move1.Position[1]", 0.0),
+        ("Move1.EnableIn", 1.0),
+    ];
+    plant.kept(write(&plant, &far)).await.expect("nothing is kept");
+    let mover = Mover {
+        principal: CLIENT,
+        client: Arc::default(),
+    };
+    let refused = Refused::MovedByAnother {
+        object: "X".into(),
+        mover: mover.clone(),
+    };
+    assert_eq!(
+        refused.to_string(),
+        "X is moved by a client; it can be jogged when that motion has ended"
+    );
+    assert_eq!(press().await, Err(refused));
+    let [x, system, other] = ["X", "CS1", "CS2"].map(|name| control::MotionObject::find(plant.machine(), name));
+    for (object, expected) in [(x, Some(&mover)), (system, Some(&mover)), (other, None)] {
+        let movers = plant.movers();
+        let found = match object {
+            Some(control::MotionObject::Axis(axis)) => movers.of_axis(axis),
+            Some(control::MotionObject::System(system)) => movers.of_system(system),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(found, expected, "{object:?}");
+        assert_eq!(plant.view(|view| view.movers.clone()), movers);
+    }
+    let stopped = call(&plant, Mnemonic::Mcs, None, &[]).await.expect("it binds");
+    assert_eq!(stopped.control.err, 0);
+    wait_while(&plant, "CS1.MotionStatus").await;
+    wait_while(&plant, "Move1.IP").await;
+    let jogged = press().await;
+    assert!(matches!(jogged, Ok(Outcome::Executed(_))), "{jogged:?}");
+    assert!(
+        matches!(press().await, Ok(Outcome::Executed(_))),
+        "its own jog is no obstacle"
+    );
+    plant.stop_all();
+    handle.stop();
+}
+
+/// Waits for a step with a tag; returns its changes.
+async fn step_with(changes: &mut Changes, tag: arcline_controller::image::TagId) -> TagChanges {
+    loop {
+        let step = changes.next().await.expect("the plant is there");
+        if step.has(tag) {
+            return step;
+        }
+    }
+}
+
+#[tokio::test]
+async fn changes_tell_the_tags_that_changed() {
+    let project = project();
+    let (_rings, link) = arcline_realtime::link(&project.machine);
+    let plant = Plant::new(&project, link);
+    let id = |name: &str| plant.with_image(|image| image.find(name).expect(name).id);
+    let (speed, inhibit) = (id("Move1"), id("MotionInhibit"));
+    drop(write(&plant, &[("Move1.Speed", 1.0)]));
+    let mut quick = plant.changes();
+    let mut slow = plant.changes();
+    for round in 0..5 {
+        drop(write(&plant, &[("Move1.Speed", f64::from(round) + 10.0)]));
+        let step = quick.next().await.expect("the plant is there");
+        assert_eq!((step.steps, &step.tags[..]), (1, &[speed][..]), "{round}");
+    }
+    drop(write(&plant, &[("MotionInhibit", 1.0)]));
+    assert_eq!(step_with(&mut quick, inhibit).await.tags, [inhibit]);
+    let missed = slow.next().await.expect("the plant is there");
+    assert!(missed.has(speed) && missed.has(inhibit), "{missed:?}");
+    assert!(missed.steps >= 6, "it learns that it was slow: {missed:?}");
+    drop(write(&plant, &[("Move1.Speed", 14.0)]));
+    let none = tokio::time::timeout(Duration::from_millis(1), slow.next()).await;
+    assert!(
+        none.map_or(true, |step| step.is_some_and(|step| step.tags.is_empty())),
+        "as it was before"
+    );
+    drop(plant);
+    while slow.next().await.is_some() {}
 }

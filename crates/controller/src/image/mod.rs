@@ -11,6 +11,7 @@ mod attributes;
 mod calls;
 mod cam_tags;
 mod cams;
+mod changes;
 mod controls;
 mod encode;
 mod error;

@@ -13,6 +13,11 @@ impl<T> Shared<T> {
     pub(super) fn new(value: T) -> Self {
         Self(Arc::new(value))
     }
+
+    /// Whether both are one value, so that there is no difference.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 impl<T> Deref for Shared<T> {
@@ -76,6 +81,20 @@ impl Memory {
     pub(super) fn get_mut(&mut self, place: usize) -> Option<&mut Vec<u8>> {
         let bytes = self.0.get_mut(place / GROUP)?.get_mut(place % GROUP)?;
         Some(bytes)
+    }
+
+    /// Calls `note` with every place whose bytes differ from those of a memory of the same places.
+    pub(super) fn for_each_difference(&self, before: &Self, mut note: impl FnMut(usize)) {
+        for (number, (now, before)) in self.0.iter().zip(&before.0).enumerate() {
+            if now.is_same(before) {
+                continue;
+            }
+            for (place, (now, before)) in now.iter().zip(before.iter()).enumerate() {
+                if !now.is_same(before) && **now != **before {
+                    note(number * GROUP + place);
+                }
+            }
+        }
     }
 
     /// Puts bytes at a place; what stood there and behind it moves up.

@@ -35,7 +35,7 @@ fn axis(name: &str, kind: AxisKind) -> Axis {
     }
 }
 
-fn machine() -> Machine {
+pub(super) fn machine() -> Machine {
     Machine {
         period_ns: 1_000_000,
         group: "Motion".to_owned(),

@@ -10,6 +10,7 @@ mod change_detection;
 mod connection_manager;
 mod ethernet_link;
 mod identity;
+mod machine;
 mod message_router;
 pub(crate) mod motion;
 
@@ -43,7 +44,7 @@ pub(crate) use object::{Extent, On, OwnService};
 pub use page::objects_page;
 
 /// Every class that answers, ascending.
-static OBJECTS: [&dyn Object; 18] = [
+static OBJECTS: [&dyn Object; 19] = [
     &identity::Identity,
     &message_router::MessageRouter,
     &assembly::Assemblies,
@@ -62,6 +63,7 @@ static OBJECTS: [&dyn Object; 18] = [
     &MotionObjects(MotionObject::CoordinateSystem),
     &motion_instruction::MotionInstructions,
     &trace::Traces,
+    &machine::MachineObject,
 ];
 
 /// A table of objects.

@@ -1,5 +1,5 @@
-//! The motion objects, classes 0x0300 to 0x0302, by their attributes: names, members, limits, the feed override. What else changes
-//! while the machine runs is in the tags; their services are [`motion`](super::motion)'s.
+//! The motion objects, classes 0x0300 to 0x0302, by their attributes: names, members, limits, the feed override, the mover. All other
+//! values that change while the machine runs are in the tags; the services are in [`motion`](super::motion).
 //!
 //! | attribute | Motion Group | Axis | Coordinate System |
 //! |---|---|---|---|
@@ -21,13 +21,15 @@
 //! | 12 (axis) | | faults, UDINT: bits of docs/FAULTS.md | |
 //! | 26 | | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set |
 //! | 27 to 29 | | | of the active move: distance to go, length of its path (0: no move is active), seconds to its end or its successor as planned now (NaN: not known), LREAL |
+//! | 13 (axis), 30 | | what moves it: a [`Mover`](arcline_proto::arcline::motion::Mover) | what moves it |
 //!
 //! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
 //! (spec/axis-and-data-types.md §9.6); the numbers of numeric attributes are those of [`Attribute`]. Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
 //! `FaultInject`: bits of docs/FAULTS.md. A value out of range is refused with 0x09.
 //!
 //! Attributes 12 to 25 are those of a robot (spec/coordinated-instructions.md §22.1), 0 of a Cartesian system.
-//! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order.
+//! Position units of the axis, per second, per second², per second³. Get Attributes All returns all of them in order,
+//! but not the mover, whose length changes while the machine runs.
 
 use arcline_controller::image::FEED_OVERRIDE_PERCENT;
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
@@ -43,7 +45,7 @@ use bytes::Bytes;
 use super::object::{Extent, Object, ObjectContext};
 use super::values::{f64_value, no_attribute, short_string, u8_value, u32_value};
 use crate::eip::status::unknown;
-use crate::plant::Command;
+use crate::plant::{Command, Mover};
 
 /// The objects of one of the three classes.
 #[derive(Debug)]
@@ -76,11 +78,12 @@ impl Object for MotionObjects {
     }
 
     fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        let last = self.all().len();
-        Extent::dense(
-            count(cx.device().plant.machine(), self.0),
-            u16::try_from(last).unwrap_or(u16::MAX),
-        )
+        let last_attribute = match self.0 {
+            MotionObject::MotionGroup => of_group::AXES,
+            MotionObject::Axis => of_axis::MOVER,
+            MotionObject::CoordinateSystem => of_system::MOVER,
+        };
+        Extent::dense(count(cx.device().plant.machine(), self.0), last_attribute)
     }
 
     fn attribute(&self, cx: &ObjectContext<'_, '_>, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
@@ -107,6 +110,7 @@ impl Object for MotionObjects {
                     of_axis::INJECTED_FAULTS => word_value(cx.image().injected_faults().nth(index.into())),
                     of_axis::POSSIBLE_FAULTS => word_value(cx.image().possible_faults(AxisId(index))),
                     of_axis::FAULTS => word_value(cx.image().faults(AxisId(index))),
+                    of_axis::MOVER => Ok(mover(cx.device().plant.movers().of_axis(AxisId(index)))),
                     id => axis(described, id),
                 }
             }
@@ -126,6 +130,7 @@ impl Object for MotionObjects {
                             _ => progress.length,
                         })
                     }
+                    of_system::MOVER => Ok(mover(cx.device().plant.movers().of_system(SystemId(index)))),
                     id => system(described, id),
                 }
             }
@@ -191,6 +196,11 @@ impl Object for MotionObjects {
         };
         cx.apply(command).map(drop)
     }
+}
+
+/// The mover of an object as an attribute.
+fn mover(mover: Option<&Mover>) -> Bytes {
+    mover.map(Mover::encoded).unwrap_or_default().to_bytes()
 }
 
 fn group(machine: &Machine, id: u16) -> Result<Bytes, CipStatus> {

@@ -3,8 +3,9 @@
 use std::fmt::Debug;
 
 use arcline_controller::image::Image;
-use arcline_proto::cip::{CipStatus, Reply, Request, service};
+use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route, service};
 use arcline_proto::epath::Target;
+use arcline_proto::session::Transport;
 use bytes::Bytes;
 
 use super::values::no_attribute;
@@ -197,6 +198,17 @@ impl<'a> ObjectContext<'a, '_> {
     /// The instance that is asked, 0: the class.
     pub(crate) fn instance(&self) -> u32 {
         self.target.instance.unwrap_or(0)
+    }
+
+    /// Refuses data: 0x15. Behind an unconnected request may stand the route of a message that a client sent without its wrapping.
+    pub(crate) fn no_data(&self) -> Result<(), CipStatus> {
+        let data = &self.request.data;
+        let is_stray = self.context.transport == Transport::Unconnected && is_stray_route(data);
+        if data.is_empty() || is_stray {
+            Ok(())
+        } else {
+            Err(CipStatus::TOO_MUCH_DATA)
+        }
     }
 
     /// Executes a command of the client; its row says that it needs the tag memory for writing.

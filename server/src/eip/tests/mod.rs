@@ -6,6 +6,7 @@ mod costs;
 mod hostile;
 mod io;
 mod loss;
+mod machine;
 mod motion;
 mod object_table;
 mod objects;

@@ -25,9 +25,9 @@ pub(crate) enum Push<'s> {
         /// Oldest first.
         events: Vec<Event>,
     },
-    /// Comes ten times a second while the page watches tags.
+    /// Comes when watched tags have changed, at most ten times a second. The first one has all of them.
     Values {
-        /// The value of each name, or `{error}`.
+        /// The value of each name that has changed, or `{error}`.
         values: Map<String, Value>,
     },
     /// Comes when the program has changed.
@@ -354,7 +354,7 @@ pub(crate) enum CauseKind {
     /// A stop of everything.
     #[serde(rename = "stop")]
     Stop {},
-    /// The end of a jog that nobody confirmed.
+    /// The end of a jog whose viewer did not confirm it.
     #[serde(rename = "dead-man")]
     DeadMan {
         /// Why.

@@ -139,9 +139,11 @@ impl From<Refused> for Refusal {
     fn from(refused: Refused) -> Self {
         match refused {
             Refused::NoControl { object, holder } => Self::control(&object, holder.as_deref()),
-            Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NotKept(_) => {
-                Self::new(refused.to_string())
-            }
+            Refused::MovedByAnother { .. }
+            | Refused::Write(_)
+            | Refused::Table(_)
+            | Refused::Call(_)
+            | Refused::NotKept(_) => Self::new(refused.to_string()),
         }
     }
 }

@@ -159,7 +159,7 @@ requests! {
         /// At most 200 names.
         names: Vec<String>,
     } -> Values;
-    /// Reads tags now, and ten times a second as `values` pushes, instead of those watched before.
+    /// Reads tags now, and pushes as `values` those that have changed, at most ten times a second; instead of those watched before.
     Watch {
         /// At most 200 names.
         names: Vec<String>,

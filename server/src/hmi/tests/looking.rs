@@ -59,11 +59,19 @@ async fn tags_are_listed_read_watched_and_written() {
         Ok(json!({}))
     );
     viewer
-        .ask(json!({"do": "watch", "names": ["Move1.Speed"]}))
+        .ask(json!({"do": "watch", "names": ["Move1.Speed", "MotionInhibit"]}))
         .await
         .expect("values");
     let push = viewer.push("values").await;
-    assert_eq!(push["values"], json!({"Move1.Speed": 12.5}));
+    assert_eq!(push["values"], json!({"Move1.Speed": 12.5, "MotionInhibit": false}));
+    assert_eq!(
+        viewer
+            .ask(json!({"do": "write", "tag": "Move1.Speed", "value": 13.5}))
+            .await,
+        Ok(json!({}))
+    );
+    let push = viewer.push("values").await;
+    assert_eq!(push["values"], json!({"Move1.Speed": 13.5}), "only what has changed");
     #[rustfmt::skip]
     let cases = [
         ("no such tag",       json!({"do": "write", "tag": "Nobody", "value": 1})),

@@ -1,0 +1,102 @@
+//! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
+
+use arcline_proto::arcline::machine::{self, CommandCount, Identification, attribute, service};
+use arcline_proto::cip::{CipStatus, Reply};
+use bytes::Bytes;
+
+use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
+use super::values::{no_attribute, u8_value};
+use crate::eip::context::Memory;
+use crate::plant::{Command, Counter};
+
+#[derive(Debug)]
+pub(super) struct MachineObject;
+
+const fn row(code: u8, name: &'static str, access: Access) -> OwnService {
+    let on = On::Instance;
+    OwnService { code, name, on, access }
+}
+
+/// Stop alone waits for no lock.
+const SERVICES: [OwnService; 3] = [
+    row(service::STOP, "Stop", Access::Read),
+    row(service::RELEASE, "Release", Access::Set),
+    row(service::IDENTIFY, "Identify", Access::Read),
+];
+
+impl Object for MachineObject {
+    fn class(&self) -> u16 {
+        machine::CLASS
+    }
+
+    fn name(&self) -> &'static str {
+        "Machine"
+    }
+
+    fn services(&self) -> &'static [OwnService] {
+        &SERVICES
+    }
+
+    fn serve(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32) -> Result<Reply, CipStatus> {
+        let code = cx.request.service;
+        match code {
+            service::STOP => {
+                cx.no_data()?;
+                match cx.memory {
+                    Memory::Read(_) => cx.device().plant.inhibit(),
+                    // In its order among the writes of a packet.
+                    Memory::Write(_) => drop(cx.apply(Command::Inhibit)?),
+                }
+            }
+            service::RELEASE => {
+                cx.no_data()?;
+                cx.apply(Command::Release)?;
+            }
+            _ => identify(cx)?,
+        }
+        Ok(Reply::success(code, Bytes::new()))
+    }
+
+    fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
+        Extent::dense(1, attribute::COMMANDS)
+    }
+
+    fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
+        let plant = &cx.device().plant;
+        match id {
+            attribute::MOTION_INHIBITED => u8_value(plant.is_inhibited().into()),
+            attribute::COMMANDS => {
+                let counts: Vec<CommandCount> = Counter::ALL
+                    .iter()
+                    .map(|counter| {
+                        let count = plant.count(*counter);
+                        CommandCount {
+                            kind: counter.name().to_owned(),
+                            done: count.done,
+                            refused: count.refused,
+                        }
+                    })
+                    .collect();
+                Ok(machine::encode_counts(&counts))
+            }
+            _ => no_attribute(),
+        }
+    }
+
+    fn all(&self) -> &'static [u16] {
+        &[attribute::MOTION_INHIBITED, attribute::COMMANDS]
+    }
+}
+
+/// Notes what a client tells of itself.
+fn identify(cx: &ObjectContext<'_, '_>) -> Result<(), CipStatus> {
+    let told = Identification::decode(&cx.request.data)?;
+    if let Some(session) = cx.context.principal.session() {
+        let told = told.bounded();
+        cx.device()
+            .plant
+            .guard()
+            .identify(session, |identity| identity.told = told);
+    }
+    Ok(())
+}
