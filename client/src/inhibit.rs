@@ -1,18 +1,20 @@
-//! STOP that holds: the tag `MotionInhibit`.
+//! STOP that holds, counters of commands, and the identification of this client: class 0x0305.
+
+use arcline_proto::arcline::machine::{self, CommandCount, Identification, attribute, decode_counts, service};
+use arcline_proto::cip;
+use arcline_proto::epath::Epath;
+use bytes::Bytes;
 
 use crate::{Client, ClientError};
 
-/// The tag that stops all motion and inhibits it.
-const MOTION_INHIBIT: &str = "MotionInhibit";
-
 impl Client {
     /// STOP: stops everything that moves and inhibits motion, for every client and program, until [`Client::release_motion`].
-    /// Instructions that would begin motion end with error 53.
+    /// Instructions that would begin motion end with error 53. The tag `MotionInhibit` shows and does the same.
     ///
     /// # Errors
-    /// [`ClientError::UnknownTag`] when the server cannot inhibit motion.
+    /// [`ClientError::Refused`] when the server cannot inhibit motion.
     pub async fn inhibit_motion(&self) -> Result<(), ClientError> {
-        self.write(MOTION_INHIBIT, true).await
+        self.of_machine(service::STOP, Bytes::new()).await
     }
 
     /// Releases STOP, of any client: motion may begin again. Nothing moves by itself.
@@ -20,7 +22,7 @@ impl Client {
     /// # Errors
     /// As [`Client::inhibit_motion`].
     pub async fn release_motion(&self) -> Result<(), ClientError> {
-        self.write(MOTION_INHIBIT, false).await
+        self.of_machine(service::RELEASE, Bytes::new()).await
     }
 
     /// Whether STOP inhibits motion.
@@ -28,6 +30,41 @@ impl Client {
     /// # Errors
     /// As [`Client::inhibit_motion`].
     pub async fn is_motion_inhibited(&self) -> Result<bool, ClientError> {
-        Ok(self.read(MOTION_INHIBIT).await?.as_bool().unwrap_or(false))
+        let value = self.machine_attribute(attribute::MOTION_INHIBITED).await?;
+        Ok(value.first().is_some_and(|byte| *byte != 0))
+    }
+
+    /// The commands of all clients since the start of the server, by kind.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] when the server does not count them.
+    pub async fn command_counts(&self) -> Result<Vec<CommandCount>, ClientError> {
+        let value = self.machine_attribute(attribute::COMMANDS).await?;
+        decode_counts(&value).ok_or(ClientError::Malformed {
+            what: "the counters of commands are cut",
+        })
+    }
+
+    /// Tells the server the product, the user and the program of this client. The server shows them where this client moves an axis or a
+    /// coordinate system. A server of another kind is told nothing.
+    ///
+    /// # Errors
+    /// The errors of the connection.
+    pub async fn introduce(&self, identification: &Identification) -> Result<(), ClientError> {
+        match self.of_machine(service::IDENTIFY, identification.to_bytes()).await {
+            Err(ClientError::Refused { .. }) => Ok(()),
+            done => done,
+        }
+    }
+
+    async fn of_machine(&self, service: u8, data: Bytes) -> Result<(), ClientError> {
+        let path = Epath::object(machine::CLASS, machine::INSTANCE);
+        self.ask("the machine", service, path, data).await.map(drop)
+    }
+
+    async fn machine_attribute(&self, attribute: u16) -> Result<Bytes, ClientError> {
+        let path = Epath::attribute(machine::CLASS, machine::INSTANCE, attribute);
+        let get = cip::service::GET_ATTRIBUTE_SINGLE;
+        Ok(self.ask("the machine", get, path, Bytes::new()).await?.data)
     }
 }

@@ -52,6 +52,22 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand, Debug)]
 pub(crate) enum Command {
+    #[command(flatten)]
+    Machine(MachineCommand),
+    /// Take commands line by line, with history and completion
+    #[command(
+        after_help = "Tab completes commands, options, tags, instructions, operands and words. A line that is an instruction, such \
+        as\nMSO(X, M1), is executed. Lines from a pipe run one after the other.\n\
+        Example: arcline shell\n         arcline shell --history off"
+    )]
+    Shell(Shell),
+    #[command(flatten)]
+    Local(LocalCommand),
+}
+
+/// The commands that ask one server over one connection.
+#[derive(Subcommand, Debug)]
+pub(crate) enum MachineCommand {
     /// Execute one instruction, written as a Structured Text call
     #[command(
         after_help = "Waits for the end of a move or stop. `exec --help` lists the instructions and their operands.\n\
@@ -141,10 +157,6 @@ pub(crate) enum Command {
         Example: arcline watch X Y CS1\n         arcline watch X --for 2 --interval 0.5"
     )]
     Watch(Watch),
-    /// Explain an error: its cause, the meaning of EXERR, and the remedy
-    #[command(after_help = "Of a tag, its newest error. Codes and faults need no server.\n\
-        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1")]
-    Explain(Explain),
     /// List tags; create and delete plain tags
     #[command(
         after_help = "A pattern with * or ? matches whole names, any other text a part of a name; case is ignored.\n\
@@ -157,13 +169,6 @@ pub(crate) enum Command {
     /// Write a tag
     #[command(after_help = "Example: arcline write Move1.Position [100,50,0]")]
     Write(Write),
-    /// Compute the safety margin to add to the Calculated Data of blended, master driven moves
-    #[command(
-        after_help = "The master must move by the sum of the Calculated Data and this margin, so that the last move reaches its end. Needs \
-        no server.\n\
-        Example: arcline margin 5 --master-speed 500 --update-period 2"
-    )]
-    Margin(Margin),
     /// Run a G-code program, or simulate it, or write it as Structured Text
     #[command(
         after_help = "Known: G0 to G3, G4 P, G17 to G19, G20, G21, G61, G61.1, G64 [P], G90, G91, G90.1, G91.1, F, X Y Z, I J K, R, M2, \
@@ -179,20 +184,29 @@ pub(crate) enum Command {
         arcline trace CS1 X.PositionError --for 2 --trigger Move1:AC --before 0.5 -o trace.mcap"
     )]
     Trace(Trace),
+    /// Show the identity of the server, or of all devices that answer a broadcast
+    #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
+    Identify(Identify),
+}
+
+/// The commands that need no server; `explain` asks one for the error of a tag.
+#[derive(Subcommand, Debug)]
+pub(crate) enum LocalCommand {
+    /// Explain an error: its cause, the meaning of EXERR, and the remedy
+    #[command(after_help = "Of a tag, its newest error. Codes and faults need no server.\n\
+        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1")]
+    Explain(Explain),
+    /// Compute the safety margin to add to the Calculated Data of blended, master driven moves
+    #[command(
+        after_help = "The master must move by the sum of the Calculated Data and this margin, so that the last move reaches its end. Needs \
+        no server.\n\
+        Example: arcline margin 5 --master-speed 500 --update-period 2"
+    )]
+    Margin(Margin),
     /// Draw a trace: the path by speed, and position, velocity, acceleration and jerk over time
     #[command(after_help = "The picture is SVG or PNG, by its ending.\n\
         Example: arcline plot trace.csv -o trace.svg --events events.jsonl\n         arcline plot trace.csv -o trace.png --axes X,Y,Z")]
     Plot(Plot),
-    /// Show the identity of the server, or of all devices that answer a broadcast
-    #[command(after_help = "Example: arcline identify --broadcast 192.168.1.255")]
-    Identify(Identify),
-    /// Take commands line by line, with history and completion
-    #[command(
-        after_help = "Tab completes commands, options, tags, instructions, operands and words. A line that is an instruction, such \
-        as\nMSO(X, M1), is executed. Lines from a pipe run one after the other.\n\
-        Example: arcline shell\n         arcline shell --history off"
-    )]
-    Shell(Shell),
     /// Print completions for a shell
     #[command(after_help = "Example: arcline completions bash > ~/.local/share/bash-completion/completions/arcline")]
     Completions(Completions),

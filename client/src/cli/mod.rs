@@ -30,9 +30,9 @@ use std::process::ExitCode;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, FromArgMatches};
 
-use arcline_client::{Client, ClientError, Ended, Mnemonic, ProgramError};
+use arcline_client::{Client, ClientError, Ended, Identification, Mnemonic, ProgramError};
 
-use args::{Arguments, Command, FaultCommand};
+use args::{Arguments, Command, FaultCommand, LocalCommand, MachineCommand};
 use output::Output;
 
 /// Why a command failed.
@@ -206,71 +206,97 @@ fn server(matches: &ArgMatches, given: String) -> String {
 
 async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
     let server = arguments.server;
-    if let Command::Shell(command) = &arguments.command {
-        return shell::shell(&server, command, output).await;
-    }
-    if let Some(done) = without_server(&server, &arguments.command, output).await {
+    let command = match arguments.command {
+        Command::Shell(command) => return shell::shell(&server, &command, output).await,
+        Command::Local(command) => return local(&server, &command, output).await,
+        Command::Machine(command) => command,
+    };
+    if let Some(done) = without_server(&command, output).await {
         return done;
     }
-    let client = Client::connect(&server).await?;
-    let result = on_machine(&client, arguments.command, output).await;
+    let client = connect(&server, command.program()).await?;
+    let result = on_machine(&client, command, output).await;
     client.close().await;
     result
 }
 
-/// The commands that need no server, or find it by themselves; `None` for the others.
-async fn without_server(server: &str, command: &Command, output: &Output) -> Option<Result<(), Failure>> {
-    Some(match command {
-        Command::Identify(command) if command.broadcast.is_some() => identify::run(None, command, output).await,
-        Command::Explain(command) => tools::explain(server, command, output).await,
-        Command::Completions(command) => {
-            tools::completions(command);
-            Ok(())
+/// A client that has told the server the product, the user and the program, which it shows beside all motion that this client begins.
+async fn connect(server: &str, program: Option<&str>) -> Result<Client, ClientError> {
+    let client = Client::connect(server).await?;
+    let user = ["USER", "LOGNAME", "USERNAME"].map(std::env::var);
+    let identification = Identification {
+        product: concat!("arcline ", env!("CARGO_PKG_VERSION")).to_owned(),
+        user: user.into_iter().flatten().next().unwrap_or_default(),
+        program: program.unwrap_or_default().to_owned(),
+    };
+    client.introduce(&identification).await?;
+    Ok(client)
+}
+
+impl MachineCommand {
+    /// The name of the program that it runs.
+    fn program(&self) -> Option<&str> {
+        let file = match self {
+            Self::Run(run) => Path::new(&run.file),
+            Self::Gcode(gcode) => Path::new(&gcode.file),
+            _ => return None,
+        };
+        file.file_name()?.to_str()
+    }
+}
+
+/// The commands that need no server.
+async fn local(server: &str, command: &LocalCommand, output: &Output) -> Result<(), Failure> {
+    match command {
+        LocalCommand::Explain(command) => return tools::explain(server, command, output).await,
+        LocalCommand::Completions(command) => tools::completions(command),
+        LocalCommand::Man(command) => return tools::man(command, output),
+        LocalCommand::Plot(command) => return plot::plot(command, output),
+        LocalCommand::Margin(command) => margin::print(command, output),
+    }
+    Ok(())
+}
+
+/// The forms of a command that need no connection: a broadcast, and a G-code program that is simulated or written down. `None` for
+/// all others.
+async fn without_server(command: &MachineCommand, output: &Output) -> Option<Result<(), Failure>> {
+    match command {
+        MachineCommand::Identify(command) if command.broadcast.is_some() => {
+            Some(identify::run(None, command, output).await)
         }
-        Command::Man(command) => tools::man(command, output),
-        Command::Plot(command) => plot::plot(command, output),
-        Command::Margin(command) => {
-            margin::print(command, output);
-            Ok(())
-        }
-        Command::Gcode(command) if !command.needs_server() => gcode::without_server(command, output),
-        _ => return None,
-    })
+        MachineCommand::Gcode(command) if !command.needs_server() => Some(gcode::without_server(command, output)),
+        _ => None,
+    }
 }
 
 /// The commands that ask one server over one connection.
-async fn on_machine(client: &Client, command: Command, output: &Output) -> Result<(), Failure> {
+async fn on_machine(client: &Client, command: MachineCommand, output: &Output) -> Result<(), Failure> {
     match command {
-        Command::Exec(exec) => programs::exec(client, &exec, output).await,
-        Command::Run(run) => programs::run(client, &run, output).await,
-        Command::Move(command) => moves::line(client, command, output).await,
-        Command::Arc(command) => moves::arc(client, command, output).await,
-        Command::MoveAxis(command) => moves::axis(client, command, output).await,
-        Command::Jog(command) => moves::jog(client, command, output).await,
-        Command::Change(command) => moves::change(client, command, output).await,
-        Command::Override(command) => feed_override::set(client, &command, output).await,
-        Command::Hold(command) => feed_override::hold(client, &command, output).await,
-        Command::Resume(command) => feed_override::resume(client, &command, output).await,
-        Command::Fault(FaultCommand::Inject(command)) => fault::inject(client, &command, output).await,
-        Command::Fault(FaultCommand::Clear(command)) => fault::clear(client, &command, output).await,
-        Command::Fault(FaultCommand::List(command)) => fault::list(client, &command, output).await,
-        Command::Stop(command) if command.hold => inhibit::inhibit(client, output).await,
-        Command::Stop(command) => moves::stop(client, command, output).await,
-        Command::Release => inhibit::release(client, output).await,
-        Command::Home(command) => moves::home(client, command, output).await,
-        Command::Servo(command) => moves::servo(client, command, output).await,
-        Command::Status(command) => status::status(client, &command.of.names, output).await,
-        Command::Watch(command) => watch::watch(client, &command, output).await,
-        Command::Tags(command) => tags::tags(client, &command, output).await,
-        Command::Read(command) => tags::read(client, &command.tags, output).await,
-        Command::Write(command) => tags::write(client, &command, output).await,
-        Command::Trace(command) => trace::trace(client, &command, output).await,
-        Command::Gcode(command) => gcode::run(client, &command, output).await,
-        Command::Identify(command) => identify::run(Some(client), &command, output).await,
-        Command::Shell(_) => Err(Failure::Usage("the shell is this one".to_owned())),
-        // They have been done before there was a connection.
-        Command::Explain(_) | Command::Completions(_) | Command::Man(_) | Command::Plot(_) | Command::Margin(_) => {
-            Ok(())
-        }
+        MachineCommand::Exec(exec) => programs::exec(client, &exec, output).await,
+        MachineCommand::Run(run) => programs::run(client, &run, output).await,
+        MachineCommand::Move(command) => moves::line(client, command, output).await,
+        MachineCommand::Arc(command) => moves::arc(client, command, output).await,
+        MachineCommand::MoveAxis(command) => moves::axis(client, command, output).await,
+        MachineCommand::Jog(command) => moves::jog(client, command, output).await,
+        MachineCommand::Change(command) => moves::change(client, command, output).await,
+        MachineCommand::Override(command) => feed_override::set(client, &command, output).await,
+        MachineCommand::Hold(command) => feed_override::hold(client, &command, output).await,
+        MachineCommand::Resume(command) => feed_override::resume(client, &command, output).await,
+        MachineCommand::Fault(FaultCommand::Inject(command)) => fault::inject(client, &command, output).await,
+        MachineCommand::Fault(FaultCommand::Clear(command)) => fault::clear(client, &command, output).await,
+        MachineCommand::Fault(FaultCommand::List(command)) => fault::list(client, &command, output).await,
+        MachineCommand::Stop(command) if command.hold => inhibit::inhibit(client, output).await,
+        MachineCommand::Stop(command) => moves::stop(client, command, output).await,
+        MachineCommand::Release => inhibit::release(client, output).await,
+        MachineCommand::Home(command) => moves::home(client, command, output).await,
+        MachineCommand::Servo(command) => moves::servo(client, command, output).await,
+        MachineCommand::Status(command) => status::status(client, &command.of.names, output).await,
+        MachineCommand::Watch(command) => watch::watch(client, &command, output).await,
+        MachineCommand::Tags(command) => tags::tags(client, &command, output).await,
+        MachineCommand::Read(command) => tags::read(client, &command.tags, output).await,
+        MachineCommand::Write(command) => tags::write(client, &command, output).await,
+        MachineCommand::Trace(command) => trace::trace(client, &command, output).await,
+        MachineCommand::Gcode(command) => gcode::run(client, &command, output).await,
+        MachineCommand::Identify(command) => identify::run(Some(client), &command, output).await,
     }
 }

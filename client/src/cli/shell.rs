@@ -14,8 +14,8 @@ use clap::FromArgMatches;
 
 use arcline_client::{Client, ClientError, Mnemonic};
 
-use super::args::{self, Arguments, Exec, Shell, Waiting};
-use super::{Failure, Output, on_machine, programs, wait, without_server};
+use super::args::{self, Arguments, Command, Exec, Shell, Waiting};
+use super::{Failure, Output, connect, local, on_machine, programs, wait, without_server};
 use complete::{Known, OWN};
 use line::{Lines, Read};
 
@@ -24,7 +24,7 @@ const SILENCE: Duration = Duration::from_secs(30);
 
 /// `shell`.
 pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Result<(), Failure> {
-    let mut client = Client::connect(server).await?;
+    let mut client = connect(server, None).await?;
     let is_interactive = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let known = known(&client).await?;
     let history = history(command.history.as_deref()).filter(|_| is_interactive);
@@ -58,7 +58,7 @@ pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Res
                 return Err(Failure::Reported { code: failure.code() });
             }
             if failure.client().is_some_and(ClientError::is_connection) {
-                match Client::connect(server).await {
+                match connect(server, None).await {
                     Ok(again) => {
                         output.note("connected again");
                         client = again;
@@ -125,9 +125,14 @@ async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Resu
         Err(error) => return Err(Failure::Usage(error.to_string().trim_end().to_owned())),
     };
     let output = Output::new(output.is_json() || arguments.json);
-    match without_server(server, &arguments.command, &output).await {
+    let command = match arguments.command {
+        Command::Shell(_) => return Err(Failure::Usage("the shell is this one".to_owned())),
+        Command::Local(command) => return local(server, &command, &output).await,
+        Command::Machine(command) => command,
+    };
+    match without_server(&command, &output).await {
         Some(done) => done,
-        None => on_machine(client, arguments.command, &output).await,
+        None => on_machine(client, command, &output).await,
     }
 }
 

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value as Json, json};
 
-use arcline_client::{Client, ClientError, FaultSet, Object, Progress, Tag, TagValue, shown_faults};
+use arcline_client::{
+    Client, ClientError, CommandCount, FaultSet, Mover, Object, Progress, Tag, TagValue, shown_faults,
+};
 use arcline_instruction_set::Ending;
 
 use super::output::table;
@@ -26,6 +28,25 @@ pub(super) struct ObjectStatus {
     pub(super) object: Json,
     /// Actual position of an axis, or of each axis of a coordinate system, position units.
     pub(super) position: Vec<f64>,
+}
+
+impl ObjectStatus {
+    /// With the client, page or program that moves it.
+    fn moved_by(mut self, mover: Option<&Mover>) -> Self {
+        if let Some(object) = self.object.as_object_mut() {
+            let moved_by = mover.map(|mover| {
+                json!({
+                    "text": mover.to_string(), "address": mover.address, "product": mover.told.product, "user": mover.told.user,
+                    "program": mover.told.program, "line": (mover.line > 0).then_some(mover.line),
+                })
+            });
+            object.insert("moved_by".to_owned(), moved_by.unwrap_or_default());
+        }
+        if let (Some(mover), Some(state)) = (mover, self.row.last_mut()) {
+            state.push_str(&format!(", moved by {mover}"));
+        }
+        self
+    }
 }
 
 /// The kind of an object.
@@ -62,12 +83,43 @@ impl Kind {
 /// `status`.
 pub(crate) async fn status(client: &Client, names: &[String], output: &Output) -> Result<(), Failure> {
     let shown = StatusQuery::find(client, names).await?.read(client).await?;
+    let counts = if names.is_empty() {
+        command_counts(client).await?
+    } else {
+        Vec::new()
+    };
     if output.is_json() {
         shown.into_iter().for_each(|shown| output.result("", || shown.object));
-    } else {
-        output.result(tables(&shown), || Json::Null);
+        for CommandCount { kind, done, refused } in counts {
+            output.result(
+                "",
+                || json!({"kind": "commands", "name": kind, "executed": done, "refused": refused}),
+            );
+        }
+        return Ok(());
     }
+    let mut text = tables(&shown);
+    if !counts.is_empty() {
+        text.push_str(&format!("\n\n{}", table_of_counts(&counts)));
+    }
+    output.result(text, || Json::Null);
     Ok(())
+}
+
+/// The commands of all clients by their kind; none on a server that does not count them.
+async fn command_counts(client: &Client) -> Result<Vec<CommandCount>, Failure> {
+    match client.command_counts().await {
+        Err(error) if error.is_connection() => Err(error.into()),
+        counts => Ok(counts.unwrap_or_default()),
+    }
+}
+
+fn table_of_counts(counts: &[CommandCount]) -> String {
+    let row = |count: &CommandCount| vec![count.kind.clone(), count.done.to_string(), count.refused.to_string()];
+    table(
+        &["commands", "executed", "refused"],
+        &counts.iter().map(row).collect::<Vec<_>>(),
+    )
 }
 
 /// A table for each kind, with blank lines between them.
@@ -157,20 +209,34 @@ impl StatusQuery {
         for ((tag, kind), reading) in self.objects.iter().zip(client.read_many(&paths).await?) {
             let reading = reading?;
             shown.push(match kind {
-                Kind::Axis => axis(tag, &reading, self.kinds_of_faults(client, tag, &reading).await?),
+                Kind::Axis => {
+                    let kinds = self.kinds_of_faults(client, tag, &reading).await?;
+                    let mover = self.mover(client, tag, Object::Axis).await?;
+                    axis(tag, &reading, kinds).moved_by(mover.as_ref())
+                }
                 Kind::System => {
                     let axes = self.axes.get(&tag.name).copied().unwrap_or(PRIMARY_AXES);
                     let progress = match self.instances.get(&tag.name) {
                         Some(instance) => client.progress(*instance).await?,
                         None => None,
                     };
-                    system(tag, &reading, axes, overrides.get(&tag.name).copied(), progress)
+                    let mover = self.mover(client, tag, Object::CoordinateSystem).await?;
+                    let percent = overrides.get(&tag.name).copied();
+                    system(tag, &reading, axes, percent, progress).moved_by(mover.as_ref())
                 }
                 Kind::Group => group(tag, &reading, self.is_inhibited(client).await?),
                 Kind::RealTime => real_time(tag, &reading),
             });
         }
         Ok(shown)
+    }
+
+    /// The mover of an axis or coordinate system.
+    async fn mover(&self, client: &Client, tag: &Tag, object: Object) -> Result<Option<Mover>, Failure> {
+        match self.instances.get(&tag.name) {
+            Some(instance) => Ok(client.mover(object, *instance).await?),
+            None => Ok(None),
+        }
     }
 
     /// The words of an axis's faults; none where it has none, or the server does not show their kinds.

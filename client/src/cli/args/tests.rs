@@ -104,7 +104,7 @@ fn moves_parse() {
         ("brackets",                   "move L [7,8]",                      vec![7.0, 8.0],          None),
     ];
     for (why, line, position, speed) in cases {
-        let Ok(Command::Move(command)) = parse(line) else {
+        let Ok(Command::Machine(MachineCommand::Move(command))) = parse(line) else {
             panic!("{why}: {line}: {:?}", parse(line))
         };
         assert_eq!(
@@ -126,7 +126,7 @@ fn words_or_numbers_for_termination_and_merge() {
         ),
         ("move CS1 1,2 --termination 6 --merge 1", Some(6), Some(1)),
     ] {
-        let Ok(Command::Move(command)) = parse(line) else {
+        let Ok(Command::Machine(MachineCommand::Move(command))) = parse(line) else {
             panic!("{line}")
         };
         assert_eq!(
@@ -218,7 +218,7 @@ fn values_to_write_are_read_as_what_they_are() {
         ("write A true", WriteValue::Bool(true)),
         ("write A CS1", "CS1".into()),
     ] {
-        let Ok(Command::Write(command)) = parse(line) else {
+        let Ok(Command::Machine(MachineCommand::Write(command))) = parse(line) else {
             panic!("{line}")
         };
         assert_eq!(command.value, expected, "{line}");
