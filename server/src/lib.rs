@@ -12,6 +12,8 @@ mod guard;
 pub mod hmi;
 mod l5x;
 mod names;
+#[cfg(test)]
+mod pages;
 pub mod plant;
 mod retained;
 mod run;

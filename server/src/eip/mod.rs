@@ -29,6 +29,10 @@ mod tags;
 mod tests;
 
 pub use device::Settings;
-pub use io::io_page;
 pub use listener::{BindError, Listener};
-pub use objects::objects_page;
+
+/// The tables of docs/IO.md and docs/OBJECTS.md.
+pub mod pages {
+    pub use super::io::page::{connections, input_assembly};
+    pub use super::objects::page::objects;
+}

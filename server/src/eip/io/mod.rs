@@ -7,7 +7,7 @@
 mod lateness;
 pub(crate) mod layout;
 mod outputs;
-mod page;
+pub(crate) mod page;
 mod thread;
 
 use std::collections::BTreeMap;
@@ -34,7 +34,6 @@ use self::outputs::Outputs;
 use crate::eip::device::Device;
 use crate::plant::Plant;
 
-pub use page::io_page;
 pub(crate) use thread::IoThread;
 
 /// Connections of all originators.

@@ -17,7 +17,7 @@ pub(crate) mod motion;
 mod motion_instruction;
 mod motion_objects;
 mod object;
-mod page;
+pub(crate) mod page;
 mod port;
 mod program_name;
 mod qos;
@@ -41,7 +41,6 @@ pub(crate) use attributes::serve;
 pub(crate) use object::{Access, Object, ObjectContext};
 #[cfg(test)]
 pub(crate) use object::{Extent, On, OwnService};
-pub use page::objects_page;
 
 /// Every class that answers, ascending.
 static OBJECTS: [&dyn Object; 19] = [

@@ -1,5 +1,5 @@
 //! A new CIP object is one implementation and one row of a table: its classes, the list of the Message Router, its services and
-//! attributes derive from that. docs/OBJECTS.md is written from the table.
+//! attributes derive from that. docs/OBJECTS.md is written from the table too.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -8,6 +8,8 @@ use arcline_proto::cip::class;
 use super::*;
 use crate::eip::action::ParsedRequest;
 use crate::eip::objects::{Access, Extent, Object, ObjectContext, Objects, On, OwnService};
+use crate::eip::pages;
+use crate::pages::compare_or_write_part;
 
 const CLASS: u16 = 0x0399;
 const ADD: u8 = 0x32;
@@ -157,15 +159,6 @@ fn the_table_ascends() {
 }
 
 #[test]
-fn the_page_of_the_objects_is_new() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/OBJECTS.md");
-    let page = crate::eip::objects_page();
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(&path, &page).expect("docs/ can be written");
-    }
-    let written = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        written == page,
-        "docs/OBJECTS.md is old: run the test with UPDATE_EXPECT=1"
-    );
+fn the_table_of_the_page_is_new() {
+    compare_or_write_part("docs/OBJECTS.md", "objects", &pages::objects());
 }

@@ -1,7 +1,6 @@
 //! Writes `web/types/protocol.d.ts` and the tables of `docs/HMI.md` from the types of the messages.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use schemars::generate::{SchemaGenerator, SchemaSettings};
 use schemars::{JsonSchema, Schema};
@@ -9,6 +8,7 @@ use serde_json::{Map, Value};
 
 use super::super::{instructions, machine};
 use super::{Push, Refusal, request};
+use crate::pages::{compare_or_write, compare_or_write_part};
 
 /// Collects the schemas of messages: those that a page sends by what the server accepts, the others by what it writes.
 pub(super) struct Schemas {
@@ -236,23 +236,6 @@ fn in_a_cell(schema: &Map<String, Value>) -> String {
     fields.collect::<Vec<_>>().join("; ")
 }
 
-fn compare_or_write(path: &Path, written: &str) {
-    let page = std::fs::read_to_string(path).unwrap_or_default();
-    if std::env::var_os("UPDATE_EXPECT").is_some() {
-        std::fs::write(path, written).expect("the file can be written");
-    } else {
-        assert!(
-            page == written,
-            "{} is old: run the test with UPDATE_EXPECT=1",
-            path.display()
-        );
-    }
-}
-
-const BEGIN: &str =
-    "<!-- The tables to the next mark are written by a test of the server from the types of the messages. -->\n";
-const END: &str = "<!-- The end of what the test writes. -->\n";
-
 #[test]
 fn the_types_of_the_page_and_its_tables_are_those_of_the_server() {
     let mut schemas = Schemas::new();
@@ -267,17 +250,6 @@ fn the_types_of_the_page_and_its_tables_are_those_of_the_server() {
     let push = schemas.written.root_schema_for::<Push<'static>>();
     let push = push.as_value();
     let definitions = schemas.written.definitions();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    compare_or_write(
-        &root.join("web/types/protocol.d.ts"),
-        &declarations(&rows, push, definitions),
-    );
-    let path = root.join("docs/HMI.md");
-    let page = std::fs::read_to_string(&path).expect("docs/HMI.md");
-    let (before, rest) = page.split_once(BEGIN).expect("the mark of the tables");
-    let (_, after) = rest.split_once(END).expect("the mark behind the tables");
-    compare_or_write(
-        &path,
-        &format!("{before}{BEGIN}\n{}\n{END}{after}", tables(&rows, push)),
-    );
+    compare_or_write("web/types/protocol.d.ts", &declarations(&rows, push, definitions));
+    compare_or_write_part("docs/HMI.md", "protocol", &tables(&rows, push));
 }

@@ -20,7 +20,7 @@ use super::Hmi;
 use crate::plant::Plant;
 
 /// A delta `PICKER`, and the system `CART` that can lead it.
-const ROBOT: &str = include_str!("../../../docs/images/tool-path.toml");
+const ROBOT: &str = include_str!("../../../../docs/images/tool-path.toml");
 /// Longest wait for something that must come.
 const SOON: Duration = Duration::from_secs(10);
 
