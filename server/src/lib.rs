@@ -21,4 +21,4 @@ mod simulate;
 pub mod trace;
 
 pub use cli::main;
-pub use retained::NotKept;
+pub use retained::NotPersisted;

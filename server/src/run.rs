@@ -14,7 +14,7 @@ use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::Hmi;
 use crate::plant::Plant;
-use crate::retained::{Keeper, Retained, Watch};
+use crate::retained::{ChangeTracker, Retained, StateWriter};
 
 /// Runs the server until SIGTERM or SIGINT.
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
-    match keeper.map(Keeper::close) {
+    match keeper.map(StateWriter::close) {
         None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
         Some(Err(error)) => Err(Failure::new(1, format!("the state could not be saved: {error}"))),
     }
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
 async fn serve(
     project: &Project,
     hmi: Option<HmiAt>,
-    retained: Option<(Image, Watch)>,
+    retained: Option<(Image, ChangeTracker)>,
     config: Option<&Path>,
     mut configured: Project,
 ) -> Result<(Plant, arcline_realtime::Handle), Failure> {

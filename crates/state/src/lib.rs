@@ -32,4 +32,4 @@ pub use disk::{Disk, OpenError, System};
 pub use format::{FORMAT, Kept, MAX_FILE, parse};
 pub use place::{Place, ReadError};
 pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
-pub use writer::{Action, Ended, Failure, NotKept, Pace, Report, Task, Writer};
+pub use writer::{Action, Ended, Failure, NotPersisted, Pace, Report, Task, Writer};

@@ -5,7 +5,7 @@
 //! file has grown it is written anew beside itself, synchronised there while records go on, and renamed.
 //!
 //! After a failed write, synchronisation or rename the file is given up: the system may hold as written what the disk never gets, and a later
-//! success says nothing about it. From then on every record is answered with [`NotKept`], and after each pause the whole state is tried in a new
+//! success says nothing about it. From then on every record is answered with [`NotPersisted`], and after each pause the whole state is tried in a new
 //! file.
 
 use std::collections::VecDeque;
@@ -20,7 +20,7 @@ use crate::{Place, Record, State};
 /// The change is not in the file, at least not yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("it could not be written to the file of the retained state")]
-pub struct NotKept;
+pub struct NotPersisted;
 
 /// How often the disk is used.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub struct Writer<D: Disk, A> {
     renamed: bool,
     /// Records were written since the newest synchronisation was begun.
     unsynchronised: bool,
-    /// The file was given up, and every record is answered with [`NotKept`].
+    /// The file was given up, and every record is answered with [`NotPersisted`].
     failed: bool,
     /// A new table of tags was refused: places of tags in later changes are not those of the state.
     refused: bool,
@@ -66,7 +66,7 @@ pub struct Writer<D: Disk, A> {
 #[derive(Debug)]
 pub enum Action<A> {
     /// Answer that a record is kept, or not.
-    Answer(A, Result<(), NotKept>),
+    Answer(A, Result<(), NotPersisted>),
     /// Write this to the log.
     Report(Report),
 }
@@ -230,7 +230,7 @@ impl<D: Disk, A> Writer<D, A> {
                 records.push(record);
                 answers.push(answer);
             } else {
-                self.actions.push_back(Action::Answer(answer, Err(NotKept)));
+                self.actions.push_back(Action::Answer(answer, Err(NotPersisted)));
             }
         }
         if records.is_empty() {
@@ -240,10 +240,10 @@ impl<D: Disk, A> Writer<D, A> {
         let kept = match written {
             Err(error) if !self.failed => {
                 self.fail(Failure::Write, error, now);
-                Err(NotKept)
+                Err(NotPersisted)
             }
             Ok(()) if !self.failed => Ok(()),
-            _ => Err(NotKept),
+            _ => Err(NotPersisted),
         };
         if !self.failed {
             self.wrote(now);

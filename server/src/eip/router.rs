@@ -18,7 +18,7 @@ use super::objects::motion::{self, MotionRequest};
 use super::objects::{self, Access, Object, ObjectContext};
 use super::tags;
 use crate::plant::Principal;
-use crate::retained::NotKept;
+use crate::retained::NotPersisted;
 
 /// How long a packet of requests is worked on before others have their turn.
 const TURN: Duration = Duration::from_micros(500);
@@ -78,7 +78,7 @@ impl Router {
         &self,
         step: Step<'_, '_>,
         parsed: &ParsedRequest<'_>,
-        kept: Result<(), NotKept>,
+        kept: Result<(), NotPersisted>,
         context: &Context<'_>,
     ) -> Reply {
         match step {
@@ -161,7 +161,7 @@ impl Router {
         principal: Principal,
         writes: bool,
         work: impl FnOnce(&mut Memory<'_, '_>),
-    ) -> Result<(), NotKept> {
+    ) -> Result<(), NotPersisted> {
         let plant = &self.device.plant;
         if writes {
             let ((), pending) = plant.transact(principal, |transaction| work(&mut Memory::Write(transaction)));

@@ -30,7 +30,7 @@ pub(crate) fn refusal(refused: &Refused) -> CipStatus {
         Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
         // Only jog buttons of the page are refused so.
         Refused::MovedByAnother { .. } => CipStatus::OBJECT_STATE_CONFLICT,
-        Refused::NotKept(_) => CipStatus::STORE_FAILURE,
+        Refused::NotPersisted(_) => CipStatus::STORE_FAILURE,
     }
 }
 

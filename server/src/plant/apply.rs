@@ -16,7 +16,7 @@ use super::control::MotionObject;
 use super::records::instance_of;
 use super::state::State;
 use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Shared, policy};
-use crate::retained::{NotKept, WhenKept};
+use crate::retained::{NotPersisted, WhenPersisted};
 
 /// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all edges at the
 /// end.
@@ -38,7 +38,7 @@ pub struct Pending {
     /// The instructions that were sent.
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
     /// Is ready when the file of the retained state has all writes; `None`: none of them is kept over a restart.
-    kept: Option<WhenKept>,
+    kept: Option<WhenPersisted>,
 }
 
 impl Plant {
@@ -69,7 +69,7 @@ impl Plant {
                 Ok(Outcome::Executed(Executed { instance, control }))
             }
             outcome => match is_answered {
-                Err(Unsettled::NotKept) => Err(NotKept.into()),
+                Err(Unsettled::NotPersisted) => Err(NotPersisted.into()),
                 // Its tag says so.
                 Err(Unsettled::NoAnswer) | Ok(()) => Ok(outcome),
             },
@@ -99,10 +99,10 @@ impl Plant {
     /// Waits until all instructions of a transaction are answered and all writes kept; at most [`ANSWER_WITHIN`].
     ///
     /// # Errors
-    /// [`NotKept`]: the tags have what was written, but may not have it after a restart.
-    pub async fn kept(&self, pending: Pending) -> Result<(), NotKept> {
+    /// [`NotPersisted`]: the tags have what was written, but may not have it after a restart.
+    pub async fn kept(&self, pending: Pending) -> Result<(), NotPersisted> {
         match self.settle(pending).await {
-            Err(Unsettled::NotKept) => Err(NotKept),
+            Err(Unsettled::NotPersisted) => Err(NotPersisted),
             Err(Unsettled::NoAnswer) => {
                 tracing::warn!("the controller did not answer a written EnableIn in time");
                 Ok(())
@@ -130,7 +130,7 @@ impl Plant {
         if let Some(kept) = kept
             && !matches!(tokio::time::timeout(ANSWER_WITHIN, kept).await, Ok(Ok(Ok(()))))
         {
-            return Err(Unsettled::NotKept);
+            return Err(Unsettled::NotPersisted);
         }
         if answered { Ok(()) } else { Err(Unsettled::NoAnswer) }
     }
@@ -139,7 +139,7 @@ impl Plant {
 /// Why a transaction is not done.
 enum Unsettled {
     NoAnswer,
-    NotKept,
+    NotPersisted,
 }
 
 impl Transaction<'_> {

@@ -10,7 +10,7 @@ use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteEr
 use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
 
 use super::{CallRefused, Executed, Lost, Mover, Principal};
-use crate::retained::NotKept;
+use crate::retained::NotPersisted;
 
 /// Something that is to be changed.
 #[derive(Clone, Debug)]
@@ -131,7 +131,7 @@ pub enum Outcome {
     Lost(Lost),
 }
 
-/// Why a command was not executed. Nothing has changed then, but for [`Refused::NotKept`] and [`CallRefused::NoAnswer`].
+/// Why a command was not executed. Nothing has changed then, but for [`Refused::NotPersisted`] and [`CallRefused::NoAnswer`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Refused {
     /// A viewer of the page does not have control of what it would move.
@@ -161,5 +161,5 @@ pub enum Refused {
     Call(#[from] CallRefused),
     /// It is done, but may not be so after a restart.
     #[error(transparent)]
-    NotKept(#[from] NotKept),
+    NotPersisted(#[from] NotPersisted),
 }

@@ -42,7 +42,7 @@ use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
 use crate::guard::Guard;
-use crate::retained::Watch;
+use crate::retained::ChangeTracker;
 use crate::trace::Trace;
 pub use apply::{Pending, Transaction};
 use changes::ChangeLog;
@@ -138,7 +138,7 @@ impl Plant {
     pub(crate) fn start_with(
         project: &Project,
         image: Image,
-        watch: Option<Watch>,
+        watch: Option<ChangeTracker>,
     ) -> Result<(Plant, Handle), SpawnError> {
         let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
         let plant = Plant::with(project, link, image, watch);
@@ -157,7 +157,7 @@ impl Plant {
         Plant::with(project, link, image_of(project), None)
     }
 
-    fn with(project: &Project, mut link: Link, image: Image, watch: Option<Watch>) -> Plant {
+    fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),

@@ -4,9 +4,9 @@ use arcline_config::Project;
 use arcline_controller::image::TableError;
 
 use super::{Command, Plant, Principal, Refused};
-use crate::retained::NotKept;
+use crate::retained::NotPersisted;
 
-/// Why a configuration is not taken over. But for [`ReloadError::NotKept`], nothing has changed.
+/// Why a configuration is not taken over. But for [`ReloadError::NotPersisted`], nothing has changed.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ReloadError {
     /// Parts of it that are read at the start only.
@@ -19,8 +19,8 @@ pub enum ReloadError {
     #[error("Reload refused: {0}")]
     Table(#[from] TableError),
     /// It was taken over, but is not in the file of the retained state.
-    #[error("its tags were reloaded, but {NotKept}")]
-    NotKept,
+    #[error("its tags were reloaded, but {NotPersisted}")]
+    NotPersisted,
 }
 
 impl Plant {
@@ -37,7 +37,7 @@ impl Plant {
         match self.apply(Principal::Server, Command::Reload { old, new }).await {
             Ok(_) => Ok(()),
             Err(Refused::Table(error)) => Err(error.into()),
-            Err(Refused::NotKept(NotKept)) => Err(ReloadError::NotKept),
+            Err(Refused::NotPersisted(NotPersisted)) => Err(ReloadError::NotPersisted),
             Err(Refused::NoControl { .. } | Refused::MovedByAnother { .. } | Refused::Write(_) | Refused::Call(_)) => {
                 Ok(())
             }

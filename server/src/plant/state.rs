@@ -25,7 +25,7 @@ use super::owned::Owned;
 use super::principal::Principal;
 use super::records::{Executions, Origin};
 use crate::guard::Guard;
-use crate::retained::{Watch, WhenKept};
+use crate::retained::{ChangeTracker, WhenPersisted};
 use crate::trace::Trace;
 
 /// The copies that readers have without the lock.
@@ -79,7 +79,7 @@ pub(super) struct State {
     /// The Dynamics Configuration Bits that the controller has been sent.
     dynamics_bits: Vec<(Object, u16, DynamicsBits)>,
     /// Sees what is kept over a restart.
-    pub(super) watch: Option<Watch>,
+    pub(super) watch: Option<ChangeTracker>,
     /// Sees what triggers it.
     trace: Trace,
 }
@@ -125,7 +125,7 @@ fn is_of_the_same(one: &Input, other: &Input) -> bool {
 /// What sees the changes of a plant.
 pub(super) struct Observers {
     /// Sees what is kept over a restart.
-    pub(super) watch: Option<Watch>,
+    pub(super) watch: Option<ChangeTracker>,
     /// Sees what triggers traces.
     pub(super) trace: Trace,
     /// Sees jogs.
@@ -207,7 +207,7 @@ impl State {
     }
 
     /// Sends new writes to the writer of the retained state.
-    pub(super) fn keep(&mut self) -> Option<WhenKept> {
+    pub(super) fn keep(&mut self) -> Option<WhenPersisted> {
         let watch = self.watch.as_mut()?;
         watch.tags(&mut self.image)
     }

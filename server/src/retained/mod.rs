@@ -1,13 +1,13 @@
 //! Retained state: what a project takes over from the last run, and what keeps it for the next one.
 //!
 //! At start-up [`Retained::open`] reads the file and makes the project start as it says: axes where they stood with
-//! their drives off, plain tags as they were last written. After that a [`Watch`] in the plant sees what changes, and
-//! the thread of a [`Keeper`] writes it. The file is `arcline-state`'s; the real-time thread knows nothing of all this.
+//! their drives off, plain tags as they were last written. After that a [`ChangeTracker`] in the plant sees what changes, and
+//! the thread of a [`StateWriter`] writes it. The file is `arcline-state`'s; the real-time thread knows nothing of all this.
 
-mod keeper;
+mod change_tracker;
+mod state_writer;
 #[cfg(test)]
 pub(crate) mod tests;
-mod watch;
 
 use std::fmt::Write as _;
 use std::io;
@@ -21,18 +21,18 @@ use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, 
 use arcline_tag::TagPath;
 
 use crate::plant::image_of;
-pub(crate) use keeper::Keeper;
-pub use keeper::NotKept;
-pub(crate) use watch::{Kept as WhenKept, Watch};
+pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
+pub use state_writer::NotPersisted;
+pub(crate) use state_writer::StateWriter;
 
 /// A project's state, read and kept.
 pub(crate) struct Retained {
     /// The tags, the plain ones with what they held.
     pub(crate) image: Image,
     /// Sees what changes.
-    pub(crate) watch: Watch,
+    pub(crate) watch: ChangeTracker,
     /// Writes it.
-    pub(crate) keeper: Keeper,
+    pub(crate) keeper: StateWriter,
 }
 
 /// Why no state can be kept in a file.
@@ -146,8 +146,8 @@ impl Retained {
             RetainError::TooLarge { file, damage }
         })?;
         let axes = state.axes.clone();
-        let keeper = Keeper::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
-        let watch = Watch::new(keeper.jobs(), axes, tags, project.machine.period_ns);
+        let keeper = StateWriter::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
+        let watch = ChangeTracker::new(keeper.jobs(), axes, tags, project.machine.period_ns);
         Ok(Retained { image, watch, keeper })
     }
 }

@@ -8,7 +8,7 @@ use arcline_realtime::Handle;
 use arcline_state::{Change, Record};
 use arcline_tag::Value;
 
-use super::keeper::Job;
+use super::state_writer::Job;
 use super::*;
 use crate::plant::{Plant, Principal};
 
@@ -165,17 +165,17 @@ fn moving(position: f64) -> AxisSnapshot {
 }
 
 /// A watch on one axis that rests at 0, and what it sends.
-fn watch() -> (Watch, mpsc::Receiver<Job>) {
+fn watch() -> (ChangeTracker, mpsc::Receiver<Job>) {
     let (sender, jobs) = mpsc::channel();
     let axis = Axis {
         name: "X".to_owned(),
         kind: String::new(),
         state: at(0.0, false),
     };
-    (Watch::new(sender, vec![axis], vec![], 1_000_000), jobs)
+    (ChangeTracker::new(sender, vec![axis], vec![], 1_000_000), jobs)
 }
 
-fn show(watch: &mut Watch, tick: u64, axis: AxisSnapshot) {
+fn show(watch: &mut ChangeTracker, tick: u64, axis: AxisSnapshot) {
     let (axes, snapshot) = (vec![axis], Snapshot::default());
     watch.axes(&Snapshot { tick, axes, ..snapshot });
 }
@@ -274,7 +274,7 @@ fn a_slow_disk_makes_axes_come_less_often() {
         assert!(jobs.try_recv().is_err(), "one is on its way");
     }
     show(&mut watch, 1000, resting(7.0));
-    slow.send(Err(NotKept)).expect("the watch waits for it");
+    slow.send(Err(NotPersisted)).expect("the watch waits for it");
     show(&mut watch, 1001, resting(7.0));
     assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
 }
@@ -291,7 +291,7 @@ fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
     image.remember_written();
     let (sender, jobs) = mpsc::channel();
     let (state, tags) = state_of(project, &image);
-    let watch = Watch::new(sender, state.axes, tags, project.machine.period_ns);
+    let watch = ChangeTracker::new(sender, state.axes, tags, project.machine.period_ns);
     let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
     (plant, handle, jobs)
 }
@@ -309,7 +309,7 @@ async fn a_write_is_answered_when_it_is_kept() {
     };
     plant.kept(write("Move1.Speed")).await.expect("not kept, and not to be");
     assert!(jobs.try_recv().is_err(), "operands of instructions are not kept");
-    for answer in [Ok(()), Err(NotKept)] {
+    for answer in [Ok(()), Err(NotPersisted)] {
         let written = write("Recipe[1]");
         let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
             panic!("nothing was sent")
@@ -330,8 +330,8 @@ async fn a_write_is_answered_when_it_is_kept() {
     drop(jobs);
     assert_eq!(
         plant.kept(write("Count")).await,
-        Err(NotKept),
-        "there is no keeper any more"
+        Err(NotPersisted),
+        "the state writer has ended"
     );
     handle.stop();
 }

@@ -57,7 +57,7 @@ pub struct Kept {
 
 /// How a trace stands.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Standing {
+pub struct TraceStatus {
     /// How far it has come.
     pub phase: Phase,
     /// The tick of its trigger; 0 while armed.
@@ -78,7 +78,7 @@ pub struct Standing {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Block {
     /// How the trace stands.
-    pub standing: Standing,
+    pub standing: TraceStatus,
     /// The tick of the first row; without rows where to ask next.
     pub first: u64,
     /// Rows.
@@ -201,7 +201,7 @@ impl Trace {
     }
 
     /// How a trace stands; `None`: there is none.
-    pub fn standing(&self, instance: u32) -> Option<Standing> {
+    pub fn standing(&self, instance: u32) -> Option<TraceStatus> {
         self.with(instance, standing)
     }
 
@@ -318,8 +318,8 @@ impl Inner {
     }
 }
 
-fn standing(capture: &mut Capture, store: &Store) -> Standing {
-    Standing {
+fn standing(capture: &mut Capture, store: &Store) -> TraceStatus {
+    TraceStatus {
         phase: capture.phase,
         trigger: capture.trigger,
         first: capture.first,

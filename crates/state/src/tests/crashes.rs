@@ -44,7 +44,7 @@ struct Scene {
     /// Records that had been sent when each call was made.
     sent: Vec<usize>,
     /// Calls that had been made when a record was answered, the number of the record counted from 1, and the answer.
-    answers: Vec<(usize, usize, Result<(), NotKept>)>,
+    answers: Vec<(usize, usize, Result<(), NotPersisted>)>,
 }
 
 impl Scene {

@@ -81,7 +81,7 @@ fn begin(file: &Path, state: State) -> Writer<System, ()> {
 }
 
 /// Hands a record to the writer, and returns the answer.
-fn keep(writer: &mut Writer<System, ()>, record: Record) -> Result<(), NotKept> {
+fn keep(writer: &mut Writer<System, ()>, record: Record) -> Result<(), NotPersisted> {
     writer.keep(record, ());
     let _ = writer.turn(Duration::ZERO);
     let answer = writer.actions().find_map(|action| match action {
@@ -148,14 +148,18 @@ fn a_table_of_tags_that_does_not_fit_refuses_the_changes_that_count_on_it() {
     let mut writer = begin(&file, first());
     let mut large = first();
     large.tags[1].name = "n".repeat(MAX_TEXT + 1);
-    assert_eq!(keep(&mut writer, Record::State(large)), Err(NotKept));
+    assert_eq!(keep(&mut writer, Record::State(large)), Err(NotPersisted));
     let change = || Record::Changes(vec![written(0, 0, &[1])]);
-    assert_eq!(keep(&mut writer, change()), Err(NotKept), "of a tag of the other table");
+    assert_eq!(
+        keep(&mut writer, change()),
+        Err(NotPersisted),
+        "of a tag of the other table"
+    );
     assert_eq!(keep(&mut writer, Record::State(first())), Ok(()));
     assert_eq!(keep(&mut writer, change()), Ok(()));
     assert_eq!(
         keep(&mut writer, Record::Changes(vec![written(9, 0, &[1])])),
-        Err(NotKept)
+        Err(NotPersisted)
     );
     assert_eq!(keep(&mut writer, change()), Ok(()), "one that fits");
 }

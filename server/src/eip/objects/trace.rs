@@ -14,12 +14,12 @@ use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use super::values::{no_attribute, u8_value, u16_value, u32_value, u64_value};
 use crate::eip::status::unknown;
 use crate::plant::Plant;
-use crate::trace::{Config, Phase, Standing, Trigger};
+use crate::trace::{Config, Phase, TraceStatus, Trigger};
 
 #[derive(Debug)]
 pub(super) struct Traces;
 
-fn standing(cx: &ObjectContext<'_, '_>, instance: u32) -> Result<Standing, CipStatus> {
+fn standing(cx: &ObjectContext<'_, '_>, instance: u32) -> Result<TraceStatus, CipStatus> {
     cx.device().plant.trace().standing(instance).ok_or_else(unknown)
 }
 

@@ -143,7 +143,7 @@ impl From<Refused> for Refusal {
             | Refused::Write(_)
             | Refused::Table(_)
             | Refused::Call(_)
-            | Refused::NotKept(_) => Self::new(refused.to_string()),
+            | Refused::NotPersisted(_) => Self::new(refused.to_string()),
         }
     }
 }

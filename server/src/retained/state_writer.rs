@@ -1,25 +1,25 @@
 //! The threads of the retained state: one carries out what [`Writer`] decides, one waits for the disk.
 //!
 //! Everything that waits when the first gets to it is one write, and it never waits for the disk itself: synchronisations run on the
-//! other. After a failure everything is answered with [`NotKept`], and every second the whole state is tried in a new file.
+//! other. After a failure everything is answered with [`NotPersisted`], and every second the whole state is tried in a new file.
 
 use std::io;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
-pub use arcline_state::NotKept;
+pub use arcline_state::NotPersisted;
 use arcline_state::{Action, Ended, Failure, Pace, Place, Record, Report, State, System, Task, Writer};
 use tokio::sync::oneshot;
 
 /// Carries the answer: the record is kept, or it is not.
-type WhenKept = oneshot::Sender<Result<(), NotKept>>;
+type WhenPersisted = oneshot::Sender<Result<(), NotPersisted>>;
 
 /// A message to the thread that writes.
 #[derive(Debug)]
 pub(super) enum Job {
     /// Keep this record and answer.
-    Keep(Record, WhenKept),
+    Keep(Record, WhenPersisted),
     /// A synchronisation has ended.
     Ended(Ended),
     /// Write everything once more and end.
@@ -28,12 +28,12 @@ pub(super) enum Job {
 
 /// The thread that writes.
 #[derive(Debug)]
-pub(crate) struct Keeper {
+pub(crate) struct StateWriter {
     jobs: mpsc::Sender<Job>,
     thread: JoinHandle<io::Result<()>>,
 }
 
-impl Keeper {
+impl StateWriter {
     /// Writes a state to its file, and starts to keep it. When the file cannot be written the log says so, and every write of a plain tag is
     /// refused until it can.
     ///
@@ -57,7 +57,7 @@ impl Keeper {
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
             .spawn(move || run(writer, begun, &next, &disk))?;
-        Ok(Keeper { jobs, thread })
+        Ok(StateWriter { jobs, thread })
     }
 
     /// Where records are sent.
@@ -79,7 +79,7 @@ impl Keeper {
 }
 
 fn run(
-    mut writer: Writer<System, WhenKept>,
+    mut writer: Writer<System, WhenPersisted>,
     begun: Instant,
     jobs: &mpsc::Receiver<Job>,
     disk: &mpsc::SyncSender<Task<System>>,
@@ -92,7 +92,7 @@ fn run(
         let mut next = match first {
             Ok(job) => Some(job),
             Err(RecvTimeoutError::Timeout) => None,
-            // The keeper was dropped, not closed.
+            // The state writer was dropped, not closed.
             Err(RecvTimeoutError::Disconnected) => Some(Job::Close),
         };
         let mut close = false;
@@ -118,7 +118,7 @@ fn run(
     }
 }
 
-fn carry_out(writer: &mut Writer<System, WhenKept>) {
+fn carry_out(writer: &mut Writer<System, WhenPersisted>) {
     let file = writer.path().to_owned();
     let file = file.display();
     for action in writer.actions() {

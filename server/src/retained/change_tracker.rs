@@ -12,15 +12,15 @@ use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_s
 use arcline_state::{Axis, AxisState, Change, Record, State};
 use tokio::sync::oneshot;
 
-use super::keeper::{Job, NotKept};
+use super::state_writer::{Job, NotPersisted};
 use super::tags_of;
 
 /// Tells when changes are kept, or that they are not.
-pub(crate) type Kept = oneshot::Receiver<Result<(), NotKept>>;
+pub(crate) type Kept = oneshot::Receiver<Result<(), NotPersisted>>;
 
-/// Sees what changes and sends it to the keeper.
+/// Sees what changes and sends it to the state writer.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(crate) struct ChangeTracker {
     jobs: mpsc::Sender<Job>,
     /// Places of the tags in the state.
     tags: BTreeMap<TagId, u32>,
@@ -36,10 +36,10 @@ pub(crate) struct Watch {
     due: u64,
 }
 
-impl Watch {
+impl ChangeTracker {
     /// `axes` is how they stand in the state, in configuration order, `tags` the tags in it, in order.
     pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<Axis>, tags: Vec<TagId>, period_ns: u64) -> Self {
-        Watch {
+        ChangeTracker {
             jobs,
             tags: tags.into_iter().zip(0..).collect(),
             // None has been seen.
@@ -140,7 +140,7 @@ impl Watch {
 
     fn send(&self, record: Record) -> Kept {
         let (sender, receiver) = oneshot::channel();
-        // A keeper that is gone drops the sender, and so answers.
+        // A state writer that has ended drops the sender, and so answers.
         let _ = self.jobs.send(Job::Keep(record, sender));
         receiver
     }
