@@ -136,7 +136,7 @@ export async function a_live_view_says_so({ browser, url }) {
     assert.equal(await live.isVisible(), named, view);
   }
   await go(page, "drive");
-  await page.getByRole("button", { name: "Show the present everywhere" }).click();
+  await page.getByRole("button", { name: "Return to live" }).click();
   await live.waitFor({ state: "hidden" });
   await go(page, "path");
   assert.ok(await page.getByText("An earlier moment is shown").isHidden());

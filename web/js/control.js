@@ -68,7 +68,7 @@ export class ControlBar {
       try {
         await this.app.connection.request("take", { object, ...(force && { force }) });
       } catch (error) {
-        this.app.toasts.bad(`You did not get control of ${object}`, error);
+        this.app.toasts.bad(`Control of ${object} was not granted`, error);
       }
     }
   }
@@ -79,7 +79,7 @@ export class ControlBar {
       try {
         await this.app.connection.request("release", { object });
       } catch (error) {
-        this.app.toasts.bad(`Control of ${object} was not given back`, error);
+        this.app.toasts.bad(`Control of ${object} was not released`, error);
       }
     }
   }

@@ -144,7 +144,7 @@ export class Drive {
     this.axes = this.app.store.axesOf(name);
     fill(this.rows, this.axes.map((axis) => this.#row(axis)));
     const help = this.axes.slice(0, 3).map((axis, k) => `${axis} ${["← →", "↓ ↑", "Page ↓ ↑"][k]}`);
-    text(this.keyHelp, `${help.join(", ")}, held. Esc stops.`);
+    text(this.keyHelp, `Hold a key to jog: ${help.join(", ")}. Esc stops.`);
     if (this.system) this.canvas.show(name);
     text(this.stopText, `Stop ${name}`);
     this.#showSpeed();

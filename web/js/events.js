@@ -30,7 +30,7 @@ export class Events {
     });
     this.follow = h("input", { type: "checkbox", checked: true, onchange: () => this.#touch() });
     this.list = h("ol.event-list");
-    this.empty = h("p.empty", {}, "Nothing yet. Every instruction that is executed, from here or over the network, and every fault appears here.");
+    this.empty = h("p.empty", {}, "No events yet. Instructions from this page and from the network, and faults of axes, appear here.");
     this.element = h("section.view.events", { "aria-label": this.title },
       h("div.toolbar", {}, kinds.element, this.search, h("span.spring"), h("label.check", {}, this.follow, "Follow")),
       this.empty, h("div.scroll.event-scroll", {}, this.list));
@@ -109,7 +109,7 @@ export class Events {
     const { tick } = execution.steps[execution.steps.length - 1];
     const { samples, timeCursor, toasts } = this.app;
     if (tick < samples.first) {
-      toasts.bad("That moment is not kept any more", { text: `The oldest that is kept is ${clock(samples.time(samples.first))}.` });
+      toasts.bad("That moment is no longer stored", { text: `The oldest stored moment is ${clock(samples.time(samples.first))}.` });
       return;
     }
     timeCursor.scrub(tick);

@@ -7,7 +7,7 @@ import { duration, fixed, rate } from "./format.js";
 
 /** Bits of an axis's status words and what the axis does while one is set, the most telling first. */
 const DOING = [["HomingStatus", "Homing"], ["JogStatus", "Jogging"], ["PositionCamStatus", "Following a cam"], ["TimeCamStatus", "Following a cam"],
-  ["GearingStatus", "Geared"], ["MoveStatus", "Moving (MAM)"], ["CoordinatedMotionStatus", "Coordinated move"], ["ControlledByTransformStatus", "Led by a transform"], ["StoppingStatus", "Stopping"]];
+  ["GearingStatus", "Geared"], ["MoveStatus", "Moving (MAM)"], ["CoordinatedMotionStatus", "Coordinated move"], ["ControlledByTransformStatus", "Moved by a transform"], ["StoppingStatus", "Stopping"]];
 
 export class Machine {
   title = "Machine";

@@ -39,12 +39,13 @@ export class Path {
     this.legend = this.#legend();
     this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
       ({ left: over.offsetLeft, right: over.offsetLeft + over.offsetWidth, bottom: over.offsetTop + over.offsetHeight }));
-    this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown, without the paths programmed now.");
+    this.old = h("p.moment-note", { hidden: true }, "Earlier moment. The paths that are programmed now are not shown.");
     this.timebar = new Timebar(app, () => [app.timeCursor.shown - this.canvas.trailSeconds / app.samples.period, app.timeCursor.shown]);
+    this.clear = h("button", { type: "button", hidden: true, onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview");
     this.element = h("section.view.path", { "aria-label": this.title },
       h("div.toolbar", {}, this.choice, this.looks.element, trail.element, this.#layers(), h("span.spring"),
         h("button", { type: "button", onclick: () => this.canvas.fit() }, icon("fit"), "Fit"),
-        h("button", { type: "button", onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview")),
+        this.clear),
       h("div.path-stage", {}, host, this.readout, this.old, this.legend),
       this.timebar.element);
     app.on("preview", () => this.#preview());
@@ -100,6 +101,7 @@ export class Path {
 
   #preview() {
     const { preview } = this.app;
+    this.clear.hidden = !preview;
     const first = preview?.paths?.[0]?.coordinate_system;
     if (first && first !== this.canvas.system?.name) {
       this.choice.value = first;

@@ -7,7 +7,7 @@ import * as theme from "./theme.js";
 /** @import { View } from "./app.js" */
 
 /** @type {Record<theme.Choice, [icon: string, title: string]>} */
-const THEMES = { auto: ["auto", "As the system"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
+const THEMES = { auto: ["auto", "System setting"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
 
 /** How long a tick that was missed is told in the bar; the machine view tells all of them. */
 const MISSED_MS = 10_000;
@@ -44,12 +44,12 @@ export class Shell {
       return link;
     }));
     this.banner = h("div.lost", { role: "alert", hidden: true });
-    this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP: nothing moves until it is released."),
+    this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP. No axis can move until you release it."),
       h("button.release-stop", { type: "button", onclick: () => app.releaseStop() }, "Release STOP"));
     this.main = h("main", { id: "view", tabindex: "-1" });
     this.pausedText = h("span");
     this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
-      h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Show the present everywhere"));
+      h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Return to live"));
     app.timeCursor.on("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
       this.bar, this.banner, this.nav, h("div.page", {}, this.inhibited, this.paused, this.main), app.toasts.element);
@@ -127,8 +127,8 @@ export class Shell {
     const missed = performance.now() - (this.missedAt ?? -Infinity) < MISSED_MS;
     const ticks = `${this.newlyMissed} ${this.newlyMissed === 1 ? "tick" : "ticks"} missed`;
     text(this.tick, !realtime ? "" : missed ? ticks : `tick ${Math.round(realtime.p99_us)} µs late`);
-    const title = missed ? "A tick ended after the next one was due. Positions are not changed by it; the Machine view counts all missed ticks."
-      : "Tick lateness: 99 of 100 ticks begin at most so late";
+    const title = missed ? "A tick ended after the next one was due. This does not change positions. The Machine view counts all missed ticks."
+      : "Tick lateness: 99 of 100 ticks begin no later than this";
     if (this.tick.title !== title) this.tick.title = title;
     state(this.tick, "kind", missed ? "warn" : "calm");
     this.inhibited.hidden = !status.inhibited;

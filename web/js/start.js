@@ -91,5 +91,5 @@ async function loaded() {
 begin().catch((error) => {
   // Without this a mistake of the page would be an empty page.
   console.error(error);
-  document.body.replaceChildren(h("p.starting", { role: "alert" }, `The page could not be built: ${error instanceof Error ? error.message : error}`));
+  document.body.replaceChildren(h("p.starting", { role: "alert" }, `The page could not start: ${error instanceof Error ? error.message : error}`));
 });

@@ -183,7 +183,7 @@ export class Tags {
     try {
       await this.app.connection.request("write", { tag: name, value: typed(input.value) });
       input.value = "";
-      this.app.toasts.good(`${name} written`);
+      this.app.toasts.good(`${name} was written`);
     } catch (error) {
       this.app.toasts.bad(`${name} was not written`, error);
     }

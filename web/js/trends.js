@@ -220,7 +220,7 @@ export class Trends {
       context.fillStyle = colours.muted;
       context.textAlign = "center";
       context.font = `13px ${colours.font}`;
-      context.fillText("Choose lanes and axes above", width / 2, height / 2);
+      context.fillText("Select lanes and axes above", width / 2, height / 2);
     }
     if (this.#hover !== null) {
       drawCursor(context, width, height, tickAt(this.#hover, width, from, to), null, from, to, colours.muted, colours);
