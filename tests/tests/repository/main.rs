@@ -1,4 +1,5 @@
 //! Rules for the repository itself: which crate may use which, and that what code cites is there.
 
 mod architecture;
+mod readme;
 mod specification;
