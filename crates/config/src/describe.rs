@@ -45,7 +45,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
     )?;
     for axis in &machine.axes {
         let kind = match axis.kind {
-            AxisKind::Servo(_) => "servo",
+            AxisKind::Servo => "servo",
             AxisKind::Virtual => "virtual",
             AxisKind::Feedback => "feedback",
         };
@@ -62,7 +62,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
             write!(out, ", rotary, {unwind} {unit} a turn")?;
         }
         write!(out, ", starts at {} {unit}", axis.start.position)?;
-        if matches!(axis.kind, AxisKind::Servo(_)) {
+        if matches!(axis.kind, AxisKind::Servo) {
             write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
         }
         write!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;

@@ -16,7 +16,7 @@ mod value;
 
 use std::cell::RefCell;
 
-use arcline_controller::machine::Machine;
+use arcline_controller::machine::{Machine, MotionGroup};
 use toml::de::DeTable;
 
 use self::axis::axis;
@@ -109,15 +109,17 @@ fn machine(root: &Section<'_>, names: &mut Taken) -> Machine {
     let period_ms = group.required("coarse_update_period_ms");
     // Within 250,000 and 32,000,000 by the rule: exact in both types.
     let period_ns = (period_ms * 1e6).round() as u64;
-    let mut machine = Machine {
+    let mut machine = Machine::new(MotionGroup {
         period_ns,
         group: group_name,
         axes: Vec::new(),
         systems: Vec::new(),
         transforms: Vec::new(),
-    };
+    });
     for section in root.tables("axis") {
-        machine.axes.push(axis(&section, names));
+        let (axis, drive) = axis(&section, names);
+        machine.axes.push(axis);
+        machine.drives.push(drive);
     }
     for section in root.tables("coordinate_system") {
         let system = coordinate_system(&section, &machine, names);

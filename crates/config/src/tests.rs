@@ -3,8 +3,8 @@
 use arcline_controller::image::Image;
 use arcline_controller::machine::ProgrammedStopMode;
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Build, Corner, Deviation, Drive, Geometry, Home, HomeDirection, HomeMarker, HomeMode,
-    HomeSequence, HomeSwitch, Orientation, Start, Travel, Wrist,
+    AxisKind, AxisLimits, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence,
+    HomeSwitch, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start, Travel, Wrist,
 };
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemId};
 
@@ -29,11 +29,16 @@ fn the_default_is_what_the_contract_says() {
     assert_eq!(axes, ["X", "Y", "Z", "S", "A", "B", "C"]);
     for (place, axis) in machine.axes.iter().enumerate() {
         let expected = if place < 4 {
-            AxisKind::Servo(Drive::default())
+            (
+                AxisKind::Servo,
+                PositionErrorLimit::default(),
+                Some(SimulatedDrive::default()),
+            )
         } else {
-            AxisKind::Virtual
+            (AxisKind::Virtual, PositionErrorLimit::OFF, None)
         };
-        assert_eq!(axis.kind, expected, "{}", axis.name);
+        let found = (axis.kind, axis.position_error, machine.drives[place]);
+        assert_eq!(found, expected, "{}", axis.name);
         assert_eq!(axis.units, "mm");
         assert_eq!(
             (axis.max_speed, axis.max_acceleration, axis.max_deceleration),
@@ -125,7 +130,8 @@ fn everything_has_its_default() {
         (axis.max_acceleration_jerk, axis.max_deceleration_jerk),
         (1000.0, 1000.0)
     );
-    assert_eq!(axis.kind, AxisKind::Servo(Drive::default()));
+    assert_eq!(axis.kind, AxisKind::Servo);
+    assert_eq!(project.machine.drives[0], Some(SimulatedDrive::default()));
     let system = &project.machine.systems[0];
     assert_eq!((system.axes.as_slice(), system.queue_depth), (&[AxisId(0)][..], 1));
     assert_eq!((system.actual_tolerance, system.command_tolerance), (0.0, 0.0));
@@ -167,16 +173,21 @@ fn everything_can_be_said() {
             ..Start::default()
         }
     );
-    let drive = Drive {
-        position_bandwidth_hz: 10.0,
-        velocity_feedforward: 0.5,
-        position_error_tolerance: 0.0,
-        position_error_tolerance_time: 0.02,
-        speed_limit: Some(12.0),
-        torque_limit: Some(150.0),
+    let settings = Settings {
+        bandwidth: 10.0,
+        feedforward: 0.5,
+        speed_limit: 12.0,
+        torque_limit: 150.0,
         encoder_resolution: Some(1000.0),
     };
-    assert_eq!(axis.kind, AxisKind::Servo(drive));
+    let drive = project.machine.drives[0].expect("a servo has a drive");
+    assert_eq!(drive.settings, settings);
+    assert_eq!(drive.sensor.stops, Some([-5.0, 15.5]));
+    let position_error = PositionErrorLimit {
+        tolerance: 0.0,
+        time: 0.02,
+    };
+    assert_eq!(axis.position_error, position_error);
     assert_eq!(
         (project.machine.axes[1].unwind, project.machine.axes[1].start.position),
         (Some(360.0), 359.5)
@@ -229,40 +240,60 @@ fn homing_can_be_said() {
         return_speed: 3.0,
         acceleration: 60.0,
         deceleration: 70.0,
-        switch: Some(HomeSwitch { min: -1.0, max: 1.5 }),
-        marker: Some(HomeMarker {
-            at: 0.25,
-            every: Some(2.0),
-        }),
-        stops: None,
+        inputs: HomeInputs::default(),
     };
+    let standing = Home::immediate(100.0, 100.0);
     let moving = Home {
         sequence: HomeSequence::Switch,
         speed: 8.0,
         return_speed: 8.0,
         ..Home::immediate(100.0, 100.0)
     };
-    let switch = |min, max| Some(HomeSwitch { min, max });
+    let switch = |min, max| Sensor {
+        switch: Some([min, max]),
+        ..Sensor::default()
+    };
+    let marker = |every| Sensor {
+        marker: Some((0.0, every)),
+        ..Sensor::default()
+    };
+    let both = Sensor {
+        switch: Some([-1.0, 1.5]),
+        marker: Some((0.25, Some(2.0))),
+        ..Sensor::default()
+    };
     let infinity = f64::INFINITY;
+    let (forward, reverse, two) = (HomeSwitch::Forward, HomeSwitch::Reverse, HomeSwitch::Both);
     #[rustfmt::skip]
     let cases = [
-        // why,                    of the axis,       keys of home,  what is read
-        ("nothing",                AXIS,              "",            Home::immediate(100.0, 100.0)),
+        // why,                    of the axis,       keys of home,  homing,   sensor,  the edges of its switch
+        ("nothing",                AXIS,              "",            standing, Sensor::default(), None),
         ("everything",             AXIS,
             "mode = \"passive\", sequence = \"Switch-Marker\", direction = \"unidirectional-reverse\", position = 5, \
              offset = -2, speed = 8, return_speed = 3, acceleration = 60, deceleration = 70, \
-             switch = { min = -1, max = 1.5 }, marker = { at = 0.25, every = 2 }", full),
-        ("no input",               AXIS,              "sequence = \"switch\", speed = 8", moving),
-        ("the usual switch",       AXIS,              "sequence = \"switch\", speed = 8, switch = {}", Home { switch: switch(0.0, infinity), ..moving }),
-        ("a switch up to",         AXIS,              "sequence = \"switch\", speed = 8, switch = { max = 3 }", Home { switch: switch(-infinity, 3.0), ..moving }),
-        ("the only marker",        AXIS,              "marker = {}", Home { marker: Some(HomeMarker { at: 0.0, every: None }), ..Home::immediate(100.0, 100.0) }),
-        ("a marker a turn",        TURNTABLE,         "marker = {}", Home { marker: Some(HomeMarker { at: 0.0, every: Some(360.0) }), ..Home::immediate(100.0, 100.0) }),
-        ("a switch across 0",      TURNTABLE,         "switch = { min = 350, max = 10 }", Home { switch: switch(350.0, 10.0), ..Home::immediate(100.0, 100.0) }),
+             switch = { min = -1, max = 1.5 }, marker = { at = 0.25, every = 2 }", full, both, Some(two)),
+        ("no input",               AXIS,              "sequence = \"switch\", speed = 8", moving, Sensor::default(), None),
+        ("the usual switch",       AXIS,              "sequence = \"switch\", speed = 8, switch = {}", moving, switch(0.0, infinity), Some(forward)),
+        ("a switch up to",         AXIS,              "sequence = \"switch\", speed = 8, switch = { max = 3 }", moving, switch(-infinity, 3.0), Some(reverse)),
+        ("the only marker",        AXIS,              "marker = {}", standing, marker(None), None),
+        ("a marker a turn",        TURNTABLE,         "marker = {}", standing, marker(Some(360.0)), None),
+        ("a switch across 0",      TURNTABLE,         "switch = { min = 350, max = 10 }", standing, switch(350.0, 10.0), Some(two)),
     ];
-    for (why, axis, keys, expected) in cases {
+    for (why, axis, keys, homing, sensor, switch) in cases {
         let text = format!("{axis}home = {{ {keys} }}\n");
         let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{why}: {error}"));
-        assert_eq!(project.machine.axes[0].home, expected, "{why}");
+        let (axis, drive) = (&project.machine.axes[0], project.machine.drives[0]);
+        let sensor = Sensor {
+            turn: axis.unwind,
+            ..sensor
+        };
+        assert_eq!(drive.map(|drive| drive.sensor), Some(sensor), "{why}");
+        let inputs = HomeInputs {
+            switch,
+            marker: sensor.marker.is_some(),
+            stops: false,
+        };
+        assert_eq!(axis.home, Home { inputs, ..homing }, "{why}");
     }
     let text = format!("{AXIS}home = {{ sequence = \"marker\", speed = 1, marker = {{}} }}\n");
     let project = load(&text, "m.toml").unwrap_or_else(|error| panic!("{error}"));

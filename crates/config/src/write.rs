@@ -4,7 +4,7 @@
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
     Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Geometry, Home,
-    HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot,
+    HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot, Sensor, SimulatedDrive,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
@@ -57,7 +57,7 @@ pub fn table(project: &Project) -> Table {
         ("coarse_update_period_ms", Value::Float(machine.period_ns as f64 / 1e6)),
     ];
     root.insert("motion_group".into(), keys(group));
-    list(&mut root, "axis", machine.axes.iter().map(axis));
+    list(&mut root, "axis", machine.axes.iter().zip(&machine.drives).map(axis));
     list(
         &mut root,
         "coordinate_system",
@@ -124,7 +124,7 @@ fn key_text(key: &str) -> String {
     line.trim_end().trim_end_matches(" = 0").to_owned()
 }
 
-fn axis(axis: &Axis) -> Value {
+fn axis((axis, drive): (&Axis, &Option<SimulatedDrive>)) -> Value {
     let mut table = dynamics([
         axis.max_speed,
         axis.max_acceleration,
@@ -136,7 +136,7 @@ fn axis(axis: &Axis) -> Value {
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
     put("name", text(&axis.name));
     let kind = match axis.kind {
-        AxisKind::Servo(_) => "servo",
+        AxisKind::Servo => "servo",
         AxisKind::Virtual => "virtual",
         AxisKind::Feedback => "feedback",
     };
@@ -157,19 +157,17 @@ fn axis(axis: &Axis) -> Value {
         ("homed", Value::Boolean(axis.start.homed)),
     ];
     put("start", keys(start));
-    if let AxisKind::Servo(drive) = axis.kind {
+    if let Some(SimulatedDrive { settings, .. }) = drive {
+        let limit = |limit: f64| limit.is_finite().then_some(limit);
         let mut drive_table = Table::new();
         for (key, number) in [
-            ("position_bandwidth_hz", Some(drive.position_bandwidth_hz)),
-            ("velocity_feedforward", Some(drive.velocity_feedforward)),
-            ("position_error_tolerance", Some(drive.position_error_tolerance)),
-            (
-                "position_error_tolerance_time",
-                Some(drive.position_error_tolerance_time),
-            ),
-            ("speed_limit", drive.speed_limit),
-            ("torque_limit", drive.torque_limit),
-            ("encoder_resolution", drive.encoder_resolution),
+            ("position_bandwidth_hz", Some(settings.bandwidth)),
+            ("velocity_feedforward", Some(settings.feedforward)),
+            ("position_error_tolerance", Some(axis.position_error.tolerance)),
+            ("position_error_tolerance_time", Some(axis.position_error.time)),
+            ("speed_limit", limit(settings.speed_limit)),
+            ("torque_limit", limit(settings.torque_limit)),
+            ("encoder_resolution", settings.encoder_resolution),
         ] {
             drive_table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
         }
@@ -189,7 +187,10 @@ fn axis(axis: &Axis) -> Value {
     if !inputs.is_empty() {
         put("registration", Value::Table(inputs));
     }
-    put("home", home(&axis.home));
+    put(
+        "home",
+        home(&axis.home, drive.map(|drive| drive.sensor).unwrap_or_default()),
+    );
     let mode = ProgrammedStopMode::ALL
         .iter()
         .find(|(_, mode)| *mode == axis.programmed_stop_mode);
@@ -220,7 +221,7 @@ fn axis(axis: &Axis) -> Value {
     Value::Table(table)
 }
 
-fn home(home: &Home) -> Value {
+fn home(home: &Home, sensor: Sensor) -> Value {
     let mode = match home.mode {
         HomeMode::Passive => "passive",
         HomeMode::Active => "active",
@@ -257,13 +258,13 @@ fn home(home: &Home) -> Value {
     if home.deceleration > 0.0 {
         put("deceleration", Value::Float(home.deceleration));
     }
-    if let Some(switch) = home.switch {
-        let ends = [("min", switch.min), ("max", switch.max)];
+    if let Some([min, max]) = sensor.switch {
+        let ends = [("min", min), ("max", max)];
         let ends = ends.into_iter().filter(|(_, end)| end.is_finite());
         put("switch", keys(ends.map(|(key, end)| (key, Value::Float(end)))));
     }
-    if let Some(marker) = home.marker {
-        let places = [("at", Some(marker.at)), ("every", marker.every)];
+    if let Some((at, every)) = sensor.marker {
+        let places = [("at", Some(at)), ("every", every)];
         let places = places
             .into_iter()
             .filter_map(|(key, place)| Some((key, Value::Float(place?))));

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use arcline_drive::Drives;
 use arcline_instruction_set::{AxisId, Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object, SystemId};
-use arcline_motion::machine::{self, DynamicsBits, Machine};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;
+use crate::machine::{self, DynamicsBits, Machine};
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
@@ -257,7 +257,7 @@ impl Controller {
 
     /// Takes what was written to a tag that the machine reads. Real-time.
     pub fn input(&mut self, input: Input) {
-        self.motion.input(input);
+        self.motion.input(input, self.drives.as_mut());
     }
 
     /// Stops everything that moves, every axis by itself. Real-time.

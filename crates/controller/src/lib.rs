@@ -8,13 +8,14 @@
 mod controller;
 mod drives;
 pub mod image;
+pub mod machine;
 pub mod samples;
 mod snapshot;
 
 pub use arcline_drive as drive;
 pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
-    Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written, machine,
+    Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written,
 };
 pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
 pub use drives::simulated;

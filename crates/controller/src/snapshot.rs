@@ -1,6 +1,6 @@
 //! The state of the whole machine at one tick, as the rest of the program sees it.
 
-use arcline_motion::machine::Machine;
+use crate::machine::Machine;
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
 
 /// Every axis and coordinate system at the end of one tick.

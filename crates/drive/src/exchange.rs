@@ -23,6 +23,14 @@ pub trait Drives: fmt::Debug + Send {
     /// [`ExchangeLost`] when no feedback came: `feedback` then means nothing.
     fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost>;
 
+    /// A registration input that clients write to a tag, and that is not wired to a drive, has changed at the present tick, behind the
+    /// last exchange. The drive latches it as if it was wired to it: `feedback` is that of the axis, and gets the input and the latch.
+    ///
+    /// Drives that have all their inputs at their own terminals ignore it.
+    fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
+        let _ = (input, feedback);
+    }
+
     /// When axes whose set-points stand came within a tolerance of them: by the norm of their following errors, during the update
     /// that the last exchange ended. `stood`: for how long the set-points have stood at its end, seconds.
     ///
@@ -118,6 +126,19 @@ pub struct Latch {
     pub position: f64,
 }
 
+/// A registration input that is written instead of wired.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WrittenInput {
+    /// The axis.
+    pub axis: AxisId,
+    /// Which of its registration inputs: 0 or 1.
+    pub input: usize,
+    /// The input is active now.
+    pub on: bool,
+    /// Its latch, as it is armed now.
+    pub armed: Option<ArmLatch>,
+}
+
 /// What comes in from the drive of one axis at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Feedback {
@@ -180,4 +201,6 @@ pub enum Saturation {
 pub struct Inputs {
     /// The home switch is active.
     pub home: bool,
+    /// The registration inputs are active.
+    pub registration: [bool; REGISTRATION_LATCHES.len()],
 }

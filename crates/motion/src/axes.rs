@@ -12,7 +12,7 @@ use arcline_profile::KinematicState;
 use crate::axis::generator::Law;
 use crate::axis::sum::Slot;
 use crate::axis::{Axis, AxisState};
-use crate::machine::Machine;
+use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
 
@@ -22,14 +22,17 @@ pub(crate) struct Axes {
     axes: Vec<Axis>,
     /// The feedback of the present tick is there.
     pub(crate) exchanged: bool,
+    /// One of them has an execution target of output cams.
+    pub(crate) have_output_cams: bool,
 }
 
 impl Axes {
     /// The axes of a machine at rest. The only allocation.
-    pub(crate) fn new(machine: &Machine, clock: &Clock) -> Self {
+    pub(crate) fn new(machine: &MotionGroup, clock: &Clock) -> Self {
         Axes {
             axes: machine.axes.iter().map(|axis| Axis::new(axis, clock)).collect(),
             exchanged: true,
+            have_output_cams: machine.axes.iter().any(|axis| axis.output_cam_targets > 0),
         }
     }
 
@@ -84,20 +87,28 @@ impl Axes {
 
     fn read_links(&mut self, axis: AxisId, clock: &Clock) {
         if !self[axis].links.is_empty() {
-            let mut links = self[axis].links;
-            for link in links.iter_mut() {
-                link.master
-                    .read(&self.master_at(link.master.axis, link.master.reference, clock), clock);
+            let mut place = 0;
+            loop {
+                let Some(link) = self[axis].links.iter().nth(place) else {
+                    break;
+                };
+                let master = &link.master;
+                let at = self.master_at(master.axis, master.reference, clock);
+                if let Some(link) = self[axis].links.iter_mut().nth(place) {
+                    link.master.read(&at, clock);
+                }
+                place += 1;
             }
-            self[axis].links = links;
         }
         for slot in Slot::GUIDED {
-            let Some(mut guide) = self[axis].sum.get(slot).and_then(|generator| generator.guide) else {
+            let generator = self[axis].sum.get(slot);
+            let Some(master) = generator.and_then(|generator| Some(&generator.guide.as_ref()?.master)) else {
                 continue;
             };
-            guide.advance(&self.master_at(guide.master.axis, guide.master.reference, clock), clock);
-            if let Some(generator) = self[axis].sum.get_mut(slot) {
-                generator.guide = Some(guide);
+            let at = self.master_at(master.axis, master.reference, clock);
+            let generator = self[axis].sum.get_mut(slot);
+            if let Some(guide) = generator.and_then(|generator| generator.guide.as_mut()) {
+                guide.advance(&at, clock);
             }
         }
     }

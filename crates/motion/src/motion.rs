@@ -33,7 +33,7 @@ use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
 use crate::instructions;
-use crate::machine::Machine;
+use crate::machine::MotionGroup;
 use crate::order::Order;
 use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -86,7 +86,7 @@ const ARRAY_WRITES: usize = 1024;
 
 impl Motion {
     /// The machine at rest, before its first tick. The only allocation.
-    pub fn new(machine: &Machine) -> Self {
+    pub fn new(machine: &MotionGroup) -> Self {
         let clock = Clock::at(0, machine.period_ns.max(1));
         Motion {
             clock,
@@ -321,7 +321,7 @@ impl Motion {
 
 /// The coordinate systems of a machine. A corner may change the velocity of an axis by what its Maximum
 /// Acceleration allows within one update (spec/coordinated-instructions.md §7.5).
-fn systems(machine: &Machine) -> Systems {
+fn systems(machine: &MotionGroup) -> Systems {
     let step = |axis: &AxisId| {
         let axis = machine.axes.get(usize::from(*axis));
         axis.map_or(0.0, |axis| axis.max_acceleration * machine.period())
@@ -342,7 +342,7 @@ fn systems(machine: &Machine) -> Systems {
 }
 
 /// What planned contours of a coordinate system keep of the limits of its axes.
-fn enforced(machine: &Machine, system: &crate::machine::CoordinateSystem) -> AxisLimits {
+fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) -> AxisLimits {
     let unlimited = Point::repeat(f64::INFINITY);
     let mut limits = AxisLimits {
         speed: unlimited,

@@ -26,7 +26,7 @@ const STANDSTILL: f64 = 1e-3;
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.actual;
     let [first, second] = &axis.registrations;
-    let saturation = axis.link.feedback.saturation;
+    let (saturation, inputs) = (axis.link.feedback.saturation, axis.link.feedback.inputs);
     let command = axis.command;
     let offset = &axis.cams(Slot::PositionCam).offset;
     AxisSnapshot {
@@ -87,9 +87,9 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
         .into_iter()
         .fold(0, with),
         cip_io: [
-            (axis.link.feedback.inputs.home, cip_axis_io_status::HOME_INPUT_STATUS),
-            (first.on, cip_axis_io_status::REGISTRATION1_INPUT_STATUS),
-            (second.on, cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
+            (inputs.home, cip_axis_io_status::HOME_INPUT_STATUS),
+            (inputs.registration[0], cip_axis_io_status::REGISTRATION1_INPUT_STATUS),
+            (inputs.registration[1], cip_axis_io_status::REGISTRATION2_INPUT_STATUS),
         ]
         .into_iter()
         .fold(0, with),

@@ -1,67 +1,15 @@
 //! The loop body allocates nothing, and what a tick says of itself is out before its snapshot.
 
-use arcline_controller::machine::{
-    Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, Machine, ProgrammedStopMode, Start,
-};
+mod machine;
+
 use arcline_controller::{Command, Controller, Ticket};
-use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
+use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
 use arcline_realtime::{Link, Options, link, spawn, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use machine::machine;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-fn machine(period_ns: u64) -> Machine {
-    let axis = |name: &str, kind| Axis {
-        name: name.to_owned(),
-        kind,
-        units: "mm".to_owned(),
-        max_speed: 1000.0,
-        max_acceleration: 10_000.0,
-        max_deceleration: 10_000.0,
-        max_acceleration_jerk: 200_000.0,
-        max_deceleration_jerk: 200_000.0,
-        dynamics_bits: arcline_controller::machine::DynamicsBits::ALL,
-        travel: None,
-        unwind: None,
-        start: Start::default(),
-        programmed_stop_mode: ProgrammedStopMode::default(),
-        exception_actions: ExceptionActions::default(),
-        average_velocity_timebase: 0.25,
-        command_limits: Default::default(),
-        inputs: Default::default(),
-        output_cam_targets: 0,
-        home: arcline_controller::machine::Home::immediate(1.0, 1.0),
-    };
-    Machine {
-        period_ns,
-        group: "Motion".to_owned(),
-        axes: vec![
-            axis("X", AxisKind::Servo(Drive::default())),
-            axis("Y", AxisKind::Virtual),
-        ],
-        systems: vec![CoordinateSystem {
-            name: "CS1".to_owned(),
-            axes: vec![AxisId(0), AxisId(1)],
-            max_speed: 500.0,
-            max_acceleration: 5000.0,
-            max_deceleration: 5000.0,
-            max_acceleration_jerk: 100_000.0,
-            max_deceleration_jerk: 100_000.0,
-            dynamics_bits: arcline_controller::machine::DynamicsBits::ALL,
-            actual_tolerance: 0.01,
-            command_tolerance: 0.5,
-            queue_depth: 1,
-            corner: Default::default(),
-            axis_limits: Default::default(),
-            deviation: Default::default(),
-            joint_limits: Default::default(),
-            robot: None,
-            orientation: None,
-        }],
-        transforms: Vec::new(),
-    }
-}
 
 /// A line at 100 units/s and 2000 units/s², trapezoidal, termination type 1.
 fn line(control: ControlSlot, to: [f64; 2]) -> Call {

@@ -1,70 +1,18 @@
 //! Requests to stop come before every command, and a stop under way only becomes harder. On a virtual clock.
 
-use arcline_controller::machine::{
-    Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, Machine, ProgrammedStopMode, Start,
-};
+mod machine;
+
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, JogEnd, MAX_OPERANDS, Mnemonic};
 use arcline_realtime::{COMMANDS, Link, Rings, link, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use machine::machine;
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 /// The axis that jogs: Y, a virtual one, 10,000 units/s² and 200,000 units/s³ at most.
 const Y: u16 = 1;
-
-fn machine(period_ns: u64) -> Machine {
-    let axis = |name: &str, kind| Axis {
-        name: name.to_owned(),
-        kind,
-        units: "mm".to_owned(),
-        max_speed: 1000.0,
-        max_acceleration: 10_000.0,
-        max_deceleration: 10_000.0,
-        max_acceleration_jerk: 200_000.0,
-        max_deceleration_jerk: 200_000.0,
-        dynamics_bits: arcline_controller::machine::DynamicsBits::ALL,
-        travel: None,
-        unwind: None,
-        start: Start::default(),
-        programmed_stop_mode: ProgrammedStopMode::default(),
-        exception_actions: ExceptionActions::default(),
-        average_velocity_timebase: 0.25,
-        command_limits: Default::default(),
-        inputs: Default::default(),
-        output_cam_targets: 0,
-        home: arcline_controller::machine::Home::immediate(1.0, 1.0),
-    };
-    Machine {
-        period_ns,
-        group: "Motion".to_owned(),
-        axes: vec![
-            axis("X", AxisKind::Servo(Drive::default())),
-            axis("Y", AxisKind::Virtual),
-        ],
-        systems: vec![CoordinateSystem {
-            name: "CS1".to_owned(),
-            axes: vec![AxisId(0), AxisId(1)],
-            max_speed: 500.0,
-            max_acceleration: 5000.0,
-            max_deceleration: 5000.0,
-            max_acceleration_jerk: 100_000.0,
-            max_deceleration_jerk: 100_000.0,
-            dynamics_bits: arcline_controller::machine::DynamicsBits::ALL,
-            actual_tolerance: 0.01,
-            command_tolerance: 0.5,
-            queue_depth: 1,
-            corner: Default::default(),
-            axis_limits: Default::default(),
-            deviation: Default::default(),
-            joint_limits: Default::default(),
-            robot: None,
-            orientation: None,
-        }],
-        transforms: Vec::new(),
-    }
-}
 
 /// An instruction of Y with some operands; the others are 0.
 fn call(mnemonic: Mnemonic, control: u32, operands: &[(&str, f64)]) -> Call {

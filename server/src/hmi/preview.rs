@@ -92,7 +92,8 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
 /// The machine with its axes as they are now, or as they will be where moves under way end.
 fn present(machine: &Machine, view: &View<'_>) -> Machine {
     let mut machine = machine.clone();
-    for (axis, now) in machine.axes.iter_mut().zip(&view.snapshot.axes) {
+    let motion = &mut machine.motion;
+    for (axis, now) in motion.axes.iter_mut().zip(&view.snapshot.axes) {
         axis.start = Start {
             position: now.command[0],
             servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
@@ -101,13 +102,13 @@ fn present(machine: &Machine, view: &View<'_>) -> Machine {
             redefined: now.redefined,
         };
     }
-    for (place, system) in machine.systems.iter().enumerate() {
+    for (place, system) in motion.systems.iter().enumerate() {
         let Some(last) = view.moves.of(place).last() else {
             continue;
         };
         let end = last.accepted.path.end();
         for (axis, position) in system.linear().iter().zip(end.iter()) {
-            let axis = machine.axes.get_mut(usize::from(*axis));
+            let axis = motion.axes.get_mut(usize::from(*axis));
             if let Some(axis) = axis.filter(|axis| !axis.is_rotary()) {
                 axis.start.position = *position;
             }

@@ -8,7 +8,7 @@ use arcline_controller::drive::{
     DriveState, Drives, ExchangeLost, Feedback, HOME_LATCH, Inputs, KinematicState, LATCHES, Latch,
     REGISTRATION_LATCHES, SetPoint, Trigger,
 };
-use arcline_instruction_set::predefined::axis_status;
+use arcline_instruction_set::predefined::{axis_status, cip_axis_io_status};
 use arcline_instruction_set::{FaultKind, FaultSet, Flag};
 use arcline_tests::bench::{Bench, OK};
 
@@ -79,6 +79,7 @@ impl Drive {
             faults: self.faults,
             inputs: Inputs {
                 home: self.position >= SWITCH,
+                registration: [self.position >= MARK, false],
             },
             ..Feedback::default()
         };
@@ -317,8 +318,17 @@ fn a_registration_latch_has_the_exact_position_and_time() {
     assert_eq!(bench.call("MAR(X, R, PositiveEdge, Disabled, 0, 0, 1)"), OK);
     assert_eq!(bench.call(&format!("MAM(X, M, 1, 60, {RATES})")), OK);
     let from = bench.now();
+    // The drive has the input at its own terminal: the tag means nothing to it.
+    bench.write("Mark", 1.0);
+    bench.tick();
+    assert_eq!(bench.bits("R"), "EN DN IP");
+    assert_eq!(
+        bench.axis("X").cip_io & cip_axis_io_status::REGISTRATION1_INPUT_STATUS,
+        0
+    );
     bench.until("R", Flag::Pc);
     let shown = bench.axis("X");
+    assert_ne!(shown.cip_io & cip_axis_io_status::REGISTRATION1_INPUT_STATUS, 0);
     assert!(
         (shown.registered[0][0] - (500.0 + MARK)).abs() < 1e-9,
         "{:?}",

@@ -1,17 +1,19 @@
 //! An `[[axis]]` table.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, CommandLimits, Drive, ExceptionActions, ProgrammedStopMode, Start, Travel,
+    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, ProgrammedStopMode, Sensor, Settings,
+    SimulatedDrive, Start, Travel,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
 use super::dynamics::Dynamics;
-use super::home::home;
+use super::home::{home, marker, switch};
 use super::inputs::inputs;
 use super::names::Taken;
 use crate::section::Section;
 
-pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Axis {
+/// The axis, and the drive of a servo.
+pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> (Axis, Option<SimulatedDrive>) {
     let name = names.take_name(section, "name");
     let kind = section.word("type").unwrap_or_default();
     let (servo, feedback) = (kind != "virtual" && kind != "feedback", kind == "feedback");
@@ -22,16 +24,20 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Axis {
         section.conflict("travel", "unwind", "a rotary axis has no soft limits");
     }
     let mut home = home(section, &dynamics, unwind, servo);
-    home.stops = travel.filter(|_| servo).map(|Travel { min, max }| [min, max]);
     if section.has("drive") && !servo {
         section.conflict("drive", "type = \"virtual\"", "only a servo has a drive");
     }
+    let drive = servo.then(|| SimulatedDrive {
+        settings: settings(section),
+        sensor: sensor(section, travel, unwind),
+    });
+    home.inputs = drive.map(|drive| drive.home_inputs()).unwrap_or_default();
     let kind = match (servo, feedback) {
-        (true, _) => AxisKind::Servo(drive(section)),
+        (true, _) => AxisKind::Servo,
         (false, true) => AxisKind::Feedback,
         (false, false) => AxisKind::Virtual,
     };
-    Axis {
+    let axis = Axis {
         name,
         kind,
         units: section.text_or_default("units"),
@@ -49,9 +55,15 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> Axis {
         exception_actions: exception_actions(section, servo || feedback),
         average_velocity_timebase: section.required("average_velocity_timebase"),
         command_limits: command_limits(section, CommandLimits::of_kind(&kind)),
+        position_error: if servo {
+            position_error(section)
+        } else {
+            PositionErrorLimit::OFF
+        },
         output_cam_targets: section.integer("output_cam_execution_targets").unwrap_or_default(),
         inputs: inputs(section, feedback),
-    }
+    };
+    (axis, drive)
 }
 
 fn travel(axis: &Section<'_>) -> Option<Travel> {
@@ -63,16 +75,33 @@ fn travel(axis: &Section<'_>) -> Option<Travel> {
     present.then_some(Travel { min, max })
 }
 
-fn drive(axis: &Section<'_>) -> Drive {
+fn settings(axis: &Section<'_>) -> Settings {
     let (section, _) = axis.table("drive");
-    Drive {
-        position_bandwidth_hz: section.required("position_bandwidth_hz"),
-        velocity_feedforward: section.required("velocity_feedforward"),
-        position_error_tolerance: section.required("position_error_tolerance"),
-        position_error_tolerance_time: section.required("position_error_tolerance_time"),
-        speed_limit: section.number("speed_limit"),
-        torque_limit: section.number("torque_limit"),
+    Settings {
+        bandwidth: section.required("position_bandwidth_hz"),
+        feedforward: section.required("velocity_feedforward"),
+        speed_limit: section.number("speed_limit").unwrap_or(f64::INFINITY),
+        torque_limit: section.number("torque_limit").unwrap_or(f64::INFINITY),
         encoder_resolution: section.number("encoder_resolution"),
+    }
+}
+
+fn position_error(axis: &Section<'_>) -> PositionErrorLimit {
+    let (section, _) = axis.table("drive");
+    PositionErrorLimit {
+        tolerance: section.required("position_error_tolerance"),
+        time: section.required("position_error_tolerance_time"),
+    }
+}
+
+/// The travel limits are where the mechanical stops are.
+fn sensor(axis: &Section<'_>, travel: Option<Travel>, turn: Option<f64>) -> Sensor {
+    let (home, _) = axis.table("home");
+    Sensor {
+        switch: switch(&home, turn),
+        marker: marker(&home, turn),
+        stops: travel.map(|Travel { min, max }| [min, max]),
+        turn,
     }
 }
 

@@ -1,11 +1,11 @@
-//! `home` of an `[[axis]]` table: how MAH homes it, and the simulated sensor (spec/axis-and-data-types.md §9.4, §11).
+//! `home` of an `[[axis]]` table: how MAH homes it, and the sensor of its simulated drive (spec/axis-and-data-types.md §9.4, §11).
 
-use arcline_controller::machine::{Home, HomeDirection, HomeMarker, HomeMode, HomeSequence, HomeSwitch};
+use arcline_controller::machine::{Home, HomeDirection, HomeInputs, HomeMode, HomeSequence};
 
 use super::dynamics::Dynamics;
 use crate::section::Section;
 
-/// `turn`: the axis's `unwind`. Only a servo has inputs for a sensor.
+/// `turn`: the axis's `unwind`. Only a servo has inputs for a sensor; which ones, its drive says.
 pub(super) fn home(axis: &Section<'_>, dynamics: &Dynamics, turn: Option<f64>, servo: bool) -> Home {
     let (section, _) = axis.table("home");
     let mode = match section.word("mode") {
@@ -50,14 +50,12 @@ pub(super) fn home(axis: &Section<'_>, dynamics: &Dynamics, turn: Option<f64>, s
         return_speed: section.number("return_speed").unwrap_or(speed),
         acceleration: section.number("acceleration").unwrap_or(dynamics.acceleration),
         deceleration: section.number("deceleration").unwrap_or(dynamics.deceleration),
-        switch: switch(&section, turn),
-        marker: marker(&section, turn),
-        stops: None,
+        inputs: HomeInputs::default(),
     }
 }
 
 /// The interval in which the switch is active: 0 and up where nothing else is said.
-fn switch(home: &Section<'_>, turn: Option<f64>) -> Option<HomeSwitch> {
+pub(super) fn switch(home: &Section<'_>, turn: Option<f64>) -> Option<[f64; 2]> {
     let (section, present) = home.table("switch");
     let (min, max) = (section.number("min"), section.number("max"));
     if !present {
@@ -65,14 +63,11 @@ fn switch(home: &Section<'_>, turn: Option<f64>) -> Option<HomeSwitch> {
     }
     let Some(turn) = turn else {
         let open = if max.is_some() { f64::NEG_INFINITY } else { 0.0 };
-        let switch = HomeSwitch {
-            min: min.unwrap_or(open),
-            max: max.unwrap_or(f64::INFINITY),
-        };
-        if switch.min >= switch.max {
+        let [min, max] = [min.unwrap_or(open), max.unwrap_or(f64::INFINITY)];
+        if min >= max {
             section.refuse_value("max", "a number above `min`");
         }
-        return Some(switch);
+        return Some([min, max]);
     };
     for (key, place) in [("min", min), ("max", max)] {
         match place {
@@ -85,14 +80,11 @@ fn switch(home: &Section<'_>, turn: Option<f64>) -> Option<HomeSwitch> {
     if min.is_some() && min == max {
         section.refuse_value("max", "another number than `min`");
     }
-    Some(HomeSwitch { min: min?, max: max? })
+    Some([min?, max?])
 }
 
-/// The marker: at 0, of a rotary axis once a turn, where nothing else is said.
-fn marker(home: &Section<'_>, turn: Option<f64>) -> Option<HomeMarker> {
+/// The marker, and the distance between two: at 0, of a rotary axis once a turn, where nothing else is said.
+pub(super) fn marker(home: &Section<'_>, turn: Option<f64>) -> Option<(f64, Option<f64>)> {
     let (section, present) = home.table("marker");
-    present.then(|| HomeMarker {
-        at: section.required("at"),
-        every: section.number("every").or(turn),
-    })
+    present.then(|| (section.required("at"), section.number("every").or(turn)))
 }

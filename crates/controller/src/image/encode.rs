@@ -7,7 +7,7 @@ use arcline_tag::Template;
 use super::Health;
 use super::shared::Memory;
 use crate::Snapshot;
-use crate::machine::{AxisKind, Machine};
+use crate::machine::Machine;
 
 /// Number of an axis that is shown.
 #[derive(Clone, Copy, Debug)]
@@ -149,15 +149,15 @@ impl Encoder {
         let feedforward = template
             .member("VelocityFeedforwardGain")
             .map(|member| member.offset as usize);
-        for (place, axis) in (FIRST_AXIS..).zip(&machine.axes) {
+        for (place, (axis, drive)) in (FIRST_AXIS..).zip(machine.axes.iter().zip(&machine.drives)) {
             let Some(bytes) = memory.get_mut(place) else { continue };
             let layout = if axis.is_virtual() { &self.virtual_ } else { &self.cip };
             if let Some(offset) = layout.interpolation_time {
                 put(bytes, offset, 0i32.to_le_bytes());
             }
-            if let AxisKind::Servo(drive) = axis.kind {
-                let percent = drive.velocity_feedforward * 100.0;
-                for (offset, value) in [(bandwidth, drive.position_bandwidth_hz), (feedforward, percent)] {
+            if let Some(drive) = drive {
+                let percent = drive.settings.feedforward * 100.0;
+                for (offset, value) in [(bandwidth, drive.settings.bandwidth), (feedforward, percent)] {
                     if let Some(offset) = offset {
                         put(bytes, offset, (value as f32).to_le_bytes());
                     }

@@ -8,62 +8,24 @@ use arcline_motion::{CallData, Cause};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
-use crate::machine::{Axis, AxisKind, CoordinateSystem, Drive, ExceptionActions, ProgrammedStopMode, Start};
+use crate::machine::{Axis, AxisKind, CoordinateSystem, MotionGroup};
 use crate::{AxisSnapshot, CONTROL_SLOTS, Ticket};
 
-fn axis(name: &str, kind: AxisKind) -> Axis {
-    Axis {
-        name: name.to_owned(),
-        kind,
-        units: "mm".to_owned(),
-        max_speed: 1000.0,
-        max_acceleration: 10_000.0,
-        max_deceleration: 10_000.0,
+pub(super) fn machine() -> Machine {
+    let axis = |name: &str, kind| Axis {
         max_acceleration_jerk: 200_000.0,
         max_deceleration_jerk: 200_000.0,
-        dynamics_bits: crate::machine::DynamicsBits::ALL,
-        travel: None,
-        unwind: None,
-        start: Start::default(),
-        programmed_stop_mode: ProgrammedStopMode::default(),
-        exception_actions: ExceptionActions::default(),
-        average_velocity_timebase: 0.25,
-        command_limits: Default::default(),
-        inputs: Default::default(),
-        output_cam_targets: 0,
-        home: crate::machine::Home::immediate(1.0, 1.0),
-    }
-}
-
-pub(super) fn machine() -> Machine {
-    Machine {
-        period_ns: 1_000_000,
-        group: "Motion".to_owned(),
-        axes: vec![
-            axis("X", AxisKind::Servo(Drive::default())),
-            axis("V", AxisKind::Virtual),
-        ],
-        systems: vec![CoordinateSystem {
-            name: "CS1".to_owned(),
-            axes: vec![AxisId(0), AxisId(1)],
-            max_speed: 500.0,
-            max_acceleration: 5000.0,
-            max_deceleration: 5000.0,
-            max_acceleration_jerk: 100_000.0,
-            max_deceleration_jerk: 100_000.0,
-            dynamics_bits: crate::machine::DynamicsBits::ALL,
-            actual_tolerance: 0.01,
-            command_tolerance: 0.5,
-            queue_depth: 1,
-            corner: Default::default(),
-            axis_limits: Default::default(),
-            deviation: Default::default(),
-            joint_limits: Default::default(),
-            robot: None,
-            orientation: None,
-        }],
-        transforms: Vec::new(),
-    }
+        ..Axis::new(name, kind, 1000.0, 10_000.0)
+    };
+    let system = CoordinateSystem {
+        max_acceleration_jerk: 100_000.0,
+        max_deceleration_jerk: 100_000.0,
+        actual_tolerance: 0.01,
+        command_tolerance: 0.5,
+        ..CoordinateSystem::new("CS1", &[AxisId(0), AxisId(1)], 500.0, 5000.0)
+    };
+    let axes = vec![axis("X", AxisKind::Servo), axis("V", AxisKind::Virtual)];
+    Machine::new(MotionGroup::new(axes, vec![system]))
 }
 
 fn image() -> Image {

@@ -8,8 +8,8 @@ use arcline_profile::KinematicState;
 
 use super::{Drive, Sensor, Settings, Settling};
 use crate::{
-    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, Inputs, LATCHES, Latch, SetPoint,
-    Settled, Trigger,
+    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, Inputs, LATCHES, Latch,
+    REGISTRATION_LATCHES, SetPoint, Settled, Trigger, WrittenInput,
 };
 
 /// Bisections of the instant of a latch: to the last bit of an update.
@@ -95,6 +95,7 @@ impl SimulatedAxis {
             saturation: self.drive.saturation(),
             inputs: Inputs {
                 home: self.sensor.is_active(motion.position),
+                ..feedback.inputs
             },
             latches,
             ..Feedback::default()
@@ -197,6 +198,25 @@ impl Drives for SimulatedDrives {
             }
         }
         Ok(())
+    }
+
+    /// The latch closes at the tick, where the axis is then.
+    fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
+        let Some(level) = feedback.inputs.registration.get_mut(input.input) else {
+            return;
+        };
+        *level = input.on;
+        let trigger = if input.on {
+            Trigger::RegistrationOn
+        } else {
+            Trigger::RegistrationOff
+        };
+        let armed = input.armed.filter(|armed| armed.trigger == trigger);
+        feedback.latches[REGISTRATION_LATCHES[input.input]] = armed.map(|armed| Latch {
+            number: armed.number,
+            before_end_s: 0.0,
+            position: feedback.motion.position,
+        });
     }
 
     fn settled(&self, axes: &[AxisId], tolerance: f64, stood: f64) -> Settled {

@@ -31,12 +31,16 @@ impl Sensor {
         })
     }
 
+    /// Where the home switch becomes active in a direction, and inactive in the other one; infinite where it has no end.
+    pub fn edge(&self, direction: f64) -> Option<f64> {
+        self.switch.map(|[min, max]| if direction > 0.0 { min } else { max })
+    }
+
     /// The first position at which the trigger comes, from a position on; `None`: there is none in that direction.
     pub(super) fn ahead(&self, trigger: Trigger, machine: f64, direction: f64) -> Option<f64> {
-        let edge = |direction: f64| self.switch.map(|[min, max]| if direction > 0.0 { min } else { max });
         match trigger {
-            Trigger::SwitchOn => ahead(machine, edge(direction)?, direction, self.turn),
-            Trigger::SwitchOff => ahead(machine, edge(-direction)?, direction, self.turn),
+            Trigger::SwitchOn => ahead(machine, self.edge(direction)?, direction, self.turn),
+            Trigger::SwitchOff => ahead(machine, self.edge(-direction)?, direction, self.turn),
             Trigger::Marker => {
                 let (at, every) = self.marker?;
                 ahead(machine, at, direction, every)

@@ -1,4 +1,4 @@
-//! What a servo is like. Checked by whoever makes it (the configuration), not here.
+//! The settings of a simulated servo. The configuration checks them.
 
 /// A simulated servo drive with its motor, load and encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,5 +25,12 @@ impl Settings {
             torque_limit: f64::INFINITY,
             encoder_resolution: None,
         }
+    }
+}
+
+impl Default for Settings {
+    /// A bandwidth of 40 Hz, all velocity fed forward, no limits.
+    fn default() -> Self {
+        Settings::unlimited(40.0, 1.0)
     }
 }

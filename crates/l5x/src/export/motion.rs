@@ -1,7 +1,8 @@
 //! The motion group, axes and coordinate systems as tags. Keys without an attribute go to the overlay.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, CoordinateSystem, Home, HomeDirection, HomeMode, HomeSequence, Machine, ProgrammedStopMode, Robot,
+    Axis, CoordinateSystem, Home, HomeDirection, HomeMode, HomeSequence, Machine, ProgrammedStopMode, Robot,
+    SimulatedDrive,
 };
 use arcline_instruction_set::{FAULTS, FaultSet, FaultWord};
 
@@ -19,7 +20,7 @@ pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
         "MotionGroupParameters",
         &[("CoarseUpdatePeriod", micros)],
     );
-    for axis in &machine.axes {
+    for (axis, drive) in machine.axes.iter().zip(&machine.drives) {
         let word = if axis.is_virtual() {
             "AXIS_VIRTUAL"
         } else {
@@ -31,7 +32,7 @@ pub(super) fn motion(xml: &mut Xml, machine: &Machine) {
             word,
             "Axis",
             "AxisParameters",
-            &attributes(axis, &machine.group),
+            &attributes(axis, drive.as_ref(), &machine.group),
         );
     }
     for one in &machine.systems {
@@ -57,12 +58,8 @@ fn parameters(xml: &mut Xml, name: &str, word: &str, format: &str, element: &str
     xml.close("Tag");
 }
 
-fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
+fn attributes(axis: &Axis, servo: Option<&SimulatedDrive>, group: &str) -> Vec<Attribute> {
     let mut list = vec![("MotionGroup", group.to_owned())];
-    let servo = match axis.kind {
-        AxisKind::Servo(drive) => Some(drive),
-        AxisKind::Virtual | AxisKind::Feedback => None,
-    };
     if servo.is_some() {
         list.push(("AxisConfiguration", "Position Loop".to_owned()));
     }
@@ -96,17 +93,11 @@ fn attributes(axis: &Axis, group: &str) -> Vec<Attribute> {
         ProgrammedStopMode::HardShutdown => "Hard Shutdown",
     };
     list.push(("ProgrammedStopMode", stop.to_owned()));
-    if let Some(drive) = servo {
-        list.push(("PositionLoopBandwidth", write_real(drive.position_bandwidth_hz)));
-        list.push((
-            "VelocityFeedforwardGain",
-            write_real(drive.velocity_feedforward * 100.0),
-        ));
-        list.push(("PositionErrorTolerance", write_real(drive.position_error_tolerance)));
-        list.push((
-            "PositionErrorToleranceTime",
-            write_real(drive.position_error_tolerance_time),
-        ));
+    if let Some(SimulatedDrive { settings, .. }) = servo {
+        list.push(("PositionLoopBandwidth", write_real(settings.bandwidth)));
+        list.push(("VelocityFeedforwardGain", write_real(settings.feedforward * 100.0)));
+        list.push(("PositionErrorTolerance", write_real(axis.position_error.tolerance)));
+        list.push(("PositionErrorToleranceTime", write_real(axis.position_error.time)));
         list.push(("SoftTravelLimitChecking", axis.travel.is_some().to_string()));
         if let Some(travel) = axis.travel {
             list.push(("SoftTravelLimitPositive", write_real(travel.max)));

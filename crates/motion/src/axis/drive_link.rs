@@ -56,15 +56,22 @@ impl Axis {
 
     /// What goes out to the drive at the present tick.
     pub(crate) fn write_set_point(&self, out: &mut SetPoint) {
-        out.latches[HOME_LATCH] = self.home_latch();
-        for (place, registration) in REGISTRATION_LATCHES.into_iter().zip(&self.registrations) {
-            out.latches[place] = registration.latch();
+        // Few axes have a latch armed, and every axis comes here in every tick.
+        if self.arms_latches() || out.latches.iter().any(Option::is_some) {
+            out.latches[HOME_LATCH] = self.home_latch();
+            for (latch, registration) in REGISTRATION_LATCHES.into_iter().zip(&self.registrations) {
+                out.latches[latch] = registration.latch();
+            }
         }
         out.enable = self.has_drive() && self.has_torque();
         out.position = self.command.position - self.redefined;
         out.velocity = self.command.velocity;
         out.acceleration = self.command.acceleration;
         out.stood = self.link.stood;
+    }
+
+    fn arms_latches(&self) -> bool {
+        self.homing.is_some() || self.registrations.iter().any(Registration::is_armed)
     }
 
     /// Takes the feedback of the exchange at which `sent` went out; `None`: it was lost. Without torque, the command is where the axis
@@ -138,6 +145,15 @@ impl Axis {
     fn placed(&self, position: f64) -> f64 {
         if self.link.at_set_point && self.has_torque() {
             self.command.position
+        } else {
+            position + self.redefined
+        }
+    }
+
+    /// The machine position of a latch as a position of the axis: exactly the actual position where it closed at the exchange.
+    pub(crate) fn latched_at(&self, position: f64) -> f64 {
+        if position == self.link.feedback.motion.position {
+            self.actual.position
         } else {
             position + self.redefined
         }

@@ -7,7 +7,7 @@ use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
 
 use crate::cause::{Cause, FaultChange, RefusedCommand};
-use crate::machine::{Axis as Description, AxisKind, ExceptionActions, Travel};
+use crate::machine::{Axis as Description, ExceptionActions, PositionErrorLimit, Travel};
 
 /// What an axis does at one update, as far as faults look at it.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ pub(crate) struct Faults {
     possible: FaultSet,
     travel: Option<Travel>,
     /// Position Error Tolerance and its time; 0: unchecked.
-    tolerance: [f64; 2],
+    position_error: PositionErrorLimit,
     /// Causes that somebody has put there.
     injected: FaultSet,
     /// Causes that are there.
@@ -67,15 +67,11 @@ const ROUNDING: f64 = 1e-9;
 
 impl Faults {
     pub(crate) fn new(description: &Description) -> Self {
-        let tolerance = match description.kind {
-            AxisKind::Servo(drive) => [drive.position_error_tolerance, drive.position_error_tolerance_time],
-            AxisKind::Virtual | AxisKind::Feedback => [0.0; 2],
-        };
         let mut faults = Faults {
             actions: description.exception_actions,
             possible: FaultSet::possible(!description.is_virtual()),
             travel: description.travel,
-            tolerance,
+            position_error: description.position_error,
             injected: FaultSet::default(),
             causes: FaultSet::default(),
             found: FaultSet::default(),
@@ -122,7 +118,7 @@ impl Faults {
                 }
             }
         }
-        let [tolerance, time] = self.tolerance;
+        let PositionErrorLimit { tolerance, time } = self.position_error;
         match observed.error {
             Some(error) if tolerance > 0.0 && error.abs() > tolerance => {
                 // Half an update: sums of periods are not exact.
@@ -316,35 +312,15 @@ const _: () = assert!(FAULTS.len() == FaultKind::COUNT);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::{Drive, Home, ProgrammedStopMode, Start};
+    use crate::machine::AxisKind;
 
     const PERIOD: f64 = 0.001;
 
     fn axis(time: f64) -> Description {
         Description {
-            name: "X".into(),
-            kind: AxisKind::Servo(Drive {
-                position_error_tolerance: 2.0,
-                position_error_tolerance_time: time,
-                ..Drive::default()
-            }),
-            units: String::new(),
-            max_speed: 100.0,
-            max_acceleration: 1000.0,
-            max_deceleration: 1000.0,
-            max_acceleration_jerk: 10_000.0,
-            max_deceleration_jerk: 10_000.0,
-            dynamics_bits: crate::machine::DynamicsBits::ALL,
             travel: Some(Travel { min: -10.0, max: 10.0 }),
-            unwind: None,
-            start: Start::default(),
-            home: Home::immediate(100.0, 1000.0),
-            programmed_stop_mode: ProgrammedStopMode::default(),
-            exception_actions: ExceptionActions::default(),
-            average_velocity_timebase: 0.25,
-            command_limits: Default::default(),
-            inputs: Default::default(),
-            output_cam_targets: 0,
+            position_error: PositionErrorLimit { tolerance: 2.0, time },
+            ..Description::new("X", AxisKind::Servo, 100.0, 1000.0)
         }
     }
 

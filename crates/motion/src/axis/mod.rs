@@ -124,8 +124,8 @@ impl Axis {
         let position = start.position;
         let state = match &description.kind {
             AxisKind::Virtual => AxisState::Running,
-            AxisKind::Servo(_) if start.servo_on => AxisState::Starting,
-            AxisKind::Servo(_) | AxisKind::Feedback => AxisState::Stopped,
+            AxisKind::Servo if start.servo_on => AxisState::Starting,
+            AxisKind::Servo | AxisKind::Feedback => AxisState::Stopped,
         };
         let faults = Faults::new(description);
         let state = match faults.strongest() {

@@ -67,8 +67,6 @@ impl Watch {
 pub(crate) struct Registration {
     /// There is such an input.
     pub(crate) exists: bool,
-    /// It is active.
-    pub(crate) on: bool,
     armed: Option<ArmedRegistration>,
     /// The event of the last MAR came.
     pub(crate) seen: bool,

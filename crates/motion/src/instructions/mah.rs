@@ -5,7 +5,7 @@ use arcline_instruction_set::{Call, MotionError};
 use super::axis_moves::{not_faulted, not_homing, not_shut_down, not_stopping, ready, stoppable};
 use crate::axis::Axis;
 use crate::control::Execution;
-use crate::machine::{HomeMode, HomeSequence};
+use crate::machine::{HomeInputs, HomeMode, HomeSequence};
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -40,14 +40,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 /// The sequence can be run: its inputs are there, and the edge of the switch that it seeks.
 fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
     let home = &axis.home;
-    let (switch, marker) = (home.switch.is_some(), home.marker.is_some());
+    let HomeInputs { switch, marker, stops } = home.inputs;
     let assigned = match home.sequence {
         HomeSequence::Immediate => true,
-        HomeSequence::Switch => switch,
+        HomeSequence::Switch => switch.is_some(),
         HomeSequence::Marker => marker,
-        HomeSequence::SwitchMarker => switch && marker,
+        HomeSequence::SwitchMarker => switch.is_some() && marker,
         // Something must hold the axis, and something must move it there.
-        HomeSequence::Torque | HomeSequence::TorqueMarker if home.stops.is_none() || home.mode == HomeMode::Passive => {
+        HomeSequence::Torque | HomeSequence::TorqueMarker if !stops || home.mode == HomeMode::Passive => {
             return Err(MotionError::IllegalHomingConfig);
         }
         HomeSequence::Torque => true,
@@ -56,10 +56,10 @@ fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
     if !assigned {
         return Err(MotionError::DriveDigitalInputNotAssigned);
     }
-    if let Some(switch) = home.switch
+    if let Some(switch) = switch
         && home.mode == HomeMode::Active
         && matches!(home.sequence, HomeSequence::Switch | HomeSequence::SwitchMarker)
-        && !switch.edge(home.direction.sign()).is_finite()
+        && !switch.becomes_active(home.direction)
     {
         return Err(MotionError::IllegalHomingConfig);
     }

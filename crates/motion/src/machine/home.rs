@@ -1,6 +1,4 @@
-//! How an axis is homed, and the simulated sensor it is homed on (spec/axis-and-data-types.md §9.4, §11).
-//!
-//! The sensor sees the machine position: the actual position without any redefinition since the start, position units.
+//! How an axis is homed (spec/axis-and-data-types.md §9.4, §11).
 
 /// Homing of an axis.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -23,12 +21,8 @@ pub struct Home {
     pub acceleration: f64,
     /// Home Deceleration, u/s². 0 is possible where the axis's Maximum Deceleration is 0: MAH errs with 54.
     pub deceleration: f64,
-    /// The home switch; `None`: not configured.
-    pub switch: Option<HomeSwitch>,
-    /// The marker; `None`: not configured.
-    pub marker: Option<HomeMarker>,
-    /// Where the mechanical stops are that torque sequences use: machine positions, u; the travel limits. `None`: there are none.
-    pub stops: Option<[f64; 2]>,
+    /// What its drive can latch.
+    pub inputs: HomeInputs,
 }
 
 impl Home {
@@ -44,9 +38,7 @@ impl Home {
             return_speed: 0.0,
             acceleration,
             deceleration,
-            switch: None,
-            marker: None,
-            stops: None,
+            inputs: HomeInputs::default(),
         }
     }
 }
@@ -115,28 +107,35 @@ impl HomeDirection {
     }
 }
 
-/// Where the home switch is active: machine positions `min` to `max`, u. `min < max` and infinite where it has no end;
-/// of a rotary axis both within one turn, and `min > max` leads across 0.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct HomeSwitch {
-    /// Where it becomes active going forward.
-    pub min: f64,
-    /// Where it becomes active going in reverse.
-    pub max: f64,
+/// The inputs for homing that the drive of an axis has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct HomeInputs {
+    /// The home switch; `None`: not assigned.
+    pub switch: Option<HomeSwitch>,
+    /// The encoder has a marker.
+    pub marker: bool,
+    /// The axis has mechanical stops, which torque sequences need.
+    pub stops: bool,
+}
+
+/// The directions in which a home switch becomes active.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum HomeSwitch {
+    /// Forward: behind its edge it stays active.
+    Forward,
+    /// Reverse: behind its edge it stays active.
+    Reverse,
+    /// Both: it has two edges.
+    Both,
 }
 
 impl HomeSwitch {
-    /// Where it becomes active in a direction, and inactive in the other.
-    pub(crate) fn edge(&self, direction: f64) -> f64 {
-        if direction > 0.0 { self.min } else { self.max }
+    /// Whether it becomes active in the direction in which homing begins.
+    pub fn becomes_active(self, direction: HomeDirection) -> bool {
+        match self {
+            HomeSwitch::Forward => direction.sign() > 0.0,
+            HomeSwitch::Reverse => direction.sign() < 0.0,
+            HomeSwitch::Both => true,
+        }
     }
-}
-
-/// Where the marker is: machine positions, u.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct HomeMarker {
-    /// One of them.
-    pub at: f64,
-    /// The distance between two, above 0; `None`: there is only one.
-    pub every: Option<f64>,
 }

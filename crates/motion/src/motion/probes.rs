@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes.
 
-use arcline_drive::{REGISTRATION_LATCHES, Trigger};
+use arcline_drive::{Drives, REGISTRATION_LATCHES, Trigger, WrittenInput};
 use arcline_instruction_set::TagAddress;
 use arcline_instruction_set::{AxisId, Flag};
 
@@ -39,8 +39,8 @@ pub enum Input {
 }
 
 impl Motion {
-    /// Takes an input at the present tick. What means nothing changes nothing. Real-time.
-    pub fn input(&mut self, input: Input) {
+    /// Takes an input at the present tick; that of an axis that does not exist changes nothing. Real-time.
+    pub fn input(&mut self, input: Input, drives: &mut dyn Drives) {
         match input {
             Input::Position { axis, position } => self.feed(axis, position),
             Input::Word { tag, bits } => self.share_word(&Word {
@@ -48,21 +48,25 @@ impl Motion {
                 mask: u32::MAX,
                 bits,
             }),
-            Input::Registration { axis, input, on } => {
-                let time = (self.clock.tick.wrapping_mul(self.clock.period_ns) / 1000) as i32;
-                let Some(state) = self.axes.get_mut(axis) else {
-                    return;
-                };
-                let position = state.shown(state.actual.position);
-                let Some(registration) = state.registrations.get_mut(usize::from(input)) else {
-                    return;
-                };
-                registration.on = on;
-                if let Some(execution) = registration.edge(on, position, time) {
-                    self.end_move(execution, Flag::Pc.mask());
-                }
-            }
+            Input::Registration { axis, input, on } => self.write_registration(axis, usize::from(input), on, drives),
         }
+    }
+
+    /// Gives a written registration input to the drive, and takes the latch that it closes.
+    fn write_registration(&mut self, axis: AxisId, input: usize, on: bool, drives: &mut dyn Drives) {
+        let (Some(state), Some(feedback)) = (self.axes.get_mut(axis), self.feedback.get_mut(axis.index())) else {
+            return;
+        };
+        let Some(registration) = state.registrations.get(input) else {
+            return;
+        };
+        let armed = registration.latch();
+        let written = WrittenInput { axis, input, on, armed };
+        drives.write_input(&written, feedback);
+        state.link.feedback.inputs = feedback.inputs;
+        let place = REGISTRATION_LATCHES[input];
+        state.link.feedback.latches[place] = feedback.latches[place].take();
+        self.take_registrations(axis);
     }
 
     /// Registration inputs of the drive whose latches have closed.
@@ -79,7 +83,7 @@ impl Motion {
             }
             let before = (latch.before_end_s / self.clock.period() * period as f64) as u64;
             let time = (now.saturating_sub(before) / 1000) as i32;
-            let position = state.shown(latch.position + state.redefined);
+            let position = state.shown(state.latched_at(latch.position));
             let positive = armed.trigger == Trigger::RegistrationOn;
             match state.registrations[input].edge(positive, position, time) {
                 Some(execution) => self.end_move(execution, Flag::Pc.mask()),

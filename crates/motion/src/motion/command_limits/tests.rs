@@ -10,64 +10,26 @@ use arcline_profile::KinematicState;
 use crate::axis::sum::Slot;
 use crate::cause::{Cause, FaultChange};
 use crate::control::Ticket;
-use crate::machine::{
-    Axis, AxisKind, CommandLimits, CoordinateSystem, Drive, DynamicsBits, ExceptionActions, Home, Machine,
-    ProgrammedStopMode, Start,
-};
+use crate::machine::{Axis, AxisKind, CommandLimits, CoordinateSystem, ExceptionActions, MotionGroup};
 use crate::motion::Motion;
 
 /// Axes X, Y, A of 500 units/s and 5000 units/s²; X and Y are those of the coordinate system.
-fn machine(limits: CommandLimits, action: ExceptionAction) -> Machine {
+fn machine(limits: CommandLimits, action: ExceptionAction) -> MotionGroup {
     let axis = |name: &str| Axis {
-        name: name.to_owned(),
-        kind: AxisKind::Servo(Drive::default()),
-        units: "mm".to_owned(),
-        max_speed: 500.0,
-        max_acceleration: 5000.0,
-        max_deceleration: 5000.0,
         max_acceleration_jerk: 100_000.0,
         max_deceleration_jerk: 100_000.0,
-        dynamics_bits: DynamicsBits::ALL,
-        travel: None,
-        unwind: None,
-        start: Start {
-            servo_on: true,
-            ..Start::default()
-        },
-        home: Home::immediate(100.0, 1000.0),
-        programmed_stop_mode: ProgrammedStopMode::default(),
         exception_actions: ExceptionActions::default().with(FaultKind::CommandLimit, action),
-        average_velocity_timebase: 0.25,
         command_limits: limits,
-        inputs: Default::default(),
-        output_cam_targets: 0,
+        ..Axis::new(name, AxisKind::Servo, 500.0, 5000.0)
     };
     let system = CoordinateSystem {
-        name: "CS1".to_owned(),
-        axes: vec![AxisId(0), AxisId(1)],
-        max_speed: 500.0,
-        max_acceleration: 5000.0,
-        max_deceleration: 5000.0,
         max_acceleration_jerk: 100_000.0,
         max_deceleration_jerk: 100_000.0,
-        dynamics_bits: DynamicsBits::ALL,
         actual_tolerance: 0.01,
         command_tolerance: 0.5,
-        queue_depth: 1,
-        corner: Default::default(),
-        axis_limits: Default::default(),
-        deviation: Default::default(),
-        joint_limits: Default::default(),
-        robot: None,
-        orientation: None,
+        ..CoordinateSystem::new("CS1", &[AxisId(0), AxisId(1)], 500.0, 5000.0)
     };
-    Machine {
-        period_ns: 1_000_000,
-        group: "Motion".to_owned(),
-        axes: ["X", "Y", "A"].map(axis).to_vec(),
-        systems: vec![system],
-        transforms: Vec::new(),
-    }
+    MotionGroup::new(["X", "Y", "A"].map(axis).to_vec(), vec![system])
 }
 
 /// Drives whose axes are where their set-points are.

@@ -1,0 +1,254 @@
+//! The configuration of one axis. Units: position units (u), seconds.
+
+use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
+
+use super::{DynamicsBits, Home, Inputs, default_jerk};
+
+/// One axis (spec/axis-and-data-types.md §9.1 to §9.4).
+#[derive(Clone, PartialEq, Debug)]
+pub struct Axis {
+    /// Name, the axis's tag.
+    pub name: String,
+    /// Its type.
+    pub kind: AxisKind,
+    /// Label of its position units, such as `mm`.
+    pub units: String,
+    /// 100 % of speed, above 0, u/s.
+    pub max_speed: f64,
+    /// 100 % of acceleration, above 0, u/s².
+    pub max_acceleration: f64,
+    /// 100 % of deceleration, u/s². 0 is possible: instructions that need it err with 54.
+    pub max_deceleration: f64,
+    /// 100 % of acceleration jerk, above 0, u/s³.
+    pub max_acceleration_jerk: f64,
+    /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76.
+    pub max_deceleration_jerk: f64,
+    /// Dynamics Configuration Bits at start-up.
+    pub dynamics_bits: DynamicsBits,
+    /// Soft travel limits; `None`: unchecked. Never together with `unwind`.
+    pub travel: Option<Travel>,
+    /// Length of one turn of a rotary axis, above 0; `None`: a linear axis.
+    pub unwind: Option<f64>,
+    /// State at start-up.
+    pub start: Start,
+    /// How it is homed.
+    pub home: Home,
+    /// What a group stop in mode Programmed does with the axis.
+    pub programmed_stop_mode: ProgrammedStopMode,
+    /// What each fault does.
+    pub exception_actions: ExceptionActions,
+    /// Time over which AverageVelocity is taken, above 0, at most 1 s.
+    pub average_velocity_timebase: f64,
+    /// What its set-points may ask of it.
+    pub command_limits: CommandLimits,
+    /// Its following error that is a fault; nothing on an axis without a drive.
+    pub position_error: PositionErrorLimit,
+    /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`].
+    pub output_cam_targets: usize,
+    /// What it has from tags that clients write.
+    pub inputs: Inputs,
+}
+
+/// What a set-point may ask of an axis beyond the last one, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct CommandLimits {
+    /// Whether they are looked at. A set-point that is no number never goes out.
+    pub enabled: bool,
+    /// Highest speed, times Maximum Speed.
+    pub speed: f64,
+    /// Highest change of velocity, times the higher one of Maximum Acceleration and Maximum Deceleration.
+    pub acceleration: f64,
+}
+
+impl CommandLimits {
+    /// Those of an axis that is not configured otherwise: looked at where it has a drive.
+    pub fn of_kind(kind: &AxisKind) -> Self {
+        CommandLimits {
+            enabled: matches!(kind, AxisKind::Servo),
+            ..CommandLimits::default()
+        }
+    }
+}
+
+impl Default for CommandLimits {
+    /// Four times Maximum Speed, a hundred times the maximum acceleration.
+    fn default() -> Self {
+        CommandLimits {
+            enabled: true,
+            speed: 4.0,
+            acceleration: 100.0,
+        }
+    }
+}
+
+/// The action of every kind of fault (spec/axis-and-data-types.md §9.3).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ExceptionActions([ExceptionAction; FaultKind::COUNT]);
+
+impl ExceptionActions {
+    /// The action of one kind. Real-time.
+    pub fn of(&self, kind: FaultKind) -> ExceptionAction {
+        self.0[kind as usize]
+    }
+
+    /// With another action for one kind.
+    #[must_use]
+    pub fn with(mut self, kind: FaultKind, action: ExceptionAction) -> Self {
+        self.0[kind as usize] = action;
+        self
+    }
+}
+
+impl Default for ExceptionActions {
+    /// As the catalogue says.
+    fn default() -> Self {
+        ExceptionActions(FAULTS.each_ref().map(|fault| fault.default))
+    }
+}
+
+/// Programmed Stop Mode of an axis (spec/axis-and-data-types.md §4).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum ProgrammedStopMode {
+    /// Decelerate at Maximum Deceleration; the servo stays on.
+    #[default]
+    FastStop,
+    /// Decelerate, then servo off.
+    FastDisable,
+    /// Servo off now; the axis coasts.
+    HardDisable,
+    /// Decelerate, then shutdown.
+    FastShutdown,
+    /// Shutdown now.
+    HardShutdown,
+}
+
+impl ProgrammedStopMode {
+    /// Every mode with its word in the configuration, in the order of the attribute's values from 0.
+    pub const ALL: [(&'static str, ProgrammedStopMode); 5] = [
+        ("fast_stop", ProgrammedStopMode::FastStop),
+        ("fast_disable", ProgrammedStopMode::FastDisable),
+        ("hard_disable", ProgrammedStopMode::HardDisable),
+        ("fast_shutdown", ProgrammedStopMode::FastShutdown),
+        ("hard_shutdown", ProgrammedStopMode::HardShutdown),
+    ];
+}
+
+impl Axis {
+    /// A linear axis of these maxima, and the defaults of a configuration for all else: units/s and units/s².
+    pub fn new(name: &str, kind: AxisKind, max_speed: f64, max_acceleration: f64) -> Self {
+        let jerk = default_jerk(max_speed, max_acceleration);
+        Axis {
+            name: name.to_owned(),
+            kind,
+            units: "Position Units".to_owned(),
+            max_speed,
+            max_acceleration,
+            max_deceleration: max_acceleration,
+            max_acceleration_jerk: jerk,
+            max_deceleration_jerk: jerk,
+            dynamics_bits: DynamicsBits::ALL,
+            travel: None,
+            unwind: None,
+            start: Start::default(),
+            home: Home::immediate(max_acceleration, max_acceleration),
+            programmed_stop_mode: ProgrammedStopMode::default(),
+            exception_actions: ExceptionActions::default(),
+            average_velocity_timebase: 0.25,
+            command_limits: CommandLimits::of_kind(&kind),
+            position_error: PositionErrorLimit::default(),
+            output_cam_targets: 0,
+            inputs: Inputs::default(),
+        }
+    }
+
+    /// Whether its position rolls over.
+    pub fn is_rotary(&self) -> bool {
+        self.unwind.is_some()
+    }
+
+    /// How far from 0 the axis can be: 2³² coarse updates of this period (s) at Maximum Speed
+    /// (spec/coordinated-instructions.md §4.6, "The range of positions").
+    pub(crate) fn range(&self, period: f64) -> f64 {
+        const UPDATES: f64 = 4_294_967_296.0;
+        UPDATES * self.max_speed * period
+    }
+
+    /// Whether it is an AXIS_VIRTUAL.
+    pub fn is_virtual(&self) -> bool {
+        matches!(self.kind, AxisKind::Virtual)
+    }
+}
+
+/// Type of an axis.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum AxisKind {
+    /// A drive moves it; the axis is an AXIS_CIP_DRIVE.
+    Servo,
+    /// It has no drive: actual is command; the axis is an AXIS_VIRTUAL.
+    Virtual,
+    /// An encoder: it cannot be moved, its position is written to a tag; the axis is an AXIS_CIP_DRIVE.
+    Feedback,
+}
+
+/// When the following error of an axis is a fault (spec/axis-and-data-types.md §9.3).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct PositionErrorLimit {
+    /// Position Error Tolerance, u; 0 switches the check off.
+    pub tolerance: f64,
+    /// Position Error Tolerance Time: for how long the error must exceed the tolerance, s, 0 or more.
+    pub time: f64,
+}
+
+impl PositionErrorLimit {
+    /// No following error is a fault.
+    pub const OFF: PositionErrorLimit = PositionErrorLimit {
+        tolerance: 0.0,
+        time: 0.0,
+    };
+}
+
+impl Default for PositionErrorLimit {
+    /// 5 position units at once.
+    fn default() -> Self {
+        PositionErrorLimit {
+            tolerance: 5.0,
+            time: 0.0,
+        }
+    }
+}
+
+/// Soft travel limits on the actual position, u, `min < max`.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Travel {
+    /// Soft Travel Limit Negative.
+    pub min: f64,
+    /// Soft Travel Limit Positive.
+    pub max: f64,
+}
+
+/// How an axis stands at start-up.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Start {
+    /// Actual and command position, u; of a rotary axis within one turn.
+    pub position: f64,
+    /// Whether the drive is enabled. Means nothing for a virtual axis, which is always on.
+    pub servo_on: bool,
+    /// Whether the axis counts as homed.
+    pub homed: bool,
+    /// Faults that have not been reset.
+    pub faults: FaultSet,
+    /// What positions were shifted by since the machine was built: home sensor and encoder stand where they are.
+    pub redefined: f64,
+}
+
+impl Default for Start {
+    fn default() -> Self {
+        Self {
+            position: 0.0,
+            servo_on: true,
+            homed: true,
+            faults: FaultSet::default(),
+            redefined: 0.0,
+        }
+    }
+}

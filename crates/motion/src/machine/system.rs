@@ -1,0 +1,146 @@
+//! The configuration of one coordinate system. Units: position units (u), seconds.
+
+use arcline_instruction_set::AxisId;
+
+use super::{Deviation, DynamicsBits, Geometry, MAX_PRIMARY_AXES, Parameters, Wrist, default_jerk};
+
+/// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima are of the vector.
+#[derive(Clone, PartialEq, Debug)]
+pub struct CoordinateSystem {
+    /// Name, the coordinate system's tag.
+    pub name: String,
+    /// Places of its axes in [`MotionGroup::axes`](super::MotionGroup::axes), in order, each once: 1 to [`MAX_PRIMARY_AXES`], or as many as `orientation`
+    /// or a wrist in `robot` says. See [`CoordinateSystem::linear`].
+    pub axes: Vec<AxisId>,
+    /// 100 % of speed, above 0, u/s.
+    pub max_speed: f64,
+    /// 100 % of acceleration, above 0, u/s².
+    pub max_acceleration: f64,
+    /// 100 % of deceleration, u/s². 0 is possible: moves then err with 54, -1.
+    pub max_deceleration: f64,
+    /// 100 % of acceleration jerk, above 0, u/s³.
+    pub max_acceleration_jerk: f64,
+    /// 100 % of deceleration jerk, u/s³. 0 is possible: S-curves then err with 76, -1.
+    pub max_deceleration_jerk: f64,
+    /// Dynamics Configuration Bits at start-up.
+    pub dynamics_bits: DynamicsBits,
+    /// Actual Position Tolerance, u, 0 or more; 0 makes termination type 0 err with 51.
+    pub actual_tolerance: f64,
+    /// Command Position Tolerance, u, 0 or more.
+    pub command_tolerance: f64,
+    /// Pending moves behind the active one, 1 to [`MAX_QUEUE_DEPTH`](super::MAX_QUEUE_DEPTH).
+    pub queue_depth: usize,
+    /// How termination types 2, 3 and 6 shape a corner.
+    pub corner: Corner,
+    /// Where planned contours may deviate from the programmed path inside the tolerance.
+    pub deviation: Deviation,
+    /// Whether the axes' own limits lower the path speed.
+    pub axis_limits: AxisLimits,
+    /// Whether the joints of robots that a transform leads lower the path speed.
+    pub joint_limits: AxisLimits,
+    /// The robot whose joints its axes are; `None`: it is Cartesian.
+    pub robot: Option<Robot>,
+    /// Its axes are X, Y, Z, Rx, Ry, Rz, the last three in degrees: Coordinate Definition XYZRxRyRz. Never of a robot.
+    pub orientation: Option<Orientation>,
+}
+
+impl CoordinateSystem {
+    /// A Cartesian coordinate system of these maxima of the vector, and the defaults of a configuration for all else: units/s and
+    /// units/s².
+    pub fn new(name: &str, axes: &[AxisId], max_speed: f64, max_acceleration: f64) -> Self {
+        let jerk = default_jerk(max_speed, max_acceleration);
+        CoordinateSystem {
+            name: name.to_owned(),
+            axes: axes.to_vec(),
+            max_speed,
+            max_acceleration,
+            max_deceleration: max_acceleration,
+            max_acceleration_jerk: jerk,
+            max_deceleration_jerk: jerk,
+            dynamics_bits: DynamicsBits::ALL,
+            actual_tolerance: 0.0,
+            command_tolerance: 0.0,
+            queue_depth: 1,
+            corner: Corner::default(),
+            deviation: Deviation::default(),
+            axis_limits: AxisLimits::default(),
+            joint_limits: AxisLimits::default(),
+            robot: None,
+            orientation: None,
+        }
+    }
+
+    /// The axes that coordinated moves interpolate as a vector: at most [`MAX_PRIMARY_AXES`], the first ones. Real-time.
+    pub fn linear(&self) -> &[AxisId] {
+        &self.axes[..self.axes.len().min(MAX_PRIMARY_AXES)]
+    }
+
+    /// The axes behind them: Rx, Ry, Rz, or the joints J4 to J6; mostly none. Real-time.
+    pub fn oriented(&self) -> &[AxisId] {
+        &self.axes[self.axes.len().min(MAX_PRIMARY_AXES)..]
+    }
+}
+
+/// Maxima of the turn of a Cartesian coordinate system with orientation (spec/axis-and-data-types.md §9.6), each above 0.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Orientation {
+    /// 100 % of Orientation Speed, degrees/s.
+    pub max_speed: f64,
+    /// 100 % of Orientation Acceleration, degrees/s².
+    pub max_acceleration: f64,
+    /// 100 % of Orientation Deceleration, degrees/s².
+    pub max_deceleration: f64,
+}
+
+impl Orientation {
+    /// Its Coordinate Definition.
+    pub const DEFINITION: &'static str = "XYZRxRyRz";
+}
+
+/// A robot as it was described: MCT refuses one that cannot be (ERR 61).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Robot {
+    /// How it is built; it has as many joints as the coordinate system has axes.
+    pub build: Build,
+    /// What it is built with.
+    pub parameters: Parameters,
+}
+
+/// How a robot is built.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Build {
+    /// An arm, which MCT links.
+    Arm(Geometry),
+    /// An arm with a wrist, which MCTO links.
+    Wrist(Wrist),
+}
+
+impl Build {
+    /// Joints.
+    pub fn joints(self) -> usize {
+        match self {
+            Build::Arm(geometry) => geometry.joints(),
+            Build::Wrist(wrist) => wrist.joints(),
+        }
+    }
+}
+
+/// How termination types 2, 3 and 6 shape a corner.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Corner {
+    /// The two moves are superposed, as Logix does it.
+    #[default]
+    Logix,
+    /// Rounded within the tolerance at the highest speed that the limits allow.
+    Precise,
+}
+
+/// What becomes of an axis's own limits in a coordinated move.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum AxisLimits {
+    /// Nothing, as in Logix: only the vector's limits count.
+    #[default]
+    Ignore,
+    /// The path speed is lowered so that no axis exceeds its speed, acceleration or jerk.
+    Enforce,
+}
