@@ -50,6 +50,13 @@ impl Axis {
         &mut self.cams[usize::from(slot == Slot::TimeCam)]
     }
 
+    /// The next kind of generators behind `last` that is active, or a cam of which has ended.
+    pub(crate) fn next_to_report(&self, last: Option<Slot>) -> Option<Slot> {
+        let ended = |slot: &Slot| self.cams(*slot).ended.is_some();
+        let ended = Axis::CAMS.into_iter().filter(ended);
+        self.sum.next_active(last, ended)
+    }
+
     /// The cam of a kind that is under way.
     pub(crate) fn cam(&self, slot: Slot) -> Option<&Cam> {
         match &self.sum.get(slot)?.law {

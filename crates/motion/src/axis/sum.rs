@@ -147,6 +147,13 @@ impl Sum {
         self.active & slot.bit() != 0
     }
 
+    /// The next kind of generators behind `last`, in the order of [`Slot::ALL`], that is active or one of `others`.
+    pub(super) fn next_active(&self, last: Option<Slot>, others: impl Iterator<Item = Slot>) -> Option<Slot> {
+        let reported = last.map_or(0, |last| 2 * last.bit() - 1);
+        let bits = others.fold(self.active, |bits, slot| bits | slot.bit()) & !reported;
+        slots(bits).next()
+    }
+
     /// Whether anything but generators of one kind is under way.
     pub(crate) fn is_active_but(&self, slot: Slot) -> bool {
         self.active & !slot.bit() != 0

@@ -47,21 +47,28 @@ impl Motion {
             position: axis.command.position - axis.redefined,
             ..axis.command
         };
-        if next.position == last.position && next.velocity == last.velocity {
-            return None;
-        }
+        let stands = next.position == last.position && next.velocity == last.velocity;
+        (!stands && !self.may_go_out(id, &next)).then(|| self.refusal(id, &next))
+    }
+
+    /// Whether the limits of an axis allow a set-point, or do not apply to it.
+    fn may_go_out(&self, id: AxisId, next: &KinematicState) -> bool {
+        let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         // A virtual axis has no drive that its set-points enable.
         let was_on = last.enable || (axis.is_virtual && self.clock.tick > 1);
         if !was_on || !axis.has_torque() || axis.feeding.is_some() {
-            return None;
+            return true;
         }
         let before = [last.position, last.velocity];
-        let limits = &axis.command_limits;
         let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.guides(id));
-        if limits.allow(before, &next, follows, axis, self.clock.period()) {
-            return None;
-        }
-        let redefined = axis.redefined;
+        axis.command_limits
+            .allow(before, next, follows, axis, self.clock.period())
+    }
+
+    /// What is reported of a set-point that does not go out.
+    fn refusal(&mut self, id: AxisId, next: &KinematicState) -> RefusedCommand {
+        let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
+        let (redefined, before) = (axis.redefined, [last.position, last.velocity]);
         let fastest = axis.sum.fastest();
         let execution = fastest.and_then(|(_, generator)| generator.execution);
         let source = fastest.map(|(slot, _)| slot);
@@ -73,12 +80,12 @@ impl Motion {
             }
             _ => execution,
         };
-        Some(RefusedCommand {
+        RefusedCommand {
             by: execution.map_or(Cause::Itself, Cause::from),
             source: source.map_or("no motion", Slot::name),
             last: [before[0] + redefined, before[1]],
             asked: [next.position + redefined, next.velocity],
-        })
+        }
     }
 
     /// Some axes and every axis that moves with one of them: of a coordinate system that moves it, on either side of a transform,

@@ -47,7 +47,10 @@ impl Motion {
                 self.act(axis, action);
                 self.controls.because(Cause::Itself);
             }
-            if self.axes[index].state == AxisState::Aborting && self.axes[index].has_gone_off() {
+            if self.axes[index].state != AxisState::Aborting {
+                continue;
+            }
+            if self.axes[index].has_gone_off() {
                 // Nothing brakes it any more.
                 self.end_generators(index);
             }

@@ -21,9 +21,9 @@ impl Motion {
             self.advance_followers();
             return;
         }
-        for index in self.axes.ids() {
-            self.axes[index].advance(&self.clock);
-            self.axes[index].advance_homing(&self.clock);
+        for axis in self.axes.iter_mut() {
+            axis.advance(&self.clock);
+            axis.advance_homing(&self.clock);
         }
     }
 
@@ -221,7 +221,9 @@ impl Motion {
     pub(crate) fn report_generators(&mut self, axis: AxisId) {
         let tick = self.clock.tick;
         let is_driven_home = self.axes[axis].is_driven_home();
-        for slot in Slot::ALL {
+        let mut last = None;
+        while let Some(slot) = self.axes[axis].next_to_report(last) {
+            last = Some(slot);
             if Axis::CAMS.contains(&slot) {
                 self.report_cam(axis, slot);
             }

@@ -200,6 +200,10 @@ impl Motion {
 
     /// AC of links: it shows at once that a motion by the link begins or ends.
     pub(crate) fn show_links(&mut self) {
+        // In every tick, and few machines have a link.
+        if self.link_count == 0 {
+            return;
+        }
         for index in self.systems.ids() {
             self.end_stopping_link(index);
             let system = &self.systems[index];

@@ -34,6 +34,9 @@ impl Motion {
             self.share_word(&word);
         }
         self.words.drain(..count);
+        if !self.axes.have_output_cams {
+            return;
+        }
         for axis in self.axes.ids() {
             for target in 0..self.axes[axis].outputs.len() {
                 if let Some(reference) = self.axes[axis].outputs.reference(target) {
