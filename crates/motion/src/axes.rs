@@ -9,8 +9,8 @@ use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
-use crate::axis::generator::Law;
-use crate::axis::sum::Slot;
+use crate::axis::generator::Equation;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::{Axis, AxisState};
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
@@ -78,8 +78,8 @@ impl Axes {
             return;
         };
         let at = self.master_at(master.axis, master.reference, clock);
-        if let Some(generator) = self[axis].sum.get_mut(Slot::Gear)
-            && let Law::Geared(gear) = &mut generator.law
+        if let Some(generator) = self[axis].sum.get_mut(GeneratorKind::Gear)
+            && let Equation::Geared(gear) = &mut generator.equation
         {
             generator.now = gear.follow(&at, clock);
         }
@@ -100,13 +100,13 @@ impl Axes {
                 place += 1;
             }
         }
-        for slot in Slot::GUIDED {
-            let generator = self[axis].sum.get(slot);
+        for kind in GeneratorKind::GUIDED {
+            let generator = self[axis].sum.get(kind);
             let Some(master) = generator.and_then(|generator| Some(&generator.guide.as_ref()?.master)) else {
                 continue;
             };
             let at = self.master_at(master.axis, master.reference, clock);
-            let generator = self[axis].sum.get_mut(slot);
+            let generator = self[axis].sum.get_mut(kind);
             if let Some(guide) = generator.and_then(|generator| generator.guide.as_mut()) {
                 guide.advance(&at, clock);
             }
@@ -114,12 +114,12 @@ impl Axes {
     }
 
     fn follow_cams(&mut self, axis: AxisId, clock: &Clock) {
-        for slot in Axis::CAMS {
-            if let Some(Source::Axis { master, reference }) = self[axis].cam(slot).map(Cam::source) {
+        for kind in Axis::CAMS {
+            if let Some(Source::Axis { master, reference }) = self[axis].cam(kind).map(Cam::source) {
                 let at = self.master_at(master, reference, clock);
                 let slave = &mut self[axis];
-                let at = slave.offset_master(slot, at, clock);
-                slave.follow_cam(slot, &at, clock);
+                let at = slave.offset_master(kind, at, clock);
+                slave.follow_cam(kind, &at, clock);
             }
         }
     }

@@ -7,7 +7,7 @@
 use arcline_instruction_set::operands::EventOperands;
 use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, TagAddress, WrittenArray};
 use arcline_planner::profile::Profile;
-use arcline_planner::{Clock, Instant, Reach};
+use arcline_planner::{Clock, EventTime, Instant};
 
 /// What an instruction writes to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,18 +83,18 @@ impl Events {
     }
 
     /// Computes every answer; false, and none is given, where the move does not come to one of the points.
-    pub(crate) fn answer(&mut self, reaches: impl Fn(f64) -> Reach) -> bool {
+    pub(crate) fn answer(&mut self, reaches: impl Fn(f64) -> EventTime) -> bool {
         let mut answers = self.answers;
         for (answer, distance) in answers.iter_mut().zip(self.distances.as_slice()) {
             // A negative one is skipped.
             match if *distance < 0.0 {
-                Reach::At(-1.0)
+                EventTime::At(-1.0)
             } else {
                 reaches(*distance)
             } {
-                Reach::At(when) => *answer = when,
-                Reach::Passed => {}
-                Reach::Never => return false,
+                EventTime::At(when) => *answer = when,
+                EventTime::Passed => {}
+                EventTime::Never => return false,
             }
         }
         self.answers = answers;
@@ -135,18 +135,18 @@ impl MoveEvents {
         let sign = if way < 0.0 { -1.0 } else { 1.0 };
         self.events.answer(|distance| {
             if distance > way.abs() {
-                return Reach::At(0.0);
+                return EventTime::At(0.0);
             }
             if distance == 0.0 {
-                return Reach::At(since + profile.duration());
+                return EventTime::At(since + profile.duration());
             }
             let place = self.to - sign * distance;
             if sign * (place - profile.start().position) < 0.0 {
-                return Reach::Passed;
+                return EventTime::Passed;
             }
             match profile.time_at_position(place) {
-                Some(planned) => Reach::At(since + planned),
-                None => Reach::Passed,
+                Some(planned) => EventTime::At(since + planned),
+                None => EventTime::Passed,
             }
         })
     }
@@ -163,22 +163,22 @@ mod tests {
             into: TagAddress::new(7, 0).expect("an address"),
             answers: [0.0; MAX_ELEMENTS],
         };
-        let first = |distance: f64| Reach::At(100.0 - distance);
+        let first = |distance: f64| EventTime::At(100.0 - distance);
         assert!(events.answer(first));
         let numbers = |numbers: [f64; 3]| Written::Numbers(RealArray::from_slice(&numbers));
         assert_eq!(events.write(5).values, numbers([100.0, -1.0, 60.0]));
         let later = |distance: f64| {
             if distance > 0.0 {
-                Reach::Passed
+                EventTime::Passed
             } else {
-                Reach::At(120.0)
+                EventTime::At(120.0)
             }
         };
         assert!(events.answer(later));
         let written = events.write(6);
         assert_eq!((written.tick, written.tag.tag()), (6, 7));
         assert_eq!(written.values, numbers([120.0, -1.0, 60.0]));
-        assert!(!events.answer(|_| Reach::Never), "a paused move answers nothing");
+        assert!(!events.answer(|_| EventTime::Never), "a paused move answers nothing");
         assert_eq!(events.write(7).values, numbers([120.0, -1.0, 60.0]));
     }
 }

@@ -10,7 +10,7 @@ use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{Sample, Turning};
 
 use crate::axis::Axis;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
 use crate::system::{Activity, component};
@@ -128,7 +128,7 @@ impl Motion {
     /// What Rx, Ry, Rz were redefined by since the queue took them.
     pub(crate) fn heading_shift(&self, index: SystemId) -> Point {
         match self.queued_heading(index) {
-            Some(_) => self.oriented(index, |axis| axis.sum.shift_of(Slot::System)),
+            Some(_) => self.oriented(index, |axis| axis.sum.shift_of(GeneratorKind::System)),
             None => Point::zeros(),
         }
     }
@@ -138,7 +138,7 @@ impl Motion {
         let limits = self.systems[index].travel.turn_limits()?;
         let moves = |axis: &Axis| {
             axis.sum
-                .get(Slot::System)
+                .get(GeneratorKind::System)
                 .map(|generator| generator.now)
                 .unwrap_or_default()
         };
@@ -209,21 +209,21 @@ impl Motion {
     }
 
     /// The axes' part of a turn at the present tick.
-    pub(crate) fn seat_turned(&mut self, index: SystemId, sample: &Sample) {
+    pub(crate) fn set_turned_commands(&mut self, index: SystemId, sample: &Sample) {
         let Some(turned) = &sample.turned else { return };
         let shown = turned.angles();
         let [velocity, acceleration] = angle_rates(&shown, &turned.rate, &turned.change);
-        self.seat_angles(index, [shown, velocity, acceleration]);
+        self.set_angle_commands(index, [shown, velocity, acceleration]);
     }
 
     /// The axes stand exactly at the end of the active move's turn.
     pub(crate) fn hold_heading(&mut self, index: SystemId) {
         if let Some(end) = self.systems[index].active().and_then(|active| active.heading) {
-            self.seat_angles(index, [end, Point::zeros(), Point::zeros()]);
+            self.set_angle_commands(index, [end, Point::zeros(), Point::zeros()]);
         }
     }
 
-    fn seat_angles(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
+    fn set_angle_commands(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
         for (place, axis) in self.systems[index].description.oriented().iter().enumerate() {
             if let Some(axis) = self.axes.get_mut(*axis).filter(|_| place < MAX_PRIMARY_AXES) {
                 axis.set_coordinated(KinematicState {

@@ -27,7 +27,7 @@ use arcline_planner::precise::{AxisLimits, Trajectory};
 
 use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axes::Axes;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::{CallData, ReceivedData};
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
@@ -235,19 +235,19 @@ impl Motion {
         if self.axes.get(axis).is_none() {
             return;
         }
-        for slot in [Slot::Jog, Slot::Stop] {
-            let Some(generator) = self.axes[axis].sum.get(slot) else {
+        for kind in [GeneratorKind::Jog, GeneratorKind::Stop] {
+            let Some(generator) = self.axes[axis].sum.get(kind) else {
                 continue;
             };
             let own = generator.execution.is_some_and(|execution| execution.ticket == ticket);
             let (stopping, execution) = (generator.stopping, generator.execution);
             let limits = self.axes[axis].dynamics.stop(generator.s_curve);
             if stopping {
-                self.axes[axis].brake(slot, &limits, execution, self.clock.now());
+                self.axes[axis].brake(kind, &limits, execution, self.clock.now());
                 self.axes[axis].stale = true;
             } else if own {
                 self.controls.because(Cause::Jog(why));
-                self.stop_generator(axis, slot, &limits, None);
+                self.stop_generator(axis, kind, &limits, None);
                 self.controls.because(Cause::Itself);
             }
         }

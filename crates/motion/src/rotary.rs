@@ -106,12 +106,6 @@ impl Turn {
     }
 }
 
-/// What is left of a distance within one turn: 0 to below `turn`.
-pub(crate) fn modulo(distance: f64, turn: f64) -> f64 {
-    let rest = distance - turn * (distance / turn).floor();
-    if rest >= turn { 0.0 } else { rest }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,7 +10,7 @@ use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
 use crate::axes::Axes;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::{Axis, AxisState};
 use crate::masters::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -28,7 +28,7 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let [first, second] = &axis.registrations;
     let (saturation, inputs) = (axis.link.feedback.saturation, axis.link.feedback.inputs);
     let command = axis.command;
-    let offset = &axis.cams(Slot::PositionCam).offset;
+    let offset = &axis.cams(GeneratorKind::PositionCam).offset;
     AxisSnapshot {
         fault: axis.faults.axis_fault(axis.is_virtual),
         motion_faults: [
@@ -125,13 +125,13 @@ fn axis_word(axis: &Axis) -> u32 {
 
 fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let phase = phase(axis);
-    let runs = |slot| axis.sum.get(slot).is_some_and(|generator| !generator.stopping);
-    let locked = |slot| {
-        let generator = axis.sum.get(slot);
+    let runs = |kind| axis.sum.get(kind).is_some_and(|generator| !generator.stopping);
+    let locked = |kind| {
+        let generator = axis.sum.get(kind);
         generator.is_some_and(|generator| generator.guide.is_some_and(|guide| guide.follows()))
     };
-    let pends = |slot| axis.cams(slot).pending.is_some();
-    let cam_locked = |slot| axis.cam(slot).is_some_and(Cam::follows);
+    let pends = |kind| axis.cams(kind).pending.is_some();
+    let cam_locked = |kind| axis.cam(kind).is_some_and(Cam::follows);
     let braking = axis
         .sum
         .active()
@@ -141,27 +141,36 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
         (phase == Phase::Decelerating, motion_status::DECEL_STATUS),
         (braking, motion_status::STOPPING_STATUS),
         (axis.homed, motion_status::AXIS_HOMED_STATUS),
-        (runs(Slot::Move), motion_status::MOVE_STATUS),
-        (runs(Slot::Jog), motion_status::JOG_STATUS),
-        (runs(Slot::Gear), motion_status::GEARING_STATUS),
+        (runs(GeneratorKind::Move), motion_status::MOVE_STATUS),
+        (runs(GeneratorKind::Jog), motion_status::JOG_STATUS),
+        (runs(GeneratorKind::Gear), motion_status::GEARING_STATUS),
         (axis.homing().is_some(), motion_status::HOMING_STATUS),
         (
             axis.gear().is_some_and(|gear| gear.is_locked(clock)),
             motion_status::GEARING_LOCK_STATUS,
         ),
-        (locked(Slot::Move), motion_status::MOVE_LOCK_STATUS),
-        (locked(Slot::Jog), motion_status::JOG_LOCK_STATUS),
-        (runs(Slot::MasterOffset), motion_status::MASTER_OFFSET_MOVE_STATUS),
+        (locked(GeneratorKind::Move), motion_status::MOVE_LOCK_STATUS),
+        (locked(GeneratorKind::Jog), motion_status::JOG_LOCK_STATUS),
         (
-            locked(Slot::MasterOffset),
+            runs(GeneratorKind::MasterOffset),
+            motion_status::MASTER_OFFSET_MOVE_STATUS,
+        ),
+        (
+            locked(GeneratorKind::MasterOffset),
             motion_status::MASTER_OFFSET_MOVE_LOCK_STATUS,
         ),
-        (runs(Slot::PositionCam), motion_status::POSITION_CAM_STATUS),
-        (runs(Slot::TimeCam), motion_status::TIME_CAM_STATUS),
-        (pends(Slot::PositionCam), motion_status::POSITION_CAM_PENDING_STATUS),
-        (pends(Slot::TimeCam), motion_status::TIME_CAM_PENDING_STATUS),
-        (cam_locked(Slot::PositionCam), motion_status::POSITION_CAM_LOCK_STATUS),
-        (cam_locked(Slot::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
+        (runs(GeneratorKind::PositionCam), motion_status::POSITION_CAM_STATUS),
+        (runs(GeneratorKind::TimeCam), motion_status::TIME_CAM_STATUS),
+        (
+            pends(GeneratorKind::PositionCam),
+            motion_status::POSITION_CAM_PENDING_STATUS,
+        ),
+        (pends(GeneratorKind::TimeCam), motion_status::TIME_CAM_PENDING_STATUS),
+        (
+            cam_locked(GeneratorKind::PositionCam),
+            motion_status::POSITION_CAM_LOCK_STATUS,
+        ),
+        (cam_locked(GeneratorKind::TimeCam), motion_status::TIME_CAM_LOCK_STATUS),
         (axis.is_transformed(), motion_status::TRANSFORM_STATE_STATUS),
         (
             axis.transforms.controlled,
@@ -209,7 +218,8 @@ fn path_speed(system: &System, axes: &Axes) -> f64 {
         .iter()
         .filter(|axis| stop.braking.contains(**axis));
     let squares = braking.filter_map(|axis| axes.get(*axis)).map(|axis| {
-        let parts = [Slot::System, Slot::Stop].map(|slot| axis.sum.get(slot).map_or(0.0, |part| part.now.velocity));
+        let parts = [GeneratorKind::System, GeneratorKind::Stop]
+            .map(|kind| axis.sum.get(kind).map_or(0.0, |part| part.now.velocity));
         (parts[0] + parts[1]).powi(2)
     });
     squares.sum::<f64>().sqrt()

@@ -21,13 +21,13 @@ pub(crate) struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// The fastest profile along the path with which both keep the bound: as `plan` makes it, or behind a hold. `relief`: the
+    /// The fastest profile along the path with which both keep the bound: as `plan` makes it, or behind a hold. `removal`: the
     /// jerk with which an acceleration is taken away before a hold. `None` where a hold is too fast.
     pub(crate) fn profile(
         &self,
         from: KinematicState,
         limits: &Limits,
-        relief: f64,
+        removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
         let free = Profile::led(forward(from, limits, self.bound / self.most_way()), from, |from| {
@@ -36,7 +36,7 @@ impl Beside<'_> {
         if self.keeps(&free) {
             return Some(free);
         }
-        let held = |wait| held(from, limits, relief, wait, &plan);
+        let held = |wait| held(from, limits, removal, wait, &plan);
         let mut longest = self.until();
         let mut best = held(longest);
         if !self.keeps(&best) {
@@ -60,10 +60,10 @@ impl Beside<'_> {
         &self,
         from: KinematicState,
         limits: &Limits,
-        relief: f64,
+        removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Profile {
-        held(from, limits, relief, self.until(), &plan)
+        held(from, limits, removal, self.until(), &plan)
     }
 
     fn until(&self) -> f64 {
@@ -154,7 +154,7 @@ impl Beside<'_> {
 fn held(
     from: KinematicState,
     limits: &Limits,
-    relief: f64,
+    removal: f64,
     wait: f64,
     plan: &impl Fn(KinematicState, &Limits) -> Profile,
 ) -> Profile {
@@ -163,7 +163,7 @@ fn held(
         let critical = Lead::before_rest(from, limits).map_or(0.0, |lead| lead.jerk);
         own.max(critical)
     } else {
-        relief
+        removal
     };
     let lead = Lead {
         from,

@@ -8,7 +8,8 @@ use crate::Clock;
 use crate::beside::Beside;
 use crate::junction::same_rates;
 use crate::look_ahead::{Ends, Plan, turns_back};
-use crate::planner::{Move, Planner, Relief, Running, paced};
+use crate::planner::Planner;
+use crate::running::{AccelerationRemoval, Move, Running, paced};
 use crate::track::Approach;
 
 impl<T: Copy> Planner<T> {
@@ -93,7 +94,7 @@ impl<T: Copy> Planner<T> {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return Met::All;
         };
-        running.place = self.queue.relink(&running.motion, running.blended);
+        running.run_start = self.queue.relink(&running.motion, running.blended);
         if let Some(approach) = running.track.approach.filter(|_| running.track.is_approaching(clock))
             && !same_rates(&approach.limits, &running.motion.limits)
         {
@@ -101,7 +102,7 @@ impl<T: Copy> Planner<T> {
             return self.plan_from(running, start, clock);
         }
         let from = running.track.state(clock);
-        running.relief = self.relief_of(ran, running.motion.limits.speed, running.track.pace());
+        running.removal = self.relief_of(ran, running.motion.limits.speed, running.track.pace());
         running.in_force = running.motion.limits;
         running.kept = false;
         let paused = self.limits(&running).speed == 0.0;
@@ -109,7 +110,7 @@ impl<T: Copy> Planner<T> {
             running.in_force = ran.limits;
             running.kept = true;
         }
-        let lead = running.relief.lead(from, &self.limits(&running));
+        let lead = running.removal.lead(from, &self.limits(&running));
         let level = lead.map_or(from, |lead| lead.end());
         let plan = self.plan(&running, level);
         let profile = if plan.exit > 0.0 {
@@ -143,12 +144,12 @@ impl<T: Copy> Planner<T> {
 
     /// A change to a programmed speed may overshoot that and the old one by half (spec/coordinated-instructions.md §5.4), and go on to
     /// where the profile so far was to come. `pace`: the share of the limits that the profile may use.
-    fn relief_of(&self, ran: &Ran, speed: f64, pace: f64) -> Relief {
+    fn relief_of(&self, ran: &Ran, speed: f64, pace: f64) -> AccelerationRemoval {
         if !self.bounds.overshoot {
-            return Relief::NONE;
+            return AccelerationRemoval::NONE;
         }
         let programmed = self.programmed_speed(ran.limits.speed, speed);
-        Relief {
+        AccelerationRemoval {
             ceiling: (MOST_OVERSHOOT * programmed * pace).max(ran.ahead),
             forward: ran.forward,
         }
@@ -163,7 +164,7 @@ impl<T: Copy> Planner<T> {
         let limits = self.limits(running);
         let ran = paced(ran, 1.0, running.track.pace());
         let reach = |limits: &Limits| {
-            Profile::led(running.relief.lead(from, limits), from, |level| {
+            Profile::led(running.removal.lead(from, limits), from, |level| {
                 Profile::stop(level, limits)
             })
             .reach()
@@ -204,10 +205,10 @@ impl<T: Copy> Planner<T> {
         };
         let old = ran.jerk.map_or(0.0, |jerk| jerk.acceleration);
         // A hold is no faster than any other change.
-        let below = running.relief.lead(from, limits).map_or(0.0, |lead| lead.jerk);
-        let relief = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
-        let found = beside.profile(from, limits, relief, &plan);
-        Some(found.unwrap_or_else(|| beside.waiting(from, limits, relief, &plan)))
+        let below = running.removal.lead(from, limits).map_or(0.0, |lead| lead.jerk);
+        let removal = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
+        let found = beside.profile(from, limits, removal, &plan);
+        Some(found.unwrap_or_else(|| beside.waiting(from, limits, removal, &plan)))
     }
 
     /// The way to the start of the active path, which has other rates, is planned again. The state there.
@@ -220,8 +221,8 @@ impl<T: Copy> Planner<T> {
             ..approach.limits
         };
         let length = approach.path.length();
-        let relief = self.relief_of(&Ran::approaching(&approach, elapsed), running.motion.limits.speed, 1.0);
-        let lead = relief.lead(from, &limits);
+        let removal = self.relief_of(&Ran::approaching(&approach, elapsed), running.motion.limits.speed, 1.0);
+        let lead = removal.lead(from, &limits);
         let level = lead.map_or(from, |lead| lead.end());
         let wanted = self.entry(running).min(limits.speed);
         let exit = passing_speed(level, length - level.position, wanted, &limits).speed;
@@ -245,7 +246,7 @@ impl<T: Copy> Planner<T> {
         };
         running.track.start = clock.now().after(way, clock);
         running.track.approach = Some(approach);
-        running.relief = if early { relief } else { Relief::NONE };
+        running.removal = if early { removal } else { AccelerationRemoval::NONE };
         // Beyond the place, it comes back to rest there.
         KinematicState {
             position: 0.0,
@@ -256,9 +257,9 @@ impl<T: Copy> Planner<T> {
     /// The highest speed with which the active path can be begun.
     fn entry(&self, running: &Running<T>) -> f64 {
         let limits = self.limits(running);
-        let end = self.queue.run_end(running.place + running.motion.path.length());
+        let end = self.queue.run_end(running.run_start + running.motion.path.length());
         let bound = self.queue.slower().next().unwrap_or(&end);
-        let way = bound.at - running.place;
+        let way = bound.at - running.run_start;
         limits.speed.min(entry_speed(way, self.queue.speed(bound), &limits))
     }
 

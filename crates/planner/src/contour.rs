@@ -105,7 +105,7 @@ enum Course {
 
 /// What lies at or before the present tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContourPassage {
+pub enum ContourEvent {
     /// The active move is complete and the next one of the trajectory is active.
     Next,
     /// The trajectory is at its end, or a stop is.
@@ -224,18 +224,18 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// What lies at or before the present tick, one thing at a time.
-    pub fn passage(&self, clock: &Clock) -> Option<ContourPassage> {
+    pub fn event(&self, clock: &Clock) -> Option<ContourEvent> {
         let run = self.run.as_ref()?;
         let now = run.pace.at(clock);
         if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
-            return Some(ContourPassage::End);
+            return Some(ContourEvent::End);
         }
         if now.position >= run.trajectory.duration() - ROUNDING {
-            return Some(ContourPassage::End);
+            return Some(ContourEvent::End);
         }
         let next = run.trajectory.move_end(run.passed)?;
         let more = run.passed + 1 < run.trajectory.moves();
-        (more && now.position >= next - ROUNDING).then_some(ContourPassage::Next)
+        (more && now.position >= next - ROUNDING).then_some(ContourEvent::Next)
     }
 
     /// The active move of the trajectory is complete: takes it out.

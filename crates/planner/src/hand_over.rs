@@ -4,7 +4,8 @@ use arcline_profile::{KinematicState, Lead, Limits, Profile};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
-use crate::planner::{Move, Planner, Relief, Running};
+use crate::planner::Planner;
+use crate::running::{AccelerationRemoval, Move, Running};
 use crate::track::{Approach, Track};
 use crate::{Clock, Instant};
 
@@ -32,9 +33,9 @@ impl<T: Copy> Planner<T> {
             let pauses = last.kept && next.limits.speed * self.queue.rate() == 0.0;
             let track = last.track.onto(&next, between);
             if run_ends {
-                self.plan_on(next, track, last.relief, at, clock);
+                self.plan_on(next, track, last.removal, at, clock);
             } else if last.motion.limits.speed != next.limits.speed && !pauses {
-                self.plan_on(next, track, last.relief_of_the_next(), at, clock);
+                self.plan_on(next, track, last.removal_of_the_next(), at, clock);
             } else {
                 self.go_on(&last, next, track, at, clock);
             }
@@ -97,7 +98,7 @@ impl<T: Copy> Planner<T> {
         };
         let running = Running {
             blended: true,
-            place: self.queue.relink(&next, true),
+            run_start: self.queue.relink(&next, true),
             ..Running::new(next, track)
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
@@ -111,7 +112,7 @@ impl<T: Copy> Planner<T> {
 
     /// The next of several joined moves becomes active, and its profile is planned from where the one so far has come: the move has
     /// another speed, or the run of equal rates ends before it and the acceleration was not 0 by then.
-    fn plan_on(&mut self, next: Move<T>, mut track: Track, relief: Relief, at: Instant, clock: &Clock) {
+    fn plan_on(&mut self, next: Move<T>, mut track: Track, removal: AccelerationRemoval, at: Instant, clock: &Clock) {
         let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
         from.position -= track.offset;
         if from.position.abs() <= NEAR * track.offset {
@@ -120,7 +121,7 @@ impl<T: Copy> Planner<T> {
         track.replan(track.profile, at);
         let running = Running {
             blended: track.lead.is_some(),
-            relief,
+            removal,
             ..Running::new(next, track)
         };
         self.begin(running, from, clock);
@@ -140,10 +141,10 @@ impl<T: Copy> Planner<T> {
             exit: last.exit,
             joined: last.joined - 1,
             blended,
-            place: self.queue.relink(&next, blended),
+            run_start: self.queue.relink(&next, blended),
             in_force,
             kept,
-            relief: last.relief,
+            removal: last.removal,
             ..Running::new(next, track)
         });
         self.schedule(at, clock);

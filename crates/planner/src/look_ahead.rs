@@ -10,8 +10,9 @@
 use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_speed};
 
 use crate::junction::{Junction, Link, junction};
-use crate::planner::{Planner, Running, paced};
+use crate::planner::Planner;
 use crate::queue::Bound;
+use crate::running::{Running, paced};
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
@@ -36,7 +37,7 @@ impl<T: Copy> Planner<T> {
         }
         let queue = &self.queue;
         let towards = |bound: &Bound, exit: f64, cap: f64| {
-            let target = bound.at - running.place;
+            let target = bound.at - running.run_start;
             let joined = queue.moves_before(bound);
             let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
             Plan {
@@ -51,7 +52,7 @@ impl<T: Copy> Planner<T> {
         if cap > 0.0 {
             let mut seen = 0;
             for bound in queue.slower() {
-                let way = bound.at - running.place - from.position;
+                let way = bound.at - running.run_start - from.position;
                 let wanted = queue.speed(bound).min(cap);
                 let ahead = way >= 0.0;
                 let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
@@ -66,10 +67,10 @@ impl<T: Copy> Planner<T> {
                 cap = cap.min(bound.link.programmed() * queue.rate());
             }
         }
-        let end = queue.run_end(running.place + length);
+        let end = queue.run_end(running.run_start + length);
         let wanted = queue.speed(&end).min(cap);
-        let way = end.at - running.place - from.position;
-        let beyond = way < -ROUNDING * (running.place + from.position).abs();
+        let way = end.at - running.run_start - from.position;
+        let beyond = way < -ROUNDING * (running.run_start + from.position).abs();
         if beyond && end.link.corner().is_finite() {
             // It comes back to a corner, and turns there.
             return Plan {

@@ -13,63 +13,64 @@ use arcline_profile::{KinematicState, Limits, Profile};
 use crate::Clock;
 use crate::beside::Beside;
 use crate::junction::is_along;
-use crate::planner::{Momentum, Move, NO_ACCELERATION, Planner, Relief, paced};
+use crate::planner::{NO_ACCELERATION, Planner};
 use crate::ramp_out::{ROUNDING_SHARE, RampOut, short};
+use crate::running::{AccelerationRemoval, InitialMotion, Move, paced};
 use crate::track::{Part, Residual};
 
 impl<T: Copy> Planner<T> {
     /// Starts a move at the present tick out of another motion.
-    pub fn merge(&mut self, mut motion: Move<T>, momentum: Momentum, clock: &Clock) {
+    pub fn merge(&mut self, mut motion: Move<T>, initial: InitialMotion, clock: &Clock) {
         self.queue.forget_corners();
         self.tail = None;
-        let speed = momentum.velocity.norm();
+        let speed = initial.velocity.norm();
         if speed == 0.0 {
             self.start(motion, clock.now(), clock);
             return;
         }
-        let widest = momentum.before.filter(|_| self.bounds.overshoot).map(|before| {
+        let widest = initial.before.filter(|_| self.bounds.overshoot).map(|before| {
             let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
-                acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
+                acceleration: initial.acceleration.dot(&initial.velocity) / speed,
             };
             Profile::stop(from, &before).reach()
         });
         let widest = widest.unwrap_or(f64::INFINITY);
-        let mut momentum = momentum;
+        let mut initial = initial;
         if motion.limits.jerk.is_none() {
-            momentum.acceleration = Point::zeros();
+            initial.acceleration = Point::zeros();
         }
         let old = self.active.map_or(0.0, |running| running.in_force.speed);
-        let terminated = momentum.before.map_or(0.0, |before| before.speed);
+        let terminated = initial.before.map_or(0.0, |before| before.speed);
         let programmed = self.programmed_speed(old, motion.limits.speed);
         let bound = speed.max(programmed).max(terminated);
         let (path, tangent) = (&motion.path, motion.path.start_tangent());
-        let direction = momentum.velocity / speed;
-        let along = momentum.acceleration.dot(&direction);
-        let across = (momentum.acceleration - direction * along).norm();
-        let level = across <= NO_ACCELERATION * momentum.acceleration.norm();
-        if path.length() > 0.0 && level && is_along(&momentum.velocity, &tangent) {
+        let direction = initial.velocity / speed;
+        let along = initial.acceleration.dot(&direction);
+        let across = (initial.acceleration - direction * along).norm();
+        let level = across <= NO_ACCELERATION * initial.acceleration.norm();
+        if path.length() > 0.0 && level && is_along(&initial.velocity, &tangent) {
             let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
                 acceleration: along,
             };
-            let relief = if self.bounds.overshoot {
+            let removal = if self.bounds.overshoot {
                 motion.limits = short(from, &motion.limits, 1.0, path.length().max(widest));
-                Relief {
+                AccelerationRemoval {
                     ceiling: bound,
                     forward: Some(0.0),
                 }
             } else {
-                Relief::NONE
+                AccelerationRemoval::NONE
             };
-            self.run_relieved(motion, from, relief, clock);
+            self.run_relieved(motion, from, removal, clock);
             return;
         }
         let out = RampOut {
-            momentum,
-            limits: self.ramping_out(&momentum, &motion.limits, widest, bound),
+            initial,
+            limits: self.ramping_out(&initial, &motion.limits, widest, bound),
             widest,
             across: 1.0,
         };
@@ -115,15 +116,15 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
         };
         let pace = Residual::pace_of(&split.parts, path);
         let limits = paced(&split.limits, rate, pace);
-        let total = out.momentum.acceleration.norm();
-        let relief = out
+        let total = out.initial.acceleration.norm();
+        let removal = out
             .limits
             .jerk
             .map_or(0.0, |jerk| split.from.acceleration * jerk.acceleration / total);
         let plan = |from, limits: &Limits| Profile::to_position(from, path.length(), 0.0, limits);
         Some((
-            beside.profile(split.from, &limits, relief, plan),
-            beside.waiting(split.from, &limits, relief, plan),
+            beside.profile(split.from, &limits, removal, plan),
+            beside.waiting(split.from, &limits, removal, plan),
         ))
     };
     if bound.is_none() {
@@ -161,7 +162,7 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
 /// All of the motion ramps out; the path begins from rest.
 fn apart<T>(motion: &Move<T>, out: &RampOut) -> Pieces {
     Pieces {
-        parts: out.parts(out.momentum.velocity, out.momentum.acceleration),
+        parts: out.parts(out.initial.velocity, out.initial.acceleration),
         from: KinematicState::default(),
         limits: motion.limits,
         profile: None,
@@ -171,9 +172,9 @@ fn apart<T>(motion: &Move<T>, out: &RampOut) -> Pieces {
 /// What is along the path, compensation included, begins it; `None` where nothing is, or where the path is too short to tell.
 fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
     let path = &motion.path;
-    let Momentum {
+    let InitialMotion {
         velocity, acceleration, ..
-    } = out.momentum;
+    } = out.initial;
     let tangent = path.start_tangent();
     let mut drift = Point::zeros();
     for _ in 0..SPLITTINGS {

@@ -9,7 +9,8 @@ use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
-use crate::planner::{Momentum, Move, NO_ACCELERATION, Planner};
+use crate::planner::{NO_ACCELERATION, Planner};
+use crate::running::{InitialMotion, Move};
 use crate::track::{Part, Residual};
 use crate::{Clock, Instant};
 
@@ -25,14 +26,14 @@ pub(crate) struct Within {
 
 impl<T: Copy> Planner<T> {
     /// As [`Planner::merge`], within the limits of the axes. They hold for later changes of this move too.
-    pub fn merge_within(&mut self, motion: Move<T>, momentum: Momentum, axes: &AxisLimits, clock: &Clock) {
+    pub fn merge_within(&mut self, motion: Move<T>, initial: InitialMotion, axes: &AxisLimits, clock: &Clock) {
         self.tail = None;
         let own = motion.limits;
-        let momentum = match own.jerk {
-            Some(_) => momentum,
-            None => Momentum {
+        let initial = match own.jerk {
+            Some(_) => initial,
+            None => InitialMotion {
                 acceleration: Point::zeros(),
-                ..momentum
+                ..initial
             },
         };
         let whole = Within {
@@ -41,18 +42,18 @@ impl<T: Copy> Planner<T> {
             share: 1.0,
             drift: Point::zeros(),
         };
-        let at_rest = momentum.velocity == Point::zeros() && momentum.acceleration == Point::zeros();
-        if at_rest || kept(&motion.path, &momentum) {
+        let at_rest = initial.velocity == Point::zeros() && initial.acceleration == Point::zeros();
+        if at_rest || kept(&motion.path, &initial) {
             let from = KinematicState {
                 position: 0.0,
-                velocity: momentum.velocity.norm(),
-                acceleration: motion.path.start_tangent().dot(&momentum.acceleration),
+                velocity: initial.velocity.norm(),
+                acceleration: motion.path.start_tangent().dot(&initial.acceleration),
             };
             self.run_within(motion, from, clock.now(), None, whole, clock);
             return;
         }
-        let plan = beside(&motion, &momentum, axes).unwrap_or_else(|| {
-            let parts = ramped_out(&momentum, &own, axes, &motion.path, 1.0);
+        let plan = beside(&motion, &initial, axes).unwrap_or_else(|| {
+            let parts = ramped_out(&initial, &own, axes, &motion.path, 1.0);
             Beside {
                 wait: parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max),
                 within: Within {
@@ -99,15 +100,15 @@ impl<T: Copy> Planner<T> {
 }
 
 /// Path and residual at once, if that keeps the limits.
-fn beside<T>(motion: &Move<T>, momentum: &Momentum, axes: &AxisLimits) -> Option<Beside> {
+fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<Beside> {
     let own = &motion.limits;
     if motion.path.length() <= 0.0 {
         return None;
     }
-    let parts = ramped_out(momentum, own, axes, &motion.path, HALF);
+    let parts = ramped_out(initial, own, axes, &motion.path, HALF);
     let mut wait = 0.0_f64;
     for (axis, part) in parts.iter().enumerate() {
-        let (v, a) = (momentum.velocity[axis], momentum.acceleration[axis]);
+        let (v, a) = (initial.velocity[axis], initial.acceleration[axis]);
         if a == 0.0 {
             continue;
         }
@@ -159,30 +160,30 @@ struct Beside {
 }
 
 /// Whether the velocity goes on along a path, with nothing across it: less than the 0.1 degree of other merges.
-fn kept(path: &Path, momentum: &Momentum) -> bool {
+fn kept(path: &Path, initial: &InitialMotion) -> bool {
     let tangent = path.start_tangent();
-    let along = tangent.dot(&momentum.acceleration);
-    let across = (momentum.acceleration - tangent * along).norm();
+    let along = tangent.dot(&initial.acceleration);
+    let across = (initial.acceleration - tangent * along).norm();
     matches!(path, Path::Line(_))
         && path.length() > 0.0
-        && momentum.velocity.dot(&tangent) > 0.0
-        && momentum.velocity.cross(&tangent).norm() <= NO_ACCELERATION * momentum.velocity.norm()
-        && across <= NO_ACCELERATION * momentum.acceleration.norm()
+        && initial.velocity.dot(&tangent) > 0.0
+        && initial.velocity.cross(&tangent).norm() <= NO_ACCELERATION * initial.velocity.norm()
+        && across <= NO_ACCELERATION * initial.acceleration.norm()
 }
 
 /// What the axes do is ramped out with a share of their limits, and of the programmed deceleration. A path without length
 /// cannot compensate: what ramps out comes back by itself.
-fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [Part; 3] {
-    let speed = momentum.velocity.norm();
-    let moving = momentum.acceleration != Point::zeros();
+fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [Part; 3] {
+    let speed = initial.velocity.norm();
+    let moving = initial.acceleration != Point::zeros();
     // Along the direction of motion where nothing but the velocity is to be ramped out.
     let most = |vector: f64, limits: &Point| {
         (0..3).fold(vector, |most, axis| {
-            most.min(share * limits[axis] * speed / momentum.velocity[axis].abs())
+            most.min(share * limits[axis] * speed / initial.velocity[axis].abs())
         })
     };
     let rate = |axis: usize, vector: f64, limits: &Point| {
-        let along = most(vector, limits) * momentum.velocity[axis].abs() / speed;
+        let along = most(vector, limits) * initial.velocity[axis].abs() / speed;
         let alone = if moving {
             (share * limits[axis]).min(0.5 * vector)
         } else {
@@ -207,8 +208,8 @@ fn ramped_out(momentum: &Momentum, own: &Limits, axes: &AxisLimits, path: &Path,
         });
         let from = KinematicState {
             position: 0.0,
-            velocity: momentum.velocity[axis],
-            acceleration: momentum.acceleration[axis],
+            velocity: initial.velocity[axis],
+            acceleration: initial.acceleration[axis],
         };
         let limits = Limits {
             speed: axes.speed[axis].min(own.speed).max(from.velocity.abs()),

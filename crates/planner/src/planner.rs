@@ -1,179 +1,19 @@
 //! One coordinate system's active move, the end of the one before it, and its queue.
+//!
+//! Not here: what a move is and what runs ([`crate::running`]), the look-ahead over the queue ([`crate::queue`]).
 
 use std::collections::VecDeque;
 
-use arcline_geometry::{Path, Point, Turn};
-use arcline_profile::{Bounds, Jerk, KinematicState, Lead, Limits, Profile};
+use arcline_geometry::{Path, Point};
+use arcline_profile::{Bounds, KinematicState, Limits, Profile};
 
-use crate::junction::Ending;
 use crate::look_ahead::Plan;
 use crate::merge_within::Within;
 use crate::queue::Queue;
+use crate::running::{AccelerationRemoval, Move, Parameter, Running, paced};
 use crate::track::{Residual, Sample, Track};
 use crate::turning::RampingOut;
 use crate::{Clock, Instant, Pace};
-
-/// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
-#[derive(Clone, Copy, Debug)]
-pub struct Move<T> {
-    /// The geometric path, by arc length.
-    pub path: Path,
-    /// How the orientation turns along it, evenly by arc length, or which one it keeps; `None`: no move of the queue turns it.
-    pub turn: Option<Turn>,
-    /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
-    /// it is a function of; infinite: what the axes let it.
-    pub corner: f64,
-    /// Limits of the speed along the path and of its derivatives.
-    pub limits: Limits,
-    /// What happens at its end if it has a successor.
-    pub ending: Ending,
-    /// What it is a function of.
-    pub parameter: Parameter,
-    /// The owner's own data.
-    pub data: T,
-}
-
-/// What a move is a function of: time, or one of the ways that its owner numbers. All clocks that a planner is given show
-/// that of its active move. Moves of different ones do not go over into each other without rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// 0: time.
-    pub number: u32,
-    /// How fast a way may go on, master units/s, more than 0: what a corner may ask of the axes is meant at this speed. 1 for
-    /// time.
-    pub speed: f64,
-}
-
-impl Parameter {
-    /// Time.
-    pub const TIME: Parameter = Parameter { number: 0, speed: 1.0 };
-
-    /// Limits by the way as such by time, while it goes on at its speed.
-    #[must_use]
-    pub fn in_time(&self, limits: &Limits) -> Limits {
-        let (once, twice) = (self.speed, self.speed * self.speed);
-        Limits {
-            speed: limits.speed * once,
-            acceleration: limits.acceleration * twice,
-            deceleration: limits.deceleration * twice,
-            jerk: limits.jerk.map(|jerk| Jerk {
-                acceleration: jerk.acceleration * twice * once,
-                deceleration: jerk.deceleration * twice * once,
-            }),
-        }
-    }
-}
-
-/// The move being interpolated.
-#[derive(Clone, Copy, Debug)]
-pub struct Running<T> {
-    /// The move itself.
-    pub motion: Move<T>,
-    pub(crate) track: Track,
-    /// When it became active.
-    pub(crate) begun: Instant,
-    /// Speed with which the profile ends.
-    pub(crate) exit: f64,
-    /// Pending moves that the profile runs over too.
-    pub(crate) joined: usize,
-    /// Whether something blended into it.
-    pub(crate) blended: bool,
-    /// Where on its run of moves it begins.
-    pub(crate) place: f64,
-    /// Whether a stop brakes it: nothing changes that.
-    pub(crate) stopped: bool,
-    /// The limits that its profile keeps, as programmed: others than those of the move where a pause needs less way with them.
-    pub(crate) in_force: Limits,
-    /// Whether they are others.
-    pub(crate) kept: bool,
-    /// How an acceleration is taken away with which its profile begins.
-    pub(crate) relief: Relief,
-}
-
-/// How an acceleration that is present when a profile begins is taken away.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Relief {
-    /// Its jerk is raised so that the speed stays at or below this.
-    pub(crate) ceiling: f64,
-    /// And so that the motion does not pass through rest: to this at least, units/s³.
-    pub(crate) forward: Option<f64>,
-}
-
-impl Relief {
-    /// By the limits of the profile.
-    pub(crate) const NONE: Relief = Relief {
-        ceiling: f64::INFINITY,
-        forward: None,
-    };
-
-    /// The motion does not pass through rest: where the move before it left a deceleration.
-    pub(crate) const FORWARD: Relief = Relief {
-        ceiling: f64::MAX,
-        forward: Some(0.0),
-    };
-
-    pub(crate) fn lead(&self, from: KinematicState, limits: &Limits) -> Option<Lead> {
-        if self.ceiling.is_infinite() {
-            None
-        } else if let (Some(least), true) = (self.forward, from.velocity * from.acceleration < 0.0) {
-            let lead = Lead::before_rest(from, limits)?;
-            let jerk = lead.jerk.max(least);
-            Some(Lead { jerk, ..lead })
-        } else {
-            Lead::below(from, limits, self.ceiling)
-        }
-    }
-}
-
-impl<T: Copy> Running<T> {
-    /// A move that becomes active as its track starts, not yet planned.
-    pub(crate) fn new(motion: Move<T>, track: Track) -> Self {
-        Running {
-            motion,
-            track,
-            begun: track.start,
-            exit: 0.0,
-            joined: 0,
-            blended: false,
-            place: 0.0,
-            stopped: false,
-            in_force: motion.limits,
-            kept: false,
-            relief: Relief::NONE,
-        }
-    }
-
-    /// The limits that it keeps, as programmed, at the programmed speed.
-    pub(crate) fn keeps(&self) -> Limits {
-        Limits {
-            speed: self.motion.limits.speed,
-            ..if self.kept { self.in_force } else { self.motion.limits }
-        }
-    }
-
-    /// How the next move takes a deceleration away that this one leaves: it does not pass through rest with it.
-    pub(crate) fn relief_of_the_next(&self) -> Relief {
-        let kept = self.in_force.jerk.filter(|_| self.kept).map(|jerk| jerk.deceleration);
-        match self.relief.forward.or(kept) {
-            Some(jerk) => Relief {
-                forward: Some(jerk),
-                ..Relief::FORWARD
-            },
-            None => Relief::NONE,
-        }
-    }
-}
-
-/// The motion out of which a merge begins.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Momentum {
-    /// Velocity of the motion that is terminated, units/s.
-    pub velocity: Point,
-    /// Its acceleration, units/s², without that of a curved path.
-    pub acceleration: Point,
-    /// The limits that it kept; `None`: unknown.
-    pub before: Option<Limits>,
-}
 
 /// The pending places are all taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -307,7 +147,7 @@ impl<T: Copy> Planner<T> {
         let active = self.active.as_ref();
         self.queue.push(
             motion,
-            active.map(|running| (&running.motion, running.blended, running.place)),
+            active.map(|running| (&running.motion, running.blended, running.run_start)),
         );
         self.raise_exit(clock);
         self.schedule(clock.now(), clock);
@@ -315,9 +155,9 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick, after
-    /// all that [`Planner::passage`] tells.
+    /// all that [`Planner::event`] tells.
     pub fn look_on(&mut self, clock: &Clock) {
-        if self.queue.carry_on() {
+        if self.queue.continue_pass() {
             self.raise_exit(clock);
             self.schedule(clock.now(), clock);
         }
@@ -479,10 +319,16 @@ impl<T: Copy> Planner<T> {
     }
 
     /// As [`Planner::run`] at the present tick, out of another motion along the path.
-    pub(crate) fn run_relieved(&mut self, motion: Move<T>, from: KinematicState, relief: Relief, clock: &Clock) {
+    pub(crate) fn run_relieved(
+        &mut self,
+        motion: Move<T>,
+        from: KinematicState,
+        removal: AccelerationRemoval,
+        clock: &Clock,
+    ) {
         self.run(motion, from, clock.now(), None, false, clock);
         let Some(mut running) = self.active else { return };
-        running.relief = relief;
+        running.removal = removal;
         let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
         running.track.profile = profile;
@@ -509,9 +355,9 @@ impl<T: Copy> Planner<T> {
     /// Begins a move on a track whose profile is still to be planned from `from`, where an acceleration may be being taken away.
     pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
-        running.place = self.queue.relink(&running.motion, running.blended);
-        if running.relief.ceiling.is_infinite() && self.bounds.overshoot {
-            running.relief = Relief::FORWARD;
+        running.run_start = self.queue.relink(&running.motion, running.blended);
+        if running.removal.ceiling.is_infinite() && self.bounds.overshoot {
+            running.removal = AccelerationRemoval::FORWARD;
         }
         let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
@@ -522,7 +368,7 @@ impl<T: Copy> Planner<T> {
 
     /// What the profile of a move aims at, and the profile, behind what takes a present acceleration away.
     pub(crate) fn planned(&self, running: &Running<T>, from: KinematicState) -> (Plan, Profile) {
-        let lead = running.relief.lead(from, &self.limits(running));
+        let lead = running.removal.lead(from, &self.limits(running));
         let level = lead.map_or(from, |lead| lead.end());
         let plan = self.plan(running, level);
         let profile = self.profile(running, level, &plan);
@@ -539,22 +385,5 @@ impl<T: Copy> Planner<T> {
     pub fn centripetal(&self, clock: &Clock) -> Point {
         let tracks = self.active.iter().map(|running| &running.track).chain(&self.tail);
         tracks.map(|track| track.centripetal(clock)).sum()
-    }
-}
-
-/// Limits with a share of the speed, and a share of all.
-pub(crate) fn paced(limits: &Limits, rate: f64, pace: f64) -> Limits {
-    let speed = limits.speed * rate;
-    if pace >= 1.0 {
-        return Limits { speed, ..*limits };
-    }
-    Limits {
-        speed: speed * pace,
-        acceleration: limits.acceleration * pace,
-        deceleration: limits.deceleration * pace,
-        jerk: limits.jerk.map(|jerk| Jerk {
-            acceleration: jerk.acceleration * pace,
-            deceleration: jerk.deceleration * pace,
-        }),
     }
 }

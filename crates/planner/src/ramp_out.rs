@@ -8,13 +8,14 @@ use arcline_geometry::Point;
 use arcline_profile::{Jerk, KinematicState, Lead, Limits, Profile};
 
 use crate::junction::braking;
-use crate::planner::{Momentum, NO_ACCELERATION, Planner, paced};
+use crate::planner::{NO_ACCELERATION, Planner};
+use crate::running::{InitialMotion, paced};
 use crate::track::Part;
 
 /// What is terminated, and how it ramps out.
 #[derive(Clone, Copy)]
 pub(crate) struct RampOut {
-    pub(crate) momentum: Momentum,
+    pub(crate) initial: InitialMotion,
     pub(crate) limits: Limits,
     /// The way of a stop with the limits that the motion had.
     pub(crate) widest: f64,
@@ -24,8 +25,8 @@ pub(crate) struct RampOut {
 
 impl<T: Copy> Planner<T> {
     /// The limits of a move with which a stop out of a motion takes no more than a way, and is no faster than `bound`.
-    pub(crate) fn ramping_out(&self, momentum: &Momentum, own: &Limits, widest: f64, bound: f64) -> Limits {
-        let speed = momentum.velocity.norm();
+    pub(crate) fn ramping_out(&self, initial: &InitialMotion, own: &Limits, widest: f64, bound: f64) -> Limits {
+        let speed = initial.velocity.norm();
         let limits = braking(own, speed);
         if !self.bounds.overshoot {
             return limits;
@@ -33,10 +34,10 @@ impl<T: Copy> Planner<T> {
         let from = KinematicState {
             position: 0.0,
             velocity: speed,
-            acceleration: momentum.acceleration.dot(&momentum.velocity) / speed,
+            acceleration: initial.acceleration.dot(&initial.velocity) / speed,
         };
         let mut limits = relieved(from, &limits, bound);
-        let old = momentum.before.and_then(|before| before.jerk);
+        let old = initial.before.and_then(|before| before.jerk);
         let mut wider = false;
         let wide = Profile::stop(from, &limits).reach() > widest * (1.0 + ROUNDING_SHARE);
         if let (Some(jerk), Some(old)) = (&mut limits.jerk, old.filter(|_| wide)) {
@@ -62,7 +63,7 @@ impl RampOut {
             along = 0.0;
         }
         let mut across = acceleration - direction * along;
-        if across.norm() <= NO_ACCELERATION * self.momentum.acceleration.norm() || self.across.is_infinite() {
+        if across.norm() <= NO_ACCELERATION * self.initial.acceleration.norm() || self.across.is_infinite() {
             across = Point::zeros();
         }
         let nothing = Part::new(Point::zeros(), Profile::rest(0.0));
@@ -94,7 +95,7 @@ impl RampOut {
 
     /// All of the motion ramps out, and comes back.
     pub(crate) fn and_back(&self) -> [Part; 3] {
-        let mut parts = self.parts(self.momentum.velocity, self.momentum.acceleration);
+        let mut parts = self.parts(self.initial.velocity, self.initial.acceleration);
         for part in &mut parts {
             let from = part.profile.start();
             *part = Part::new(part.direction, Profile::to_position(from, 0.0, 0.0, &self.limits));

@@ -17,10 +17,10 @@ use arcline_geometry::Point;
 use arcline_profile::{Bounds, Jerk, Limits};
 
 use crate::clock::TimeBase;
-use crate::contour::ContourPassage;
-use crate::passage::Passage;
+use crate::contour::ContourEvent;
+use crate::move_event::MoveEvent;
 use crate::{
-    Clock, ContourBatch, ContourQueue, Installed, Instant, Momentum, Move, Pace, Planner, QueueFull, TurnResidual,
+    Clock, ContourBatch, ContourQueue, InitialMotion, Installed, Instant, Move, Pace, Planner, QueueFull, TurnResidual,
 };
 
 pub use stopping::PathStopping;
@@ -175,9 +175,9 @@ impl<T: Copy> Travel<T> {
     }
 
     /// Whether a move that takes over a motion begins in this tick: else it waits, for the active one or for its plan.
-    pub fn begins_at_once(&self, momentum: &Momentum) -> bool {
+    pub fn begins_at_once(&self, initial: &InitialMotion) -> bool {
         match self.contour {
-            Some(_) => momentum.velocity != Point::zeros() || momentum.acceleration != Point::zeros(),
+            Some(_) => initial.velocity != Point::zeros() || initial.acceleration != Point::zeros(),
             None => self.planner.active().is_none(),
         }
     }
@@ -186,7 +186,7 @@ impl<T: Copy> Travel<T> {
     pub fn merge(
         &mut self,
         motion: Move<T>,
-        momentum: Momentum,
+        initial: InitialMotion,
         residual: Option<TurnResidual>,
         kept: Option<&AxisLimits>,
         base: &TimeBase,
@@ -196,10 +196,10 @@ impl<T: Copy> Travel<T> {
             Some(limits) => {
                 // Also after the merge: no override leads beyond the limits of the axes.
                 self.planner.set_rate(self.rate, &clock);
-                self.planner.merge_within(motion, momentum, limits, &clock);
+                self.planner.merge_within(motion, initial, limits, &clock);
                 self.planner.set_rate(self.rate, &clock);
             }
-            None => self.planner.merge(motion, momentum, &clock),
+            None => self.planner.merge(motion, initial, &clock),
         }
         self.planner.ramp_out(residual, &clock);
     }
@@ -210,21 +210,21 @@ impl<T: Copy> Travel<T> {
         if let Some(contour) = self.contour_in_force_mut() {
             contour.steer(&clock);
             // A stop goes on over the ends of moves, which have left the queue.
-            while contour.moves().next().is_none() && contour.passage(&clock) == Some(ContourPassage::Next) {
+            while contour.moves().next().is_none() && contour.event(&clock) == Some(ContourEvent::Next) {
                 contour.pass(&clock);
             }
         }
     }
 
     /// The next event of the active move that lies at or before the present tick.
-    pub fn event(&self, base: &TimeBase) -> Option<Passage> {
+    pub fn event(&self, base: &TimeBase) -> Option<MoveEvent> {
         let now = || base.clock().now();
         match self.contour_in_force() {
-            Some(contour) => Some(match contour.passage(&self.contour_clock(base))? {
-                ContourPassage::Next => Passage::HandOver(now()),
-                ContourPassage::End => Passage::Reached(now()),
+            Some(contour) => Some(match contour.event(&self.contour_clock(base))? {
+                ContourEvent::Next => MoveEvent::HandOver(now()),
+                ContourEvent::End => MoveEvent::Reached(now()),
             }),
-            None => self.planner.passage(&base.clock()),
+            None => self.planner.event(&base.clock()),
         }
     }
 

@@ -9,7 +9,8 @@ use arcline_geometry::{Path, Point, Spin, Turn, Turned};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
-use crate::planner::{Parameter, Planner, Running};
+use crate::planner::Planner;
+use crate::running::{Parameter, Running};
 use crate::{Clock, Instant, Pace, ROUNDING};
 
 /// How an orientation turns at an instant.

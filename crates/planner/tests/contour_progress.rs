@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits, Phase};
-use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Installed, Move, Parameter};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter};
 
 const PERIOD_NS: u64 = 1_000_000;
 
@@ -90,14 +90,14 @@ fn progress_status_and_transitions_of_a_contour_at_every_tick() {
                     }
                 }
                 let mut ended = false;
-                while let Some(passage) = queue.passage(&clock) {
+                while let Some(event) = queue.event(&clock) {
                     assert!(
                         (last - length).abs() < 0.2 + 0.02 * length,
                         "{last} of {length} at the end"
                     );
                     last = 0.0;
                     done += 1;
-                    if passage == ContourPassage::End {
+                    if event == ContourEvent::End {
                         ended = true;
                         break;
                     }

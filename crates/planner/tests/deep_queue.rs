@@ -3,7 +3,7 @@
 
 use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits, stop_distance};
-use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner};
+use arcline_planner::{Clock, Ending, Move, MoveEvent, Parameter, Planner};
 
 const PIECE: f64 = 0.1;
 const COUNT: usize = 1000;
@@ -57,9 +57,9 @@ fn travel(
         clock.tick += 1;
         assert!(clock.tick < 100_000, "it does not end");
         for _ in 0..64 {
-            let at = match planner.passage(&clock) {
+            let at = match planner.event(&clock) {
                 None => break,
-                Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
+                Some(MoveEvent::HandOver(at) | MoveEvent::Reached(at)) => at,
             };
             if planner.hand_over(at, &clock).is_none() {
                 planner.clear_active();
@@ -157,9 +157,9 @@ fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)
         clock.tick += 1;
         assert!(clock.tick < 100_000, "it does not end");
         for _ in 0..64 {
-            let at = match planner.passage(&clock) {
+            let at = match planner.event(&clock) {
                 None => break,
-                Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
+                Some(MoveEvent::HandOver(at) | MoveEvent::Reached(at)) => at,
             };
             if planner.hand_over(at, &clock).is_none() {
                 planner.clear_active();

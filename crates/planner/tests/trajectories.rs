@@ -4,7 +4,7 @@
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Instant, Move, Parameter, Passage, Planner, Sample};
+use arcline_planner::{Clock, Ending, Instant, Move, MoveEvent, Parameter, Planner, Sample};
 use proptest::prelude::*;
 
 /// Shared instants are compared at multiples of the longest period.
@@ -38,9 +38,9 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
 
 /// The instant at which the active move came to its end, if it has.
 fn reached(planner: &Planner<()>, clock: &Clock) -> Option<Instant> {
-    match planner.passage(clock)? {
-        Passage::Reached(at) => Some(at),
-        Passage::HandOver(_) => panic!("a stop hands nothing over"),
+    match planner.event(clock)? {
+        MoveEvent::Reached(at) => Some(at),
+        MoveEvent::HandOver(_) => panic!("a stop hands nothing over"),
     }
 }
 
@@ -282,10 +282,10 @@ fn turns_blend_and_rest_at_corners() {
         let mut before: Option<Sample> = None;
         for tick in 0..5000 {
             let at = clock(tick, period);
-            while let Some(Passage::HandOver(instant)) = planner.passage(&at) {
+            while let Some(MoveEvent::HandOver(instant)) = planner.event(&at) {
                 planner.hand_over(instant, &at);
             }
-            if let Some(Passage::Reached(instant)) = planner.passage(&at) {
+            if let Some(MoveEvent::Reached(instant)) = planner.event(&at) {
                 if planner.next().is_none() {
                     let end = sample(&planner, tick, period).turned.expect("it turns");
                     assert!((end.rotation - second.end()).abs().max() < 1e-12);

@@ -19,6 +19,7 @@ mod early;
 mod kinematic_state;
 mod limits;
 mod lookahead;
+pub mod numeric;
 mod passing;
 mod peak;
 mod position;

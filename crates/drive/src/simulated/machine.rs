@@ -5,6 +5,7 @@
 
 use arcline_instruction_set::AxisId;
 use arcline_profile::KinematicState;
+use arcline_profile::numeric::bisect;
 
 use super::{Drive, Sensor, Settings, Settling};
 use crate::{
@@ -12,8 +13,8 @@ use crate::{
     REGISTRATION_LATCHES, SetPoint, Settled, Trigger, WrittenInput,
 };
 
-/// Bisections of the instant of a latch: to the last bit of an update.
-const BISECTIONS: usize = 60;
+/// Halvings of the instant of a latch: to the last bit of an update.
+const HALVINGS: usize = 60;
 /// A time shorter than this, seconds, is passed in a straight line.
 const SHORTEST: f64 = 1e-9;
 /// Axes of one coordinate system that are looked at together.
@@ -158,16 +159,7 @@ impl SimulatedAxis {
         if passed(position(0.0)) {
             return 0.0;
         }
-        let (mut before, mut behind) = (0.0, period);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (before + behind);
-            if passed(position(middle)) {
-                behind = middle;
-            } else {
-                before = middle;
-            }
-        }
-        behind
+        bisect(0.0, period, HALVINGS, |at| passed(position(at)))
     }
 
     /// The drive so long after the beginning of the update.

@@ -3,6 +3,8 @@
 //! Machine positions, position units; a direction is 1 or -1. An edge or marker that lies behind by less than
 //! [`WIDTH`] is one that the axis stands on. Nothing allocates.
 
+use arcline_profile::numeric::modulo;
+
 use crate::Trigger;
 
 /// How far the axis may be beyond a position that it is still said to stand on: far more than what rounding moves it.
@@ -62,12 +64,6 @@ fn ahead(machine: f64, at: f64, direction: f64, every: Option<f64>) -> Option<f6
             Some(at + direction * turns * every)
         }
     }
-}
-
-/// What is left of a distance within one turn: 0 to below `turn`.
-fn modulo(distance: f64, turn: f64) -> f64 {
-    let rest = distance - turn * (distance / turn).floor();
-    if rest >= turn { 0.0 } else { rest }
 }
 
 #[cfg(test)]

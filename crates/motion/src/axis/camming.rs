@@ -7,8 +7,8 @@ use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
 use super::Axis;
-use super::generator::Law;
-use super::sum::Slot;
+use super::generator::Equation;
+use super::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{self, Cam, Ended, Pending, Source};
@@ -39,47 +39,49 @@ pub(crate) struct Offset {
 
 impl Axis {
     /// The kinds of generators that cams are.
-    pub(crate) const CAMS: [Slot; 2] = [Slot::PositionCam, Slot::TimeCam];
+    pub(crate) const CAMS: [GeneratorKind; 2] = [GeneratorKind::PositionCam, GeneratorKind::TimeCam];
 
     /// What is kept of cams of a kind.
-    pub(crate) fn cams(&self, slot: Slot) -> &Cams {
-        &self.cams[usize::from(slot == Slot::TimeCam)]
+    pub(crate) fn cams(&self, kind: GeneratorKind) -> &Cams {
+        &self.cams[usize::from(kind == GeneratorKind::TimeCam)]
     }
 
-    pub(crate) fn cams_mut(&mut self, slot: Slot) -> &mut Cams {
-        &mut self.cams[usize::from(slot == Slot::TimeCam)]
+    pub(crate) fn cams_mut(&mut self, kind: GeneratorKind) -> &mut Cams {
+        &mut self.cams[usize::from(kind == GeneratorKind::TimeCam)]
     }
 
     /// The next kind of generators behind `last` that is active, or a cam of which has ended.
-    pub(crate) fn next_to_report(&self, last: Option<Slot>) -> Option<Slot> {
-        let ended = |slot: &Slot| self.cams(*slot).ended.is_some();
+    pub(crate) fn next_to_report(&self, last: Option<GeneratorKind>) -> Option<GeneratorKind> {
+        let ended = |kind: &GeneratorKind| self.cams(*kind).ended.is_some();
         let ended = Axis::CAMS.into_iter().filter(ended);
         self.sum.next_active(last, ended)
     }
 
     /// The cam of a kind that is under way.
-    pub(crate) fn cam(&self, slot: Slot) -> Option<&Cam> {
-        match &self.sum.get(slot)?.law {
-            Law::Cammed(cam) => Some(cam),
+    pub(crate) fn cam(&self, kind: GeneratorKind) -> Option<&Cam> {
+        match &self.sum.get(kind)?.equation {
+            Equation::Cammed(cam) => Some(cam),
             _ => None,
         }
     }
 
     /// The master axis of a cam of a kind.
-    pub(crate) fn cam_master(&self, slot: Slot) -> Option<AxisId> {
-        match self.cam(slot)?.source() {
+    pub(crate) fn cam_master(&self, kind: GeneratorKind) -> Option<AxisId> {
+        match self.cam(kind)?.source() {
             Source::Axis { master, .. } => Some(master),
             Source::Time { .. } => None,
         }
     }
 
     /// Brings a cam to where its master leads it.
-    pub(crate) fn follow_cam(&mut self, slot: Slot, at: &MasterAt, clock: &Clock) {
-        let cams = &mut self.cams[usize::from(slot == Slot::TimeCam)];
-        let Some(generator) = self.sum.get_mut(slot) else {
+    pub(crate) fn follow_cam(&mut self, kind: GeneratorKind, at: &MasterAt, clock: &Clock) {
+        let cams = &mut self.cams[usize::from(kind == GeneratorKind::TimeCam)];
+        let Some(generator) = self.sum.get_mut(kind) else {
             return;
         };
-        let Law::Cammed(cam) = &mut generator.law else { return };
+        let Equation::Cammed(cam) = &mut generator.equation else {
+            return;
+        };
         if generator.over {
             return;
         }
@@ -94,19 +96,19 @@ impl Axis {
 
     /// The offset of the position cam's master now.
     pub(crate) fn master_offset(&self) -> KinematicState {
-        match self.sum.get(Slot::MasterOffset) {
+        match self.sum.get(GeneratorKind::MasterOffset) {
             Some(generator) => generator.now,
             None => KinematicState {
-                position: self.cams(Slot::PositionCam).offset.rest,
+                position: self.cams(GeneratorKind::PositionCam).offset.rest,
                 ..KinematicState::default()
             },
         }
     }
 
     /// A master as a cam sees it: a position cam with its offset.
-    pub(crate) fn offset_master(&mut self, slot: Slot, mut at: MasterAt, clock: &Clock) -> MasterAt {
-        if slot == Slot::PositionCam {
-            if let Some(generator) = self.sum.get_mut(Slot::MasterOffset) {
+    pub(crate) fn offset_master(&mut self, kind: GeneratorKind, mut at: MasterAt, clock: &Clock) -> MasterAt {
+        if kind == GeneratorKind::PositionCam {
+            if let Some(generator) = self.sum.get_mut(GeneratorKind::MasterOffset) {
                 generator.advance(clock);
             }
             let offset = self.master_offset();
@@ -120,7 +122,7 @@ impl Axis {
     /// The offset begins to move, or stays where a move of it has ended.
     pub(super) fn note_offset(&mut self, begins: bool) {
         let now = self.master_offset().position;
-        let offset = &mut self.cams_mut(Slot::PositionCam).offset;
+        let offset = &mut self.cams_mut(GeneratorKind::PositionCam).offset;
         offset.rest = now;
         if begins {
             offset.start = now;
@@ -129,8 +131,8 @@ impl Axis {
 
     /// The same with time as the master.
     pub(crate) fn follow_time(&mut self, clock: &Clock) {
-        if let Some(Source::Time { since }) = self.cam(Slot::TimeCam).map(Cam::source) {
-            self.follow_cam(Slot::TimeCam, &cam::time(since, clock), clock);
+        if let Some(Source::Time { since }) = self.cam(GeneratorKind::TimeCam).map(Cam::source) {
+            self.follow_cam(GeneratorKind::TimeCam, &cam::time(since, clock), clock);
         }
     }
 }

@@ -7,8 +7,8 @@ use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
 
 use super::Axis;
-use super::generator::{Generator, Law};
-use super::sum::Slot;
+use super::generator::{Equation, Generator};
+use super::generator_kind::GeneratorKind;
 use crate::masters::gear::Gear;
 use crate::transforms::id::TransformId;
 
@@ -33,10 +33,10 @@ impl Axis {
         self.transforms.target_of.is_some() || self.transforms.source_of != 0
     }
 
-    /// The master and the law of its gearing.
+    /// The master and the equation of its gearing.
     pub(crate) fn gear(&self) -> Option<&Gear> {
-        match &self.sum.get(Slot::Gear)?.law {
-            Law::Geared(gear) => Some(gear),
+        match &self.sum.get(GeneratorKind::Gear)?.equation {
+            Equation::Geared(gear) => Some(gear),
             _ => None,
         }
     }
@@ -47,13 +47,13 @@ impl Axis {
     }
 
     /// What a cancelled transform moved brakes, together with what earlier ones did.
-    pub(crate) fn part(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
+    pub(crate) fn leave_transform(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
         let mut from = KinematicState {
             position: self.command.position,
             velocity: moved.velocity,
             acceleration: moved.acceleration,
         };
-        if let Some(earlier) = self.sum.get(Slot::Parting) {
+        if let Some(earlier) = self.sum.get(GeneratorKind::Parting) {
             from.velocity += earlier.now.velocity;
             from.acceleration += earlier.now.acceleration;
         }
@@ -64,7 +64,7 @@ impl Axis {
         generator.stopping = true;
         generator.parting = true;
         generator.s_curve = limits.jerk.is_some();
-        self.sum.begin(Slot::Parting, generator);
+        self.sum.begin(GeneratorKind::Parting, generator);
         self.command = self.sum.command();
         self.stale = true;
     }

@@ -17,7 +17,7 @@ use crate::masters::gear::Gear;
 
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
-pub(crate) enum Law {
+pub(crate) enum Equation {
     /// Somebody else computes it every tick: a coordinate system, a master axis, a transform.
     Followed,
     /// Along a profile.
@@ -47,7 +47,7 @@ pub(crate) enum Goal {
 /// A generator under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Generator {
-    pub(crate) law: Law,
+    pub(crate) equation: Equation,
     /// Where it is, in its frame.
     pub(crate) now: KinematicState,
     /// The instruction that reports its end.
@@ -95,7 +95,7 @@ impl Generator {
     /// One that somebody else computes, at rest.
     pub(crate) fn followed(s_curve: bool) -> Self {
         Generator {
-            law: Law::Followed,
+            equation: Equation::Followed,
             now: KinematicState::default(),
             execution: None,
             program: None,
@@ -123,14 +123,14 @@ impl Generator {
     pub(crate) fn planned(profile: Profile, start: Instant) -> Self {
         let mut generator = Generator::followed(false);
         generator.now = profile.start();
-        generator.law = Law::Planned { profile, start };
+        generator.equation = Equation::Planned { profile, start };
         generator
     }
 
     /// Notes the limits that its profile keeps.
     pub(crate) fn keeps(&mut self, limits: &Limits) {
-        let top = match &self.law {
-            Law::Planned { profile, .. } => profile.top_speed(0.0),
+        let top = match &self.equation {
+            Equation::Planned { profile, .. } => profile.top_speed(0.0),
             _ => 0.0,
         };
         self.in_force = Some(Limits {
@@ -150,13 +150,13 @@ impl Generator {
 
     /// Goes on along another profile from this instant; the frame stays.
     pub(crate) fn follow(&mut self, profile: Profile, start: Instant) {
-        self.law = Law::Planned { profile, start };
+        self.equation = Equation::Planned { profile, start };
         self.over = false;
     }
 
     /// Whether it runs along a profile over time.
     pub(crate) fn is_planned(&self) -> bool {
-        matches!(self.law, Law::Planned { .. }) && self.guide.is_none()
+        matches!(self.equation, Equation::Planned { .. }) && self.guide.is_none()
     }
 
     /// What it is a function of at the present tick: time, or a master's way.
@@ -166,16 +166,16 @@ impl Generator {
 
     /// Its state by what it is a function of.
     pub(crate) fn planned_state(&self, time: &Clock) -> KinematicState {
-        match (&self.law, &self.guide) {
-            (Law::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
+        match (&self.equation, &self.guide) {
+            (Equation::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
             _ => self.now,
         }
     }
 
     /// What the profile does at the present tick; nothing yet while a lock is waited for.
     pub(crate) fn phase(&self, time: &Clock) -> Phase {
-        match &self.law {
-            Law::Planned { profile, start } if self.guide.is_none_or(|guide| guide.has_begun()) => {
+        match &self.equation {
+            Equation::Planned { profile, start } if self.guide.is_none_or(|guide| guide.has_begun()) => {
                 profile.phase(start.elapsed(&self.clock(time)))
             }
             _ => Phase::Steady,
@@ -193,7 +193,8 @@ impl Generator {
     /// A jog at constant speed goes back by the whole turns of a rotary axis that it has gone, once they are many, so that its
     /// position keeps its digits for ever. Returns the shift of its position: 0 for everything else.
     pub(super) fn fold(&mut self, unwind: f64, clock: &Clock) -> f64 {
-        let (Law::Planned { profile, start }, Some(program), None) = (&self.law, &self.program, &self.guide) else {
+        let (Equation::Planned { profile, start }, Some(program), None) = (&self.equation, &self.program, &self.guide)
+        else {
             return 0.0;
         };
         let Goal::Velocity(velocity) = program.goal else {
@@ -216,7 +217,7 @@ impl Generator {
 
     pub(super) fn advance(&mut self, time: &Clock) {
         let clock = self.clock(time);
-        if let Law::Planned { profile, start } = &self.law {
+        if let Equation::Planned { profile, start } = &self.equation {
             let elapsed = start.elapsed(&clock);
             let state = profile.at(elapsed);
             let endless = matches!(

@@ -1,6 +1,6 @@
 //! Homing of one axis: which leg comes after which event (spec/axis-and-data-types.md §11).
 //!
-//! An active sequence is the axis's [`Slot::Home`] generator. Its legs begin at the exact instants at which the event
+//! An active sequence is the axis's [`GeneratorKind::Home`] generator. Its legs begin at the exact instants at which the event
 //! came or the leg before ended, inside an update if need be. The event is a latch of the drive: its position is exact, and its
 //! instant lies inside the update that the feedback ends. The set-point of that update has gone out by then, so the drive sees the
 //! next leg one update later, from its exact beginning on. Waiting for the event of a passive sequence moves nothing.
@@ -13,13 +13,13 @@ use arcline_drive::{ArmLatch, HOME_LATCH, Latch, Trigger};
 use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
+use arcline_profile::numeric::modulo;
 
 use super::generator::Generator;
-use super::sum::Slot;
+use super::generator_kind::GeneratorKind;
 use super::{Axis, AxisState};
 use crate::control::Execution;
 use crate::machine::{HomeMode, HomeSequence};
-use crate::rotary::modulo;
 
 /// A MAH under way.
 #[derive(Clone, Copy, Debug)]
@@ -109,7 +109,7 @@ impl Axis {
     #[inline]
     pub(crate) fn homing(&self) -> Option<&Homing> {
         let homing = self.homing.as_ref()?;
-        let alive = !homing.driven || self.sum.get(Slot::Home).is_some_and(|home| !home.stopping);
+        let alive = !homing.driven || self.sum.get(GeneratorKind::Home).is_some_and(|home| !home.stopping);
         alive.then_some(homing)
     }
 
@@ -206,7 +206,7 @@ impl Axis {
         let way = self.home.direction;
         match homing.stage {
             Stage::Clearing if self.home.sequence == HomeSequence::Immediate => {
-                self.end(Slot::Home);
+                self.end(GeneratorKind::Home);
                 self.take_home_position();
                 true
             }
@@ -354,7 +354,7 @@ impl Axis {
     fn leg(&mut self, profile: Profile, start: Instant) {
         let mut generator = Generator::planned(profile, start);
         generator.execution = self.homing.map(|homing| homing.execution);
-        self.sum.begin(Slot::Home, generator);
+        self.sum.begin(GeneratorKind::Home, generator);
         self.command = self.sum.command();
     }
 }

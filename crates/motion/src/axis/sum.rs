@@ -9,103 +9,16 @@ use arcline_planner::Clock;
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_profile::KinematicState;
 
-use super::generator::{Generator, Law};
-
-/// What can move an axis: one generator of each kind at a time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Slot {
-    /// A coordinated move, or the axis's part of one that was ended and brakes.
-    System,
-    /// A stop of everything on the axis.
-    Stop,
-    /// MAM.
-    Move,
-    /// MAJ.
-    Jog,
-    /// MAH.
-    Home,
-    /// MAG.
-    Gear,
-    /// MAPC.
-    PositionCam,
-    /// MATC.
-    TimeCam,
-    /// MCT: the axis follows another coordinate system, or is led back by it.
-    Transform,
-    /// What a transform moved brakes: it was cancelled.
-    Parting,
-    /// MAM of a master offset: it moves the master of the position cam, as that sees it, and the axis only through that. Its
-    /// frame is the offset, master units.
-    MasterOffset,
-}
-
-impl Slot {
-    pub(crate) const ALL: [Slot; SLOTS] = [
-        Slot::System,
-        Slot::Stop,
-        Slot::Move,
-        Slot::Jog,
-        Slot::Home,
-        Slot::Gear,
-        Slot::PositionCam,
-        Slot::TimeCam,
-        Slot::Transform,
-        Slot::Parting,
-        Slot::MasterOffset,
-    ];
-
-    /// What can be a function of a master's way by itself.
-    pub(crate) const GUIDED: [Slot; 3] = [Slot::Move, Slot::Jog, Slot::MasterOffset];
-
-    /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
-    pub(crate) fn is_single_axis(self) -> bool {
-        matches!(
-            self,
-            Slot::Move | Slot::Jog | Slot::Home | Slot::Gear | Slot::PositionCam | Slot::TimeCam
-        )
-    }
-
-    /// Whether it moves the axis by itself: neither a coordinate system nor a transform gives it.
-    pub(crate) fn is_own(self) -> bool {
-        !matches!(self, Slot::System) && !self.is_of_transforms()
-    }
-
-    /// Whether a transform moves the axis by it, or what is left of one.
-    pub(crate) fn is_of_transforms(self) -> bool {
-        matches!(self, Slot::Transform | Slot::Parting)
-    }
-
-    /// What a person calls it.
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Slot::System => "coordinated motion",
-            Slot::Stop => "a stop",
-            Slot::Move => "MAM",
-            Slot::Jog => "MAJ",
-            Slot::Home => "MAH",
-            Slot::Gear => "MAG",
-            Slot::PositionCam => "MAPC",
-            Slot::TimeCam => "MATC",
-            Slot::Transform => "a transform",
-            Slot::Parting => "the stop of a cancelled transform",
-            Slot::MasterOffset => "a master offset",
-        }
-    }
-
-    const fn bit(self) -> u16 {
-        1 << self as u8
-    }
-}
-
-const SLOTS: usize = 11;
+use super::generator::{Equation, Generator};
+use super::generator_kind::{GENERATOR_KINDS, GeneratorKind, kinds};
 
 /// Displacements by kind of generator.
-pub(super) type Displacements = [f64; SLOTS];
+pub(super) type Displacements = [f64; GENERATOR_KINDS];
 
 /// The generators of one axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Sum {
-    generators: [Option<Generator>; SLOTS],
+    generators: [Option<Generator>; GENERATOR_KINDS],
     /// Places of `generators` that are taken, by bit.
     active: u16,
     /// What generators that are over have displaced the axis.
@@ -117,9 +30,9 @@ pub(crate) struct Sum {
 impl Sum {
     pub(crate) fn at_rest(position: f64) -> Self {
         Sum {
-            generators: [const { None }; SLOTS],
+            generators: [const { None }; GENERATOR_KINDS],
             active: 0,
-            displaced: [0.0; SLOTS],
+            displaced: [0.0; GENERATOR_KINDS],
             rest: position,
         }
     }
@@ -129,70 +42,74 @@ impl Sum {
         self.active == 0
     }
 
-    pub(crate) fn get(&self, slot: Slot) -> Option<&Generator> {
-        if self.active & slot.bit() == 0 {
+    pub(crate) fn get(&self, kind: GeneratorKind) -> Option<&Generator> {
+        if self.active & kind.bit() == 0 {
             return None;
         }
-        self.generators[slot as usize].as_ref()
+        self.generators[kind as usize].as_ref()
     }
 
-    pub(crate) fn get_mut(&mut self, slot: Slot) -> Option<&mut Generator> {
-        if self.active & slot.bit() == 0 {
+    pub(crate) fn get_mut(&mut self, kind: GeneratorKind) -> Option<&mut Generator> {
+        if self.active & kind.bit() == 0 {
             return None;
         }
-        self.generators[slot as usize].as_mut()
+        self.generators[kind as usize].as_mut()
     }
 
-    pub(crate) fn is_active(&self, slot: Slot) -> bool {
-        self.active & slot.bit() != 0
+    pub(crate) fn is_active(&self, kind: GeneratorKind) -> bool {
+        self.active & kind.bit() != 0
     }
 
-    /// The next kind of generators behind `last`, in the order of [`Slot::ALL`], that is active or one of `others`.
-    pub(super) fn next_active(&self, last: Option<Slot>, others: impl Iterator<Item = Slot>) -> Option<Slot> {
+    /// The next kind of generators behind `last`, in the order of [`GeneratorKind::ALL`], that is active or one of `others`.
+    pub(super) fn next_active(
+        &self,
+        last: Option<GeneratorKind>,
+        others: impl Iterator<Item = GeneratorKind>,
+    ) -> Option<GeneratorKind> {
         let reported = last.map_or(0, |last| 2 * last.bit() - 1);
-        let bits = others.fold(self.active, |bits, slot| bits | slot.bit()) & !reported;
-        slots(bits).next()
+        let bits = others.fold(self.active, |bits, kind| bits | kind.bit()) & !reported;
+        kinds(bits).next()
     }
 
     /// Whether anything but generators of one kind is under way.
-    pub(crate) fn is_active_but(&self, slot: Slot) -> bool {
-        self.active & !slot.bit() != 0
+    pub(crate) fn is_active_but(&self, kind: GeneratorKind) -> bool {
+        self.active & !kind.bit() != 0
     }
 
     /// Every generator under way, with its kind.
-    pub(crate) fn active(&self) -> impl Iterator<Item = (Slot, &Generator)> {
-        slots(self.active).filter_map(|slot| self.get(slot).map(|generator| (slot, generator)))
+    pub(crate) fn active(&self) -> impl Iterator<Item = (GeneratorKind, &Generator)> {
+        kinds(self.active).filter_map(|kind| self.get(kind).map(|generator| (kind, generator)))
     }
 
     /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant,
     /// whatever position `generator` was made with: planned ones are planned from [`Sum::command`]'s position.
-    pub(crate) fn begin(&mut self, slot: Slot, mut generator: Generator) {
-        if slot == Slot::MasterOffset {
-            self.generators[slot as usize] = Some(generator);
-            self.active |= slot.bit();
+    pub(crate) fn begin(&mut self, kind: GeneratorKind, mut generator: Generator) {
+        if kind == GeneratorKind::MasterOffset {
+            self.generators[kind as usize] = Some(generator);
+            self.active |= kind.bit();
             return;
         }
         let present = self.command().position;
-        self.end(slot);
+        self.end(kind);
         if self.is_idle() {
-            self.displaced = [0.0; SLOTS];
+            self.displaced = [0.0; GENERATOR_KINDS];
         }
         generator.now.position = present;
         generator.origin = present;
         generator.shift = 0.0;
         generator.others = self.displacements();
-        self.generators[slot as usize] = Some(generator);
-        self.active |= slot.bit();
+        self.generators[kind as usize] = Some(generator);
+        self.active |= kind.bit();
     }
 
     /// Ends a generator; the axis stays where it is. Returns it as it was.
-    pub(crate) fn end(&mut self, slot: Slot) -> Option<Generator> {
-        self.get(slot)?;
+    pub(crate) fn end(&mut self, kind: GeneratorKind) -> Option<Generator> {
+        self.get(kind)?;
         self.rest = self.command().position;
-        self.active &= !slot.bit();
-        let generator = self.generators[slot as usize].take()?;
-        if slot != Slot::MasterOffset {
-            self.displaced[slot as usize] += generator.displacement();
+        self.active &= !kind.bit();
+        let generator = self.generators[kind as usize].take()?;
+        if kind != GeneratorKind::MasterOffset {
+            self.displaced[kind as usize] += generator.displacement();
         }
         Some(generator)
     }
@@ -205,8 +122,8 @@ impl Sum {
     /// Shifts every position by an offset; nothing moves (MRP, homing).
     pub(crate) fn redefine(&mut self, offset: f64) {
         self.rest += offset;
-        for slot in Slot::ALL {
-            if let Some(generator) = self.get_mut(slot) {
+        for kind in GeneratorKind::ALL {
+            if let Some(generator) = self.get_mut(kind) {
                 generator.shift += offset;
             }
         }
@@ -214,15 +131,15 @@ impl Sum {
 
     /// Folds away whole turns of an endless jog. Returns the shift of every position.
     pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
-        let jog = self.get_mut(Slot::Jog).filter(|jog| !jog.stopping);
+        let jog = self.get_mut(GeneratorKind::Jog).filter(|jog| !jog.stopping);
         jog.map_or(0.0, |jog| jog.fold(unwind, clock))
     }
 
     /// Velocity and acceleration of some kinds of generators together; the position is 0.
-    pub(crate) fn motion_of(&self, which: impl Fn(Slot) -> bool) -> KinematicState {
+    pub(crate) fn motion_of(&self, which: impl Fn(GeneratorKind) -> bool) -> KinematicState {
         let mut total = KinematicState::default();
-        for (slot, generator) in self.moving() {
-            if which(slot) {
+        for (kind, generator) in self.moving() {
+            if which(kind) {
                 total.velocity += generator.now.velocity;
                 total.acceleration += generator.now.acceleration;
             }
@@ -231,9 +148,9 @@ impl Sum {
     }
 
     /// The limits that some kinds of generators keep together; `None` where those of one that moves by time are not known.
-    pub(crate) fn in_force(&self, which: impl Fn(Slot) -> bool) -> Option<Limits> {
+    pub(crate) fn in_force(&self, which: impl Fn(GeneratorKind) -> bool) -> Option<Limits> {
         let mut all: Option<Limits> = None;
-        for (_, generator) in self.moving().filter(|(slot, _)| which(*slot)) {
+        for (_, generator) in self.moving().filter(|(kind, _)| which(*kind)) {
             let still = generator.now.velocity == 0.0 && generator.now.acceleration == 0.0;
             let own = generator.in_force.filter(|_| generator.guide.is_none());
             match (own, still) {
@@ -246,22 +163,22 @@ impl Sum {
     }
 
     /// What positions were redefined by since a generator began: its frame does not know.
-    pub(crate) fn shift_of(&self, slot: Slot) -> f64 {
-        self.get(slot).map_or(0.0, |generator| generator.shift)
+    pub(crate) fn shift_of(&self, kind: GeneratorKind) -> f64 {
+        self.get(kind).map_or(0.0, |generator| generator.shift)
     }
 
     /// Says where a generator that somebody else computes is, in its own frame.
-    pub(crate) fn set(&mut self, slot: Slot, now: KinematicState) {
-        if let Some(generator) = self.get_mut(slot) {
+    pub(crate) fn set(&mut self, kind: GeneratorKind, now: KinematicState) {
+        if let Some(generator) = self.get_mut(kind) {
             generator.now = now;
         }
     }
 
     /// Brings planned generators to the present tick.
     pub(crate) fn advance(&mut self, clock: &Clock) {
-        for slot in slots(self.active) {
-            if let Some(generator) = self.get_mut(slot)
-                && let Law::Planned { .. } = generator.law
+        for kind in kinds(self.active) {
+            if let Some(generator) = self.get_mut(kind)
+                && let Equation::Planned { .. } = generator.equation
             {
                 generator.advance(clock);
             }
@@ -269,12 +186,12 @@ impl Sum {
     }
 
     /// Every generator under way that moves the axis itself.
-    fn moving(&self) -> impl Iterator<Item = (Slot, &Generator)> {
-        self.active().filter(|(slot, _)| *slot != Slot::MasterOffset)
+    fn moving(&self) -> impl Iterator<Item = (GeneratorKind, &Generator)> {
+        self.active().filter(|(kind, _)| *kind != GeneratorKind::MasterOffset)
     }
 
     /// The generator with the highest velocity; one whose velocity is no number first.
-    pub(crate) fn fastest(&self) -> Option<(Slot, &Generator)> {
+    pub(crate) fn fastest(&self) -> Option<(GeneratorKind, &Generator)> {
         let speed = |generator: &Generator| {
             let speed = generator.now.velocity.abs();
             if speed.is_nan() { f64::INFINITY } else { speed }
@@ -287,12 +204,12 @@ impl Sum {
     pub(crate) fn command(&self) -> KinematicState {
         let mut total = KinematicState::default();
         let mut lead = None;
-        for (slot, generator) in self.moving() {
+        for (kind, generator) in self.moving() {
             total.velocity += generator.now.velocity;
             total.acceleration += generator.now.acceleration;
-            lead = lead.or(Some(slot));
+            lead = lead.or(Some(kind));
         }
-        total.position = match lead.and_then(|slot| self.seen_from(slot, None)) {
+        total.position = match lead.and_then(|kind| self.seen_from(kind, None)) {
             Some(position) => position,
             None => self.rest,
         };
@@ -300,17 +217,17 @@ impl Sum {
     }
 
     /// A position in a generator's frame, or its present one, as a position of the axis at this tick.
-    pub(crate) fn seen_from(&self, slot: Slot, position: Option<f64>) -> Option<f64> {
-        let generator = self.get(slot)?;
+    pub(crate) fn seen_from(&self, kind: GeneratorKind, position: Option<f64>) -> Option<f64> {
+        let generator = self.get(kind)?;
         let mut others = generator.shift;
         // Alone, as nearly always, an axis has only what has been.
-        let now = if self.active == slot.bit() {
+        let now = if self.active == kind.bit() {
             self.displaced
         } else {
             self.displacements()
         };
         for (other, (now, then)) in now.iter().zip(generator.others).enumerate() {
-            if other != slot as usize {
+            if other != kind as usize {
                 others += now - then;
             }
         }
@@ -319,20 +236,11 @@ impl Sum {
 
     fn displacements(&self) -> Displacements {
         let mut displacements = self.displaced;
-        for (slot, generator) in self.moving() {
-            displacements[slot as usize] += generator.displacement();
+        for (kind, generator) in self.moving() {
+            displacements[kind as usize] += generator.displacement();
         }
         displacements
     }
-}
-
-/// The kinds of generators whose bits are set.
-fn slots(mut bits: u16) -> impl Iterator<Item = Slot> {
-    std::iter::from_fn(move || {
-        let slot = *Slot::ALL.get(bits.trailing_zeros() as usize)?;
-        bits &= bits - 1;
-        Some(slot)
-    })
 }
 
 /// The limits of two motions at once: the speeds add up, the harder rates count.
@@ -365,7 +273,7 @@ mod tests {
     }
 
     /// A move from where the axis is commanded to be, superimposed on what runs.
-    fn begin_move(sum: &mut Sum, slot: Slot, target: f64, clock: &Clock) {
+    fn begin_move(sum: &mut Sum, kind: GeneratorKind, target: f64, clock: &Clock) {
         let from = KinematicState {
             position: sum.command().position,
             ..KinematicState::default()
@@ -377,7 +285,7 @@ mod tests {
             jerk: None,
         };
         let profile = Profile::to_position(from, target, 0.0, &limits);
-        sum.begin(slot, Generator::planned(profile, clock.now()));
+        sum.begin(kind, Generator::planned(profile, clock.now()));
         sum.advance(clock);
     }
 
@@ -386,10 +294,10 @@ mod tests {
         let mut sum = Sum::at_rest(0.1);
         for (place, target) in [33.3, -7.1, 1e6 / 3.0, 0.3].into_iter().enumerate() {
             let start = at(place as u64 * 10_000_000);
-            begin_move(&mut sum, Slot::Move, target, &start);
+            begin_move(&mut sum, GeneratorKind::Move, target, &start);
             sum.advance(&at(start.tick + 9_999_999));
             assert_eq!(sum.command().position, target);
-            sum.end(Slot::Move);
+            sum.end(GeneratorKind::Move);
             assert_eq!(sum.command().position, target);
         }
     }
@@ -397,16 +305,16 @@ mod tests {
     #[test]
     fn generators_add_and_the_ends_of_either_change_nothing() {
         let mut sum = Sum::at_rest(10.0);
-        begin_move(&mut sum, Slot::Move, 40.0, &at(0));
+        begin_move(&mut sum, GeneratorKind::Move, 40.0, &at(0));
         sum.advance(&at(100));
         let alone = sum.command();
-        begin_move(&mut sum, Slot::Jog, alone.position + 5.0, &at(100));
+        begin_move(&mut sum, GeneratorKind::Jog, alone.position + 5.0, &at(100));
         assert_eq!(sum.command().position, alone.position);
         sum.advance(&at(10_000));
         assert!((sum.command().position - 45.0).abs() < 1e-12);
-        for slot in [Slot::Move, Slot::Jog] {
+        for kind in [GeneratorKind::Move, GeneratorKind::Jog] {
             let before = sum.command().position;
-            sum.end(slot);
+            sum.end(kind);
             assert!((sum.command().position - before).abs() < 1e-12);
         }
         assert!(sum.is_idle());
@@ -417,7 +325,7 @@ mod tests {
     #[test]
     fn redefining_shifts_what_is_shown_and_the_end_with_it() {
         let mut sum = Sum::at_rest(0.0);
-        begin_move(&mut sum, Slot::Move, 20.0, &at(0));
+        begin_move(&mut sum, GeneratorKind::Move, 20.0, &at(0));
         sum.advance(&at(50));
         let before = sum.command();
         sum.redefine(-3.0);

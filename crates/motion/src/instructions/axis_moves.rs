@@ -8,7 +8,7 @@ use arcline_profile::KinematicState;
 
 use super::programmed::{self, Programmed};
 use crate::axis::generator::{Generator, Goal, Program};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::{Axis, AxisState};
 use crate::control::Execution;
 use crate::dynamics::Dynamics;
@@ -36,32 +36,32 @@ impl AxisMove {
     }
 
     /// The same of a kind: an offset of a master is apart from what moves the axis.
-    fn merges_into(&self, slot: Slot) -> bool {
-        slot != Slot::MasterOffset && self.merges()
+    fn merges_into(&self, kind: GeneratorKind) -> bool {
+        kind != GeneratorKind::MasterOffset && self.merges()
     }
 
     /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
     /// instructions move. The position is where the axis is commanded to be.
-    pub(super) fn taken_over(&self, axis: &Axis, slot: Slot) -> KinematicState {
-        match slot {
-            Slot::MasterOffset => axis.master_offset(),
+    pub(super) fn taken_over(&self, axis: &Axis, kind: GeneratorKind) -> KinematicState {
+        match kind {
+            GeneratorKind::MasterOffset => axis.master_offset(),
             _ => KinematicState {
                 position: axis.command.position,
                 ..axis
                     .sum
-                    .motion_of(|other| other == slot || (self.merges() && other.is_single_axis()))
+                    .motion_of(|other| other == kind || (self.merges() && other.is_single_axis()))
             },
         }
     }
 
     /// The limits of what the instruction takes over, by time or by a master's way as the instruction itself.
-    fn in_force(&self, axis: &Axis, slot: Slot, led: bool) -> Option<Limits> {
-        let own = axis.sum.get(slot);
-        if led || slot == Slot::MasterOffset {
+    fn in_force(&self, axis: &Axis, kind: GeneratorKind, led: bool) -> Option<Limits> {
+        let own = axis.sum.get(kind);
+        if led || kind == GeneratorKind::MasterOffset {
             return own.filter(|own| own.guide.is_some() == led)?.in_force;
         }
         axis.sum
-            .in_force(|other| other == slot || (self.merges() && other.is_single_axis()))
+            .in_force(|other| other == kind || (self.merges() && other.is_single_axis()))
     }
 
     /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.
@@ -69,7 +69,7 @@ impl AxisMove {
         &self,
         motion: &mut Motion,
         axis: AxisId,
-        slot: Slot,
+        kind: GeneratorKind,
         beginning: Beginning,
         plan: impl FnOnce(KinematicState) -> Profile,
     ) {
@@ -80,14 +80,14 @@ impl AxisMove {
             led,
             events,
         } = beginning;
-        let taken = self.taken_over(&motion.axes[axis], slot);
+        let taken = self.taken_over(&motion.axes[axis], kind);
         let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
-        let before = self.in_force(&motion.axes[axis], slot, led.is_some());
-        if self.merges_into(slot) {
-            motion.end_single_axis(axis, Some(slot));
+        let before = self.in_force(&motion.axes[axis], kind, led.is_some());
+        if self.merges_into(kind) {
+            motion.end_single_axis(axis, Some(kind));
         }
-        motion.end_generator(axis, slot);
+        motion.end_generator(axis, kind);
         let guide = led.and_then(|(lead, _)| motion.lead_axis(axis, lead));
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
@@ -111,14 +111,14 @@ impl AxisMove {
                 due: Some(motion.clock.tick),
             });
         }
-        motion.axes[axis].begin(slot, generator);
+        motion.axes[axis].begin(kind, generator);
         motion.axes[axis].stale = true;
         let mut accepted = Flag::Dn.mask() | Flag::Ip.mask();
         if guide.is_some() {
             accepted |= Flag::Ac.mask();
         }
         motion.controls.write(execution, accepted, 0, motion.clock.tick);
-        motion.calculate_move(axis, slot);
+        motion.calculate_move(axis, kind);
     }
 
     /// How a move or a jog is master driven, and with what it takes over what it supersedes; `None`: by time.
@@ -129,7 +129,7 @@ impl AxisMove {
         &self,
         motion: &Motion,
         axis: AxisId,
-        slot: Slot,
+        kind: GeneratorKind,
         lead: Option<Led>,
     ) -> Result<Option<(Led, Pace)>, MotionError> {
         let state = &motion.axes[axis];
@@ -137,9 +137,9 @@ impl AxisMove {
         let (Some(lead), Some(link)) = (lead, link) else {
             return Ok(None);
         };
-        let moves = self.taken_over(state, slot).velocity != 0.0;
+        let moves = self.taken_over(state, kind).velocity != 0.0;
         let pace = programmed::pace(link, lead.lock, moves)?;
-        if let Some(running) = state.sum.get(slot).and_then(|generator| generator.guide) {
+        if let Some(running) = state.sum.get(kind).and_then(|generator| generator.guide) {
             if running.sense != lead.lock.sense {
                 return Err(MotionError::MdscDirectionMismatch);
             }
@@ -151,8 +151,8 @@ impl AxisMove {
     }
 
     /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
-    pub(super) fn present_speed(&self, axis: &Axis, slot: Slot, led: Option<(Led, Pace)>) -> f64 {
-        let taken = self.taken_over(axis, slot);
+    pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(Led, Pace)>) -> f64 {
+        let taken = self.taken_over(axis, kind);
         led.map_or(taken, |(_, pace)| pace.on_the_way(taken)).velocity.abs()
     }
 }

@@ -7,8 +7,8 @@ use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError, OperandIndex
 use super::axis_moves;
 use crate::axis::Axis;
 use crate::axis::camming::Offset;
-use crate::axis::generator::{Generator, Law};
-use crate::axis::sum::Slot;
+use crate::axis::generator::{Equation, Generator};
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Pending, Program, Source};
@@ -36,9 +36,9 @@ pub(super) fn on_turn(axis: &Axis, position: &OperandValue<f64>) -> Result<(), M
 }
 
 /// No stop of everything is under way, nor one of the kind of cam.
-pub(super) fn not_stopping(axis: &Axis, slot: Slot) -> Result<(), MotionError> {
+pub(super) fn not_stopping(axis: &Axis, kind: GeneratorKind) -> Result<(), MotionError> {
     axis_moves::not_stopping(axis)?;
-    if axis.sum.get(slot).is_some_and(|generator| generator.stopping) {
+    if axis.sum.get(kind).is_some_and(|generator| generator.stopping) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }
     Ok(())
@@ -48,13 +48,18 @@ pub(super) fn not_stopping(axis: &Axis, slot: Slot) -> Result<(), MotionError> {
 ///
 /// # Errors
 /// `IllegalDynamicChange` (23).
-pub(super) fn verify_change(axis: &Axis, slot: Slot, source: Source, pending: bool) -> Result<(), MotionError> {
+pub(super) fn verify_change(
+    axis: &Axis,
+    kind: GeneratorKind,
+    source: Source,
+    pending: bool,
+) -> Result<(), MotionError> {
     let same = |other: Source| match (other, source) {
         (Source::Time { .. }, Source::Time { .. }) => true,
         (other, source) => other == source,
     };
-    let runs = axis.cam(slot).map(Cam::source);
-    let waits = axis.cams(slot).pending.as_ref().map(|pending| pending.program.source);
+    let runs = axis.cam(kind).map(Cam::source);
+    let waits = axis.cams(kind).pending.as_ref().map(|pending| pending.program.source);
     let fits = if pending {
         runs.is_none_or(same)
     } else {
@@ -68,7 +73,7 @@ pub(super) fn verify_change(axis: &Axis, slot: Slot, source: Source, pending: bo
 
 /// A verified cam that is to begin.
 pub(super) struct Beginning {
-    pub(super) slot: Slot,
+    pub(super) kind: GeneratorKind,
     pub(super) program: Program,
     pub(super) lock: Option<Crossing>,
     /// The master as it is now.
@@ -91,9 +96,9 @@ pub(super) fn verify_reach(
 }
 
 /// The cam waits for the end of the one under way.
-pub(super) fn wait(motion: &mut Motion, axis: AxisId, slot: Slot, program: Program, execution: Execution) {
-    motion.end_pending_cams(axis, Some(slot));
-    let cams = motion.axes[axis].cams_mut(slot);
+pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: Program, execution: Execution) {
+    motion.end_pending_cams(axis, Some(kind));
+    let cams = motion.axes[axis].cams_mut(kind);
     cams.direction = Some(program.slave_scale.signum());
     cams.pending = Some(Pending { program, execution });
     accept(motion, execution);
@@ -102,28 +107,28 @@ pub(super) fn wait(motion: &mut Motion, axis: AxisId, slot: Slot, program: Progr
 /// The cam begins now.
 pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, execution: Execution) {
     let Beginning {
-        slot,
+        kind,
         program,
         lock,
         master,
     } = beginning;
-    if slot == Slot::PositionCam {
-        motion.end_generator(axis, Slot::MasterOffset);
-        motion.axes[axis].cams_mut(slot).offset = Offset::default();
+    if kind == GeneratorKind::PositionCam {
+        motion.end_generator(axis, GeneratorKind::MasterOffset);
+        motion.axes[axis].cams_mut(kind).offset = Offset::default();
     }
     let clock = motion.clock;
     let state = &mut motion.axes[axis];
-    state.cams_mut(slot).direction = Some(program.slave_scale.signum());
+    state.cams_mut(kind).direction = Some(program.slave_scale.signum());
     let slave = state.command.position;
     let cam = Cam::new(program, lock, &master, slave, &clock);
     let segment = cam.segment();
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
     generator.shown_segment = segment;
-    generator.law = Law::Cammed(cam);
-    state.begin(slot, generator);
+    generator.equation = Equation::Cammed(cam);
+    state.begin(kind, generator);
     // What is executed next at this tick finds the slave in motion.
-    state.follow_cam(slot, &master, &clock);
+    state.follow_cam(kind, &master, &clock);
     state.command = state.sum.command();
     state.stale = true;
     accept(motion, execution);

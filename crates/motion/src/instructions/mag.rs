@@ -7,8 +7,8 @@ use arcline_profile::KinematicState;
 
 use super::axis_moves;
 use super::programmed::positive;
-use crate::axis::generator::{Generator, Law};
-use crate::axis::sum::Slot;
+use crate::axis::generator::{Equation, Generator};
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::dynamics::in_units;
 use crate::masters::gear::Gear;
@@ -65,11 +65,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         position: motion.axes[axis].command.position,
         velocity: motion.axes[axis]
             .sum
-            .get(Slot::Gear)
+            .get(GeneratorKind::Gear)
             .map_or(0.0, |generator| generator.now.velocity),
         acceleration: 0.0,
     };
-    motion.end_generator(axis, Slot::Gear);
+    motion.end_generator(axis, GeneratorKind::Gear);
     let met = motion.axes.master_at(master, reference, &motion.clock);
     let read = Master::new(master, reference, &met, &motion.clock);
     let mut gear = Gear::new(read, ratio, slave, clutch, now);
@@ -77,9 +77,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     generator.execution = Some(execution);
     // What is executed next at this tick finds the slave in motion.
     generator.now = gear.follow(&met, &motion.clock);
-    generator.law = Law::Geared(gear);
+    generator.equation = Equation::Geared(gear);
     let state = &mut motion.axes[axis];
-    state.begin(Slot::Gear, generator);
+    state.begin(GeneratorKind::Gear, generator);
     state.stale = true;
     motion.order.take(order);
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();

@@ -8,7 +8,7 @@ use arcline_planner::profile::Profile;
 use super::axis_moves::{self, AxisMove, Beginning};
 use super::programmed::Programmed;
 use crate::axis::generator::Goal;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::motion::Motion;
 
@@ -35,9 +35,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     axis_moves::not_stopping(state)?;
     let mut dynamics = programmed.dynamics(&state.dynamics)?;
-    let led = operands.led(motion, axis, Slot::Jog, lead)?;
+    let led = operands.led(motion, axis, GeneratorKind::Jog, lead)?;
     if operands.keeps_speed() {
-        dynamics.keep_speed(operands.present_speed(state, Slot::Jog, led));
+        dynamics.keep_speed(operands.present_speed(state, GeneratorKind::Jog, led));
     }
     let velocity = match *direction {
         JogDirection::Forward => dynamics.speed,
@@ -51,7 +51,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         led,
         events: None,
     };
-    operands.begin(motion, axis, Slot::Jog, beginning, |from| {
+    operands.begin(motion, axis, GeneratorKind::Jog, beginning, |from| {
         Profile::to_velocity(from, velocity, &dynamics.jog_limits(from.velocity, velocity))
     });
     Ok(())

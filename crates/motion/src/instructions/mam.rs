@@ -11,7 +11,7 @@ use super::programmed::{Programmed, verify_reduction};
 use super::seconds;
 use crate::axis::Axis;
 use crate::axis::generator::Goal;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::events::{Events, Fit};
 use crate::motion::Motion;
@@ -27,10 +27,10 @@ struct Destination {
 
 impl Destination {
     /// What the move is one of.
-    fn slot(&self) -> Slot {
+    fn kind(&self) -> GeneratorKind {
         match self.move_type {
-            AbsoluteMasterOffset | IncrementalMasterOffset => Slot::MasterOffset,
-            Absolute | Incremental | RotaryShortestPath | RotaryPositive | RotaryNegative => Slot::Move,
+            AbsoluteMasterOffset | IncrementalMasterOffset => GeneratorKind::MasterOffset,
+            Absolute | Incremental | RotaryShortestPath | RotaryPositive | RotaryNegative => GeneratorKind::Move,
         }
     }
 
@@ -52,8 +52,8 @@ impl Destination {
 
     /// Where the move begins, of its kind.
     fn present(&self, axis: &Axis) -> f64 {
-        match self.slot() {
-            Slot::MasterOffset => axis.master_offset().position,
+        match self.kind() {
+            GeneratorKind::MasterOffset => axis.master_offset().position,
             _ => axis.command.position,
         }
     }
@@ -71,7 +71,7 @@ impl Destination {
             (RotaryShortestPath | RotaryPositive | RotaryNegative, None) => Err(MotionError::AxisModeNotRotary),
             (Absolute, Some(turn)) => Ok(turn.absolute(position)),
             (Absolute, None) => Ok(position),
-            (AbsoluteMasterOffset | IncrementalMasterOffset, _) if axis.cam(Slot::PositionCam).is_none() => {
+            (AbsoluteMasterOffset | IncrementalMasterOffset, _) if axis.cam(GeneratorKind::PositionCam).is_none() => {
                 Err(MotionError::PositionCamNotEnabled)
             }
             (AbsoluteMasterOffset, _) => Ok(position),
@@ -81,14 +81,14 @@ impl Destination {
 }
 
 /// Units that go together, and what moves of a programmed duration need.
-fn verify_units(operands: &AxisMove, slot: Slot, axis: &Axis) -> Result<(), MotionError> {
+fn verify_units(operands: &AxisMove, kind: GeneratorKind, axis: &Axis) -> Result<(), MotionError> {
     let programmed = &operands.programmed;
     programmed.verify_units()?;
     seconds::verify_units(&programmed.rates)?;
     if seconds::is_duration(&programmed.rates) {
         seconds::verify_durations(programmed)?;
-        let moved = match slot {
-            Slot::MasterOffset => axis.master_offset(),
+        let moved = match kind {
+            GeneratorKind::MasterOffset => axis.master_offset(),
             _ => axis.command,
         };
         if moved.velocity != 0.0 || moved.acceleration != 0.0 {
@@ -98,7 +98,7 @@ fn verify_units(operands: &AxisMove, slot: Slot, axis: &Axis) -> Result<(), Moti
             return Err(MotionError::MergeToCurrentUsingSeconds);
         }
     }
-    programmed.verify_link(axis.links.newest(serves(slot)))
+    programmed.verify_link(axis.links.newest(serves(kind)))
 }
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -123,10 +123,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let axis = motion.target_axis(call)?;
     let state = &motion.axes[axis];
-    let slot = destination.slot();
+    let kind = destination.kind();
     destination.verify_ranges(motion, state, call)?;
-    verify_units(&operands, slot, state)?;
-    let lead = programmed.lead(motion, state.links.newest(serves(slot)))?;
+    verify_units(&operands, kind, state)?;
+    let lead = programmed.lead(motion, state.links.newest(serves(kind)))?;
     let events = Events::of(&events, Fit::Exactly)?;
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     if destination.is_rotary() && state.unwind.is_none() {
@@ -134,34 +134,34 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     axis_moves::not_stopping(state)?;
     let target = destination.target(state)?;
-    let moved = match state.cam_master(Slot::PositionCam) {
-        Some(master) if slot == Slot::MasterOffset => &motion.axes[master],
+    let moved = match state.cam_master(GeneratorKind::PositionCam) {
+        Some(master) if kind == GeneratorKind::MasterOffset => &motion.axes[master],
         _ => state,
     };
     range::verify(moved, target, position.index)?;
     let way = target - destination.present(state);
     // An offset is in units of the master, and so are its maxima.
-    let maxima = match state.cam_master(Slot::PositionCam) {
-        Some(master) if slot == Slot::MasterOffset => &motion.axes[master].dynamics,
+    let maxima = match state.cam_master(GeneratorKind::PositionCam) {
+        Some(master) if kind == GeneratorKind::MasterOffset => &motion.axes[master].dynamics,
         _ => {
             axis_moves::no_overtravel(state, way)?;
             &state.dynamics
         }
     };
-    let led = operands.led(motion, axis, slot, lead)?;
+    let led = operands.led(motion, axis, kind, lead)?;
     let mut dynamics = if seconds::is_duration(&programmed.rates) {
         seconds::dynamics(&programmed, way.abs(), maxima)
     } else {
         programmed.dynamics(maxima)?
     };
     if operands.keeps_speed() {
-        let present = operands.present_speed(state, slot, led);
+        let present = operands.present_speed(state, kind, led);
         if present != 0.0 {
             dynamics.keep_speed(present);
         }
     }
     if led.is_some() {
-        let present = operands.present_speed(state, slot, led);
+        let present = operands.present_speed(state, kind, led);
         verify_reduction(present, &dynamics.limits(), way.abs())?;
     }
     let beginning = Beginning {
@@ -171,16 +171,16 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         led,
         events,
     };
-    operands.begin(motion, axis, slot, beginning, |from| {
+    operands.begin(motion, axis, kind, beginning, |from| {
         Profile::to_position(from, target, 0.0, &dynamics.limits())
     });
     Ok(())
 }
 
 /// The Motion Type of MDAC that serves a kind of move.
-fn serves(slot: Slot) -> MdacMotionType {
-    match slot {
-        Slot::MasterOffset => MdacMotionType::MasterOffsetMove,
+fn serves(kind: GeneratorKind) -> MdacMotionType {
+    match kind {
+        GeneratorKind::MasterOffset => MdacMotionType::MasterOffsetMove,
         _ => MdacMotionType::Move,
     }
 }

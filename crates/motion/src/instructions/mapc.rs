@@ -6,7 +6,7 @@ use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::masters::cam::{Program, Source};
@@ -65,15 +65,15 @@ pub(super) fn execute(
         return Err(cam_lock_position.out_of_range());
     }
     axis_moves::verify_axis(&motion.axes[axis], false)?;
-    not_stopping(&motion.axes[axis], Slot::PositionCam)?;
+    not_stopping(&motion.axes[axis], GeneratorKind::PositionCam)?;
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let reference = *master_reference;
     let source = Source::Axis { master, reference };
-    verify_change(&motion.axes[axis], Slot::PositionCam, source, pending)?;
+    verify_change(&motion.axes[axis], GeneratorKind::PositionCam, source, pending)?;
     let profile = profile?;
 
-    let before = motion.axes[axis].cams(Slot::PositionCam).direction;
+    let before = motion.axes[axis].cams(GeneratorKind::PositionCam).direction;
     let program = Program {
         profile,
         source,
@@ -86,7 +86,7 @@ pub(super) fn execute(
     };
     verify_reach(motion, axis, &program, slave_scaling.index)?;
     if pending {
-        wait(motion, axis, Slot::PositionCam, program, execution);
+        wait(motion, axis, GeneratorKind::PositionCam, program, execution);
         return Ok(());
     }
     let state = &motion.axes[master];
@@ -96,7 +96,7 @@ pub(super) fn execute(
         unwind: state.unwind,
     });
     let beginning = Beginning {
-        slot: Slot::PositionCam,
+        kind: GeneratorKind::PositionCam,
         program,
         lock,
         master: motion.axes.master_at(master, reference, &motion.clock),

@@ -7,7 +7,7 @@ use arcline_planner::profile::{Jerk, Limits};
 
 use super::axis_moves::{stoppable, switched_on};
 use super::programmed::{positive, stop_change};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::dynamics::{Maxima, reference_speed, resolve};
 use crate::motion::Motion;
@@ -37,7 +37,7 @@ fn limits(operands: &StopOperands, own: &Maxima, speed: f64, s_curve: bool) -> R
 enum Stopped {
     /// All motion of the axis.
     All,
-    Kind(Slot),
+    Kind(GeneratorKind),
     /// A kind of motion that the controller does not have.
     Nothing,
 }
@@ -45,13 +45,13 @@ enum Stopped {
 fn stopped(stop_type: MasStopType) -> Stopped {
     match stop_type {
         MasStopType::All => Stopped::All,
-        MasStopType::Jog => Stopped::Kind(Slot::Jog),
-        MasStopType::Move => Stopped::Kind(Slot::Move),
-        MasStopType::Gear => Stopped::Kind(Slot::Gear),
-        MasStopType::Home => Stopped::Kind(Slot::Home),
-        MasStopType::TimeCam => Stopped::Kind(Slot::TimeCam),
-        MasStopType::PositionCam => Stopped::Kind(Slot::PositionCam),
-        MasStopType::MasterOffsetMove => Stopped::Kind(Slot::MasterOffset),
+        MasStopType::Jog => Stopped::Kind(GeneratorKind::Jog),
+        MasStopType::Move => Stopped::Kind(GeneratorKind::Move),
+        MasStopType::Gear => Stopped::Kind(GeneratorKind::Gear),
+        MasStopType::Home => Stopped::Kind(GeneratorKind::Home),
+        MasStopType::TimeCam => Stopped::Kind(GeneratorKind::TimeCam),
+        MasStopType::PositionCam => Stopped::Kind(GeneratorKind::PositionCam),
+        MasStopType::MasterOffsetMove => Stopped::Kind(GeneratorKind::MasterOffset),
         MasStopType::Tune | MasStopType::Test | MasStopType::DirectControl => Stopped::Nothing,
     }
 }
@@ -65,12 +65,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     stoppable(state)?;
     let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
-    if matches!(stopped, Stopped::All | Stopped::Kind(Slot::Home)) {
+    if matches!(stopped, Stopped::All | Stopped::Kind(GeneratorKind::Home)) {
         motion.end_passive_homing(axis);
     }
     match stopped {
         Stopped::All => motion.end_pending_cams(axis, None),
-        Stopped::Kind(slot) => motion.end_pending_cams(axis, Some(slot)),
+        Stopped::Kind(kind) => motion.end_pending_cams(axis, Some(kind)),
         Stopped::Nothing => {}
     }
     let state = &motion.axes[axis];
@@ -91,14 +91,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             motion.stop_axis_at(axis, &limits, Some(execution));
             motion.unlink_slave(axis);
         }
-        Stopped::Kind(slot) if state.sum.is_active(slot) => {
-            let generator = state.sum.get(slot);
+        Stopped::Kind(kind) if state.sum.is_active(kind) => {
+            let generator = state.sum.get(kind);
             let (speed, s_curve) = generator.map_or((0.0, false), |generator| {
                 (generator.now.velocity.abs(), generator.s_curve)
             });
             let limits = limits(&rates, &state.dynamics, speed, s_curve)?;
             motion.controls.write(execution, initiated, 0, tick);
-            motion.stop_generator(axis, slot, &limits, Some(execution));
+            motion.stop_generator(axis, kind, &limits, Some(execution));
         }
         // Nothing of that kind is under way; a transform that leads nobody now is cancelled all the same.
         other => {

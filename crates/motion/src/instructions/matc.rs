@@ -7,7 +7,7 @@ use arcline_instruction_set::{AxisId, Call, MotionError};
 use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
 use super::programmed::{lead, verify_lock};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::masters::cam::{self, Cam, Program, Source};
@@ -60,22 +60,22 @@ pub(super) fn execute(
     } = motion.operands(call)?;
     let led = led(motion, axis, *instruction_mode, &lock, *execution_schedule)?;
     axis_moves::verify_axis(&motion.axes[axis], false)?;
-    not_stopping(&motion.axes[axis], Slot::TimeCam)?;
+    not_stopping(&motion.axes[axis], GeneratorKind::TimeCam)?;
     let since = motion.clock.now();
     let source = led.map_or(Source::Time { since }, |(link, _)| Source::Axis {
         master: link.master.axis,
         reference: link.master.reference,
     });
     let pending = *execution_schedule == ExecutionSchedule::Pending;
-    verify_change(&motion.axes[axis], Slot::TimeCam, source, pending)?;
+    verify_change(&motion.axes[axis], GeneratorKind::TimeCam, source, pending)?;
     let sense = led.map(|(_, lead)| lead.lock.sense);
-    let runs = motion.axes[axis].cam(Slot::TimeCam).map(Cam::sense);
+    let runs = motion.axes[axis].cam(GeneratorKind::TimeCam).map(Cam::sense);
     if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
     let profile = data.cam()?;
 
-    let before = motion.axes[axis].cams(Slot::TimeCam).direction;
+    let before = motion.axes[axis].cams(GeneratorKind::TimeCam).direction;
     let program = Program {
         entry: profile.start().0,
         profile,
@@ -89,7 +89,7 @@ pub(super) fn execute(
     };
     verify_reach(motion, axis, &program, distance_scaling.index)?;
     if pending {
-        wait(motion, axis, Slot::TimeCam, program, execution);
+        wait(motion, axis, GeneratorKind::TimeCam, program, execution);
         return Ok(());
     }
     let mut lock = None;
@@ -109,7 +109,7 @@ pub(super) fn execute(
         }
     };
     let beginning = Beginning {
-        slot: Slot::TimeCam,
+        kind: GeneratorKind::TimeCam,
         program,
         lock,
         master,

@@ -8,7 +8,7 @@ use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
 use super::axis_moves;
 use super::programmed::{ChangeOperands, Rates};
 use crate::axis::generator::{Goal, Program};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::motion::Motion;
 
@@ -49,19 +49,19 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         change_accel_jerk: *change_accel_jerk,
         change_decel_jerk: *change_decel_jerk,
     };
-    let slot = match *motion_type {
-        McdMotionType::Jog => Slot::Jog,
-        McdMotionType::Move => Slot::Move,
+    let kind = match *motion_type {
+        McdMotionType::Jog => GeneratorKind::Jog,
+        McdMotionType::Move => GeneratorKind::Move,
     };
     let clock = motion.clock;
     let state = &mut motion.axes[axis];
-    let guide = state.sum.get(slot).and_then(|generator| generator.guide);
+    let guide = state.sum.get(kind).and_then(|generator| generator.guide);
     operands.verify_mode(guide.is_some())?;
-    let running = state.sum.get(slot).and_then(|generator| generator.program);
+    let running = state.sum.get(kind).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     axis_moves::not_stopping(state)?;
     let (maxima, bounds) = (state.dynamics, state.bounds);
-    let Some(generator) = state.sum.get_mut(slot) else {
+    let Some(generator) = state.sum.get_mut(kind) else {
         return Err(MotionError::IllegalDynamicChange);
     };
     let Some(Program {

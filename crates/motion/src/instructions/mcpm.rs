@@ -11,7 +11,7 @@ use arcline_instruction_set::enumerations::{
 use arcline_instruction_set::operands::Mcpm;
 use arcline_instruction_set::{Call, MotionError, OperandIndex, Range};
 use arcline_planner::geometry::{Path, Point, Turn};
-use arcline_planner::{Ending, Momentum, Move, Parameter};
+use arcline_planner::{Ending, InitialMotion, Move, Parameter};
 
 use super::moves::{self, TakenOver};
 use super::{merging, no_target, points, programmed};
@@ -159,7 +159,7 @@ pub(super) fn execute(
         },
     };
     let at_rest = TakenOver {
-        momentum: Momentum::default(),
+        initial: InitialMotion::default(),
         residual: None,
         merge: Merge::Disabled,
     };

@@ -6,7 +6,7 @@ use arcline_kinematics::{GeometryError, Robot};
 use arcline_planner::geometry::{Frame, Point};
 
 use crate::axes::share;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower, Planned};
@@ -217,8 +217,8 @@ fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionEr
     for side in [&transform.source, &transform.target] {
         let moving = side.iter().position(|axis| {
             let axis = &motion.axes[*axis];
-            let held = |slot| matches!(slot, Slot::Transform | Slot::Gear);
-            axis.transforms.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(slot, _)| !held(slot))
+            let held = |kind| matches!(kind, GeneratorKind::Transform | GeneratorKind::Gear);
+            axis.transforms.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(kind, _)| !held(kind))
         });
         if let Some(place) = moving {
             return Err(MotionError::AxisInMotion(AxisIndex(place as u8)));

@@ -3,7 +3,7 @@
 use arcline_instruction_set::operands::Mdac;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::masters::cam::Cam;
 use crate::motion::Motion;
@@ -28,7 +28,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let active = state.links.of(serves).active;
     let driven = |link: u32| {
         let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
-        let cam = state.cam(Slot::TimeCam).and_then(Cam::link);
+        let cam = state.cam(GeneratorKind::TimeCam).and_then(Cam::link);
         cam == Some(link) || guides.any(|guide| guide.link == link)
     };
     if let Some(active) = active

@@ -7,28 +7,29 @@ use arcline_instruction_set::enumerations::Merge;
 use arcline_instruction_set::{MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Limits};
-use arcline_planner::{Ending, Momentum, Move, Pace, Parameter};
+use arcline_planner::{Ending, InitialMotion, Move, Pace, Parameter};
 
 use super::points::command;
 use crate::axis::Axis;
-use crate::axis::sum::{Slot, together};
+use crate::axis::generator_kind::GeneratorKind;
+use crate::axis::sum::together;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Lead, Planned};
 
 /// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
-pub(super) fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> Momentum {
+pub(super) fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
         // What a transform gives goes on.
-        Merge::AllMotion => axis.sum.motion_of(|slot| !slot.is_of_transforms()),
+        Merge::AllMotion => axis.sum.motion_of(|kind| !kind.is_of_transforms()),
         _ => axis
             .sum
-            .get(Slot::System)
+            .get(GeneratorKind::System)
             .map(|generator| generator.now)
             .unwrap_or_default(),
     };
-    Momentum {
+    InitialMotion {
         velocity: command(motion, index, |axis| quantity(axis).velocity),
         acceleration: command(motion, index, |axis| quantity(axis).acceleration) - centripetal(motion, index, merge),
         before: in_force(motion, index, merge),
@@ -59,7 +60,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
     let mut programmed = own.map_or(Point::zeros(), |own| way_of_path(motion, index) * own.speed);
     for (axis, programmed) in system.description.linear().iter().zip(programmed.iter_mut()) {
         let sum = &motion.axes.get(*axis)?.sum;
-        let single = |slot: Slot| slot.is_single_axis() || slot == Slot::System && own.is_none();
+        let single = |kind: GeneratorKind| kind.is_single_axis() || kind == GeneratorKind::System && own.is_none();
         let moves = sum.motion_of(single);
         let Some(limits) = sum.in_force(single) else {
             if moves.velocity != 0.0 || moves.acceleration != 0.0 {
@@ -83,7 +84,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
 
 /// The direction of what a coordinate system does; zeros where it stands.
 fn way_of_path(motion: &Motion, index: SystemId) -> Point {
-    let now = |axis: &Axis| axis.sum.motion_of(|slot| slot == Slot::System);
+    let now = |axis: &Axis| axis.sum.motion_of(|kind| kind == GeneratorKind::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
     let acceleration = command(motion, index, |axis| now(axis).acceleration);
     let way = velocity.try_normalize(0.0).or_else(|| acceleration.try_normalize(0.0));
@@ -110,8 +111,8 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
 }
 
 /// What is under way by time, by the way of a master.
-pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
-    let mut taken = Momentum {
+pub(super) fn on_the_way(pace: &Pace, initial: &InitialMotion) -> InitialMotion {
+    let mut taken = InitialMotion {
         velocity: Point::zeros(),
         acceleration: Point::zeros(),
         before: None,
@@ -119,8 +120,8 @@ pub(super) fn on_the_way(pace: &Pace, momentum: &Momentum) -> Momentum {
     for place in 0..taken.velocity.len() {
         let state = pace.on_the_way(KinematicState {
             position: 0.0,
-            velocity: momentum.velocity[place],
-            acceleration: momentum.acceleration[place],
+            velocity: initial.velocity[place],
+            acceleration: initial.acceleration[place],
         });
         taken.velocity[place] = state.velocity;
         taken.acceleration[place] = state.acceleration;

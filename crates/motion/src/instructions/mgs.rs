@@ -72,7 +72,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
             motion.axes[axis].after_stop = after;
             braking.insert(axis);
         } else {
-            motion.stand(axis, after);
+            motion.act_after_stop(axis, after);
         }
     }
     braking

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::Execution;
 use crate::motion::Motion;
 
@@ -10,7 +10,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     motion.target_group(call)?;
     motion.verify_operands(call)?;
     for axis in motion.axes.iter_mut() {
-        axis.cams_mut(Slot::PositionCam).offset.strobed = axis.master_offset().position;
+        axis.cams_mut(GeneratorKind::PositionCam).offset.strobed = axis.master_offset().position;
         axis.strobed = [axis.command.position, axis.actual.position].map(|position| axis.shown(position));
     }
     motion.done(execution);

@@ -6,7 +6,7 @@ use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
 use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point, Turn};
-use arcline_planner::{Ending, Momentum, Move, Parameter, TurnResidual};
+use arcline_planner::{Ending, InitialMotion, Move, Parameter, TurnResidual};
 
 use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
 use super::points::{command, queue_shift, start_point};
@@ -127,7 +127,7 @@ pub(super) fn execute(
     if merge == Merge::Disabled && system.description.joint_limits == AxisLimits::Enforce {
         corner = motion.present().corner_speed(index, &path, &shift);
     }
-    let mut momentum = terminated(motion, index, merge);
+    let mut initial = terminated(motion, index, merge);
     let mut turning = match merge {
         Merge::Disabled => None,
         _ => motion.turning(index),
@@ -136,11 +136,11 @@ pub(super) fn execute(
     let mut driven = false;
     if let (Some(lead), Some(link)) = (lead, &link) {
         let turns = turning.is_some_and(|turning| turning.rate != Point::zeros());
-        let moves = momentum.velocity != Point::zeros() || turns;
+        let moves = initial.velocity != Point::zeros() || turns;
         let by_master = programmed::pace(link, lead.lock, moves)?;
         let idle = merge != Merge::Disabled && !moves && link.master.velocity() == 0.0;
         verify_lead(motion, index, merge, lead, idle)?;
-        momentum = on_the_way(&by_master, &momentum);
+        initial = on_the_way(&by_master, &initial);
         turning = turning.map(|turning| turning.on_the_way(&by_master, link.nominal));
         current = if by_master.speed > 0.0 {
             current / by_master.speed
@@ -156,7 +156,7 @@ pub(super) fn execute(
     }
     dynamics.keep_to(&pace);
     if driven {
-        programmed::verify_reduction(momentum.velocity.norm(), &dynamics.limits(), path.length())?;
+        programmed::verify_reduction(initial.velocity.norm(), &dynamics.limits(), path.length())?;
     }
     let parameter = match (lead, &link) {
         (Some(lead), Some(link)) => parameter(motion, index, merge, lead, link),
@@ -183,7 +183,7 @@ pub(super) fn execute(
         },
     };
     let taken = TakenOver {
-        momentum,
+        initial,
         residual,
         merge,
     };
@@ -193,7 +193,7 @@ pub(super) fn execute(
 /// What a move goes on from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TakenOver {
-    pub(super) momentum: Momentum,
+    pub(super) initial: InitialMotion,
     /// A turn that ramps out beside the move.
     pub(super) residual: Option<TurnResidual>,
     pub(super) merge: Merge,
@@ -209,7 +209,7 @@ pub(super) fn launch(
 ) -> Result<(), MotionError> {
     let Planned { execution, lead, .. } = planned.data;
     let TakenOver {
-        momentum,
+        initial,
         residual,
         merge,
     } = taken;
@@ -230,19 +230,19 @@ pub(super) fn launch(
     if merge != Merge::Disabled {
         terminate(motion, index, merge);
     }
-    let at_once = motion.systems[index].travel.begins_at_once(&momentum);
+    let at_once = motion.systems[index].travel.begins_at_once(&initial);
     if at_once {
         motion.lead_system(index, lead, motion.clock.now())?;
         let system = &mut motion.systems[index];
         let base = system.time_base(&motion.clock);
         let enforced = system.description.axis_limits == AxisLimits::Enforce;
         let kept = enforced.then_some(&system.axis_limits);
-        system.travel.merge(planned, momentum, residual, kept, &base);
+        system.travel.merge(planned, initial, residual, kept, &base);
         system.activity = Activity::Moving;
         system.shown.has_moved = system.guide.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
         system.stale = true;
         motion.activate(index);
-        motion.seat_axes(index);
+        motion.set_axis_commands(index);
     } else {
         let queued = motion.systems[index].push(planned, &motion.clock);
         queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;

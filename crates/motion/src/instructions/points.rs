@@ -7,7 +7,7 @@ use arcline_instruction_set::{MotionError, OperandIndex, RealArray, SystemId};
 use arcline_planner::geometry::Point;
 
 use crate::axis::Axis;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::motion::Motion;
 use crate::rotary::Turn;
 use crate::system::{Activity, System, component};
@@ -24,7 +24,7 @@ pub(super) fn command(motion: &Motion, index: SystemId, quantity: impl Fn(&Axis)
 /// What positions were redefined by since the queue of a coordinate system began.
 pub(super) fn queue_shift(motion: &Motion, index: SystemId) -> Point {
     match motion.systems[index].activity {
-        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(Slot::System)),
+        Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(GeneratorKind::System)),
         _ => Point::zeros(),
     }
 }

@@ -7,12 +7,12 @@ use arcline_drive::{Drives, Settled};
 use arcline_instruction_set::{AxisId, Flag, MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Phase};
-use arcline_planner::{Clock, Ending, Instant, Move, Passage, Sample};
+use arcline_planner::{Clock, Ending, Instant, Move, MoveEvent, Sample};
 
 use super::Motion;
 use crate::axes::Axes;
 use crate::axis::Axis;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::Cause;
 use crate::status::phase_flags;
 use crate::stop::AxisSet;
@@ -30,8 +30,8 @@ impl Motion {
             }
             let moment = match system.travel.event(&system.time_base(&self.clock)) {
                 None => break,
-                Some(Passage::HandOver(at)) => self.moment(index, at),
-                Some(Passage::Reached(at)) => match self.reached(index, at) {
+                Some(MoveEvent::HandOver(at)) => self.moment(index, at),
+                Some(MoveEvent::Reached(at)) => match self.reached(index, at) {
                     Some(moment) => moment,
                     None => break,
                 },
@@ -253,8 +253,8 @@ impl Motion {
             length,
             ..system.shown
         };
-        seat(system.description.linear(), &mut self.axes, &sample);
-        self.seat_turned(index, &sample);
+        set_commands(system.description.linear(), &mut self.axes, &sample);
+        self.set_turned_commands(index, &sample);
         let system = &mut self.systems[index];
         let Some(execution) = system.active().map(|active| active.execution) else {
             return;
@@ -272,11 +272,11 @@ impl Motion {
     }
 
     /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
-    pub(crate) fn seat_axes(&mut self, index: SystemId) {
+    pub(crate) fn set_axis_commands(&mut self, index: SystemId) {
         let system = &self.systems[index];
         if let Some((sample, _)) = system.travel.sample(&system.time_base(&self.clock)) {
-            seat(system.description.linear(), &mut self.axes, &sample);
-            self.seat_turned(index, &sample);
+            set_commands(system.description.linear(), &mut self.axes, &sample);
+            self.set_turned_commands(index, &sample);
         }
     }
 
@@ -359,7 +359,7 @@ impl Motion {
             if let Some(end) = system.travel.active().map(|active| active.path.end()) {
                 let axes = &self.axes;
                 let squares = system.description.linear().iter().enumerate().map(|(place, axis)| {
-                    let generator = axes.get(*axis).and_then(|axis| axis.sum.get(Slot::System));
+                    let generator = axes.get(*axis).and_then(|axis| axis.sum.get(GeneratorKind::System));
                     let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left
                 });
@@ -388,7 +388,7 @@ fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Resul
     }
 }
 
-fn seat(places: &[AxisId], axes: &mut Axes, sample: &Sample) {
+fn set_commands(places: &[AxisId], axes: &mut Axes, sample: &Sample) {
     for (place, axis) in places.iter().enumerate() {
         if let Some(axis) = axes.get_mut(*axis) {
             axis.set_coordinated(KinematicState {

@@ -14,7 +14,7 @@ use arcline_profile::KinematicState;
 use super::Motion;
 use super::follow::masters_of_axis;
 use crate::axis::Axis;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, RefusedCommand};
 use crate::machine::CommandLimits;
 use crate::stop::AxisSet;
@@ -71,9 +71,9 @@ impl Motion {
         let (redefined, before) = (axis.redefined, [last.position, last.velocity]);
         let fastest = axis.sum.fastest();
         let execution = fastest.and_then(|(_, generator)| generator.execution);
-        let source = fastest.map(|(slot, _)| slot);
+        let source = fastest.map(|(kind, _)| kind);
         let execution = match source {
-            Some(Slot::System) => {
+            Some(GeneratorKind::System) => {
                 let mut systems = self.systems.iter_mut();
                 let moving = systems.find(|system| system.is_busy() && system.has(id));
                 moving.and_then(|system| system.active()).map(|active| active.execution)
@@ -82,7 +82,7 @@ impl Motion {
         };
         RefusedCommand {
             by: execution.map_or(Cause::Itself, Cause::from),
-            source: source.map_or("no motion", Slot::name),
+            source: source.map_or("no motion", GeneratorKind::name),
             last: [before[0] + redefined, before[1]],
             asked: [next.position + redefined, next.velocity],
         }
@@ -156,8 +156,8 @@ impl Motion {
     fn end_all_motion(&mut self, id: AxisId) {
         self.end_passive_homing(id);
         self.end_pending_cams(id, None);
-        for slot in Slot::ALL {
-            if let Some(execution) = self.axes[id].sum.get(slot).and_then(|generator| generator.execution) {
+        for kind in GeneratorKind::ALL {
+            if let Some(execution) = self.axes[id].sum.get(kind).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }

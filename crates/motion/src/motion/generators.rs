@@ -6,8 +6,8 @@ use arcline_instruction_set::{AxisId, Flag};
 use arcline_planner::profile::Limits;
 
 use super::Motion;
-use crate::axis::generator::Law;
-use crate::axis::sum::Slot;
+use crate::axis::generator::Equation;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::{AfterStop, Axis, AxisState};
 use crate::control::Execution;
 use crate::events::MoveEvents;
@@ -42,8 +42,8 @@ impl Motion {
     }
 
     /// Ends one generator of an axis without PC.
-    pub(crate) fn end_generator(&mut self, axis: AxisId, slot: Slot) {
-        if let Some(ended) = self.axes[axis].end(slot)
+    pub(crate) fn end_generator(&mut self, axis: AxisId, kind: GeneratorKind) {
+        if let Some(ended) = self.axes[axis].end(kind)
             && let Some(execution) = ended.execution
         {
             self.end_move(execution, 0);
@@ -51,10 +51,10 @@ impl Motion {
     }
 
     /// Ends the cams of an axis that wait for the end of others, without PC: of one kind, or of both.
-    pub(crate) fn end_pending_cams(&mut self, axis: AxisId, only: Option<Slot>) {
-        for slot in Axis::CAMS {
-            if only.is_none_or(|only| only == slot)
-                && let Some(pending) = self.axes[axis].cams_mut(slot).pending.take()
+    pub(crate) fn end_pending_cams(&mut self, axis: AxisId, only: Option<GeneratorKind>) {
+        for kind in Axis::CAMS {
+            if only.is_none_or(|only| only == kind)
+                && let Some(pending) = self.axes[axis].cams_mut(kind).pending.take()
             {
                 self.end_move(pending.execution, 0);
             }
@@ -62,11 +62,11 @@ impl Motion {
     }
 
     /// Ends what single-axis instructions began on an axis, but for one kind of it.
-    pub(crate) fn end_single_axis(&mut self, axis: AxisId, but: Option<Slot>) {
+    pub(crate) fn end_single_axis(&mut self, axis: AxisId, but: Option<GeneratorKind>) {
         self.end_pending_cams(axis, None);
-        for slot in Slot::ALL {
-            if slot.is_single_axis() && but != Some(slot) {
-                self.end_generator(axis, slot);
+        for kind in GeneratorKind::ALL {
+            if kind.is_single_axis() && but != Some(kind) {
+                self.end_generator(axis, kind);
             }
         }
     }
@@ -75,8 +75,8 @@ impl Motion {
     pub(crate) fn end_generators(&mut self, axis: AxisId) {
         self.cancel_transforms_of(axis);
         self.end_pending_cams(axis, None);
-        for slot in Slot::ALL {
-            self.end_generator(axis, slot);
+        for kind in GeneratorKind::ALL {
+            self.end_generator(axis, kind);
         }
     }
 
@@ -94,17 +94,17 @@ impl Motion {
         self.end_passive_homing(axis);
         self.end_pending_cams(axis, None);
         let state = &self.axes[axis];
-        let own = || state.sum.active().filter(|(slot, _)| slot.is_own());
+        let own = || state.sum.active().filter(|(kind, _)| kind.is_own());
         if own().next().is_none() {
             return false;
         }
         let s_curve = own().any(|(_, generator)| generator.s_curve);
         let limits = state.dynamics.stop(s_curve);
-        for slot in Slot::ALL {
-            if !slot.is_own() {
+        for kind in GeneratorKind::ALL {
+            if !kind.is_own() {
                 continue;
             }
-            if let Some(execution) = self.axes[axis].sum.get(slot).and_then(|generator| generator.execution) {
+            if let Some(execution) = self.axes[axis].sum.get(kind).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }
@@ -125,8 +125,8 @@ impl Motion {
             }
             return;
         }
-        for slot in Slot::ALL {
-            if let Some(execution) = self.axes[axis].sum.get(slot).and_then(|generator| generator.execution) {
+        for kind in GeneratorKind::ALL {
+            if let Some(execution) = self.axes[axis].sum.get(kind).and_then(|generator| generator.execution) {
                 self.end_move(execution, 0);
             }
         }
@@ -135,21 +135,27 @@ impl Motion {
     }
 
     /// One generator of an axis brakes, and reports to `execution` when it stands. Its own instruction ends.
-    pub(crate) fn stop_generator(&mut self, axis: AxisId, slot: Slot, limits: &Limits, execution: Option<Execution>) {
-        let Some(generator) = self.axes[axis].sum.get(slot) else {
+    pub(crate) fn stop_generator(
+        &mut self,
+        axis: AxisId,
+        kind: GeneratorKind,
+        limits: &Limits,
+        execution: Option<Execution>,
+    ) {
+        let Some(generator) = self.axes[axis].sum.get(kind) else {
             return;
         };
         if let Some(ended) = generator.execution {
             self.end_move(ended, 0);
         }
-        self.axes[axis].brake(slot, limits, execution, self.clock.now());
+        self.axes[axis].brake(kind, limits, execution, self.clock.now());
         self.axes[axis].stale = true;
     }
 
     /// As [`Motion::stop_generator`] for what is not being stopped; what comes to rest sooner by its own profile goes on with that,
     /// and a stop that is under way reports as before.
-    pub(crate) fn stop_generator_soonest(&mut self, axis: AxisId, slot: Slot, limits: &Limits) {
-        let Some(generator) = self.axes[axis].sum.get(slot) else {
+    pub(crate) fn stop_generator_soonest(&mut self, axis: AxisId, kind: GeneratorKind, limits: &Limits) {
+        let Some(generator) = self.axes[axis].sum.get(kind) else {
             return;
         };
         let reports = generator.execution.filter(|_| generator.stopping);
@@ -163,15 +169,15 @@ impl Motion {
             self.end_move(ended, 0);
         }
         if sooner {
-            self.axes[axis].let_rest(slot, reports);
+            self.axes[axis].let_rest(kind, reports);
         } else {
-            self.axes[axis].brake(slot, limits, reports, self.clock.now());
+            self.axes[axis].brake(kind, limits, reports, self.clock.now());
         }
         self.axes[axis].stale = true;
     }
 
     /// What becomes of an axis that stands after a stop.
-    pub(crate) fn stand(&mut self, axis: AxisId, after: AfterStop) {
+    pub(crate) fn act_after_stop(&mut self, axis: AxisId, after: AfterStop) {
         let state = &mut self.axes[axis];
         match after {
             AfterStop::Hold => {}
@@ -197,14 +203,14 @@ impl Motion {
     }
 
     /// Calculated Data of a move, when it is due.
-    pub(crate) fn calculate_move(&mut self, axis: AxisId, slot: Slot) {
+    pub(crate) fn calculate_move(&mut self, axis: AxisId, kind: GeneratorKind) {
         let clock = self.clock;
-        let Some(generator) = self.axes[axis].sum.get_mut(slot) else {
+        let Some(generator) = self.axes[axis].sum.get_mut(kind) else {
             return;
         };
         let own = generator.clock(&clock);
         let due = |events: &MoveEvents| events.due.is_some_and(|due| due <= clock.tick);
-        let (Some(execution), Law::Planned { profile, start }) = (generator.execution, &generator.law) else {
+        let (Some(execution), Equation::Planned { profile, start }) = (generator.execution, &generator.equation) else {
             return;
         };
         let Some(events) = generator.events.as_mut().filter(|events| due(events)) else {
@@ -222,20 +228,20 @@ impl Motion {
         let tick = self.clock.tick;
         let is_driven_home = self.axes[axis].is_driven_home();
         let mut last = None;
-        while let Some(slot) = self.axes[axis].next_to_report(last) {
-            last = Some(slot);
-            if Axis::CAMS.contains(&slot) {
-                self.report_cam(axis, slot);
+        while let Some(kind) = self.axes[axis].next_to_report(last) {
+            last = Some(kind);
+            if Axis::CAMS.contains(&kind) {
+                self.report_cam(axis, kind);
             }
-            if !self.axes[axis].sum.is_active(slot) || slot == Slot::Home && is_driven_home {
+            if !self.axes[axis].sum.is_active(kind) || kind == GeneratorKind::Home && is_driven_home {
                 continue;
             }
-            if slot == Slot::MasterOffset && self.axes[axis].cam(Slot::PositionCam).is_none() {
+            if kind == GeneratorKind::MasterOffset && self.axes[axis].cam(GeneratorKind::PositionCam).is_none() {
                 // What it is an offset of is over.
-                self.end_generator(axis, slot);
+                self.end_generator(axis, kind);
                 continue;
             }
-            let Some(generator) = self.axes[axis].sum.get_mut(slot) else {
+            let Some(generator) = self.axes[axis].sum.get_mut(kind) else {
                 continue;
             };
             let phase = generator.phase(&self.clock);
@@ -244,13 +250,13 @@ impl Motion {
             let changed = std::mem::replace(&mut generator.shown_phase, phase) != phase;
             let (execution, stopping, over) = (generator.execution, generator.stopping, generator.over);
             if over {
-                self.axes[axis].end(slot);
+                self.axes[axis].end(kind);
                 if let Some(execution) = execution {
                     self.end_move(execution, Flag::Pc.mask());
                 }
-                if slot == Slot::Stop {
+                if kind == GeneratorKind::Stop {
                     let after = std::mem::take(&mut self.axes[axis].after_stop);
-                    self.stand(axis, after);
+                    self.act_after_stop(axis, after);
                 }
             } else if let Some(execution) = execution
                 && !stopping
@@ -258,7 +264,7 @@ impl Motion {
                 if tracks {
                     self.controls.flag(execution, Flag::TrackingMaster, tracking, tick);
                 }
-                self.calculate_move(axis, slot);
+                self.calculate_move(axis, kind);
                 if !changed {
                     continue;
                 }
@@ -269,14 +275,14 @@ impl Motion {
     }
 
     /// PC of a cam that another one has taken over from, and SEGMENT.
-    fn report_cam(&mut self, axis: AxisId, slot: Slot) {
-        if let Some(ended) = self.axes[axis].cams_mut(slot).ended.take() {
+    fn report_cam(&mut self, axis: AxisId, kind: GeneratorKind) {
+        if let Some(ended) = self.axes[axis].cams_mut(kind).ended.take() {
             self.end_move(ended, Flag::Pc.mask());
         }
-        let Some(segment) = self.axes[axis].cam(slot).map(Cam::segment) else {
+        let Some(segment) = self.axes[axis].cam(kind).map(Cam::segment) else {
             return;
         };
-        if let Some(generator) = self.axes[axis].sum.get_mut(slot)
+        if let Some(generator) = self.axes[axis].sum.get_mut(kind)
             && std::mem::replace(&mut generator.shown_segment, segment) != segment
             && let Some(execution) = generator.execution
         {

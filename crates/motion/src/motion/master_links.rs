@@ -8,7 +8,7 @@ use arcline_planner::{Instant, Parameter};
 
 use super::Motion;
 use crate::axis::generator::Generator;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::control::{Controls, Execution};
 use crate::masters::cam::Cam;
 use crate::masters::follower::{Beginning, LockTo, MasterFollower};
@@ -137,8 +137,8 @@ impl Motion {
         for axis in self.axes.ids() {
             let state = &self.axes[axis];
             let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
-            let cam = state.cam(Slot::TimeCam).filter(|cam| cam.link().is_some());
-            let cammed = cam.is_some() && state.cam_master(Slot::TimeCam) == Some(master);
+            let cam = state.cam(GeneratorKind::TimeCam).filter(|cam| cam.link().is_some());
+            let cammed = cam.is_some() && state.cam_master(GeneratorKind::TimeCam) == Some(master);
             let guided = cammed || guides.any(|guide| guide.master.axis == master);
             drop(guides);
             if guided || state.links.iter().any(|link| link.master.axis == master) {
@@ -162,16 +162,19 @@ impl Motion {
         for link in links.iter() {
             self.end_move(link.execution, 0);
         }
-        let cam = self.axes[axis].cam(Slot::TimeCam).and_then(Cam::link);
+        let cam = self.axes[axis].cam(GeneratorKind::TimeCam).and_then(Cam::link);
         if cam.is_some() {
-            self.end_pending_cams(axis, Some(Slot::TimeCam));
+            self.end_pending_cams(axis, Some(GeneratorKind::TimeCam));
         }
-        for slot in Slot::GUIDED.into_iter().chain(cam.map(|_| Slot::TimeCam)) {
-            let generator = self.axes[axis].sum.get(slot);
-            let driven = |generator: &&Generator| generator.guide.is_some() || slot == Slot::TimeCam;
+        for kind in GeneratorKind::GUIDED
+            .into_iter()
+            .chain(cam.map(|_| GeneratorKind::TimeCam))
+        {
+            let generator = self.axes[axis].sum.get(kind);
+            let driven = |generator: &&Generator| generator.guide.is_some() || kind == GeneratorKind::TimeCam;
             if let Some(generator) = generator.filter(driven) {
                 let limits = self.axes[axis].dynamics.stop(generator.s_curve);
-                self.stop_generator(axis, slot, &limits, None);
+                self.stop_generator(axis, kind, &limits, None);
             }
         }
     }
@@ -219,9 +222,9 @@ impl Motion {
             }
         }
         for axis in self.axes.iter_mut().filter(|axis| !axis.links.is_empty()) {
-            let guide = |slot| axis.sum.get(slot)?.guide.map(|guide| guide.link);
-            let cam = axis.cam(Slot::TimeCam).and_then(Cam::link);
-            let [moves, jogs, offsets] = Slot::GUIDED.map(guide);
+            let guide = |kind| axis.sum.get(kind)?.guide.map(|guide| guide.link);
+            let cam = axis.cam(GeneratorKind::TimeCam).and_then(Cam::link);
+            let [moves, jogs, offsets] = GeneratorKind::GUIDED.map(guide);
             let used = [moves, jogs, offsets, cam];
             for link in axis.links.iter_mut() {
                 link.show_active(used.contains(&Some(link.id)), &mut self.controls, self.clock.tick);

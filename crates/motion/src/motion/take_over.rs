@@ -6,7 +6,7 @@ use arcline_instruction_set::{AxisId, Flag, SystemId};
 use arcline_planner::profile::Limits;
 
 use super::Motion;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::stop::AxisSet;
 use crate::system::Activity;
 
@@ -93,10 +93,10 @@ impl Motion {
                 state.release();
             } else {
                 let limits = state.dynamics.stop(s_curve);
-                if let Some(part) = state.sum.get_mut(Slot::System) {
+                if let Some(part) = state.sum.get_mut(GeneratorKind::System) {
                     part.in_force = before;
                 }
-                state.brake(Slot::System, &limits, None, self.clock.now());
+                state.brake(GeneratorKind::System, &limits, None, self.clock.now());
                 braking.insert(axis);
             }
         }
@@ -150,7 +150,7 @@ impl Motion {
             let Some(axis) = self.axes.get_mut(axis) else {
                 continue;
             };
-            match axis.sum.get_mut(Slot::System) {
+            match axis.sum.get_mut(GeneratorKind::System) {
                 Some(generator) if !generator.stopping => {
                     generator.s_curve = s_curve;
                     axis.mark_start();

@@ -9,7 +9,7 @@ use arcline_instruction_set::{AxisId, MotionError};
 
 use super::Motion;
 use crate::axes::share;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::Cause;
 use crate::stop::AxisSet;
 use crate::transforms::{Present, Release, TransformId, Verdict};
@@ -123,8 +123,8 @@ impl Motion {
         }
         for axis in axes {
             let limits = self.axes[*axis].guarded_stop();
-            for slot in Slot::ALL.into_iter().filter(|slot| slot.is_single_axis()) {
-                self.stop_generator_soonest(*axis, slot, &limits);
+            for kind in GeneratorKind::ALL.into_iter().filter(|kind| kind.is_single_axis()) {
+                self.stop_generator_soonest(*axis, kind, &limits);
             }
         }
     }

@@ -131,11 +131,11 @@ impl State {
         if !self.holds && element.latch != Latch::Inactive {
             return Effect::Nothing;
         }
-        self.let_go()
+        self.release()
     }
 
     /// It does not hold its bit any more.
-    pub(super) fn let_go(&mut self) -> Effect {
+    pub(super) fn release(&mut self) -> Effect {
         self.holds = false;
         self.off_at = None;
         Effect::Unlatches

@@ -7,9 +7,9 @@
 //!
 //! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates behind [`OutputCams::new`].
 
-mod course;
 mod element;
 mod execution_target;
+mod interpolation;
 mod program;
 mod windows;
 

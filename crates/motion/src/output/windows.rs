@@ -2,7 +2,7 @@
 //!
 //! A range holds its left end and not its right one, so that a place is in it or not whichever way it was come to.
 
-use crate::rotary::modulo;
+use arcline_profile::numeric::modulo;
 
 /// From `left` up to below `right`, and again every `cycle` in the turns that count.
 #[derive(Clone, Copy, Debug)]

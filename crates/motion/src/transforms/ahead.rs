@@ -14,8 +14,8 @@ use super::Present;
 use super::sides::Side;
 use super::transform::Transform;
 use crate::axes::{AxisList, share};
-use crate::axis::generator::{Generator, Law};
-use crate::axis::sum::Slot;
+use crate::axis::generator::{Equation, Generator};
+use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::system::component;
 
@@ -142,19 +142,20 @@ impl Present<'_> {
     fn plan_axis(&self, axis: AxisId, ahead: &mut Ahead) {
         let state = &self.axes[axis];
         let limits = state.guarded_stop();
-        for (slot, generator) in state.sum.active() {
-            if matches!(slot, Slot::Transform | Slot::MasterOffset) || ahead.axes.len() >= AXIS_STOPS {
+        for (kind, generator) in state.sum.active() {
+            if matches!(kind, GeneratorKind::Transform | GeneratorKind::MasterOffset) || ahead.axes.len() >= AXIS_STOPS
+            {
                 continue;
             }
-            let own = match &generator.law {
-                Law::Planned { profile, start } if generator.guide.is_none() => {
+            let own = match &generator.equation {
+                Equation::Planned { profile, start } if generator.guide.is_none() => {
                     Some((profile, start.elapsed(&self.clock.next())))
                 }
                 // The coordinate system says.
-                Law::Followed if slot == Slot::System => continue,
+                Equation::Followed if kind == GeneratorKind::System => continue,
                 _ => None,
             };
-            let stop = slot.is_single_axis().then(|| {
+            let stop = kind.is_single_axis().then(|| {
                 let next = coming(generator, own, self.clock.period());
                 generator.soonest(own, next, &limits, state.bounds)
             });
@@ -197,7 +198,7 @@ impl Present<'_> {
 
     /// Where the coordinated part of an axis's motion is.
     fn coordinated(&self, axis: AxisId) -> f64 {
-        let generator = self.axes[axis].sum.get(Slot::System);
+        let generator = self.axes[axis].sum.get(GeneratorKind::System);
         generator.map_or(0.0, |generator| generator.now.position)
     }
 
@@ -270,8 +271,8 @@ impl Generator {
 
     /// Its own profile by time, and how much of it is over at the present tick.
     pub(crate) fn timed(&self, clock: &Clock) -> Option<(&Profile, f64)> {
-        match &self.law {
-            Law::Planned { profile, start } if self.guide.is_none() => Some((profile, start.elapsed(clock))),
+        match &self.equation {
+            Equation::Planned { profile, start } if self.guide.is_none() => Some((profile, start.elapsed(clock))),
             _ => None,
         }
     }

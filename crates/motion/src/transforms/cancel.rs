@@ -10,7 +10,7 @@ use super::sides::{Positions, Side};
 use super::transform::Transform;
 use super::{TransformId, Transforms};
 use crate::axes::Axes;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::{Axis, AxisState};
 use crate::control::Execution;
 use crate::dynamics::stop_limits;
@@ -50,7 +50,10 @@ impl Transforms {
         let transform = self.active.get_mut(id.index())?.take()?;
         let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
         let own_s_curve = transform.target.iter().any(|axis| {
-            let mut own = axes[*axis].sum.active().filter(|(slot, _)| *slot != Slot::Transform);
+            let mut own = axes[*axis]
+                .sum
+                .active()
+                .filter(|(kind, _)| *kind != GeneratorKind::Transform);
             own.any(|(_, generator)| generator.s_curve)
         });
         // Every axis leaves the transform before any brakes: positions stay as they are throughout.
@@ -131,7 +134,7 @@ impl Transforms {
             self.compose(axis, axes);
         } else {
             state.transforms.controlled = false;
-            state.end(Slot::Transform);
+            state.end(GeneratorKind::Transform);
         }
     }
 }
@@ -142,7 +145,7 @@ fn brake(axis: &mut Axis, moved: &KinematicState, limits: &Limits, now: Instant)
     let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
     let brakes = !stands && axis.state == AxisState::Running;
     if brakes {
-        axis.part(*moved, limits, now);
+        axis.leave_transform(*moved, limits, now);
     }
     brakes
 }

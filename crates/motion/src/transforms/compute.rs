@@ -18,7 +18,7 @@ use super::{TransformId, Transforms};
 use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::axis::generator::Generator;
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 
 /// A part of the computation of transforms in one tick; each is of the transform with this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,7 +110,7 @@ impl Transforms {
             Err(error) => transform.fail(error, period),
         }
         for axis in transform.target.iter() {
-            if let Some(generator) = axes[*axis].sum.get_mut(Slot::Transform) {
+            if let Some(generator) = axes[*axis].sum.get_mut(GeneratorKind::Transform) {
                 generator.s_curve = s_curve;
             }
         }
@@ -132,7 +132,7 @@ impl Transforms {
         let added = self.added_to(axes, transform);
         let mut moved = *transform;
         let mut own = *robot;
-        own.stand(positions(&transform.with(&added)));
+        own.note_joints(positions(&transform.with(&added)));
         moved.map = Map::Robot(own);
         let mut target = moved.place(&whole)?;
         for (target, added) in target.iter_mut().zip(&added) {
@@ -152,7 +152,7 @@ impl Transforms {
         add(&mut total, &self.feedback_to(axes, axis, None));
         self.show_controlled(axis, axes);
         let state = &mut axes[axis];
-        state.sum.set(Slot::Transform, total);
+        state.sum.set(GeneratorKind::Transform, total);
         state.command = state.sum.command();
     }
 
@@ -163,7 +163,7 @@ impl Transforms {
             if !state.is_transformed() {
                 state.transforms.rest = state.command.position;
                 state.transforms.settled = 0.0;
-                state.sum.begin(Slot::Transform, Generator::followed(false));
+                state.sum.begin(GeneratorKind::Transform, Generator::followed(false));
             }
             state.stale = true;
         }
@@ -293,8 +293,9 @@ impl Transforms {
     /// The motion of an axis besides the transform that leads it, since the axis became part of a transform.
     fn added(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let state = &axes[axis];
-        let mut added = state.sum.motion_of(|slot| slot != Slot::Transform);
-        added.position = state.sum.seen_from(Slot::Transform, Some(0.0)).unwrap_or(0.0) + state.transforms.settled;
+        let mut added = state.sum.motion_of(|kind| kind != GeneratorKind::Transform);
+        added.position =
+            state.sum.seen_from(GeneratorKind::Transform, Some(0.0)).unwrap_or(0.0) + state.transforms.settled;
         add(&mut added, &self.feedback_to(axes, axis, None));
         added
     }
@@ -340,8 +341,8 @@ impl Transforms {
 
 /// An axis with all its motion while transforms lead it to a point of their generator's frame.
 fn seen(state: &Axis, point: KinematicState) -> KinematicState {
-    let mut total = state.sum.motion_of(|slot| slot != Slot::Transform);
-    let position = state.sum.seen_from(Slot::Transform, Some(point.position));
+    let mut total = state.sum.motion_of(|kind| kind != GeneratorKind::Transform);
+    let position = state.sum.seen_from(GeneratorKind::Transform, Some(point.position));
     total.position = position.unwrap_or(state.command.position);
     total.velocity += point.velocity;
     total.acceleration += point.acceleration;

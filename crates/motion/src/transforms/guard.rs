@@ -14,7 +14,7 @@ use super::robot::RobotMap;
 use super::sides::{Side, positions};
 use super::transform::{Map, Transform};
 use super::{Present, TransformId};
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
 
 /// The future of a transform.
@@ -159,7 +159,7 @@ impl Present<'_> {
             led.position -= offset;
         }
         for (axis, own) in transform.target.iter().zip(&mut look.own) {
-            *own = self.axes[*axis].sum.motion_of(|slot| slot != Slot::Transform);
+            *own = self.axes[*axis].sum.motion_of(|kind| kind != GeneratorKind::Transform);
         }
         look
     }
@@ -192,7 +192,7 @@ impl Present<'_> {
         for (joint, (added, offset)) in joints.iter_mut().zip(added.iter().zip(transform.offset)) {
             *joint += added.position - offset;
         }
-        robot.stand(joints);
+        robot.note_joints(joints);
         let (mut source, mut seconds) = (Side::default(), self.clock.period());
         for (axis, point) in transform.source.iter().zip(&mut source) {
             let state = &self.axes[*axis];

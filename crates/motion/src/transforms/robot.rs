@@ -120,7 +120,7 @@ impl RobotMap {
             side,
             last: Positions::default(),
         };
-        map.stand(joints);
+        map.note_joints(joints);
         map
     }
 
@@ -136,7 +136,7 @@ impl RobotMap {
     pub(super) fn follow(&mut self, source: &Side, target: &Positions) {
         match self.side {
             Joints::Target => self.last = *target,
-            Joints::Source => self.stand(positions(source)),
+            Joints::Source => self.note_joints(positions(source)),
         }
     }
 
@@ -151,13 +151,13 @@ impl RobotMap {
     /// Everything stands: the arm is in the solution in which its joints are.
     pub(super) fn settle(&mut self, source: &Side, target: &Side) {
         match self.side {
-            Joints::Target => self.stand(positions(target)),
-            Joints::Source => self.stand(positions(source)),
+            Joints::Target => self.note_joints(positions(target)),
+            Joints::Source => self.note_joints(positions(source)),
         }
     }
 
     /// The joints are somewhere, perhaps in another solution of the arm.
-    pub(super) fn stand(&mut self, joints: Positions) {
+    pub(super) fn note_joints(&mut self, joints: Positions) {
         self.last = joints;
         match &mut self.mechanism {
             Mechanism::Arm { robot, arm, .. } => *arm = robot.arm(three(&joints)),

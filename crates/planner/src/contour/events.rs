@@ -3,29 +3,29 @@
 //! Real-time: nothing allocates, bounded.
 
 use super::{ContourQueue, Course};
-use crate::{Clock, Reach};
+use crate::{Clock, EventTime};
 
 impl<T: Copy> ContourQueue<T> {
     /// When so much of the active move is left, at least 0, after it became active. The end is where the next one becomes
     /// active: nearest to the corner where that is rounded.
-    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
+    pub fn reaches(&self, distance: f64, clock: &Clock) -> EventTime {
         let (Some(run), Some(active)) = (&self.run, self.moves.front()) else {
-            return Reach::Never;
+            return EventTime::Never;
         };
         if distance > active.path.length() {
-            return Reach::At(0.0);
+            return EventTime::At(0.0);
         }
         let (begun, from) = run.begun;
         let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
         let own = match run.trajectory.time_before(end, distance) {
             // A rounded corner may be shorter than what was programmed.
             Some(own) => own.max(from),
-            None => return Reach::Passed,
+            None => return EventTime::Passed,
         };
         match run.pace.until(own, clock) {
-            Some(until) => Reach::At((begun.elapsed(clock) + until).max(0.0)),
-            None if own <= run.pace.at(clock).position => Reach::Passed,
-            None => Reach::Never,
+            Some(until) => EventTime::At((begun.elapsed(clock) + until).max(0.0)),
+            None if own <= run.pace.at(clock).position => EventTime::Passed,
+            None => EventTime::Never,
         }
     }
 

@@ -4,7 +4,7 @@ use arcline_geometry::Point;
 use arcline_profile::Limits;
 
 use super::Travel;
-use crate::passage::Reach;
+use crate::move_event::EventTime;
 use crate::{Clock, Sample, TimeBase};
 
 impl<T: Copy> Travel<T> {
@@ -54,12 +54,12 @@ impl<T: Copy> Travel<T> {
     }
 
     /// When so much of the active move is left, at least 0, after it became active: seconds, or master units.
-    pub fn reaches(&self, distance: f64, base: &TimeBase) -> Reach {
+    pub fn reaches(&self, distance: f64, base: &TimeBase) -> EventTime {
         let Some(contour) = self.contour_in_force() else {
             return self.planner.reaches(distance, &base.clock());
         };
         match contour.reaches(distance, &self.contour_clock(base)) {
-            Reach::At(seconds) => Reach::At(seconds * contour.nominal()),
+            EventTime::At(seconds) => EventTime::At(seconds * contour.nominal()),
             other => other,
         }
     }

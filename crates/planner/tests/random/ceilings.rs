@@ -3,7 +3,7 @@
 
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Planner};
+use arcline_planner::{Clock, Ending, InitialMotion, Move, Parameter, Planner};
 
 const NEARLY: f64 = 1.0 + 1e-9;
 
@@ -62,12 +62,12 @@ fn an_override_below_1_does_not_lower_the_ceiling() {
         assert!((now.velocity[0] - 25.0).abs() < 1e-9 && (now.acceleration[0] - 1000.0).abs() < 1e-6);
         planner.set_rate(rate, &clock);
         if merges {
-            let momentum = Momentum {
+            let initial = InitialMotion {
                 velocity: now.velocity,
                 acceleration: now.acceleration,
                 before: planner.before(),
             };
-            planner.merge(straight(limits(100.0, jerk)), momentum, &clock);
+            planner.merge(straight(limits(100.0, jerk)), initial, &clock);
         } else {
             planner.change_limits(limits(100.0, jerk), &clock);
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Move, Parameter};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Move, Parameter};
 
 use super::{Random, seeds_of_long};
 
@@ -207,20 +207,20 @@ impl Ride {
         self.clock.tick += 1;
         self.queue.steer(&self.clock);
         loop {
-            match self.queue.passage(&self.clock) {
+            match self.queue.event(&self.clock) {
                 None => break,
-                Some(ContourPassage::Next) => {
+                Some(ContourEvent::Next) => {
                     self.before = self.queue.pass(&self.clock).expect("it was active").limits.speed;
                     self.done += 1;
                 }
-                Some(ContourPassage::End) if self.stop.is_some() => {
+                Some(ContourEvent::End) if self.stop.is_some() => {
                     let sample = self.queue.sample(&self.clock).expect("it stands");
                     if sample.velocity.norm() > 1e-9 {
                         self.fail("stopped, but not at rest");
                     }
                     return false;
                 }
-                Some(ContourPassage::End) => {
+                Some(ContourEvent::End) => {
                     let end = self.queue.moves().next().expect("the last one").path.end();
                     let sample = self.queue.sample(&self.clock).expect("it stands");
                     if sample.position != end {

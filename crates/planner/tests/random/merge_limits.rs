@@ -5,7 +5,7 @@
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
+use arcline_planner::{Clock, Ending, InitialMotion, Move, MoveEvent, Parameter, Planner};
 
 use super::{Random, seeds};
 
@@ -14,7 +14,7 @@ const PERIOD: f64 = 0.000_25;
 const MOST: f64 = 1.0 + 1e-6;
 
 /// A velocity and an acceleration from which every axis can stay within its speed.
-fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
+fn initial(random: &mut Random, axes: &AxisLimits, kind: u64) -> InitialMotion {
     let mut velocity = Point::zeros();
     let mut acceleration = Point::zeros();
     for axis in 0..2 {
@@ -36,19 +36,19 @@ fn momentum(random: &mut Random, axes: &AxisLimits, kind: u64) -> Momentum {
             velocity[axis] = velocity[axis].clamp(-most, most);
         }
     }
-    Momentum {
+    InitialMotion {
         velocity,
         acceleration,
         before: None,
     }
 }
 
-fn path(random: &mut Random, momentum: &Momentum) -> Path {
+fn path(random: &mut Random, initial: &InitialMotion) -> Path {
     let from = Point::new(3.0, -4.0, 0.5);
     let way = Point::new(random.between(-60.0, 60.0), random.between(-60.0, 60.0), 0.0);
     match (random.share() * 5.0) as u32 {
         // Straight on: the velocity is kept.
-        0 => Path::line(from, from + momentum.velocity),
+        0 => Path::line(from, from + initial.velocity),
         1 => Path::line(from, from + way * 0.02),
         2 => {
             let side = Point::new(-way[1], way[0], 0.0);
@@ -78,7 +78,7 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
             acceleration: Point::new(5000.0, random.between(2000.0, 6000.0), unlimited),
             jerk: s_curve.then(|| Point::new(100_000.0, random.between(40_000.0, 120_000.0), unlimited)),
         };
-        let momentum = momentum(&mut random, &axes, seed);
+        let initial = initial(&mut random, &axes, seed);
         let rate = random.between(1000.0, 9000.0);
         let jerk = random.between(20_000.0, 200_000.0);
         let limits = Limits {
@@ -91,7 +91,7 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
             }),
         };
         let motion = Move {
-            path: path(&mut random, &momentum),
+            path: path(&mut random, &initial),
             turn: None,
             corner: f64::INFINITY,
             limits,
@@ -105,11 +105,11 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
         if plot == 1 {
             planner.set_rate(random.between(0.2, 2.0), &clock);
         }
-        planner.merge_within(motion, momentum, &axes, &clock);
+        planner.merge_within(motion, initial, &axes, &clock);
         planner.set_rate(if plot == 1 { 1.7 } else { 1.0 }, &clock);
         let first = planner.sample(&clock).expect("it moves");
         assert!(
-            (first.velocity - momentum.velocity).norm() < 1e-9,
+            (first.velocity - initial.velocity).norm() < 1e-9,
             "seed {seed}: it steps"
         );
         let mut last = first;
@@ -125,7 +125,7 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
                 planner.set_rate(1.0, &clock);
             }
             clock.tick += 1;
-            if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
+            if let Some(MoveEvent::Reached(_) | MoveEvent::HandOver(_)) = planner.event(&clock) {
                 break;
             }
             let now = planner.sample(&clock).expect("it moves");

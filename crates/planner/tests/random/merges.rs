@@ -4,7 +4,7 @@
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, KinematicState, Limits, Profile, jerk_from_percent_of_time};
-use arcline_planner::{Clock, Ending, Momentum, Move, Parameter, Passage, Planner};
+use arcline_planner::{Clock, Ending, InitialMotion, Move, MoveEvent, Parameter, Planner};
 
 use super::{Random, seeds};
 
@@ -60,31 +60,31 @@ fn path(random: &mut Random, from: Point, along: Point) -> Path {
 }
 
 /// A motion at any instant between its begin and its end, and its limits; of two moves that blend, now and then.
-fn momentum(random: &mut Random, old: &Limits) -> (Momentum, f64) {
+fn initial(random: &mut Random, old: &Limits) -> (InitialMotion, f64) {
     let length = 0.5 * libm::pow(1000.0, random.share());
     let profile = Profile::to_position(KinematicState::default(), length, 0.0, old);
     let (first, second) = (direction(random), direction(random));
     let at = random.between(0.0, profile.duration());
     let one = profile.at(at);
-    let mut momentum = Momentum {
+    let mut initial = InitialMotion {
         velocity: first * one.velocity,
         acceleration: first * one.acceleration,
         before: Some(*old),
     };
     if random.share() < 0.2 {
         let other = profile.at(at - 0.8 * profile.brakes_from());
-        momentum.velocity += second * other.velocity;
-        momentum.acceleration += second * other.acceleration;
+        initial.velocity += second * other.velocity;
+        initial.acceleration += second * other.acceleration;
     }
     // How wide a stop with the old limits is.
-    let speed = momentum.velocity.norm();
-    let along = momentum.acceleration.dot(&momentum.velocity) / speed.max(1e-300);
+    let speed = initial.velocity.norm();
+    let along = initial.acceleration.dot(&initial.velocity) / speed.max(1e-300);
     let from = KinematicState {
         position: 0.0,
         velocity: speed,
         acceleration: along,
     };
-    (momentum, Profile::stop(from, old).reach())
+    (initial, Profile::stop(from, old).reach())
 }
 
 /// The distance of a point from a path, at most.
@@ -115,9 +115,9 @@ fn travel(seed: u64) {
     let old = limits(&mut random, shapes[0]);
     let equal = random.share() < 0.3;
     let new = if equal { old } else { limits(&mut random, shapes[1]) };
-    let (momentum, stop) = momentum(&mut random, &old);
+    let (initial, stop) = initial(&mut random, &old);
     let motion = Move {
-        path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
+        path: path(&mut random, Point::new(3.0, -4.0, 0.0), initial.velocity.normalize()),
         turn: None,
         corner: f64::INFINITY,
         limits: new,
@@ -125,17 +125,17 @@ fn travel(seed: u64) {
         parameter: Parameter::TIME,
         data: (),
     };
-    if !momentum.velocity.norm().is_normal() {
+    if !initial.velocity.norm().is_normal() {
         return;
     }
-    let told = || format!("seed {seed}: {momentum:?}\n{motion:?}");
+    let told = || format!("seed {seed}: {initial:?}\n{motion:?}");
     let mut clock = Clock::at(0, PERIOD_NS);
     let mut planner = Planner::new(10, Point::zeros());
-    planner.merge(motion, momentum, &clock);
-    let speed = momentum.velocity.norm();
+    planner.merge(motion, initial, &clock);
+    let speed = initial.velocity.norm();
     let mut bound = speed.max(old.speed).max(new.speed);
     let first = planner.sample(&clock).expect("it moves");
-    let step = (first.velocity - momentum.velocity).norm();
+    let step = (first.velocity - initial.velocity).norm();
     // What is nearly along the path keeps its speed.
     assert!(step <= 0.0018 * speed + 1e-9, "{}: it steps by {step}", told());
     let mut change = (random.share() < 0.3).then(|| (random.between(0.0, 0.5) / PERIOD) as u64);
@@ -202,7 +202,7 @@ fn travel(seed: u64) {
             moved.norm()
         );
         last = now;
-        if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
+        if let Some(MoveEvent::Reached(_) | MoveEvent::HandOver(_)) = planner.event(&clock) {
             break;
         }
         assert!(clock.tick < 1_000_000, "{}: it does not end: {now:?}", told());
@@ -226,12 +226,12 @@ fn change_again(seed: u64) {
     let s_curve = random.share() < 0.75;
     let old = limits(&mut random, s_curve);
     let new = limits(&mut random, s_curve);
-    let (momentum, _) = momentum(&mut random, &old);
-    if !momentum.velocity.norm().is_normal() {
+    let (initial, _) = initial(&mut random, &old);
+    if !initial.velocity.norm().is_normal() {
         return;
     }
     let motion = Move {
-        path: path(&mut random, Point::new(3.0, -4.0, 0.0), momentum.velocity.normalize()),
+        path: path(&mut random, Point::new(3.0, -4.0, 0.0), initial.velocity.normalize()),
         turn: None,
         corner: f64::INFINITY,
         limits: new,
@@ -239,11 +239,11 @@ fn change_again(seed: u64) {
         parameter: Parameter::TIME,
         data: (),
     };
-    let mut told = format!("seed {seed}: {momentum:?}\n{motion:?}");
+    let mut told = format!("seed {seed}: {initial:?}\n{motion:?}");
     let mut clock = Clock::at(0, PERIOD_NS);
     let mut planner = Planner::new(10, Point::zeros());
-    planner.merge(motion, momentum, &clock);
-    let (present, mut top, mut rate) = (momentum.velocity.norm(), old.speed.max(new.speed), 1.0);
+    planner.merge(motion, initial, &clock);
+    let (present, mut top, mut rate) = (initial.velocity.norm(), old.speed.max(new.speed), 1.0);
     let mut speed = new.speed;
     for change in 0..7 {
         let until = clock.tick + 1 + (200.0 * random.share() * random.share()) as u64;
@@ -254,7 +254,7 @@ fn change_again(seed: u64) {
             let most = present.max(1.5 * top) * NEARLY;
             let fast = now.velocity.norm();
             assert!(fast <= most, "{told}\n tick {}: {fast} above {most}", clock.tick);
-            if let Some(Passage::Reached(_) | Passage::HandOver(_)) = planner.passage(&clock) {
+            if let Some(MoveEvent::Reached(_) | MoveEvent::HandOver(_)) = planner.event(&clock) {
                 let off = (now.position - motion.path.end()).norm();
                 assert!(off < 1e-9, "{told}\n off the end by {off}");
                 return;
@@ -343,7 +343,7 @@ fn a_merge_onto_gentler_limits_stops_as_the_old_ones_would() {
         deceleration: 200.0,
         jerk: jerk(800.0),
     };
-    let momentum = Momentum {
+    let initial = InitialMotion {
         velocity: Point::new(100.0, 0.0, 0.0),
         acceleration: Point::new(2000.0, 0.0, 0.0),
         before: Some(old),
@@ -359,7 +359,7 @@ fn a_merge_onto_gentler_limits_stops_as_the_old_ones_would() {
     };
     let mut clock = Clock::at(0, PERIOD_NS);
     let mut planner = Planner::new(10, Point::zeros());
-    planner.merge(motion, momentum, &clock);
+    planner.merge(motion, initial, &clock);
     let (mut top, mut rate, mut wide) = (0.0_f64, 0.0_f64, 0.0_f64);
     for _ in 0..5000 {
         clock.tick += 1;

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner};
+use arcline_planner::{Clock, Ending, Move, MoveEvent, Parameter, Planner};
 
 use super::{Random, seeds};
 
@@ -197,12 +197,12 @@ fn run(seed: u64) -> Result<(), String> {
     }
     let mut velocity = Point::zeros();
     while sent < program.moves.len() || planner.active().is_some() {
-        while let Some(passage) = planner.passage(&clock) {
-            match passage {
-                Passage::Reached(_) if stopped => {
+        while let Some(event) = planner.event(&clock) {
+            match event {
+                MoveEvent::Reached(_) if stopped => {
                     planner.clear_active();
                 }
-                Passage::HandOver(at) | Passage::Reached(at) if planner.next().is_some() => {
+                MoveEvent::HandOver(at) | MoveEvent::Reached(at) if planner.next().is_some() => {
                     planner.hand_over(at, &clock);
                 }
                 _ => {

@@ -6,7 +6,7 @@
 
 use arcline_planner::geometry::{Line, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, Ending, Move, Parameter, Passage, Planner, Sample};
+use arcline_planner::{Clock, Ending, Move, MoveEvent, Parameter, Planner, Sample};
 
 use super::{Random, seeds, seeds_of_long};
 
@@ -293,9 +293,9 @@ impl<'k> Storm<'k> {
     fn tick(&mut self) {
         self.clock.tick += 1;
         for _ in 0..64 {
-            let at = match self.planner.passage(&self.clock) {
+            let at = match self.planner.event(&self.clock) {
                 None => break,
-                Some(Passage::HandOver(at) | Passage::Reached(at)) => at,
+                Some(MoveEvent::HandOver(at) | MoveEvent::Reached(at)) => at,
             };
             self.done += 1;
             if self.planner.hand_over(at, &self.clock).is_none() {

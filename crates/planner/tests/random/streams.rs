@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, ContourPassage, ContourQueue, Ending, Installed, Move, Parameter};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter};
 
 use super::{Random, seeds_of_long};
 
@@ -114,10 +114,10 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
     while done < moves.len() {
         clock.tick += 1;
         queue.steer(&clock);
-        while let Some(passage) = queue.passage(&clock) {
+        while let Some(event) = queue.event(&clock) {
             queue.pass(&clock);
             done += 1;
-            if passage == ContourPassage::End {
+            if event == ContourEvent::End {
                 queue.finish();
                 told.rests += usize::from(done < moves.len());
                 break;

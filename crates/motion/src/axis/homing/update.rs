@@ -9,8 +9,8 @@ use arcline_profile::KinematicState;
 
 use super::{Sought, Stage};
 use crate::axis::Axis;
-use crate::axis::generator::Law;
-use crate::axis::sum::Slot;
+use crate::axis::generator::Equation;
+use crate::axis::generator_kind::GeneratorKind;
 
 /// Legs within one update; what is left then is done in the next one.
 const MOST_LEGS: usize = 64;
@@ -35,13 +35,13 @@ impl Axis {
                 return;
             };
             if self.seeks() || leg.end() > clock.period() + SHORTEST_STEP {
-                self.pose(leg.at(clock.period()));
+                self.set_home_command(leg.at(clock.period()));
                 return;
             }
             at = leg.end().clamp(at, clock.period());
-            self.pose(leg.last());
+            self.set_home_command(leg.last());
             if self.leg_is_over(began.now().after(at, clock)) {
-                self.end(Slot::Home);
+                self.end(GeneratorKind::Home);
                 self.home_reached = true;
                 return;
             }
@@ -66,9 +66,9 @@ impl Axis {
         };
         if self.seeks_stop() {
             // Nothing moves on: the command goes back to where the axis is held.
-            self.pose(KinematicState::at_rest(self.actual.position));
+            self.set_home_command(KinematicState::at_rest(self.actual.position));
         } else {
-            self.pose(leg.at(at));
+            self.set_home_command(leg.at(at));
         }
         self.sought_is_reached(latch.position, began.now().after(at, clock));
         self.advance_homing(clock);
@@ -90,22 +90,22 @@ impl Axis {
     }
 
     fn present_leg(&self, began: &Clock) -> Option<Leg> {
-        let generator = self.sum.get(Slot::Home)?;
-        let Law::Planned { profile, start } = &generator.law else {
+        let generator = self.sum.get(GeneratorKind::Home)?;
+        let Equation::Planned { profile, start } = &generator.equation else {
             return None;
         };
         Some(Leg {
             profile: *profile,
             elapsed: start.elapsed(began),
-            frame: self.sum.seen_from(Slot::Home, Some(0.0))?,
+            frame: self.sum.seen_from(GeneratorKind::Home, Some(0.0))?,
         })
     }
 
     /// The command is that of a leg, in positions of the axis.
-    fn pose(&mut self, mut command: KinematicState) {
-        let frame = self.sum.seen_from(Slot::Home, Some(0.0)).unwrap_or_default();
+    fn set_home_command(&mut self, mut command: KinematicState) {
+        let frame = self.sum.seen_from(GeneratorKind::Home, Some(0.0)).unwrap_or_default();
         command.position -= frame;
-        self.sum.set(Slot::Home, command);
+        self.sum.set(GeneratorKind::Home, command);
         self.command = self.sum.command();
     }
 }

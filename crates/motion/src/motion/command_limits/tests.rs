@@ -7,7 +7,7 @@ use arcline_instruction_set::{
 use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
 
-use crate::axis::sum::Slot;
+use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
 use crate::control::Ticket;
 use crate::machine::{Axis, AxisKind, CommandLimits, CoordinateSystem, ExceptionActions, MotionGroup};
@@ -172,12 +172,12 @@ fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
             jerk: None,
         };
         let now = motion.clock.now();
-        let jog = motion.axes[AxisId(2)].sum.get_mut(Slot::Jog).expect("jogs");
+        let jog = motion.axes[AxisId(2)].sum.get_mut(GeneratorKind::Jog).expect("jogs");
         jog.follow(Profile::to_velocity(jog.now, 1e5, &limits), now);
     };
     let far: Defect = |motion| {
         let now = motion.clock.now();
-        let jog = motion.axes[AxisId(2)].sum.get_mut(Slot::Jog).expect("jogs");
+        let jog = motion.axes[AxisId(2)].sum.get_mut(GeneratorKind::Jog).expect("jogs");
         let beyond = KinematicState {
             position: jog.now.position - 1000.0,
             ..jog.now

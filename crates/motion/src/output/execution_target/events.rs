@@ -4,8 +4,8 @@
 
 use arcline_planner::{Clock, Instant};
 
-use super::super::course::Course;
 use super::super::element::{Effect, Happens, State};
+use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
 use super::way::Piece;
@@ -97,9 +97,9 @@ impl Target {
     }
 
     /// How the position of an axis that an element compares goes, in the positions of its cam, and with what it is compared.
-    fn signal(&self, piece: &Piece, cam_index: usize, place: usize, latch: bool) -> (Course, Window) {
+    fn signal(&self, piece: &Piece, cam_index: usize, place: usize, latch: bool) -> (Interpolation, Window) {
         let Some((element, compensation)) = self.cams[cam_index].element(place) else {
-            return (Course::step(0.0, 0.0), Window::NONE);
+            return (Interpolation::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
         (piece.course(delay), self.window(cam_index, element, compensation))
@@ -213,7 +213,7 @@ impl Target {
             for place in 0..self.cams[cam_index].states.len() {
                 let state = &mut self.cams[cam_index].states[place];
                 if state.off_at.is_some_and(is_over) {
-                    let effect = state.let_go();
+                    let effect = state.release();
                     self.take(cam_index, place, effect, at);
                 }
             }

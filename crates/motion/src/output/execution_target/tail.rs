@@ -94,12 +94,12 @@ impl Target {
             .enumerate()
             .filter(|(_, state)| !state.is_over());
         let bits = elements.filter_map(|(place, _)| Some(1 << cam_index.element(place)?.0.bit));
-        bits.fold(self.carried_bits(), |all, bit: u32| all | bit)
+        bits.fold(self.trailing_bits(), |all, bit: u32| all | bit)
     }
 
     /// Bits that something other than the armed cam holds.
     pub(super) fn held(&self) -> u32 {
-        let mut bits = self.carried_bits();
+        let mut bits = self.trailing_bits();
         for cam_index in [&self.cams[PENDING], &self.cams[TAIL]] {
             for (place, _) in cam_index.states.iter().enumerate().filter(|(_, state)| state.holds) {
                 bits |= cam_index.element(place).map_or(0, |(element, _)| 1 << element.bit);
@@ -157,7 +157,7 @@ impl Target {
         state.holds = state.off_at.is_some();
     }
 
-    fn carried_bits(&self) -> u32 {
+    fn trailing_bits(&self) -> u32 {
         let bits = self.trailing_bits.iter().enumerate();
         bits.fold(0, |all, (bit, trailing_bits)| {
             all | u32::from(trailing_bits.is_some()) << bit

@@ -7,7 +7,7 @@ use arcline_instruction_set::enumerations::ExecutionMode;
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
-use super::super::course::Course;
+use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, OUTPUT_BITS};
 use super::super::windows::Turns;
 use super::events::instant;
@@ -29,15 +29,15 @@ pub(super) struct Piece {
 
 impl Piece {
     /// The position of the axis, `delay` ahead.
-    pub(super) fn course(&self, delay: f64) -> Course {
+    pub(super) fn course(&self, delay: f64) -> Interpolation {
         let [from, to] = [&self.from, &self.to].map(|point| {
             let rate = point.velocity + delay * point.acceleration;
             [point.position + delay * point.velocity, rate]
         });
         if self.jumps {
-            Course::step(from[0], to[0])
+            Interpolation::step(from[0], to[0])
         } else {
-            Course::new(from, to, self.period)
+            Interpolation::new(from, to, self.period)
         }
     }
 }
@@ -144,7 +144,7 @@ impl Target {
     }
 
     /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
-    fn exit(&self, way: &Course, share: f64) -> Option<(f64, f64)> {
+    fn exit(&self, way: &Interpolation, share: f64) -> Option<(f64, f64)> {
         let program = self.cams[ACTIVE].program.as_ref()?;
         if program.mode != ExecutionMode::Once && self.cams[PENDING].program.is_none() {
             return None;

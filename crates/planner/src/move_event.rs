@@ -1,12 +1,13 @@
 //! When the active move comes to its end, to the place where its successor takes over, and to points before it.
 
 use crate::junction::Ending;
-use crate::planner::{Planner, Running};
+use crate::planner::Planner;
+use crate::running::Running;
 use crate::{Clock, Instant, ROUNDING};
 
 /// A point on the way of the active move that lies at or before the present tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Passage {
+pub enum MoveEvent {
     /// The successor is to become active: [`Planner::hand_over`].
     HandOver(Instant),
     /// The programmed end is reached and nothing has taken over.
@@ -15,7 +16,7 @@ pub enum Passage {
 
 /// When the active move comes to a point before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
+pub enum EventTime {
     /// So long after it became active: seconds, or master units.
     At(f64),
     /// It was there before the present plan began.
@@ -26,7 +27,7 @@ pub enum Reach {
 
 impl<T: Copy> Planner<T> {
     /// The next point on the way that lies at or before the present tick.
-    pub fn passage(&self, clock: &Clock) -> Option<Passage> {
+    pub fn event(&self, clock: &Clock) -> Option<MoveEvent> {
         let running = self.active.as_ref()?;
         let elapsed = running.track.start.elapsed(clock);
         // A stop is over when it stands, to the last bit.
@@ -35,27 +36,27 @@ impl<T: Copy> Planner<T> {
         if let Some(at) = self.hand_over_at
             && elapsed >= at - rounding
         {
-            return Some(Passage::HandOver(instant(at)));
+            return Some(MoveEvent::HandOver(instant(at)));
         }
         if !running.track.profile.arrives() {
             return None;
         }
         let end = self.end_of(running, clock);
-        (elapsed >= end - rounding).then(|| Passage::Reached(instant(end)))
+        (elapsed >= end - rounding).then(|| MoveEvent::Reached(instant(end)))
     }
 
     /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
     /// successor is superposed, when that begins.
-    pub fn reaches(&self, distance: f64, clock: &Clock) -> Reach {
+    pub fn reaches(&self, distance: f64, clock: &Clock) -> EventTime {
         let Some(running) = &self.active else {
-            return Reach::Never;
+            return EventTime::Never;
         };
         let track = &running.track;
         let since = running.begun.elapsed(clock) - track.start.elapsed(clock);
-        let at = |planned: f64| Reach::At((since + planned).max(0.0));
+        let at = |planned: f64| EventTime::At((since + planned).max(0.0));
         let length = running.motion.path.length();
         if distance > length {
-            return Reach::At(0.0);
+            return EventTime::At(0.0);
         }
         let arrives = track.profile.arrives();
         if distance == 0.0 {
@@ -66,18 +67,18 @@ impl<T: Copy> Planner<T> {
                 return if arrives {
                     at(self.end_of(running, clock))
                 } else {
-                    Reach::Never
+                    EventTime::Never
                 };
             }
         }
         let place = track.offset + length - distance;
         if place < track.profile.start().position {
-            return Reach::Passed;
+            return EventTime::Passed;
         }
         match track.profile.time_at_position(place) {
             Some(planned) => at(planned),
             None if arrives => at(track.profile.duration()),
-            None => Reach::Never,
+            None => EventTime::Never,
         }
     }
 

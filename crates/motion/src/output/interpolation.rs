@@ -4,21 +4,23 @@
 //! A cubic through both ends, whose slopes are limited so that it does not turn round; over a constant acceleration it is the
 //! parabola that the axis goes. Shares of an update are 0 at its beginning and 1 at its end.
 
-/// Bisections of a share: to the last bit.
-const BISECTIONS: usize = 54;
+use arcline_profile::numeric::bisect;
+
+/// Halvings of a share: to the last bit.
+const HALVINGS: usize = 54;
 /// Slopes beyond so many times the mean one could turn the cubic round: the radius of the circle of Fritsch and Carlson.
 const STEEPEST: f64 = 3.0;
 
 /// A value over one update.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Course {
+pub(super) struct Interpolation {
     pub(super) from: f64,
     pub(super) to: f64,
     /// Slopes at both ends, per update.
     slopes: [f64; 2],
 }
 
-impl Course {
+impl Interpolation {
     /// Between two values with their rates, s⁻¹ of the value, over `period` seconds.
     pub(super) fn new(from: [f64; 2], to: [f64; 2], period: f64) -> Self {
         let way = to[0] - from[0];
@@ -31,7 +33,7 @@ impl Course {
         if steep > most {
             slopes = slopes.map(|slope| slope * most / steep);
         }
-        Course {
+        Interpolation {
             from: from[0],
             to: to[0],
             slopes,
@@ -40,7 +42,7 @@ impl Course {
 
     /// At once: the share is that of the way.
     pub(super) fn step(from: f64, to: f64) -> Self {
-        Course {
+        Interpolation {
             from,
             to,
             slopes: [to - from; 2],
@@ -62,16 +64,7 @@ impl Course {
     /// The share at which it comes to a value between its ends.
     pub(super) fn share_of(&self, value: f64) -> f64 {
         let sign = if self.to >= self.from { 1.0 } else { -1.0 };
-        let (mut before, mut behind) = (0.0, 1.0);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (before + behind);
-            if sign * (self.at(middle) - value) >= 0.0 {
-                behind = middle;
-            } else {
-                before = middle;
-            }
-        }
-        behind
+        bisect(0.0, 1.0, HALVINGS, |share| sign * (self.at(share) - value) >= 0.0)
     }
 }
 
@@ -84,7 +77,7 @@ mod tests {
         let (period, rate, acceleration) = (0.004, 30.0, -2000.0);
         let place = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
         let end = [place(period), rate + acceleration * period];
-        let course = Course::new([5.0, rate], end, period);
+        let course = Interpolation::new([5.0, rate], end, period);
         for step in 0..=8 {
             let share = f64::from(step) / 8.0;
             let value = place(share * period);
@@ -105,7 +98,7 @@ mod tests {
             ("back",                   [1.0, -80.0], [0.5, 30.0]),
         ];
         for (why, from, to) in cases {
-            let course = Course::new(from, to, 0.001);
+            let course = Interpolation::new(from, to, 0.001);
             let sign = (to[0] - from[0]).signum();
             let values: Vec<f64> = (0..=100).map(|step| course.at(f64::from(step) / 100.0)).collect();
             let falls = values.windows(2).any(|pair| sign * (pair[1] - pair[0]) < -1e-12);

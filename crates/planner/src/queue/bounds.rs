@@ -1,0 +1,214 @@
+//! The speeds of the places between pending moves: a pass backwards over the queue, as long as a tick allows.
+//!
+//! Units: position units, seconds. Nothing allocates.
+
+use std::collections::VecDeque;
+
+use arcline_profile::entry_speed;
+
+use super::{MoveNumber, Queue};
+use crate::junction::Link;
+
+/// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// Number of the move behind it.
+    pub(crate) next: MoveNumber,
+    /// Where on the run before it.
+    pub(crate) at: f64,
+    pub(crate) link: Link,
+    /// The speed, with the rate it was computed for.
+    pub(super) speed: f64,
+    /// The speed from which the corners behind it can be met, whatever is programmed: infinite where there is none before
+    /// the next rest.
+    pub(super) corners: f64,
+}
+
+/// The next bound behind a place, or the end of the queue.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Following {
+    at: f64,
+    speed: f64,
+    corners: f64,
+}
+
+/// A backward pass that is not over.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BackwardPass {
+    /// Bounds up to this number are still to be looked at.
+    pub(super) next: MoveNumber,
+    /// Bounds up to this number are to be looked at even where the one behind them has not changed.
+    pub(super) stale: MoveNumber,
+    /// Bounds that are looked at in one tick.
+    pub(super) work: usize,
+}
+
+/// Bounds that are looked at in one tick,
+pub(super) const WORK: usize = 8;
+/// and after a change of all moves: 50 µs.
+pub(super) const WORK_OF_A_CHANGE: usize = 256;
+/// Moves whose bounds are computed at once after a change of all: at least, and at most.
+pub(super) const LEAST: usize = 32;
+pub(super) const MOST: usize = 128;
+
+impl<T: Copy> Queue<T> {
+    /// Goes on with a backward pass that was too long for one tick; whether there was anything to do.
+    pub(crate) fn continue_pass(&mut self) -> bool {
+        let work = self.backward_pass.map(|pass| pass.work);
+        self.look_at(work.unwrap_or(0));
+        work.is_some()
+    }
+
+    /// Goes on with the backward pass, over so many bounds at most.
+    pub(super) fn look_at(&mut self, most: usize) {
+        let Some(mut pass) = self.backward_pass.take() else {
+            return;
+        };
+        let mut next = pass.next;
+        let mut following = self.following(next);
+        for _ in 0..most {
+            let Some(bound) = self.before(next) else {
+                return;
+            };
+            let looked_at = Bound {
+                speed: self.speed_at(&bound, &following),
+                corners: self.corners_from(&bound, &following),
+                ..bound
+            };
+            following = looked_at.as_following();
+            next = bound.next.previous();
+            let unchanged = looked_at.speed == bound.speed && looked_at.corners == bound.corners;
+            self.replace(&looked_at);
+            if !unchanged {
+                continue;
+            }
+            if next > pass.stale {
+                if pass.stale == MoveNumber::BEFORE_ALL {
+                    return;
+                }
+                next = pass.stale;
+                following = self.following(next);
+            }
+        }
+        pass.next = next;
+        pass.stale = pass.stale.min(next);
+        self.backward_pass = Some(pass);
+    }
+
+    /// The speed of a bound, at most what the present rate leaves of the programmed ones.
+    pub(crate) fn speed(&self, bound: &Bound) -> f64 {
+        bound.speed.min(bound.link.programmed() * self.rate)
+    }
+
+    /// The speed that must be kept at a bound whatever is programmed.
+    pub(crate) fn must(&self, bound: &Bound) -> f64 {
+        self.bounded(bound, bound.link.corner(), &self.following(bound.next))
+    }
+
+    /// The speed at a bound from which every corner up to the next rest can be met.
+    pub(crate) fn corners(&self, bound: &Bound) -> f64 {
+        bound.corners
+    }
+
+    /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
+    pub(super) fn look_again(&mut self, count: usize) {
+        let nearest = self.first.plus(count);
+        let all = |next: MoveNumber| BackwardPass {
+            next,
+            stale: next,
+            work: WORK,
+        };
+        self.backward_pass = Some(all(nearest));
+        self.look_at(count);
+        let last = self.behind();
+        // `nearest` is a number of moves, of which each has one bound at most.
+        self.backward_pass = (last > nearest).then(|| all(last));
+    }
+
+    /// The last bound up to a number.
+    fn before(&self, next: MoveNumber) -> Option<Bound> {
+        let last = |bounds: &VecDeque<Bound>| {
+            let count = bounds.partition_point(|bound| bound.next <= next);
+            count.checked_sub(1).map(|place| bounds[place])
+        };
+        match (last(&self.slower), last(&self.ends)) {
+            (Some(slower), Some(end)) => Some(if slower.next > end.next { slower } else { end }),
+            (slower, end) => slower.or(end),
+        }
+    }
+
+    /// The first bound behind a number: the end of the queue, at rest, if there is none.
+    pub(super) fn following(&self, next: MoveNumber) -> Following {
+        let first = |bounds: &VecDeque<Bound>| bounds.get(bounds.partition_point(|bound| bound.next <= next)).copied();
+        let bound = match (first(&self.slower), first(&self.ends)) {
+            (Some(slower), Some(end)) => Some(if slower.next < end.next { slower } else { end }),
+            (slower, end) => slower.or(end),
+        };
+        let end = || Following {
+            at: self.end().unwrap_or(0.0),
+            speed: 0.0,
+            corners: f64::INFINITY,
+        };
+        bound.map_or_else(end, |bound| bound.as_following())
+    }
+
+    pub(super) fn speed_at(&self, bound: &Bound, following: &Following) -> f64 {
+        let most = (bound.link.programmed() * self.rate).min(bound.link.corner());
+        self.bounded(bound, most, following)
+    }
+
+    /// At most `most`, and the speed from which the move behind a bound can slow down: to all that is behind it, or for type 5
+    /// to the corners behind it.
+    fn bounded(&self, bound: &Bound, most: f64, following: &Following) -> f64 {
+        if most == 0.0 {
+            return most;
+        }
+        if bound.link.is_constrained() {
+            most.min(self.entry(bound, following.at, following.speed))
+        } else {
+            most.min(self.entry(bound, following.at, following.corners))
+        }
+    }
+
+    /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: what is too fast
+    /// for it goes beyond it and comes back.
+    pub(super) fn corners_from(&self, bound: &Bound, following: &Following) -> f64 {
+        match bound.link {
+            Link::Rest => f64::INFINITY,
+            link => link.corner().min(self.entry(bound, following.at, following.corners)),
+        }
+    }
+
+    /// The speed at a bound from which the move behind it can slow down to a speed at a place on its run.
+    fn entry(&self, bound: &Bound, at: f64, speed: f64) -> f64 {
+        if speed == f64::INFINITY {
+            return speed;
+        }
+        let Some(behind) = self.moves.get(bound.next.since(self.first)) else {
+            return 0.0;
+        };
+        entry_speed(at - behind.start, speed, &behind.motion.limits)
+    }
+
+    /// Puts a bound in place of the one before the same move.
+    fn replace(&mut self, bound: &Bound) {
+        let bounds = match bound.link {
+            Link::Slower { .. } => &mut self.slower,
+            _ => &mut self.ends,
+        };
+        let place = bounds.partition_point(|other| other.next < bound.next);
+        if let Some(old) = bounds.get_mut(place) {
+            *old = *bound;
+        }
+    }
+}
+
+impl Bound {
+    fn as_following(&self) -> Following {
+        Following {
+            at: self.at,
+            speed: self.speed,
+            corners: self.corners,
+        }
+    }
+}
