@@ -25,7 +25,7 @@ impl Command {
     pub const NOP: Self = Self(0x0000);
     /// What kinds of communication the target speaks.
     pub const LIST_SERVICES: Self = Self(0x0004);
-    /// Who the target is.
+    /// The identity of the target.
     pub const LIST_IDENTITY: Self = Self(0x0063);
     /// Non-CIP interfaces: there are none.
     pub const LIST_INTERFACES: Self = Self(0x0064);

@@ -25,7 +25,7 @@ pub const STATUS_NOT_RUNNING: u16 = 0x3070;
 /// State: operational.
 pub const STATE_OPERATIONAL: u8 = 3;
 
-/// Who a device is.
+/// The identity of a device.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Identity {
     /// Attribute 1.

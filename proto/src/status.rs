@@ -61,7 +61,7 @@ impl CipStatus {
         self.general == 0
     }
 
-    /// Whether the same general code, whatever the additional words.
+    /// Whether the same general code, with any additional words.
     pub const fn is(&self, other: Self) -> bool {
         self.general == other.general
     }

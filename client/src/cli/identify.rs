@@ -9,7 +9,7 @@ use arcline_client::{Client, Identity as Server, discover as ask_everybody};
 use super::args::Identify;
 use super::{Failure, Output};
 
-/// `identify`: everybody at a broadcast address, or the server that is connected.
+/// `identify`: all devices at a broadcast address, or the connected server.
 pub(crate) async fn run(client: Option<&Client>, command: &Identify, output: &Output) -> Result<(), Failure> {
     if let Some(address) = &command.broadcast {
         return discover(address, command.wait, output).await;

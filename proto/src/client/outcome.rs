@@ -25,9 +25,9 @@ pub struct ClientEvent {
 pub enum Outcome {
     /// The session is registered.
     Registered,
-    /// Who answers, and at which address it says it listens; `None` if the reply holds no identity.
+    /// The identity of the target and the address at which it says it listens; `None` if the reply holds no identity.
     Identity(Option<(SocketAddrV4, Identity)>),
-    /// A CIP reply, whatever its status.
+    /// A CIP reply with any status.
     Reply(Reply),
     /// A connection is open.
     Opened {

@@ -16,7 +16,7 @@ pub(super) const MAX_INTERVAL: u32 = 10_000_000;
 /// The longest watchdog, requested packet interval times multiplier: for so long an originator that has ended without a Forward
 /// Close can hold its place.
 pub(super) const MAX_TIMEOUT: Duration = Duration::from_secs(60);
-/// The time that an originator has for its first datagram, whatever its watchdog is: a Forward Open whose originator never sends
+/// The time that an originator has for its first datagram, with any watchdog: a Forward Open whose originator never sends
 /// holds its place no longer.
 const FIRST_DATAGRAM: Duration = Duration::from_secs(10);
 

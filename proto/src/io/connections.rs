@@ -36,7 +36,7 @@ pub struct IoSettings {
     pub local: SocketAddr,
 }
 
-/// Who opens a connection.
+/// The originator of a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Originator {
     /// The far end of its TCP connection.
@@ -81,7 +81,7 @@ pub enum IoEvent {
 /// What the outputs are at present.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ownership {
-    /// Nobody owns them.
+    /// They have no owner.
     Free,
     /// They have an owner, which is not in run.
     Idle,

@@ -26,8 +26,8 @@ use super::session_host::SessionHost;
 use crate::guard::Signs;
 use crate::plant::ClientIdentity;
 
-/// How long the frames of one connection are taken before the others get their turn: whatever a client sends, the others wait for
-/// one of its messages, or for as many as take no longer than this.
+/// How long the frames of one connection are taken before the others get their turn: the others wait for one message of a client,
+/// or for as many as take no longer than this.
 const TURN: Duration = Duration::from_micros(50);
 
 /// Turns before replies that wait to be sent together leave.

@@ -24,9 +24,9 @@ use crate::plant::{Plant, Principal};
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Who the device says it is.
+    /// The identity of the device.
     pub identity: Identity,
-    /// What the configuration says of the network side.
+    /// The network side of the configuration.
     pub config: ServerConfig,
     /// How long a peer may take to read what has been written to it.
     pub write_timeout: Duration,
@@ -74,7 +74,7 @@ pub(crate) struct Device {
     assembly_data: AssemblyData,
     /// The CIP objects that answer.
     pub(crate) objects: Objects,
-    /// What the host shows of its adapters.
+    /// The adapters of the host.
     pub(crate) adapters: Adapters,
     io: Option<Arc<Io>>,
     /// The clients that are connected.
@@ -85,7 +85,7 @@ pub(crate) struct Device {
     inactivity: watch::Sender<Option<Duration>>,
     /// Sessions that there ever were.
     sessions: AtomicU64,
-    /// What connections have said is to become of their motion.
+    /// The reactions to their loss that connections have set.
     losses: Mutex<BTreeMap<Principal, ConnectionLoss>>,
     /// µs that a client has moved the wall clock by; the host's own clock is never set.
     clock_offset: AtomicI64,
@@ -170,13 +170,13 @@ impl Device {
         self.sessions.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// What becomes of the motion of an owner when it is lost.
+    /// The reaction of the motion of an owner when it is lost.
     pub(crate) fn loss(&self, owner: Principal) -> ConnectionLoss {
         let own = self.lock_losses().get(&owner).copied();
         own.unwrap_or(self.settings.config.connection_loss)
     }
 
-    /// An owner says what is to become of its motion; `None`: as it is configured.
+    /// An owner sets the reaction of its motion; `None`: as it is configured.
     pub(crate) fn set_loss(&self, owner: Principal, loss: Option<ConnectionLoss>) {
         match loss {
             Some(loss) => self.lock_losses().insert(owner, loss),

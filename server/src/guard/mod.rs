@@ -4,7 +4,7 @@
 //! way to the tick of its own ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays a stop. On the
 //! same thread the page's viewers are read, for their STOP. What runs on it must be short.
 //!
-//! A stop of a jog is one at the axis's full deceleration, whatever was programmed; the guard asks for it again until the axis stands.
+//! A stop of a jog is one at the axis's full deceleration, not at the programmed one; the guard requests it again until the axis stands.
 //! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Principal`).
 
 mod table;
@@ -62,7 +62,7 @@ struct Client {
     watched: Option<CancellationToken>,
 }
 
-/// What a guard asks and tells where its clients came in.
+/// The face by which a client came in, as the guard needs it.
 pub(crate) trait Face: Send + Sync + std::fmt::Debug {
     /// Whether jogs go on when their owner is lost or silent.
     fn keeps_jogs(&self, owner: Principal) -> bool;
@@ -230,7 +230,7 @@ impl Guard {
         self.table().kept()
     }
 
-    /// The button of a jog was let go: whoever asks stops it, and the guard does so at full deceleration if it still moves after
+    /// The button of a jog was released: the caller stops it, and the guard does so at full deceleration if it still moves after
     /// `grace`. `false`: there is no such jog.
     pub(crate) fn release(&self, session: u64, axis: AxisId, grace: Duration) -> bool {
         let from = self.now() + grace;
@@ -290,7 +290,7 @@ impl Guard {
     /// Stops what is due, and looks again at what was stopped.
     fn look(&self, plant: &Plant) {
         let now = self.now();
-        // Without the lock, which somebody may have for long, a jog is taken for one that runs.
+        // Without the lock, which another thread may hold for long, a jog is taken for one that runs.
         plant.try_with_executions(|runs| self.table().prune(runs));
         let released = self.table().overdue(now);
         self.stop(&released, JogEnd::Released);

@@ -136,7 +136,7 @@ impl Table {
         ended
     }
 
-    /// Takes out the jogs of a client that nobody keeps.
+    /// Takes out the jogs whose confirmation is overdue.
     pub(super) fn overdue(&mut self, now: Duration) -> Vec<Jog> {
         self.end(now, JogEnd::Released, |jog| jog.until.is_some_and(|until| until <= now))
     }

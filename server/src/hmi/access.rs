@@ -1,4 +1,4 @@
-//! Who may talk to the HMI: names of the host that no foreign page can take, and pages of this server only.
+//! Access to the HMI: by names of the host that no foreign page can take, and from pages of this server only.
 //!
 //! A page of another origin may open a WebSocket to any address, and a name of a stranger's may be made to mean this host
 //! (DNS rebinding). The first is seen by `Origin`, the second by `Host`, which browsers do not let a page choose.

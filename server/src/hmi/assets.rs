@@ -1,4 +1,4 @@
-//! The files of the page, carried in the program (`build.rs`); or, for whoever writes the page, those of a folder.
+//! The files of the page, carried in the program (`build.rs`); or, for work on the page, those of a folder.
 
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};

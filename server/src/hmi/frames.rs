@@ -4,7 +4,7 @@
 //! of every signal (m × f64), and n × m differences from the bases (f32), row by row. Between two frames no tick is missing,
 //! unless the viewer was too slow or the store has a gap: then the first tick tells.
 //!
-//! What was before a viewer came is `"ARC2"`, asked for piece by piece: after rows and signals follow the ticks k of a row
+//! Samples from before a viewer came are `"ARC2"`, requested piece by piece: after rows and signals follow the ticks k of a row
 //! (u32), then as above. Where it has more signals than other frames, these are jerk and following error of each axis, and a row
 //! has three differences of each signal: those of its value at the first tick, its least and its greatest.
 
@@ -28,7 +28,7 @@ pub(super) const WAITING: usize = 64;
 /// Rows of a piece of the past at most, where a row is a tick.
 const PAST_ROWS: usize = 512;
 
-/// Makes frames while somebody wants them, until the future is dropped.
+/// Makes frames while a viewer wants them, until the future is dropped.
 pub(super) async fn produce(shared: Arc<Shared>) {
     let columns = history::columns(shared.plant.machine());
     let trace = shared.plant.trace();
@@ -48,7 +48,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
                 break;
             }
             next = first + rows as u64;
-            // Everybody may just have gone.
+            // The last viewer may just have gone.
             let _ = shared.frames.send(frame(first, columns.len(), &values));
         }
         from = Some(next);

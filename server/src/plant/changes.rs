@@ -2,7 +2,7 @@
 //!
 //! A step is one publication of the tag memory, at most one a tick but for writes. Of each tag only the number of its last step is
 //! kept, so the log is bounded by the tags, and a reader takes all steps since its last look at once: a slow one learns how many
-//! steps that were ([`TagChanges::steps`]) and holds up nobody. Values are not here; a reader reads those that it wants.
+//! steps that were ([`TagChanges::steps`]) and delays no other reader. Values are not here; a reader reads those that it wants.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,7 +1,7 @@
-//! Everything that can change the machine, as one enum, and what comes of it.
+//! Every change of the machine, as one enum, with its outcomes and refusals.
 //!
-//! A new command does not compile before [`policy`](super::policy) says what right it needs, who owns what it begins, whether it is
-//! kept over a restart, and what the log and the counters call it.
+//! A new command does not compile before [`policy`](super::policy) has the right that it needs, the owner of the motion that it begins,
+//! whether it is kept over a restart, and its counter.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
 use super::{CallRefused, Executed, Lost, Mover, Principal};
 use crate::retained::NotPersisted;
 
-/// Something that is to be changed.
+/// A change of the machine.
 #[derive(Clone, Debug)]
 pub enum Command<'a> {
     /// Writes bytes of a tag.
@@ -75,14 +75,14 @@ pub enum Command<'a> {
         /// The other one.
         new: Configured<'a>,
     },
-    /// A principal is lost: what it began and what still runs of that is stopped, held or goes on.
+    /// A principal is lost: the motion that it began and that still runs is stopped, held or goes on.
     Lose {
         /// The principal.
         lost: Principal,
-        /// What becomes of its motion.
+        /// The reaction of its motion.
         reaction: ConnectionLoss,
     },
-    /// A principal has closed its connection in order: what it began goes on without an owner.
+    /// A principal has closed its connection in order: its motion goes on without an owner.
     Disown(Principal),
     /// Stops everything that moves, every axis by itself.
     StopAll,
@@ -104,7 +104,7 @@ pub enum Systems {
 /// An instruction that is to be executed.
 #[derive(Clone, Debug)]
 pub struct Call<'a> {
-    /// Which.
+    /// The instruction.
     pub mnemonic: Mnemonic,
     /// The index of the object it acts on; `None`: there is no such object.
     pub target: Option<u16>,
@@ -112,11 +112,11 @@ pub struct Call<'a> {
     pub control: Option<&'a str>,
     /// The operands behind target and motion control.
     pub given: &'a [Given],
-    /// The Structured Text that it was given as, for the events.
+    /// Its Structured Text, for the events.
     pub text: Option<Arc<str>>,
 }
 
-/// What came of a command.
+/// The outcome of a command.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Outcome {
     /// It is done.
@@ -127,7 +127,7 @@ pub enum Outcome {
     Begun(u32),
     /// An instruction was executed; its motion control tag may show an error.
     Executed(Executed),
-    /// What of a lost principal was stopped or held.
+    /// The objects of a lost principal that were stopped or held.
     Lost(Lost),
 }
 

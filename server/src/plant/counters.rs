@@ -46,7 +46,7 @@ impl Counter {
             Self::Overrides => "overrides",
             Self::Instructions => "instructions",
             Self::Tables => "tag tables",
-            Self::Owners => "lost clients",
+            Self::Owners => "ended clients",
             Self::Stops => "stops",
         }
     }

@@ -1,4 +1,4 @@
-//! The newest executions by ticket and by instance of class 0x0303, whatever their tags show by now.
+//! The newest executions by ticket and by instance of class 0x0303; their tags may show later executions.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -88,7 +88,7 @@ impl Executions {
         self.ring.get(self.place(ticket)?)?.target
     }
 
-    /// Who began an execution.
+    /// The origin of an execution.
     pub(crate) fn origin(&self, ticket: Ticket) -> Option<&Origin> {
         self.ring.get(self.place(ticket)?).map(|record| &record.origin)
     }

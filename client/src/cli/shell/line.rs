@@ -1,4 +1,4 @@
-//! The lines of the shell: from a terminal with editing, history and completion, or from whatever is piped in.
+//! The lines of the shell: from a terminal with editing, history and completion, or from a pipe.
 
 use std::io;
 use std::path::{Path, PathBuf};

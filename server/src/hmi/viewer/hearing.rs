@@ -1,5 +1,5 @@
-//! The reading half of a viewer, on the thread of stops. `stop`, `keep` and `jog_end` are done here at once, before whatever the viewer
-//! asked before; everything else is handed on, or refused when too much waits already. Nothing here computes for long or waits.
+//! The reading half of a viewer, on the thread of stops. It answers `stop`, `keep` and `jog_end` at once, before earlier requests of the
+//! viewer, and puts all others into the queue, or refuses them when too many wait already. Nothing here computes for long or waits.
 
 use std::io;
 use std::net::TcpStream as StdTcpStream;
@@ -31,14 +31,14 @@ use crate::plant::control::ViewerId;
 const TURN: u32 = 16;
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// What a viewer asked, for its turn.
+/// A request of a viewer that waits for its turn.
 #[derive(Debug)]
 pub(super) struct Heard {
-    /// As it came.
+    /// The message.
     pub(super) text: Utf8Bytes,
-    /// How often STOP had been pressed, by anybody.
+    /// How often STOP had been pressed, by any viewer.
     pub(super) stops: u64,
-    /// How often the button of each axis's jog had been let go.
+    /// How often the button of each axis's jog had been released.
     pub(super) releases: Box<[u64]>,
     /// Room among what waits.
     _room: OwnedSemaphorePermit,
@@ -63,7 +63,7 @@ pub(super) struct Hearing {
     pub(super) signs: Signs,
 }
 
-/// What of a message tells whether it is done at once.
+/// The parts of a message that decide whether it is answered at once.
 #[derive(Deserialize)]
 struct Head {
     #[serde(default)]
@@ -194,7 +194,7 @@ impl Hearing {
     }
 }
 
-/// A socket that somebody else writes: what would be written here is left out.
+/// The reading half of a socket: writes are left out.
 struct ReadOnly(TcpStream);
 
 impl AsyncRead for ReadOnly {
