@@ -63,7 +63,7 @@ export async function control_is_offered_where_it_is_missing({ browser, url }) {
   await message.getByRole("button", { name: "Take control" }).click();
   await message.getByText("You have control of Gantry").waitFor();
   await write("MoveGantry.EnableIn", "1");
-  await page.locator(".toast.good", { hasText: "MoveGantry.EnableIn written" }).waitFor();
+  await page.locator(".toast.good", { hasText: "MoveGantry.EnableIn was written" }).waitFor();
   await close(page);
 }
 

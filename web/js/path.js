@@ -39,7 +39,7 @@ export class Path {
     this.legend = this.#legend();
     this.canvas.covers = () => [this.readout, this.legend].filter((over) => over.offsetWidth > 0).map((over) =>
       ({ left: over.offsetLeft, right: over.offsetLeft + over.offsetWidth, bottom: over.offsetTop + over.offsetHeight }));
-    this.old = h("p.moment-note", { hidden: true }, "Earlier moment. The paths that are programmed now are not shown.");
+    this.old = h("p.moment-note", { hidden: true }, "An earlier moment is shown. The paths that are programmed now are not.");
     this.timebar = new Timebar(app, () => [app.timeCursor.shown - this.canvas.trailSeconds / app.samples.period, app.timeCursor.shown]);
     this.clear = h("button", { type: "button", hidden: true, onclick: () => app.setPreview(null), title: "Remove the preview" }, "Clear preview");
     this.element = h("section.view.path", { "aria-label": this.title },
