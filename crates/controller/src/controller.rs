@@ -95,7 +95,7 @@ pub trait Port {
     fn accepted(&mut self, accepted: &AcceptedMove) {
         let _ = accepted;
     }
-    /// A place for the state at the end of this tick; `None` when nobody wants it.
+    /// A place for the state at the end of this tick; `None` when no snapshot is wanted.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
     fn publish(&mut self);

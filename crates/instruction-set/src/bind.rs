@@ -1,4 +1,4 @@
-//! From what somebody gave to a [`Call`]: Structured Text, CIP services, instruction tags and the command
+//! From given operands to a [`Call`]: Structured Text, CIP services, instruction tags and the command
 //! line all come through here, so the same cause gives the same error.
 //!
 //! Binding looks at types, words and names. Ranges are looked at when the instruction executes

@@ -8,7 +8,7 @@ pub const MAX_OPERANDS: usize = 26;
 /// Most elements of an array operand that any instruction uses.
 pub const MAX_ELEMENTS: usize = 9;
 
-/// The MOTION_INSTRUCTION tag of an execution, numbered by whoever keeps the tags.
+/// The MOTION_INSTRUCTION tag of an execution, numbered by the tag memory.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct ControlSlot(pub u32);
 

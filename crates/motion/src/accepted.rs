@@ -1,4 +1,4 @@
-//! Coordinated moves as they were accepted: what somebody outside needs to draw them.
+//! Coordinated moves as they were accepted: the data with which clients draw them.
 
 use arcline_instruction_set::{ControlSlot, Mnemonic, SystemId};
 use arcline_planner::geometry::Path;
@@ -26,7 +26,7 @@ pub struct AcceptedMove {
     pub tolerance: f64,
 }
 
-/// Moves that are kept until somebody takes them; more are not shown.
+/// Moves that are kept until the controller takes them; more are not shown.
 pub(crate) const ACCEPTED: usize = 256;
 
 impl Motion {

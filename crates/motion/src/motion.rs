@@ -75,7 +75,7 @@ pub struct Motion {
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
-    /// Coordinated moves that nobody has taken notice of yet.
+    /// Coordinated moves that the controller has not taken yet.
     pub(crate) accepted: Vec<AcceptedMove>,
     /// Instructions that would begin motion are refused.
     is_inhibited: bool,

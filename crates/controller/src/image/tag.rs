@@ -10,7 +10,7 @@ pub struct TagId(pub u32);
 /// Who may write.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Access {
-    /// Nobody but the controller.
+    /// Only the controller.
     ReadOnly,
     /// Clients too, at least some members.
     ReadWrite,

@@ -1,4 +1,4 @@
-//! What somebody gave for an operand, before binding.
+//! An operand as a program or client gave it, before binding.
 
 use std::fmt;
 

@@ -37,7 +37,7 @@ impl Average {
         }
     }
 
-    /// Units/s. A division that only those pay who look.
+    /// Units/s. The division is done only where the velocity is read.
     pub(crate) fn velocity(&self) -> f64 {
         self.way / self.timebase
     }

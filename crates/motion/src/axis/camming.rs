@@ -18,7 +18,7 @@ use crate::masters::cam::{self, Cam, Ended, Pending, Source};
 pub(crate) struct Cams {
     /// Takes over when the one under way ends.
     pub(crate) pending: Option<Pending>,
-    /// The instruction of the one that it took over from, which is still to be told.
+    /// The instruction of the one that it took over from, which has not been ended yet.
     pub(crate) ended: Option<Execution>,
     /// 1 when the last profile was added, -1 when it was subtracted.
     pub(crate) direction: Option<f64>,

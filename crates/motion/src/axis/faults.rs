@@ -33,7 +33,7 @@ pub(crate) struct Faults {
     travel: Option<Travel>,
     /// Position Error Tolerance and its time; 0: unchecked.
     position_error: PositionErrorLimit,
-    /// Causes that somebody has put there.
+    /// Injected causes.
     injected: FaultSet,
     /// Causes that are there.
     causes: FaultSet,

@@ -1,4 +1,4 @@
-//! An axis that only shows positions which somebody outside writes: an encoder (type `feedback`).
+//! An axis that only shows positions which clients write: an encoder (type `feedback`).
 //!
 //! From one written position to the next the axis moves in a straight line, over the interval at which positions are
 //! expected: it lags by that much, and a slave sees no steps. The first position, and the first one after a fault, is

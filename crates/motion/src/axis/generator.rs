@@ -1,4 +1,4 @@
-//! One thing that moves an axis: whose it is, what it was programmed to do, and where it is.
+//! A generator of an axis: its instruction, its program and its present position.
 //!
 //! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds; a profile over a
 //! master's way has master units in place of seconds.
@@ -18,7 +18,7 @@ use crate::masters::gear::Gear;
 /// How a generator comes to its position.
 #[derive(Clone, Debug)]
 pub(crate) enum Equation {
-    /// Somebody else computes it every tick: a coordinate system, a master axis, a transform.
+    /// It is computed outside of the axis in every tick: by a coordinate system, a master axis, a transform.
     Followed,
     /// Along a profile.
     Planned { profile: Profile, start: Instant },
@@ -92,7 +92,7 @@ pub(crate) struct Generator {
 }
 
 impl Generator {
-    /// One that somebody else computes, at rest.
+    /// One that is computed outside of the axis, at rest.
     pub(crate) fn followed(s_curve: bool) -> Self {
         Generator {
             equation: Equation::Followed,

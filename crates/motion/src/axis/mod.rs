@@ -87,7 +87,7 @@ pub(crate) struct Axis {
     home_reached: bool,
     /// The home event of the last MAH came.
     pub(crate) home_event: bool,
-    /// What positions were shifted by so far without motion: who follows the axis subtracts its changes.
+    /// The sum of all shifts of positions without motion; the followers of the axis subtract its changes.
     pub(crate) redefined: f64,
     /// Command and actual position when the last motion began.
     pub(crate) started_at: [f64; 2],
@@ -342,7 +342,7 @@ impl Axis {
         matches!(self.state, AxisState::Aborting | AxisState::Faulted) || self.faults.block()
     }
 
-    /// Opens the loop: whatever moved the axis is over. Whoever had begun it is told nothing here.
+    /// Opens the loop, and ends all motion of the axis. The instructions that had begun it are not ended here.
     pub(crate) fn disable(&mut self, state: AxisState) {
         self.state = state;
         self.stale = true;

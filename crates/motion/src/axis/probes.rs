@@ -46,12 +46,12 @@ impl Watch {
         });
     }
 
-    /// Nothing is watched any more. Returns whose watch it was.
+    /// Ends the watch. Returns the execution of its MAW.
     pub(crate) fn disarm(&mut self) -> Option<Execution> {
         self.armed.take().map(|armed| armed.execution)
     }
 
-    /// Looks at the actual position. Returns whose event has come.
+    /// Looks at the actual position. Returns the execution whose event has come.
     pub(crate) fn look(&mut self, now: f64) -> Option<Execution> {
         let armed = self.armed.as_mut()?;
         let before = std::mem::replace(&mut armed.last, now);
@@ -121,12 +121,12 @@ impl Registration {
         }
     }
 
-    /// Edges are not waited for any more. Returns who did.
+    /// Ends the wait for an edge. Returns the execution of its MAR.
     pub(crate) fn disarm(&mut self) -> Option<Execution> {
         self.armed.take().map(|armed| armed.execution)
     }
 
-    /// An edge, where the axis shows a position. Returns whose event has come.
+    /// An edge, where the axis shows a position. Returns the execution whose event has come.
     pub(crate) fn edge(&mut self, positive: bool, position: f64, time: i32) -> Option<Execution> {
         let armed = self.armed?;
         let inside = |[from, to]: [f64; 2]| (from..=to).contains(&position);

@@ -1,6 +1,6 @@
 //! Where an axis counts its positions from: MRP, homing, whole turns of rotary axes.
 //!
-//! Shifts move nothing; whoever follows the axis subtracts what `redefined` has changed by. Not here: what begins motion. Units:
+//! Shifts move nothing; the followers of an axis subtract the change of `redefined`. Not here: instructions that begin motion. Units:
 //! position units.
 
 use arcline_planner::Clock;

@@ -167,7 +167,7 @@ impl Sum {
         self.get(kind).map_or(0.0, |generator| generator.shift)
     }
 
-    /// Says where a generator that somebody else computes is, in its own frame.
+    /// Sets the position of a generator that is computed outside of the axis, in its own frame.
     pub(crate) fn set(&mut self, kind: GeneratorKind, now: KinematicState) {
         if let Some(generator) = self.get_mut(kind) {
             generator.now = now;

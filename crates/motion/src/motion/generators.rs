@@ -89,7 +89,7 @@ impl Motion {
     }
 
     /// As [`Motion::stop_axis`], but for coordinated motion and for what cancelled transforms had moved: these brake by themselves.
-    /// The stop reports to nobody. Whether anything brakes.
+    /// No instruction reports the end of the stop. Returns whether anything brakes.
     pub(crate) fn stop_own(&mut self, axis: AxisId) -> bool {
         self.end_passive_homing(axis);
         self.end_pending_cams(axis, None);

@@ -13,7 +13,7 @@ use crate::output::Word;
 /// Something that was written to a tag that the machine reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Input {
-    /// The position of an axis that somebody outside writes.
+    /// The position of an axis, as a client wrote it.
     Position {
         /// Index of the axis.
         axis: AxisId,

@@ -1,4 +1,4 @@
-//! Who moves an axis: coordinated moves take their axes, and what is aborted lets go of them.
+//! The owner of an axis's motion: coordinated moves take their axes, and aborted ones release them.
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
