@@ -13,7 +13,7 @@ use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
-use crate::system::{Activity, component};
+use crate::system::{Activity, component, numbered};
 
 /// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
@@ -224,8 +224,8 @@ impl Motion {
     }
 
     fn set_angle_commands(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
-        for (place, axis) in self.systems[index].description.oriented().iter().enumerate() {
-            if let Some(axis) = self.axes.get_mut(*axis).filter(|_| place < MAX_PRIMARY_AXES) {
+        for (place, axis) in numbered(self.systems[index].description.oriented()).take(MAX_PRIMARY_AXES) {
+            if let Some(axis) = self.axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
                     position: component(&position, place),
                     velocity: component(&velocity, place),

@@ -9,7 +9,7 @@ use arcline_planner::geometry::{Path, Point};
 
 use crate::axes::Axes;
 use crate::axis::Axis;
-use crate::system::{System, component};
+use crate::system::{System, component, numbered};
 
 /// An axis can be at a position.
 ///
@@ -33,8 +33,8 @@ pub(crate) fn verify_point(
     point: &Point,
     operand: OperandIndex,
 ) -> Result<(), MotionError> {
-    for (place, axis) in system.description.linear().iter().enumerate() {
-        if let Some(axis) = axes.get(*axis) {
+    for (place, axis) in numbered(system.description.linear()) {
+        if let Some(axis) = axes.get(axis) {
             verify(axis, component(point, place), operand)?;
         }
     }

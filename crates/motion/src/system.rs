@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
-use arcline_instruction_set::{AxisId, SystemId};
+use arcline_instruction_set::{AxisId, AxisIndex, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::AxisLimits;
@@ -336,9 +336,10 @@ impl System {
         self.description.axes.contains(&axis)
     }
 
-    /// Whether this system and another one have an axis in common; its place here.
-    pub(crate) fn shared_axis(&self, other: &System) -> Option<usize> {
-        self.description.axes.iter().position(|axis| other.has(*axis))
+    /// Whether this system and another one have an axis in common: its index here.
+    pub(crate) fn shared_axis(&self, other: &System) -> Option<AxisIndex> {
+        let mut axes = numbered(&self.description.axes);
+        axes.find(|(_, axis)| other.has(*axis)).map(|(index, _)| index)
     }
 }
 
@@ -396,7 +397,12 @@ impl Termination {
     }
 }
 
-/// Component of a point that belongs to the axis at a place of the coordinate system.
-pub(crate) fn component(point: &Point, place: usize) -> f64 {
-    point.get(place).copied().unwrap_or(0.0)
+/// Axes of a coordinate system, with the indices that they have there.
+pub(crate) fn numbered(axes: &[AxisId]) -> impl Iterator<Item = (AxisIndex, AxisId)> {
+    (0..).map(AxisIndex).zip(axes.iter().copied())
+}
+
+/// The component of a point that belongs to an axis of the coordinate system.
+pub(crate) fn component(point: &Point, axis: AxisIndex) -> f64 {
+    point.get(usize::from(axis.0)).copied().unwrap_or(0.0)
 }

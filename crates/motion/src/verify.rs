@@ -11,7 +11,7 @@ use arcline_planner::geometry::Point;
 
 use crate::axes::Axes;
 use crate::axis::{Axis, AxisState};
-use crate::system::{Activity, System, component};
+use crate::system::{Activity, System, component, numbered};
 
 /// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.
 pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError> {
@@ -75,21 +75,18 @@ pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionErr
 
 /// Step 12, overtravel: no axis outside of its travel moves on a point further out.
 pub(crate) fn no_overtravel(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
-    let out = |(place, axis): (usize, &AxisId)| {
-        let axis = axes.get(*axis);
+    let out = |(place, axis): (AxisIndex, AxisId)| {
+        let axis = axes.get(axis);
         axis.is_some_and(|axis| axis.faults.forbids(component(end, place) - axis.command.position))
     };
-    if system.description.linear().iter().enumerate().any(out) {
+    if numbered(system.description.linear()).any(out) {
         return Err(MotionError::OvertravelCondition);
     }
     Ok(())
 }
 
 fn first(system: &System, axes: &Axes, at_fault: impl Fn(&Axis) -> bool) -> Option<AxisIndex> {
-    let place = system
-        .description
-        .axes
-        .iter()
-        .position(|axis| axes.get(*axis).is_some_and(&at_fault))?;
-    Some(AxisIndex(place as u8))
+    let mut members = numbered(&system.description.axes);
+    let found = members.find(|(_, axis)| axes.get(*axis).is_some_and(&at_fault));
+    found.map(|(index, _)| index)
 }

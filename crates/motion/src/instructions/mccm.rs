@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::{CircleDirection, CircleType, MoveType};
 use arcline_instruction_set::operands::{Mccm, OperandValue, Operands};
-use arcline_instruction_set::{Call, MotionError, RealArray};
+use arcline_instruction_set::{AxisIndex, Call, MotionError, RealArray};
 use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction, Path};
 
 use super::moves::{self, MoveOperands};
@@ -57,7 +57,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 // Of all the turns of a rotary axis the one in which the arc is.
                 for (place, unwind) in unwinds(motion, system) {
                     let middle = 0.5 * (component(&start, place) + component(&end, place));
-                    point[place] = Turn::nearest(unwind, point[place], middle);
+                    let coordinate = &mut point[usize::from(place.0)];
+                    *coordinate = Turn::nearest(unwind, *coordinate, middle);
                 }
             }
             point
@@ -85,7 +86,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 /// No increment moves a rotary axis by more than one turn (spec/coordinated-instructions.md §13.6).
 fn verify_turns(motion: &Motion, system: &System, increments: &OperandValue<RealArray>) -> Result<(), MotionError> {
     let of_axes = primary(system, increments);
-    let beyond = |(place, unwind): (usize, f64)| of_axes.get(place).is_some_and(|by| by.abs() > unwind);
+    let beyond =
+        |(place, unwind): (AxisIndex, f64)| of_axes.get(usize::from(place.0)).is_some_and(|by| by.abs() > unwind);
     if unwinds(motion, system).any(beyond) {
         return Err(increments.out_of_range());
     }

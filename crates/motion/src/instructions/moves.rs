@@ -4,7 +4,7 @@
 
 use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
-use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError, SystemId};
+use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, InitialMotion, Move, Parameter, TurnResidual};
 
@@ -270,7 +270,7 @@ pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -
             && other.is_busy()
             && let Some(place) = system.shared_axis(other)
         {
-            return Err(MotionError::CoordinatedMotionInProcess(AxisIndex(place as u8)));
+            return Err(MotionError::CoordinatedMotionInProcess(place));
         }
     }
     Ok(())

@@ -3,14 +3,14 @@
 //! Not here: paths between them. Units: position units.
 
 use arcline_instruction_set::enumerations::MoveType;
-use arcline_instruction_set::{MotionError, OperandIndex, RealArray, SystemId};
+use arcline_instruction_set::{AxisIndex, MotionError, OperandIndex, RealArray, SystemId};
 use arcline_planner::geometry::Point;
 
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::motion::Motion;
 use crate::rotary::Turn;
-use crate::system::{Activity, System, component};
+use crate::system::{Activity, System, component, numbered};
 
 /// A quantity of each axis of a coordinate system as a point.
 pub(super) fn command(motion: &Motion, index: SystemId, quantity: impl Fn(&Axis) -> f64) -> Point {
@@ -43,9 +43,9 @@ pub(super) fn start_point(motion: &Motion, index: SystemId) -> Point {
 /// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
 pub(super) fn target_point(values: &[f64], start: &Point, move_type: MoveType) -> Point {
     let mut target = *start;
-    for (place, (coordinate, value)) in target.iter_mut().zip(values).enumerate() {
+    for ((coordinate, from), value) in target.iter_mut().zip(start.iter()).zip(values) {
         *coordinate = match move_type {
-            MoveType::Incremental => component(start, place) + value,
+            MoveType::Incremental => from + value,
             MoveType::Absolute => *value,
         };
     }
@@ -58,10 +58,10 @@ pub(super) fn primary<'a>(system: &System, operand: &'a RealArray) -> &'a [f64] 
     &values[..system.description.linear().len().min(values.len())]
 }
 
-/// The unwinds of the axes of a coordinate system, with their places; linear axes have none.
-pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (usize, f64)> {
-    let axes = system.description.linear().iter().enumerate();
-    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(*axis)?.unwind?)))
+/// The unwinds of the axes of a coordinate system, with their indices; linear axes have none.
+pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (AxisIndex, f64)> {
+    let axes = numbered(system.description.linear());
+    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(axis)?.unwind?)))
 }
 
 /// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
@@ -78,9 +78,9 @@ pub(super) fn unwind(
     operand: OperandIndex,
 ) -> Result<(), MotionError> {
     for (place, unwind) in unwinds(motion, system) {
-        if let Some(position) = values.get(place) {
+        if let Some(position) = values.get(usize::from(place.0)) {
             let turn = Turn::at(component(start, place), unwind);
-            target[place] = turn
+            target[usize::from(place.0)] = turn
                 .signed(*position)
                 .ok_or(MotionError::ParameterOutOfRange(operand))?;
         }

@@ -16,7 +16,7 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::Cause;
 use crate::status::phase_flags;
 use crate::stop::AxisSet;
-use crate::system::{Activity, Planned, Shown, component};
+use crate::system::{Activity, Planned, Shown, component, numbered};
 
 impl Motion {
     pub(crate) fn advance_system(&mut self, index: SystemId) {
@@ -211,8 +211,7 @@ impl Motion {
 
     /// The commands stand exactly on a point.
     fn hold_at(&mut self, index: SystemId, end: &Point) {
-        for place in 0..self.systems[index].description.linear().len() {
-            let axis = self.systems[index].description.linear()[place];
+        for (place, axis) in numbered(self.systems[index].description.linear()) {
             if let Some(axis) = self.axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
                     position: component(end, place),
@@ -358,8 +357,8 @@ impl Motion {
             }
             if let Some(end) = system.travel.active().map(|active| active.path.end()) {
                 let axes = &self.axes;
-                let squares = system.description.linear().iter().enumerate().map(|(place, axis)| {
-                    let generator = axes.get(*axis).and_then(|axis| axis.sum.get(GeneratorKind::System));
+                let squares = numbered(system.description.linear()).map(|(place, axis)| {
+                    let generator = axes.get(axis).and_then(|axis| axis.sum.get(GeneratorKind::System));
                     let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
                     left * left
                 });
@@ -388,9 +387,9 @@ fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Resul
     }
 }
 
-fn set_commands(places: &[AxisId], axes: &mut Axes, sample: &Sample) {
-    for (place, axis) in places.iter().enumerate() {
-        if let Some(axis) = axes.get_mut(*axis) {
+fn set_commands(members: &[AxisId], axes: &mut Axes, sample: &Sample) {
+    for (place, axis) in numbered(members) {
+        if let Some(axis) = axes.get_mut(axis) {
             axis.set_coordinated(KinematicState {
                 position: component(&sample.position, place),
                 velocity: component(&sample.velocity, place),

@@ -17,7 +17,7 @@ use crate::axes::{AxisList, share};
 use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::system::component;
+use crate::system::{component, numbered};
 
 /// Stops that have not begun; the memory is kept from look to look.
 #[derive(Debug, Default)]
@@ -205,9 +205,9 @@ impl Present<'_> {
     fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [KinematicState]) {
         let system = &self.systems[stop.system].description;
         let mut add = |axes: &[AxisId], [position, velocity, acceleration]: [Vector; 3]| {
-            for (place, axis) in axes.iter().enumerate() {
-                let step = &mut steps[usize::from(*axis)];
-                step.position += component(&position, place) - self.coordinated(*axis);
+            for (place, axis) in numbered(axes) {
+                let step = &mut steps[usize::from(axis)];
+                step.position += component(&position, place) - self.coordinated(axis);
                 step.velocity += component(&velocity, place);
                 step.acceleration += component(&acceleration, place);
             }
