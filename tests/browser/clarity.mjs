@@ -107,6 +107,9 @@ export async function an_error_of_a_program_goes({ browser, url }) {
   await run.click();
   await problem.getByText("ERR 13").waitFor();
   await page.locator(".editor-gutter .wrong").waitFor();
+  const since = await page.evaluate(() => performance.now());
+  await until(page, "the check behind the run", (before) => performance.now() > before + 800, since);
+  assert.ok(await page.locator(".editor-gutter .wrong").isVisible(), "the mark stays when the text has been checked again");
   await type("WAIT(FALSE);\n");
   await run.click();
   await page.locator(".view.program .toolbar .pill", { hasText: "Running" }).waitFor();

@@ -34,6 +34,8 @@ export class Program {
   active = false;
   /** Whether the program is paused. */
   paused = false;
+  /** Whether the error of a run or a dry run is shown. */
+  failed = false;
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -100,6 +102,7 @@ export class Program {
   /** @param {string} source */
   #changed(source) {
     keep.set(KEY, source);
+    this.failed = false;
     this.#say(null);
     this.#showNeeded();
     this.canvas.setPreview(null);
@@ -113,7 +116,8 @@ export class Program {
     if (!this.app.connection.isOpen) return;
     try {
       const { errors } = await this.app.connection.request("check", { text: source });
-      if (source === this.editor.text) this.editor.setErrors(errors);
+      // The mark at the line of a program that failed stays until the text or the program changes.
+      if (source === this.editor.text && !this.failed) this.editor.setErrors(errors);
     } catch (error) {
       this.#say(error);
     }
