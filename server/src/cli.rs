@@ -36,12 +36,12 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
-    /// Print what editors know of configurations.
+    /// Print data for editors of configurations.
     Config {
         #[command(subcommand)]
         command: ConfigCommand,
     },
-    /// Run a Structured Text program on a virtual clock, as fast as the machine can.
+    /// Run a Structured Text program on a virtual clock, as fast as the computer can.
     Simulate(SimulateArgs),
     /// Print the embedded default configuration.
     DefaultConfig,

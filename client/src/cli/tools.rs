@@ -93,7 +93,7 @@ fn codes(err: i16, exerr: Option<i8>, mnemonic: Option<Mnemonic>, output: &Outpu
         told.headline = format!("ERR {err} {}", row.name);
         told.concerns = match row.extended {
             Extended::Unused => None,
-            _ => Some(format!("EXERR tells more: `arcline explain {err}/EXERR`.")),
+            _ => Some(format!("EXERR gives the detail: `arcline explain {err}/EXERR`.")),
         };
     }
     let mut text = format!("{}\ncause   {}", told.headline, told.cause);

@@ -85,7 +85,7 @@ pub static FAULTS: [Fault; FaultKind::COUNT] = [
     fault(FaultKind::PositionError, "position_error", FaultWord::Cip, 54, ExceptionAction::StopDrive, true,
         "The following error is above its tolerance for longer than the tolerance time."),
     fault(FaultKind::Drive, "drive", FaultWord::Cip, 62, ExceptionAction::StopDrive, true,
-        "The drive goes off by itself, or faults, without telling more (ControllerInitiatedFault)."),
+        "The drive switches off, or reports a fault without its cause (ControllerInitiatedFault)."),
     fault(FaultKind::Overcurrent, "overcurrent", FaultWord::Cip, 1, ExceptionAction::StopDrive, false,
         "The motor takes more current than its limit."),
     fault(FaultKind::Overspeed, "overspeed", FaultWord::Cip, 3, ExceptionAction::StopDrive, false,

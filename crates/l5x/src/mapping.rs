@@ -51,7 +51,7 @@ pub fn markdown() -> String {
             }
         }
         for (why, names) in form {
-            text.push_str(&format!("| {} | nothing to keep: {why} |\n", names.join(", ")));
+            text.push_str(&format!("| {} | no value of its own: {why} |\n", names.join(", ")));
         }
         if !without.is_empty() {
             text.push_str(&format!("| {} | reported: no counterpart |\n", without.join(", ")));
@@ -169,7 +169,7 @@ const CONTROLLER: &[Row] = &[
 
 #[rustfmt::skip]
 const CUSTOM_PROPERTIES: &[Row] = &[
-    Row { what: "Provider", meaning: Meaning::Form("of Arcline: what L5X has no place for") },
+    Row { what: "Provider", meaning: Meaning::Form("Arcline's own keys, which have no counterpart in L5X") },
 ];
 
 #[rustfmt::skip]

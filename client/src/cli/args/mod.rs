@@ -193,8 +193,10 @@ pub(crate) enum MachineCommand {
 #[derive(Subcommand, Debug)]
 pub(crate) enum LocalCommand {
     /// Explain an error: its cause, the meaning of EXERR, and the remedy
-    #[command(after_help = "Of a tag, its newest error. Codes and faults need no server.\n\
-        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1")]
+    #[command(
+        after_help = "With a tag, the command explains the newest error of its instruction. Codes and faults need no server.\n\
+        Example: arcline explain 13/4 MCLM\n         arcline explain overcurrent\n         arcline explain Move1"
+    )]
     Explain(Explain),
     /// Compute the safety margin to add to the Calculated Data of blended, master driven moves
     #[command(

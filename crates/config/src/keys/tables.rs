@@ -442,7 +442,7 @@ pub(crate) static EXCEPTION_ACTIONS: Keys = Keys {
             name: "drive",
             kind: ACTION,
             default: Default::Text("stop_drive"),
-            meaning: "the drive goes off by itself",
+            meaning: "the drive switches off by itself",
         },
         Key {
             name: "overcurrent",

@@ -140,7 +140,7 @@ instructions! {
     ];
 
     MATC = Matc on Axis, Process, EN_DN_ER_IP_PC, Axes::ANY,
-    "Moves the axis by a cam profile over time, or over the way of a master that MDAC links.": [
+    "Moves the axis by a cam profile over time, or over the distance of a master that MDAC links.": [
         axis = axis(), motion_control = control(),
         direction: GearDirection = word(),
         cam_profile: Option<TagAddress> = structure("CAM_PROFILE", CAM_PROFILE_NOTE),

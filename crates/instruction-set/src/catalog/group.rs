@@ -37,7 +37,7 @@ instructions! {
     ];
 
     MCSV = Mcsv on MotionGroup, Immediate, EN_DN_ER, Axes::ANY,
-    "Calculates where a cam profile leads a slave, without motion.": [
+    "Calculates the position and slope of a slave at a position of its master from a cam profile, without motion.": [
         motion_control = control(),
         cam_profile: Option<TagAddress> = structure("CAM_PROFILE", "a calculated profile"),
         master_value: f64 = number(Range::Any, "within the profile"),

@@ -1,4 +1,4 @@
-//! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9): over time, or over the way of a master that MDAC links.
+//! MATC, Motion Axis Time Cam (spec/axis-and-data-types.md §3.9): over time, or over the distance of a master that MDAC links.
 
 use arcline_instruction_set::enumerations::{ExecutionSchedule, InstructionMode, MdacMotionType};
 use arcline_instruction_set::operands::{LockOperands, Matc};
