@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::str::FromStr;
 
 use arcline_config::Project;
+use arcline_structured_text::QueueFull;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 
@@ -99,8 +100,8 @@ pub(crate) struct SimulateArgs {
     #[arg(long)]
     pub(crate) keep_going: bool,
     /// Reaction of a coordinated move to a full queue.
-    #[arg(long, value_enum, default_value_t = QueueFull::Wait)]
-    pub(crate) queue_full: QueueFull,
+    #[arg(long, value_enum, default_value_t = QueueFullWord::Wait)]
+    pub(crate) queue_full: QueueFullWord,
 }
 
 /// Flags of `import`.
@@ -128,13 +129,22 @@ pub(crate) struct ExportArgs {
     pub(crate) output: Option<PathBuf>,
 }
 
-/// What a coordinated move does that finds the queue full.
+/// What a coordinated move does that finds the queue full, as a word.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum QueueFull {
+pub(crate) enum QueueFullWord {
     /// The move waits for room.
     Wait,
     /// The move errs, as on a controller.
     Error,
+}
+
+impl From<QueueFullWord> for QueueFull {
+    fn from(word: QueueFullWord) -> Self {
+        match word {
+            QueueFullWord::Wait => Self::Wait,
+            QueueFullWord::Error => Self::Error,
+        }
+    }
 }
 
 /// A value, or `off`.

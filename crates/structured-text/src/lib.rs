@@ -2,8 +2,8 @@
 //!
 //! The language is the small sequential subset of IEC 61131-3 that spec/contract.md §1 describes, with the
 //! motion instructions of `arcline-instruction-set`. Here is no tag, no tick, no socket and no motion: the
-//! [`Interpreter`] says what it wants next ([`Request`]), and its driver, the simulator or a network client,
-//! answers ([`Answer`]). Times are in seconds.
+//! [`Interpreter`] makes requests ([`Request`]) and takes their answers ([`Answer`]). [`ProgramRun`] is the loop between it and a
+//! machine; the simulator, the page and the network client each are a [`Driver`]. Times are in seconds.
 //!
 //! ```
 //! use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -16,7 +16,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod calls;
 mod code;
+mod driver;
 mod error;
 mod hopeless;
 mod interpreter;
@@ -24,6 +26,10 @@ mod lexer;
 mod parser;
 mod program;
 
+pub use calls::{Called, Calls};
+pub use driver::{
+    Driver, OnError, Outcome, Pause, Policy, ProgramRun, Progress, QueueFull, Reading, RunError, Stopped, immediately,
+};
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use hopeless::Hopeless;
 pub use interpreter::{Answer, BoundCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};

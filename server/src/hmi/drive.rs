@@ -101,24 +101,28 @@ pub(super) async fn execute(
     let mut interpreter = workers
         .compute_if(text.len() > SHORT, move || interpreter_of(&of, &parsed))
         .await??;
+    let bound = first_call(plant, &mut interpreter)?.ok_or_else(|| Refusal::new("not an instruction"))?;
+    let accepted = call(plant, Principal::Viewer(viewer), &bound, Some(text)).await?;
+    Ok(Executed {
+        instruction: accepted.mnemonic.name(),
+        instance: accepted.instance,
+    })
+}
+
+/// The first call, with the operands as they are now; `None`: a statement in front of it does more than to read.
+pub(super) fn first_call(plant: &Plant, interpreter: &mut Interpreter) -> Result<Option<BoundCall>, Refusal> {
     let mut answer = Answer::Start;
     loop {
         let request = interpreter
             .resume(answer)
             .map_err(|error| Refusal::new(error.to_string()))?;
         answer = match request {
-            Request::Call(bound) => {
-                let accepted = call(plant, Principal::Viewer(viewer), &bound, Some(text)).await?;
-                return Ok(Executed {
-                    instruction: accepted.mnemonic.name(),
-                    instance: accepted.instance,
-                });
-            }
+            Request::Call(call) => return Ok(Some(call)),
             Request::Read(path) => Answer::Value(read_value(plant, &path)?),
             Request::ReadArray(path) => Answer::Array(read_numbers(plant, &path)?),
             Request::GetAttribute(of) => Answer::Value(Value::Lreal(attribute(plant, &of)?)),
             Request::SetAttribute(..) | Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => {
-                return Err(Refusal::new("not an instruction"));
+                return Ok(None);
             }
         };
     }

@@ -1,10 +1,10 @@
 //! From a filled form to the line of Structured Text that it stands for.
 
 use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionError, Object, Operand, bind};
-use arcline_structured_text::{Answer, BoundCall, Request};
+use arcline_structured_text::BoundCall;
 use serde_json::{Map, Value};
 
-use super::drive::{attribute, interpreter_of, read_numbers, read_value};
+use super::drive::{first_call, interpreter_of};
 use super::protocol::{CallLine, Refusal};
 use crate::plant::Plant;
 
@@ -44,20 +44,9 @@ pub(super) fn line(plant: &Plant, mnemonic: &str, values: &Map<String, Value>) -
 /// Whether a line can be executed, as far as names, types and ranges go.
 fn verify(plant: &Plant, text: &str) -> Result<(), Refusal> {
     let mut interpreter = interpreter_of(plant, text)?;
-    let mut answer = Answer::Start;
-    loop {
-        let request = interpreter
-            .resume(answer)
-            .map_err(|error| Refusal::new(error.to_string()))?;
-        answer = match request {
-            Request::Read(path) => Answer::Value(read_value(plant, &path)?),
-            Request::ReadArray(path) => Answer::Array(read_numbers(plant, &path)?),
-            Request::Call(call) => return verify_call(plant, &call),
-            Request::GetAttribute(of) => Answer::Value(arcline_tag::Value::Lreal(attribute(plant, &of)?)),
-            Request::SetAttribute(..) | Request::Write(..) | Request::NextTick | Request::Delay(_) | Request::End => {
-                return Ok(());
-            }
-        };
+    match first_call(plant, &mut interpreter)? {
+        Some(call) => verify_call(plant, &call),
+        None => Ok(()),
     }
 }
 

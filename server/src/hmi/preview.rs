@@ -10,13 +10,12 @@ use arcline_controller::machine::{Machine, Start};
 use arcline_controller::{AcceptedMove, Controller, Event, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
-use arcline_structured_text::{Interpreter, Program};
+use arcline_structured_text::{Interpreter, Policy, Program};
 use tokio::sync::Semaphore;
 
 use super::paths;
 use super::peaks::{Exceeded, Peaks, Shape};
 use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
-use crate::cli::QueueFull;
 use crate::plant::{Plant, View};
 use crate::simulate::{End, Observer, Options, Runner};
 
@@ -67,8 +66,7 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
     let (machine, image) = plant.view(|view| (present(plant.machine(), view), view.image.clone()));
     let options = Options {
         until: LONGEST,
-        keep_going: false,
-        queue_full: QueueFull::Wait,
+        policy: Policy::default(),
     };
     let mut seen = Seen::new(&machine, patience);
     let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);

@@ -1,15 +1,17 @@
 //! The one program that viewers may run: it goes on from statement to statement as a client's would, on a thread of its own,
 //! with the rights of the viewer who started it.
 
-use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use arcline_controller::image::TagKind;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
-use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Program, Request};
-use arcline_tag::TagPath;
+use arcline_structured_text::{
+    BoundCall, Called, Calls, Driver, Interpreter, ObjectAttribute, Outcome, Pause, Policy, Program, ProgramRun,
+    Progress, Reading, RunError, Stopped,
+};
+use arcline_tag::{TagPath, Value};
 use tokio::sync::watch;
 
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
@@ -23,10 +25,6 @@ use crate::plant::{Plant, Principal};
 const POLL: Duration = Duration::from_millis(5);
 /// Shortest pause of a program that waits.
 const LEAST_TICK: Duration = Duration::from_millis(1);
-/// Executions that are watched: as many as have instances.
-const WATCHED: usize = 4096;
-/// ERR of a full queue.
-const QUEUE_FULL: i16 = 43;
 
 /// The program, and where its viewers see it.
 #[derive(Debug)]
@@ -64,15 +62,28 @@ pub(super) struct Shown {
 }
 
 /// Why it does not go on.
-enum Stopped {
+enum Break {
     /// Somebody ended it.
     Ended,
     Failed(Refusal),
 }
 
-impl From<Refusal> for Stopped {
+impl From<Refusal> for Break {
     fn from(refusal: Refusal) -> Self {
         Self::Failed(refusal)
+    }
+}
+
+impl From<RunError<Break>> for Break {
+    fn from(error: RunError<Break>) -> Self {
+        match error {
+            RunError::Runtime(error) => Refusal::new(error.problem.to_string()).at(error.line).into(),
+            RunError::Hopeless(hopeless) => Refusal::new(hopeless.to_string()).at(hopeless.line).into(),
+            RunError::Driver { line, error } => match error {
+                Break::Failed(refusal) => refusal.at(line).into(),
+                Break::Ended => Break::Ended,
+            },
+        }
     }
 }
 
@@ -201,21 +212,23 @@ impl Programs {
         let runtime = tokio::runtime::Handle::current();
         // A thread of its own: a program that computes without end delays no other work.
         tokio::task::spawn_blocking(move || {
-            let mut run = Run {
+            let mut live = Live {
                 programs: &programs,
                 plant: &plant,
                 viewer,
                 mode,
                 granted: None,
-                executed: VecDeque::new(),
-                newest: BTreeMap::new(),
-                settled: Vec::new(),
+                line: 1,
             };
-            let end = runtime.block_on(run.whole(Interpreter::new(program)));
+            let mut run = ProgramRun::new(Interpreter::new(program), Policy::default());
+            let end = runtime.block_on(async {
+                run.run(&mut live).await?;
+                Ok(run.finish(&mut live).await?)
+            });
             *programs.running() = None;
             programs.shown.send_modify(|shown| match end {
-                Ok(()) | Err(Stopped::Ended) => shown.state = State::Ended,
-                Err(Stopped::Failed(error)) => {
+                Ok(()) | Err(Break::Ended) => shown.state = State::Ended,
+                Err(Break::Failed(error)) => {
                     shown.state = State::Failed;
                     shown.line = error.line.map(|line| line as usize).or(shown.line);
                     shown.error = Some(error);
@@ -238,136 +251,31 @@ impl Programs {
     }
 }
 
-/// A program on its way.
-struct Run<'s> {
+/// The machine on which a program runs.
+struct Live<'s> {
     programs: &'s Programs,
     plant: &'s Plant,
     viewer: ViewerId,
     mode: watch::Receiver<Mode>,
     /// The line that may run while it is paused.
     granted: Option<usize>,
-    executed: VecDeque<(usize, Accepted)>,
-    /// The newest execution of each motion control tag, by its name in small letters.
-    newest: BTreeMap<String, (usize, Accepted)>,
-    /// The tags of `newest` that a WAIT has read and that cannot change any more.
-    settled: Vec<String>,
+    /// Line of the statement that runs.
+    line: usize,
 }
 
-impl Run<'_> {
-    async fn whole(&mut self, mut interpreter: Interpreter) -> Result<(), Stopped> {
-        let mut answer = Answer::Start;
-        loop {
-            let request = interpreter.resume(answer).map_err(|error| {
-                let line = error.line;
-                Refusal::new(error.problem.to_string()).at(line)
-            })?;
-            let line = interpreter.line();
-            let at = |refusal: Refusal| Stopped::Failed(refusal.at(line));
-            if request != Request::End {
-                self.turn(line).await?;
-            }
-            answer = match request {
-                Request::Read(path) => self.read(&path).map_err(at)?,
-                Request::ReadArray(path) => Answer::Array(read_numbers(self.plant, &path).map_err(at)?),
-                Request::Write(path, value) => {
-                    let value = match value {
-                        arcline_tag::Value::Bool(on) => on.into(),
-                        number => number.as_f64().into(),
-                    };
-                    let path = path.to_string();
-                    tags::write(self.plant, self.principal(line), &path, &value)
-                        .await
-                        .map_err(at)?;
-                    Answer::Done
-                }
-                Request::GetAttribute(of) => {
-                    let value = attribute(self.plant, &of).map_err(at)?;
-                    Answer::Value(arcline_tag::Value::Lreal(value))
-                }
-                Request::SetAttribute(of, value) => {
-                    set_attribute(self.plant, self.principal(line), &of, value)
-                        .await
-                        .map_err(at)?;
-                    Answer::Done
-                }
-                Request::Call(call) => self.call(call).await.map_err(at)?,
-                Request::NextTick => {
-                    if interpreter.is_hopeless()
-                        && let Some(hopeless) = self.hopeless(line)
-                    {
-                        return Err(at(Refusal::new(hopeless.to_string())));
-                    }
-                    self.settled.clear();
-                    let tick = Duration::from_nanos(self.plant.machine().period_ns);
-                    self.pause(tick.max(LEAST_TICK)).await?;
-                    Answer::Done
-                }
-                Request::Delay(seconds) => {
-                    self.pause(Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX))
-                        .await?;
-                    Answer::Done
-                }
-                Request::End => return self.finish().await,
-            };
-        }
-    }
+impl Driver for Live<'_> {
+    type Error = Break;
+    type Execution = Accepted;
 
-    /// The value of a tag; of a motion control tag that the program has used, whether it can still change.
-    fn read(&mut self, path: &TagPath) -> Result<Answer, Refusal> {
-        let own = path.tag().map(str::to_ascii_lowercase);
-        let own = own.filter(|tag| self.newest.contains_key(tag));
-        if let Some(tag) = own {
-            let read = self.plant.with_image(|image| {
-                let TagKind::MotionControl(slot) = image.find(&tag)?.kind else {
-                    return None;
-                };
-                Some((image.control(slot).has_ended(), image.read(path).ok()?))
-            });
-            if let Some((true, value)) = read {
-                self.settled.push(tag);
-                return Ok(Answer::Settled(value));
-            }
-        }
-        read_value(self.plant, path).map(Answer::Value)
-    }
-
-    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since the tags were read.
-    fn hopeless(&self, line: usize) -> Option<Hopeless> {
-        let plant = self.plant;
-        let mut found = None;
-        for tag in &self.settled {
-            let (called, accepted) = self.newest.get(tag)?;
-            let control = plant.instruction_instance(accepted.instance)?;
-            if !control.has_ended() {
-                return None;
-            }
-            let name = plant.with_image(|image| image.find(tag).map(|tag| tag.name.clone()));
-            let ended = plant.instruction_ending(accepted.instance);
-            let call = Some((accepted.mnemonic, *called));
-            let ending = ended.as_ref().map(|ended| &ended.ending);
-            let hopeless = Hopeless::new(line, name.as_deref().unwrap_or(tag), call, &control, ending);
-            if !control.has(Flag::Pc) {
-                return Some(hopeless);
-            }
-            found.get_or_insert(hopeless);
-        }
-        found
-    }
-
-    /// The principal of what a statement does.
-    fn principal(&self, line: usize) -> Principal {
-        Principal::Program {
-            viewer: self.viewer,
-            line: u32::try_from(line).unwrap_or(u32::MAX),
-        }
-    }
+    const LOOKS: usize = usize::MAX;
 
     /// Waits until the statement of a line may run.
-    async fn turn(&mut self, line: usize) -> Result<(), Stopped> {
+    async fn turn(&mut self, line: usize) -> Result<(), Break> {
+        self.line = line;
         loop {
             let mode = *self.mode.borrow_and_update();
             match mode {
-                Mode::End => return Err(Stopped::Ended),
+                Mode::End => return Err(Break::Ended),
                 Mode::Run => {
                     self.granted = None;
                     break;
@@ -375,20 +283,11 @@ impl Run<'_> {
                 Mode::Pause if self.granted == Some(line) => break,
                 Mode::Pause => {
                     self.programs.show(State::Paused, Some(line));
-                    self.changed().await?;
+                    self.mode.changed().await.map_err(|_| Break::Ended)?;
                 }
                 Mode::Step => {
                     self.granted = Some(line);
-                    // Unless somebody has wanted something else since.
-                    if let Some(running) = &*self.programs.running() {
-                        running.mode.send_if_modified(|now| {
-                            let stepped = *now == Mode::Step;
-                            if stepped {
-                                *now = Mode::Pause;
-                            }
-                            stepped
-                        });
-                    }
+                    self.stepped();
                     break;
                 }
             }
@@ -397,85 +296,159 @@ impl Run<'_> {
         Ok(())
     }
 
-    async fn changed(&mut self) -> Result<(), Stopped> {
-        self.mode.changed().await.map_err(|_| Stopped::Ended)
-    }
-
-    async fn call(&mut self, call: BoundCall) -> Result<Answer, Refusal> {
-        if self.is_full(&call) {
-            return Ok(Answer::QueueFull);
-        }
-        match drive::call(self.plant, self.principal(call.line), &call, None).await {
-            Ok(accepted) => {
-                if self.executed.len() == WATCHED {
-                    self.executed.pop_front();
-                }
-                if let Some(tag) = &call.control {
-                    self.newest.insert(tag.to_ascii_lowercase(), (call.line, accepted));
-                }
-                self.executed.push_back((call.line, accepted));
-                Ok(Answer::Done)
+    /// The value of a tag; of a motion control tag that the program has used, whether it can still change.
+    async fn read(&mut self, path: &TagPath, calls: &Calls<Accepted>) -> Result<Reading, Break> {
+        if let Some(called) = path.tag().and_then(|tag| calls.newest(tag)) {
+            let read = self.plant.with_image(|image| {
+                let TagKind::MotionControl(slot) = image.find(&called.tag)?.kind else {
+                    return None;
+                };
+                Some((image.control(slot).has_ended(), image.read(path).ok()?))
+            });
+            if let Some((true, value)) = read {
+                return Ok(Reading::Settled(value));
             }
-            Err(refusal) if refusal.err == Some(QUEUE_FULL) => Ok(Answer::QueueFull),
-            Err(refusal) => Err(refusal),
         }
+        Ok(Reading::Value(read_value(self.plant, path)?))
     }
 
-    /// Looked at first, so that a call that waits leaves no error in its tag.
-    fn is_full(&self, call: &BoundCall) -> bool {
-        let machine = self.plant.machine();
-        let place = machine.system(&call.target).map(usize::from);
-        let Some(place) = place.filter(|_| call.mnemonic.instruction().takes_place(&call.given)) else {
-            return false;
+    async fn read_array(&mut self, path: &TagPath) -> Result<Vec<f64>, Break> {
+        Ok(read_numbers(self.plant, path)?)
+    }
+
+    async fn write(&mut self, path: &TagPath, value: Value) -> Result<(), Break> {
+        let value = match value {
+            Value::Bool(on) => on.into(),
+            number => number.as_f64().into(),
         };
-        self.plant.with_snapshot(|snapshot| {
-            let system = snapshot.systems.get(place);
+        tags::write(self.plant, self.principal(), &path.to_string(), &value).await?;
+        Ok(())
+    }
+
+    async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, Break> {
+        Ok(attribute(self.plant, of)?)
+    }
+
+    async fn set_attribute(&mut self, of: &ObjectAttribute, value: f64) -> Result<(), Break> {
+        Ok(set_attribute(self.plant, self.principal(), of, value).await?)
+    }
+
+    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Break> {
+        let Some(index) = self.plant.machine().system(&call.target).map(usize::from) else {
+            return Ok(true);
+        };
+        let is_full = self.plant.with_snapshot(|snapshot| {
+            let system = snapshot.systems.get(index);
             let full = coordinate_motion_status::MOVE_PENDING_QUEUE_FULL_STATUS;
             system.is_some_and(|system| system.motion_status & full != 0)
-        })
+        });
+        Ok(!is_full)
     }
 
-    /// Waits, unless it is ended; an instruction that errs meanwhile ends it.
-    async fn pause(&mut self, time: Duration) -> Result<(), Stopped> {
-        self.look()?;
+    async fn call(&mut self, call: &BoundCall) -> Result<Accepted, Break> {
+        Ok(drive::call(self.plant, self.principal(), call, None).await?)
+    }
+
+    /// Waits, unless it is ended.
+    async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Break> {
+        let time = match pause {
+            Pause::Tick | Pause::Condition | Pause::Room(_) => {
+                Duration::from_nanos(self.plant.machine().period_ns).max(LEAST_TICK)
+            }
+            Pause::Seconds(seconds) => Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX),
+            Pause::Motion => POLL,
+        };
         let over = tokio::time::sleep(time);
         tokio::pin!(over);
         loop {
             tokio::select! {
                 () = &mut over => return Ok(()),
                 changed = self.mode.changed() => {
-                    changed.map_err(|_| Stopped::Ended)?;
+                    changed.map_err(|_| Break::Ended)?;
                     if *self.mode.borrow_and_update() == Mode::End {
-                        return Err(Stopped::Ended);
+                        return Err(Break::Ended);
                     }
                 }
             }
         }
     }
 
-    /// Waits until all motion that the program began and that has an end has come to it.
-    async fn finish(&mut self) -> Result<(), Stopped> {
-        loop {
-            self.look()?;
-            if self.executed.is_empty() {
-                return Ok(());
+    async fn progress(&mut self, called: &Called<Accepted>) -> Result<Progress<Break>, Break> {
+        let control = called
+            .execution
+            .and_then(|accepted| self.plant.instruction_instance(accepted.instance));
+        let Some(control) = control else {
+            return Ok(Progress::Ended);
+        };
+        let mnemonic = called.mnemonic;
+        Ok(if control.has(Flag::Er) {
+            Progress::Erred(Refusal::motion(control.err, control.exerr, mnemonic).into())
+        } else if !mnemonic.instruction().bits.contains(&Flag::Pc) || control.has(Flag::Pc) {
+            Progress::Ended
+        } else if control.has(Flag::Ip) {
+            Progress::Running
+        } else {
+            Progress::Incomplete
+        })
+    }
+
+    async fn stopped(&mut self, called: &Called<Accepted>) -> Result<Option<Stopped<Break>>, Break> {
+        let ended = called
+            .execution
+            .and_then(|accepted| self.plant.instruction_ending(accepted.instance));
+        Ok(ended.map(|ended| {
+            let text = format!("{} {} was {}", called.mnemonic, called.target, ended.ending);
+            Stopped {
+                ending: ended.ending,
+                error: Refusal::new(text).into(),
             }
-            self.pause(POLL).await?;
+        }))
+    }
+
+    async fn outcome(&mut self, tag: &str, called: Option<&Called<Accepted>>) -> Result<Outcome, Break> {
+        let accepted = called.and_then(|called| called.execution);
+        let control = match accepted {
+            Some(accepted) => self.plant.instruction_instance(accepted.instance),
+            None => self.plant.with_image(|image| match image.find(tag)?.kind {
+                TagKind::MotionControl(slot) => Some(image.control(slot)),
+                _ => None,
+            }),
+        };
+        let ended = accepted.and_then(|accepted| self.plant.instruction_ending(accepted.instance));
+        Ok(Outcome {
+            call: called.map(|called| (called.mnemonic, called.line)),
+            control: control.unwrap_or_default(),
+            ending: ended.map(|ended| ended.ending),
+        })
+    }
+
+    fn err(error: &Break) -> Option<i16> {
+        match error {
+            Break::Failed(refusal) => refusal.err,
+            Break::Ended => None,
+        }
+    }
+}
+
+impl Live<'_> {
+    /// The principal of what a statement does.
+    fn principal(&self) -> Principal {
+        Principal::Program {
+            viewer: self.viewer,
+            line: u32::try_from(self.line).unwrap_or(u32::MAX),
         }
     }
 
-    /// Forgets executions that are over.
-    fn look(&mut self) -> Result<(), Refusal> {
-        let mut failed = None;
-        self.executed.retain(|(line, accepted)| {
-            let Some(control) = self.plant.instruction_instance(accepted.instance) else {
-                return false;
-            };
-            if control.has(Flag::Er) {
-                failed.get_or_insert(Refusal::motion(control.err, control.exerr, accepted.mnemonic).at(*line));
-            }
-            control.has(Flag::Ip) && accepted.mnemonic.instruction().bits.contains(&Flag::Pc)
-        });
-        failed.map_or(Ok(()), Err)
+    /// One statement runs, then the program is paused again, unless a viewer has changed the mode since.
+    fn stepped(&self) {
+        if let Some(running) = &*self.programs.running() {
+            running.mode.send_if_modified(|now| {
+                let stepped = *now == Mode::Step;
+                if stepped {
+                    *now = Mode::Pause;
+                }
+                stepped
+            });
+        }
     }
 }

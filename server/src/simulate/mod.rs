@@ -11,13 +11,12 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use arcline_config::Project;
-use arcline_structured_text::{Interpreter, Program};
+use arcline_structured_text::{Interpreter, OnError, Policy, Program, RunError};
 
 use crate::cli::{Failure, SimulateArgs, project};
 use crate::names::ImageNames;
 use crate::plant::image_of;
 use output::{Files, Output, is_standard_output};
-use runner::Wrong;
 pub(crate) use runner::{End, Observer, Options, Runner};
 use summary::Summary;
 
@@ -42,8 +41,14 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let image = image_of(&project);
     let options = Options {
         until: args.until,
-        keep_going: args.keep_going,
-        queue_full: args.queue_full,
+        policy: Policy {
+            queue_full: args.queue_full.into(),
+            on_error: if args.keep_going {
+                OnError::KeepGoing
+            } else {
+                OnError::Stop
+            },
+        },
     };
     let mut runner = Runner::new(&project.machine, image, Interpreter::new(program), options);
     let mut files = Files {
@@ -73,7 +78,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     match end {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
-        End::Wrong(error @ Wrong::Hopeless(_)) => Err(Failure::new(1, format!("{file}: {error}"))),
+        End::Wrong(error @ RunError::Hopeless(_)) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(error) => Err(Failure::new(2, format!("{file}: {error}"))),
         End::TooLong(seconds) => Err(Failure::new(
             3,

@@ -1,4 +1,5 @@
-//! The loop of a simulation: begin the tick, let the program run in it, end it, write down what happened.
+//! A simulation: the program runs within a tick, and while it waits the ticks pass: each is ended, its events are written
+//! down, and the next one begins.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,10 +10,12 @@ use arcline_controller::{Cause, ContourRequest, Controller, Event, FaultChange, 
 use arcline_instruction_set::{
     AxisId, BindError, Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, SystemId, bind, describe,
 };
-use arcline_structured_text::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError, unmade_control};
+use arcline_structured_text::{
+    BoundCall, Called, Calls, Driver, Interpreter, ObjectAttribute, OnError, Outcome, Pause, Policy, ProgramRun,
+    Progress, Reading, RunError, Stopped, immediately, unmade_control,
+};
 use arcline_tag::{TagPath, Value};
 
-use crate::cli::QueueFull;
 use crate::plant::ending;
 
 /// How to run.
@@ -20,8 +23,7 @@ use crate::plant::ending;
 pub(crate) struct Options {
     /// Longest simulated time, s.
     pub(crate) until: f64,
-    pub(crate) keep_going: bool,
-    pub(crate) queue_full: QueueFull,
+    pub(crate) policy: Policy,
 }
 
 /// How a run ended.
@@ -32,7 +34,7 @@ pub(crate) enum End {
     /// An instruction erred, and the motion that had begun ended.
     Erred(Erred),
     /// The program could not go on.
-    Wrong(Wrong),
+    Wrong(RunError<Refused>),
     /// So many seconds passed.
     TooLong(f64),
     /// Its observer has seen enough.
@@ -63,32 +65,25 @@ impl fmt::Display for Erred {
     }
 }
 
-/// A statement that cannot be executed.
+/// Why a statement did not run.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Wrong {
+pub(crate) enum Refused {
     #[error(transparent)]
-    Runtime(#[from] RuntimeError),
+    Bind(#[from] BindError),
     #[error(transparent)]
-    Hopeless(#[from] Hopeless),
-    #[error("line {line}: {error}")]
-    Bind { line: usize, error: BindError },
-    #[error("line {line}: {error}")]
-    Control {
-        line: usize,
-        error: arcline_controller::image::ControlError,
-    },
-    #[error("line {line}: there is no axis or coordinate system {name}")]
-    NoObject { line: usize, name: String },
-    #[error("line {line}: {error}")]
-    Read {
-        line: usize,
-        error: arcline_controller::image::ReadError,
-    },
-    #[error("line {line}: {error}")]
-    Write {
-        line: usize,
-        error: arcline_controller::image::WriteError,
-    },
+    Control(#[from] arcline_controller::image::ControlError),
+    #[error("there is no axis or coordinate system {name}")]
+    NoObject { name: String },
+    #[error(transparent)]
+    Read(#[from] arcline_controller::image::ReadError),
+    #[error(transparent)]
+    Write(#[from] arcline_controller::image::WriteError),
+    /// An instruction erred: this one, or an earlier one in a tick that has passed.
+    #[error("an instruction erred")]
+    Erred { err: i16 },
+    /// The simulation ends while the program waits.
+    #[error("the simulation ended")]
+    Ended(Box<End>),
 }
 
 /// Sees a simulation, tick by tick.
@@ -118,29 +113,22 @@ impl Erred {
     }
 }
 
-/// What the program does at the next tick.
-#[derive(Debug)]
-enum Program {
-    /// Goes on.
-    Ready(Answer),
-    /// A WAIT that reads motion control tags only: goes on when one of them shows something else.
-    Watching,
-    /// Goes on at that tick.
-    Until(u64),
-    /// A move waits for room in the queue.
-    Queued(Box<Call>, usize),
-    Ended,
-}
-
 /// A controller and a program on a virtual clock.
 #[derive(Debug)]
 pub(crate) struct Runner<'m> {
+    simulation: Simulation<'m>,
+    program: ProgramRun<Ticket>,
+}
+
+/// The controller, its tags, and what the program has done to them.
+#[derive(Debug)]
+struct Simulation<'m> {
     machine: &'m Machine,
     controller: Controller,
     image: Image,
-    interpreter: Interpreter,
     options: Options,
-    program: Program,
+    /// Line of the statement that runs.
+    line: usize,
     /// Lines of the calls, by ticket.
     lines: Vec<usize>,
     /// Their instructions and motion control tags, by ticket.
@@ -153,10 +141,6 @@ pub(crate) struct Runner<'m> {
     watched: Vec<(ControlSlot, MotionControl)>,
     /// Whether it has read anything else that changes by itself.
     reads_motion: bool,
-    /// The motion control tags that cannot change any more, of those that the WAIT has read, and their slots.
-    settled: Vec<(String, Option<ControlSlot>)>,
-    /// Whether the WAIT was without hope a tick ago.
-    was_hopeless: bool,
     /// The newest execution of a motion control tag.
     newest: BTreeMap<ControlSlot, (Ticket, Mnemonic)>,
     /// What ended executions that did not come to their end.
@@ -165,18 +149,16 @@ pub(crate) struct Runner<'m> {
     /// What was accepted in this tick.
     accepted: Vec<(Ticket, Call)>,
     erred: Option<Erred>,
-    wrong: Option<Wrong>,
 }
 
 impl<'m> Runner<'m> {
     pub(crate) fn new(machine: &'m Machine, image: Image, interpreter: Interpreter, options: Options) -> Self {
-        Runner {
+        let simulation = Simulation {
             machine,
             controller: Controller::new(machine),
             image,
-            interpreter,
             options,
-            program: Program::Ready(Answer::Start),
+            line: 1,
             lines: Vec::new(),
             calls: Vec::new(),
             snapshot: Snapshot::new(machine),
@@ -184,19 +166,85 @@ impl<'m> Runner<'m> {
             shown: None,
             watched: Vec::new(),
             reads_motion: false,
-            settled: Vec::new(),
-            was_hopeless: false,
             newest: BTreeMap::new(),
             causes: BTreeMap::new(),
             events: Vec::new(),
             accepted: Vec::new(),
             erred: None,
-            wrong: None,
+        };
+        Runner {
+            simulation,
+            program: ProgramRun::new(interpreter, options.policy),
         }
     }
 
     /// Takes the overrides and injected faults that the image has; a hold would have no end, and is none.
     pub(crate) fn take_overrides(&mut self) {
+        self.simulation.take_overrides();
+    }
+
+    /// Executions that a fault ended before their end: line, instruction, tag, and the fault.
+    pub(super) fn stopped(&self) -> Vec<String> {
+        self.simulation.stopped()
+    }
+
+    /// Instructions that were executed.
+    pub(super) fn executed(&self) -> usize {
+        self.simulation.lines.len()
+    }
+
+    /// Runs until everything has ended.
+    pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
+        let simulation = &mut self.simulation;
+        observer.begin(simulation.machine);
+        simulation.controller.begin_tick();
+        let mut ticks = Ticks {
+            simulation: &mut *simulation,
+            observer,
+            is_open: true,
+        };
+        let wrong = match immediately(self.program.run(&mut ticks)) {
+            Ok(()) => None,
+            Err(RunError::Driver {
+                error: Refused::Ended(end),
+                ..
+            }) => return *end,
+            Err(RunError::Driver {
+                error: Refused::Erred { .. },
+                ..
+            }) => None,
+            Err(wrong) => Some(wrong),
+        };
+        if let Err(end) = ticks.come_to_rest() {
+            return end;
+        }
+        match (wrong, simulation.erred.take()) {
+            (Some(wrong), _) => End::Wrong(wrong),
+            (None, Some(erred)) if !simulation.keeps_going() => End::Erred(erred),
+            (None, _) => End::Finished,
+        }
+    }
+}
+
+impl Simulation<'_> {
+    fn keeps_going(&self) -> bool {
+        self.options.policy.on_error == OnError::KeepGoing
+    }
+
+    /// The error that ends the program.
+    fn check(&self) -> Result<(), Refused> {
+        match &self.erred {
+            Some(erred) if !self.keeps_going() => Err(Refused::Erred { err: erred.err }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Simulated time at the end of the present tick, s.
+    fn time(&self) -> f64 {
+        (self.controller.tick_number() as f64 * self.machine.period_ns as f64) / 1e9
+    }
+
+    fn take_overrides(&mut self) {
         for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
             let share = if percent > 0.0 { f64::from(percent) / 100.0 } else { 1.0 };
             self.controller.set_override(system, share);
@@ -209,8 +257,7 @@ impl<'m> Runner<'m> {
         }
     }
 
-    /// Executions that a fault ended before their end: line, instruction, tag, and the fault.
-    pub(super) fn stopped(&self) -> Vec<String> {
+    fn stopped(&self) -> Vec<String> {
         let by_fault = self
             .causes
             .iter()
@@ -228,175 +275,15 @@ impl<'m> Runner<'m> {
         told.collect()
     }
 
-    /// Instructions that were executed.
-    pub(super) fn executed(&self) -> usize {
-        self.lines.len()
-    }
-
-    /// Runs until everything has ended.
-    pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
-        observer.begin(self.machine);
-        let period = self.machine.period_ns;
-        let time = |tick: u64| (tick as f64 * period as f64) / 1e9;
-        loop {
-            self.controller.begin_tick();
-            let tick = self.controller.tick_number();
-            if self.is_due(tick) {
-                self.advance(tick);
-                self.accepted
-                    .drain(..)
-                    .for_each(|(ticket, call)| observer.accepted(ticket, &call));
-            }
-            self.controller.plan_contours(&mut self.contour);
-            let machine = self.machine;
-            self.controller
-                .take_fault_changes(|change| observer.fault(change, time(tick), machine));
-            self.controller.end_tick(|event| self.events.push(*event));
-            let image = &mut self.image;
-            self.controller
-                .take_array_writes(|write| image.apply_array_write(write));
-            if !self.events.is_empty() {
-                self.take_events(observer, time(tick));
-            }
-            if !observer.tick(tick, self.machine, &mut self.controller) {
-                return End::Left;
-            }
-            if matches!(self.program, Program::Ended) && self.controller.at_rest() {
-                return match (self.wrong.take(), self.erred.take()) {
-                    (Some(wrong), _) => End::Wrong(wrong),
-                    (None, Some(erred)) if !self.options.keep_going => End::Erred(erred),
-                    (None, _) => End::Finished,
-                };
-            }
-            if time(tick) >= self.options.until {
-                return End::TooLong(self.options.until);
-            }
-        }
-    }
-
-    /// Whether the program has something to do in this tick.
-    fn is_due(&self, tick: u64) -> bool {
-        match &self.program {
-            Program::Ready(_) => true,
-            Program::Watching => self
-                .watched
-                .iter()
-                .any(|(slot, shown)| self.controller.control(*slot) != *shown),
-            Program::Until(due) => tick >= *due,
-            Program::Queued(call, _) => self.controller.has_room(call),
-            Program::Ended => false,
-        }
-    }
-
-    /// Runs the program up to its next pause.
-    fn advance(&mut self, tick: u64) {
-        self.watched.clear();
-        self.settled.clear();
-        self.reads_motion = false;
-        let mut answer = match std::mem::replace(&mut self.program, Program::Ended) {
-            Program::Ready(answer) => answer,
-            Program::Watching | Program::Until(_) => Answer::Done,
-            Program::Queued(call, line) => {
-                self.execute(&call, line);
-                Answer::Done
-            }
-            Program::Ended => return,
-        };
-        loop {
-            // An error ends the program at its own statement, not at the end of the tick.
-            if self.erred.is_some() && !self.options.keep_going {
-                return;
-            }
-            match self.request(answer, tick) {
-                Ok(Next::Answer(next)) => answer = next,
-                Ok(Next::Pause(program)) => {
-                    self.program = program;
-                    return;
-                }
-                Err(wrong) => {
-                    self.wrong = Some(wrong);
-                    return;
-                }
-            }
-        }
-    }
-
-    fn request(&mut self, answer: Answer, tick: u64) -> Result<Next, Wrong> {
-        let request = self.interpreter.resume(answer)?;
-        let line = self.interpreter.line();
-        Ok(match request {
-            Request::Read(path) => Next::Answer(self.read(&path, tick, line)?),
-            Request::ReadArray(path) => {
-                self.show(tick);
-                let numbers = self
-                    .image
-                    .read_numbers(&path)
-                    .map_err(|error| Wrong::Read { line, error })?;
-                Next::Answer(Answer::Array(numbers))
-            }
-            Request::Write(path, value) => {
-                let edge = self
-                    .image
-                    .write_value(&path, value)
-                    .map_err(|error| Wrong::Write { line, error })?;
-                self.edge(edge, line)?;
-                Next::Answer(Answer::Done)
-            }
-            Request::GetAttribute(of) => {
-                let index = self.image.object(of.attribute.object, &of.name).unwrap_or(u16::MAX);
-                let value = self.image.attribute(self.machine, of.attribute, index);
-                let value = value.ok_or(Wrong::NoObject { line, name: of.name })?;
-                Next::Answer(Answer::Value(Value::Lreal(value)))
-            }
-            Request::SetAttribute(of, value) => {
-                let index = self.image.object(of.attribute.object, &of.name).unwrap_or(u16::MAX);
-                let edge = self
-                    .image
-                    .set_attribute(of.attribute, index, value)
-                    .map_err(|error| Wrong::Write { line, error })?;
-                self.edge(Some(edge), line)?;
-                Next::Answer(Answer::Done)
-            }
-            Request::Call(bound) => {
-                self.was_hopeless = false;
-                let call = self.bind(&bound)?;
-                if self.options.queue_full == QueueFull::Wait && !self.controller.has_room(&call) {
-                    return Ok(Next::Pause(Program::Queued(Box::new(call), line)));
-                }
-                self.execute(&call, line);
-                if let Some(erred) = self.erred.as_mut().filter(|erred| erred.line == line) {
-                    let instruction = bound.mnemonic.instruction();
-                    erred.left_out = instruction.left_out(erred.err, erred.exerr, &bound.given);
-                }
-                Next::Answer(Answer::Done)
-            }
-            Request::NextTick if self.interpreter.is_hopeless() => {
-                if std::mem::replace(&mut self.was_hopeless, true) {
-                    return Err(self.hopeless(line).into());
-                }
-                // What ended the instruction in this very tick is known at its end.
-                Next::Pause(Program::Ready(Answer::Done))
-            }
-            Request::NextTick if self.interpreter.is_waiting() && !self.reads_motion => Next::Pause(Program::Watching),
-            Request::NextTick => Next::Pause(Program::Ready(Answer::Done)),
-            Request::Delay(seconds) => {
-                let nanoseconds = (seconds * 1e9).round() as u64;
-                let ticks = nanoseconds.div_ceil(self.machine.period_ns).max(1);
-                Next::Pause(Program::Until(tick.saturating_add(ticks)))
-            }
-            Request::End => Next::Pause(Program::Ended),
-        })
-    }
-
     /// Reads a tag: a motion control as the controller has it in this moment, everything else from the image.
     ///
     /// Nothing but the program executes instructions here: one that has ended, or never began, stays so during a WAIT.
-    fn read(&mut self, path: &TagPath, tick: u64, line: usize) -> Result<Answer, Wrong> {
+    fn read(&mut self, path: &TagPath) -> Result<Reading, Refused> {
         let mut settled = false;
         let tag = path.tag().and_then(|name| self.image.find(name));
         match tag.map(|tag| tag.kind) {
-            Some(TagKind::MotionControl(slot)) => settled = self.watch(path, slot),
-            Some(TagKind::Instruction(kind)) => settled = self.watch(path, kind.control),
+            Some(TagKind::MotionControl(slot)) => settled = self.watch(slot),
+            Some(TagKind::Instruction(kind)) => settled = self.watch(kind.control),
             Some(TagKind::Plain) => {
                 self.image.show_uses();
                 // Output cams write it.
@@ -405,52 +292,59 @@ impl<'m> Runner<'m> {
             Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => {}
             Some(_) => {
                 self.reads_motion = true;
-                self.show(tick);
+                self.show();
             }
             // A motion control that is made later in the program.
             None => {
                 if let Some(value) = unmade_control(path) {
-                    self.settled.push((path.tag().unwrap_or_default().to_owned(), None));
-                    return Ok(Answer::Settled(value));
+                    return Ok(Reading::Settled(value));
                 }
             }
         }
-        let value = self.image.read(path).map_err(|error| Wrong::Read { line, error })?;
+        let value = self.image.read(path)?;
         Ok(if settled {
-            Answer::Settled(value)
+            Reading::Settled(value)
         } else {
-            Answer::Value(value)
+            Reading::Value(value)
         })
     }
 
     /// Brings a motion control in the image up to the moment, and remembers it for the WAIT. Whether it cannot change any
     /// more.
-    fn watch(&mut self, path: &TagPath, slot: ControlSlot) -> bool {
+    fn watch(&mut self, slot: ControlSlot) -> bool {
         let control = self.controller.control(slot);
         self.image.set_control(slot, control);
         self.watched.push((slot, control));
-        let settled = control.has_ended() || control == MotionControl::default();
-        if settled {
-            self.settled
-                .push((path.tag().unwrap_or_default().to_owned(), Some(slot)));
-        }
-        settled
+        control.has_ended() || control == MotionControl::default()
     }
 
-    /// Why the WAIT cannot go on: one that ended before its end if there is one among those that it reads.
-    fn hopeless(&self, line: usize) -> Hopeless {
-        let shown =
-            |slot: &Option<ControlSlot>| slot.map_or_else(MotionControl::default, |slot| self.controller.control(slot));
-        let failed = |(_, slot): &&(String, Option<ControlSlot>)| !shown(slot).has(Flag::Pc);
-        let found = self.settled.iter().find(failed).or(self.settled.first());
-        let Some((tag, slot)) = found else {
-            return Hopeless::new(line, "", None, &MotionControl::default(), None);
+    /// The state of a motion control tag.
+    fn outcome(&self, tag: &str) -> Outcome {
+        let slot = match self.image.find(tag).map(|tag| tag.kind) {
+            Some(TagKind::MotionControl(slot)) => Some(slot),
+            Some(TagKind::Instruction(kind)) => Some(kind.control),
+            _ => None,
         };
         let newest = slot.and_then(|slot| self.newest.get(&slot)).copied();
-        let call = newest.map(|(ticket, mnemonic)| (mnemonic, self.line_of(ticket)));
         let cause = newest.and_then(|(ticket, _)| self.causes.get(&ticket)).copied();
-        let ending = cause.and_then(|cause| ending(self.machine, &self.image, cause));
-        Hopeless::new(line, tag, call, &shown(slot), ending.as_ref())
+        Outcome {
+            call: newest.map(|(ticket, mnemonic)| (mnemonic, self.line_of(ticket))),
+            control: slot.map_or_else(MotionControl::default, |slot| self.controller.control(slot)),
+            ending: cause.and_then(|cause| ending(self.machine, &self.image, cause)),
+        }
+    }
+
+    /// Whether the program may have something to do in this tick.
+    fn is_due(&self, wake: &Wake) -> bool {
+        match wake {
+            Wake::Next => true,
+            Wake::Change => self
+                .watched
+                .iter()
+                .any(|(slot, shown)| self.controller.control(*slot) != *shown),
+            Wake::Room(call) => self.controller.has_room(call),
+            Wake::At(tick) => self.controller.tick_number() >= *tick,
+        }
     }
 
     fn line_of(&self, ticket: Ticket) -> usize {
@@ -462,7 +356,8 @@ impl<'m> Runner<'m> {
     }
 
     /// Brings axes and coordinate systems in the image up to this tick.
-    fn show(&mut self, tick: u64) {
+    fn show(&mut self) {
+        let tick = self.controller.tick_number();
         if self.shown != Some(tick) {
             self.controller.snapshot(&mut self.snapshot);
             self.image.apply_snapshot(&self.snapshot);
@@ -470,21 +365,17 @@ impl<'m> Runner<'m> {
         }
     }
 
-    fn bind(&mut self, call: &BoundCall) -> Result<Call, Wrong> {
-        let line = call.line;
+    fn bind(&mut self, call: &BoundCall) -> Result<Call, Refused> {
         let target = self.image.object(call.mnemonic.instruction().object, &call.target);
         let control = match &call.control {
-            Some(name) => self
-                .image
-                .control_slot(name)
-                .map_err(|error| Wrong::Control { line, error })?,
+            Some(name) => self.image.control_slot(name)?,
             None => UNNAMED,
         };
-        bind(call.mnemonic, target, control, &call.given, &self.image).map_err(|error| Wrong::Bind { line, error })
+        Ok(bind(call.mnemonic, target, control, &call.given, &self.image)?)
     }
 
-    fn execute(&mut self, call: &Call, line: usize) {
-        self.lines.push(line);
+    fn execute(&mut self, call: &Call) -> (Ticket, MotionControl) {
+        self.lines.push(self.line);
         self.calls.push((call.mnemonic, call.control));
         let ticket = Ticket(self.lines.len() as u64);
         self.newest.insert(call.control, (ticket, call.mnemonic));
@@ -499,9 +390,10 @@ impl<'m> Runner<'m> {
         } else {
             self.accepted.push((ticket, *call));
         }
+        (ticket, control)
     }
 
-    fn edge(&mut self, edge: Option<Edge>, line: usize) -> Result<(), Wrong> {
+    fn edge(&mut self, edge: Option<Edge>) -> Result<(), Refused> {
         match edge {
             None => {}
             Some(Edge::FeedOverride) => {
@@ -534,13 +426,8 @@ impl<'m> Runner<'m> {
                 self.shown = None;
             }
             Some(Edge::Rising(id)) => {
-                let call = self
-                    .image
-                    .call_of(id)
-                    .transpose()
-                    .map_err(|error| Wrong::Bind { line, error })?;
-                if let Some(call) = call {
-                    self.execute(&call, line);
+                if let Some(call) = self.image.call_of(id).transpose()? {
+                    self.execute(&call);
                 }
             }
             Some(Edge::Falling(id)) => {
@@ -549,7 +436,7 @@ impl<'m> Runner<'m> {
                 }
             }
         }
-        Ok(())
+        self.check()
     }
 
     fn take_events(&mut self, observer: &mut impl Observer, time: f64) {
@@ -565,7 +452,7 @@ impl<'m> Runner<'m> {
         }
     }
 
-    /// Remembers the first error, and ends the program unless it is to go on.
+    /// Remembers the first error.
     fn err(&mut self, control: ControlSlot, mnemonic: Mnemonic, ticket: Ticket, err: i16, exerr: i8) {
         if self.erred.is_none() {
             self.erred = Some(Erred {
@@ -577,14 +464,202 @@ impl<'m> Runner<'m> {
                 left_out: None,
             });
         }
-        if !self.options.keep_going {
-            self.program = Program::Ended;
+    }
+}
+
+/// When the program continues.
+enum Wake {
+    /// In the next tick.
+    Next,
+    /// When a motion control tag that it has read shows something else.
+    Change,
+    /// When there is room for the move.
+    Room(Box<Call>),
+    /// In that tick.
+    At(u64),
+}
+
+/// The ticks of a simulation, which pass while the program waits.
+struct Ticks<'s, 'm, O> {
+    simulation: &'s mut Simulation<'m>,
+    observer: &'s mut O,
+    /// Whether instructions can be executed: the present tick has begun and not ended.
+    is_open: bool,
+}
+
+impl<O: Observer> Ticks<'_, '_, O> {
+    fn begin(&mut self) {
+        self.simulation.controller.begin_tick();
+        self.is_open = true;
+    }
+
+    /// Ends the present tick.
+    fn end(&mut self) -> Result<(), End> {
+        let Ticks {
+            simulation, observer, ..
+        } = self;
+        let tick = simulation.controller.tick_number();
+        let (time, machine) = (simulation.time(), simulation.machine);
+        for (ticket, call) in simulation.accepted.drain(..) {
+            observer.accepted(ticket, &call);
+        }
+        let controller = &mut simulation.controller;
+        controller.plan_contours(&mut simulation.contour);
+        controller.take_fault_changes(|change| observer.fault(change, time, machine));
+        controller.end_tick(|event| simulation.events.push(*event));
+        let image = &mut simulation.image;
+        controller.take_array_writes(|write| image.apply_array_write(write));
+        if !simulation.events.is_empty() {
+            simulation.take_events(*observer, time);
+        }
+        self.is_open = false;
+        if observer.tick(tick, machine, &mut simulation.controller) {
+            Ok(())
+        } else {
+            Err(End::Left)
+        }
+    }
+
+    /// The end of the simulated time.
+    fn check_time(&self) -> Result<(), End> {
+        let Options { until, .. } = self.simulation.options;
+        if self.simulation.time() >= until {
+            return Err(End::TooLong(until));
+        }
+        Ok(())
+    }
+
+    /// Lets ticks pass until the program may continue.
+    fn pass(&mut self, wake: &Wake) -> Result<(), Refused> {
+        loop {
+            self.end()?;
+            self.simulation.check()?;
+            self.check_time()?;
+            self.begin();
+            if self.simulation.is_due(wake) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Lets ticks pass until all motion has ended.
+    fn come_to_rest(&mut self) -> Result<(), End> {
+        loop {
+            if self.is_open {
+                self.end()?;
+            }
+            if self.simulation.controller.at_rest() {
+                return Ok(());
+            }
+            self.check_time()?;
+            self.begin();
         }
     }
 }
 
-/// What follows a request.
-enum Next {
-    Answer(Answer),
-    Pause(Program),
+impl From<End> for Refused {
+    fn from(end: End) -> Self {
+        Refused::Ended(Box::new(end))
+    }
+}
+
+impl<O: Observer> Driver for Ticks<'_, '_, O> {
+    type Error = Refused;
+    type Execution = Ticket;
+
+    // Events report errors.
+    const LOOKS: usize = 0;
+
+    async fn turn(&mut self, line: usize) -> Result<(), Refused> {
+        self.simulation.line = line;
+        Ok(())
+    }
+
+    async fn read(&mut self, path: &TagPath, _calls: &Calls<Ticket>) -> Result<Reading, Refused> {
+        self.simulation.read(path)
+    }
+
+    async fn read_array(&mut self, path: &TagPath) -> Result<Vec<f64>, Refused> {
+        self.simulation.show();
+        Ok(self.simulation.image.read_numbers(path)?)
+    }
+
+    async fn write(&mut self, path: &TagPath, value: Value) -> Result<(), Refused> {
+        let edge = self.simulation.image.write_value(path, value)?;
+        self.simulation.edge(edge)
+    }
+
+    async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, Refused> {
+        let Simulation { image, machine, .. } = &*self.simulation;
+        let index = image.object(of.attribute.object, &of.name);
+        let value = index.and_then(|index| image.attribute(machine, of.attribute, index));
+        value.ok_or_else(|| no_object(of))
+    }
+
+    async fn set_attribute(&mut self, of: &ObjectAttribute, value: f64) -> Result<(), Refused> {
+        let image = &mut self.simulation.image;
+        let index = image.object(of.attribute.object, &of.name);
+        let index = index.ok_or_else(|| no_object(of))?;
+        let edge = image.set_attribute(of.attribute, index, value)?;
+        self.simulation.edge(Some(edge))
+    }
+
+    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Refused> {
+        let call = self.simulation.bind(call)?;
+        Ok(self.simulation.controller.has_room(&call))
+    }
+
+    async fn call(&mut self, bound: &BoundCall) -> Result<Ticket, Refused> {
+        let simulation = &mut *self.simulation;
+        let call = simulation.bind(bound)?;
+        let (ticket, control) = simulation.execute(&call);
+        if let Some(erred) = simulation.erred.as_mut().filter(|erred| erred.line == bound.line) {
+            let instruction = bound.mnemonic.instruction();
+            erred.left_out = instruction.left_out(erred.err, erred.exerr, &bound.given);
+        }
+        if control.has(Flag::Er) {
+            return Err(Refused::Erred { err: control.err });
+        }
+        Ok(ticket)
+    }
+
+    async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Refused> {
+        let wake = match pause {
+            Pause::Condition if !self.simulation.reads_motion => Wake::Change,
+            Pause::Tick | Pause::Condition | Pause::Motion => Wake::Next,
+            Pause::Room(call) => Wake::Room(Box::new(self.simulation.bind(call)?)),
+            Pause::Seconds(seconds) => {
+                let nanoseconds = (seconds * 1e9).round() as u64;
+                let ticks = nanoseconds.div_ceil(self.simulation.machine.period_ns).max(1);
+                Wake::At(self.simulation.controller.tick_number().saturating_add(ticks))
+            }
+        };
+        self.pass(&wake)?;
+        self.simulation.watched.clear();
+        self.simulation.reads_motion = false;
+        Ok(())
+    }
+
+    async fn progress(&mut self, _called: &Called<Ticket>) -> Result<Progress<Refused>, Refused> {
+        Ok(Progress::Ended)
+    }
+
+    async fn stopped(&mut self, _called: &Called<Ticket>) -> Result<Option<Stopped<Refused>>, Refused> {
+        Ok(None)
+    }
+
+    async fn outcome(&mut self, tag: &str, _called: Option<&Called<Ticket>>) -> Result<Outcome, Refused> {
+        Ok(self.simulation.outcome(tag))
+    }
+
+    fn err(error: &Refused) -> Option<i16> {
+        match error {
+            Refused::Erred { err } => Some(*err),
+            _ => None,
+        }
+    }
+}
+
+fn no_object(of: &ObjectAttribute) -> Refused {
+    Refused::NoObject { name: of.name.clone() }
 }

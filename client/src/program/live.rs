@@ -1,0 +1,229 @@
+//! The answers of a live server to a program.
+
+use std::time::Duration;
+
+use arcline_instruction_set::{Flag, MotionControl};
+use arcline_proto::cip::CipStatus;
+use arcline_structured_text::{
+    BoundCall, Called, Calls, Driver, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped, unmade_control,
+};
+use arcline_tag::{PathSegment, TagPath, Value};
+
+use super::Event;
+use crate::{Client, ClientError, Execution, TagValue, WriteValue};
+
+/// Time between two looks at motion that must end.
+const POLL: Duration = Duration::from_millis(5);
+/// Longest silence towards the server.
+const SILENCE: Duration = Duration::from_secs(30);
+
+/// A server on which a program runs.
+pub(super) struct Live<'r> {
+    client: &'r Client,
+    /// Time between two looks at a WAIT or a full queue.
+    tick: Duration,
+    on_event: &'r mut (dyn FnMut(Event<'_>) + Send),
+}
+
+impl<'r> Live<'r> {
+    pub(super) fn new(client: &'r Client, tick: Duration, on_event: &'r mut (dyn FnMut(Event<'_>) + Send)) -> Self {
+        Self { client, tick, on_event }
+    }
+}
+
+impl Driver for Live<'_> {
+    type Error = ClientError;
+    type Execution = Execution;
+
+    // A look is a request.
+    const LOOKS: usize = 1;
+
+    async fn turn(&mut self, _line: usize) -> Result<(), ClientError> {
+        Ok(())
+    }
+
+    async fn read(&mut self, path: &TagPath, calls: &Calls<Execution>) -> Result<Reading, ClientError> {
+        if let Some(reading) = read_control(self.client, path, calls).await? {
+            return Ok(reading);
+        }
+        let value = match self.client.read(&path.to_string()).await {
+            Ok(reading) => reading.value().ok_or_else(|| ClientError::NoNumber {
+                path: path.to_string(),
+                type_name: reading.type_name(),
+            }),
+            Err(error @ ClientError::UnknownTag { .. }) => unmade_control(path).ok_or(error),
+            Err(error) => Err(error),
+        };
+        value.map(Reading::Value)
+    }
+
+    async fn read_array(&mut self, path: &TagPath) -> Result<Vec<f64>, ClientError> {
+        self.client.read_numbers(&path.to_string()).await
+    }
+
+    async fn write(&mut self, path: &TagPath, value: Value) -> Result<(), ClientError> {
+        self.client.write(&path.to_string(), WriteValue::from(value)).await
+    }
+
+    async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, ClientError> {
+        self.client.attribute(of.attribute, &of.name).await
+    }
+
+    async fn set_attribute(&mut self, of: &ObjectAttribute, value: f64) -> Result<(), ClientError> {
+        self.client.set_attribute(of.attribute, &of.name, value).await
+    }
+
+    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, ClientError> {
+        let full = format!("{}.MovePendingQueueFullStatus", call.target);
+        match self.client.read(&full).await {
+            Ok(reading) => Ok(!reading.as_bool().unwrap_or_default()),
+            Err(error) if error.is_connection() => Err(error),
+            // Not a coordinate system: the call says so better.
+            Err(_) => Ok(true),
+        }
+    }
+
+    async fn call(&mut self, call: &BoundCall) -> Result<Execution, ClientError> {
+        let control = call.control.as_deref().unwrap_or_default();
+        let executed = self.client.execute(call.mnemonic, &call.target, control, &call.given);
+        let execution = executed.await?;
+        (self.on_event)(Event::Executed {
+            line: call.line,
+            execution: &execution,
+        });
+        Ok(execution)
+    }
+
+    async fn pause(&mut self, pause: Pause<'_>) -> Result<(), ClientError> {
+        match pause {
+            Pause::Tick | Pause::Condition | Pause::Room(_) => tokio::time::sleep(self.tick).await,
+            Pause::Motion => tokio::time::sleep(POLL).await,
+            Pause::Seconds(seconds) => delay(self.client, seconds).await?,
+        }
+        Ok(())
+    }
+
+    async fn progress(&mut self, called: &Called<Execution>) -> Result<Progress<ClientError>, ClientError> {
+        let Some(execution) = &called.execution else {
+            return Ok(Progress::Ended);
+        };
+        let control = match self.client.instruction(execution.instance).await {
+            Ok(control) => control,
+            // So old that the server has dropped it: it has ended.
+            Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {
+                return Ok(Progress::Ended);
+            }
+            Err(error) => return Err(error),
+        };
+        Ok(if control.has(Flag::Er) {
+            Progress::Erred(ClientError::Motion {
+                mnemonic: Some(execution.mnemonic),
+                err: control.err,
+                exerr: control.exerr,
+            })
+        } else if !execution.completes() || control.has(Flag::Pc) {
+            Progress::Ended
+        } else if control.has(Flag::Ip) {
+            Progress::Running
+        } else {
+            Progress::Incomplete
+        })
+    }
+
+    async fn stopped(&mut self, called: &Called<Execution>) -> Result<Option<Stopped<ClientError>>, ClientError> {
+        let Some(execution) = &called.execution else {
+            return Ok(None);
+        };
+        let Some(ended) = self.client.ending(execution.instance).await? else {
+            return Ok(None);
+        };
+        let control = self.client.instruction(execution.instance).await?;
+        Ok(Some(Stopped {
+            ending: ended.ending.clone(),
+            error: ClientError::Ended {
+                flag: Flag::Pc,
+                control,
+                ended: Some(Box::new(ended)),
+            },
+        }))
+    }
+
+    async fn outcome(&mut self, tag: &str, called: Option<&Called<Execution>>) -> Result<Outcome, ClientError> {
+        let (control, ending) = match called.and_then(|called| called.execution.as_ref()) {
+            Some(execution) => {
+                let control = self.client.instruction(execution.instance).await?;
+                (control, self.client.ending(execution.instance).await?)
+            }
+            None => (control_of(&self.client.read(tag).await?), None),
+        };
+        Ok(Outcome {
+            call: called.map(|called| (called.mnemonic, called.line)),
+            control,
+            ending: ending.map(|ended| ended.ending),
+        })
+    }
+
+    fn err(error: &ClientError) -> Option<i16> {
+        error.motion().map(|(err, _)| err)
+    }
+
+    fn report(&mut self, called: &Called<Execution>, error: &ClientError) {
+        let line = called.line;
+        let event = match (error, &called.execution) {
+            (ClientError::Ended { ended: Some(ended), .. }, Some(execution)) => Event::Ended { line, execution, ended },
+            _ => Event::Erred {
+                line,
+                mnemonic: called.mnemonic,
+                target: &called.target,
+                error,
+            },
+        };
+        (self.on_event)(event);
+    }
+}
+
+/// The member of a motion control tag that the program has used: the whole tag is read, since its bits tell whether it
+/// can still change. `None`: it is something else.
+async fn read_control(
+    client: &Client,
+    path: &TagPath,
+    calls: &Calls<Execution>,
+) -> Result<Option<Reading>, ClientError> {
+    let [PathSegment::Symbol(tag), PathSegment::Symbol(member)] = path.0.as_slice() else {
+        return Ok(None);
+    };
+    if calls.newest(tag).is_none() {
+        return Ok(None);
+    }
+    let reading = client.read(tag).await?;
+    let value = reading.member(member).and_then(TagValue::value);
+    Ok(value.map(|value| match control_of(&reading).has_ended() {
+        true => Reading::Settled(value),
+        false => Reading::Value(value),
+    }))
+}
+
+/// Asks now and then, so that the server does not take the silence for a lost client.
+async fn delay(client: &Client, seconds: f64) -> Result<(), ClientError> {
+    let mut left = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    while left > SILENCE {
+        tokio::time::sleep(SILENCE).await;
+        left -= SILENCE;
+        client.identify().await?;
+    }
+    tokio::time::sleep(left).await;
+    Ok(())
+}
+
+/// The bits, ERR and EXERR of a motion control tag that was read.
+fn control_of(reading: &TagValue) -> MotionControl {
+    let mut control = MotionControl::default();
+    Flag::ALL
+        .into_iter()
+        .filter(|flag| reading.flag(flag.name()))
+        .for_each(|flag| control.set(flag));
+    let number = |name| reading.member(name).and_then(TagValue::as_f64).unwrap_or_default();
+    control.err = number("ERR") as i16;
+    control.exerr = number("EXERR") as i8;
+    control
+}

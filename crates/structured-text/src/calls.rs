@@ -1,0 +1,150 @@
+//! The instructions that a program has executed: the newest ones in order, and the newest one of each motion control tag.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use arcline_instruction_set::{Ending, Mnemonic};
+
+use crate::BoundCall;
+
+/// Executions that a program remembers: as many as have instances of class 0x0303.
+const REMEMBERED: usize = 4096;
+
+/// A call that was executed.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Called<X> {
+    /// Line of the call, from 1.
+    pub line: usize,
+    /// The instruction.
+    pub mnemonic: Mnemonic,
+    /// Name of the object it acts on, as written.
+    pub target: String,
+    /// Its motion control tag, as written; empty: none.
+    pub tag: String,
+    /// Its execution; `None`: it erred at once.
+    pub execution: Option<X>,
+}
+
+impl<X> Called<X> {
+    pub(crate) fn new(call: &BoundCall, execution: Option<X>) -> Self {
+        Self {
+            line: call.line,
+            mnemonic: call.mnemonic,
+            target: call.target.clone(),
+            tag: call.control.clone().unwrap_or_default(),
+            execution,
+        }
+    }
+}
+
+/// What is known of an execution.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum State {
+    /// It has not been seen to end.
+    Running,
+    /// It has ended without PC, and its cause has not been looked for.
+    Incomplete,
+    /// It has ended, and nothing is left to say about it.
+    Over,
+}
+
+/// The calls of a program that have been executed.
+#[derive(Clone, Debug)]
+pub struct Calls<X> {
+    /// The newest ones, oldest first.
+    executed: VecDeque<(State, Called<X>)>,
+    /// How many of them run.
+    running: usize,
+    /// Where the next look at those that run begins.
+    next: usize,
+    /// By motion control tag, in small letters.
+    newest: BTreeMap<String, Called<X>>,
+}
+
+impl<X> Default for Calls<X> {
+    fn default() -> Self {
+        Self {
+            executed: VecDeque::new(),
+            running: 0,
+            next: 0,
+            newest: BTreeMap::new(),
+        }
+    }
+}
+
+impl<X: Clone> Calls<X> {
+    /// The newest call of a motion control tag.
+    pub fn newest(&self, tag: &str) -> Option<&Called<X>> {
+        // Most tags that programs read are not among them: no text is made for these.
+        if self.newest.is_empty() {
+            return None;
+        }
+        self.newest.get(&tag.to_ascii_lowercase())
+    }
+
+    /// The newest 4,096 calls that were accepted, oldest first.
+    pub fn executed(&self) -> impl Iterator<Item = &Called<X>> {
+        self.executed.iter().map(|(_, called)| called)
+    }
+
+    pub(crate) fn add(&mut self, called: Called<X>) {
+        if !called.tag.is_empty() {
+            self.newest.insert(called.tag.to_ascii_lowercase(), called.clone());
+        }
+        if called.execution.is_none() {
+            return;
+        }
+        if self.executed.len() == REMEMBERED
+            && let Some((state, _)) = self.executed.pop_front()
+        {
+            self.running -= usize::from(state == State::Running);
+            self.next = self.next.saturating_sub(1);
+        }
+        self.executed.push_back((State::Running, called));
+        self.running += 1;
+    }
+
+    /// Whether an instruction of the program ended another one.
+    pub(crate) fn is_own(&self, ending: &Ending) -> bool {
+        matches!(ending, Ending::Instruction { tag, .. } if self.newest(tag).is_some())
+    }
+
+    pub(crate) fn any(&self, state: State) -> bool {
+        self.first(state).is_some()
+    }
+
+    pub(crate) fn first(&self, state: State) -> Option<(usize, &Called<X>)> {
+        let mut executed = self.executed.iter().enumerate();
+        executed.find_map(|(index, (now, called))| (*now == state).then_some((index, called)))
+    }
+
+    pub(crate) fn set(&mut self, index: usize, state: State) {
+        if let Some((now, _)) = self.executed.get_mut(index) {
+            self.running -= usize::from(*now == State::Running && state != State::Running);
+            *now = state;
+        }
+    }
+
+    /// How many have not been seen to end.
+    pub(crate) fn running(&self) -> usize {
+        self.running
+    }
+
+    /// The next look begins at the oldest one.
+    pub(crate) fn look_at_first(&mut self) {
+        self.next = 0;
+    }
+
+    /// The next one that runs, those of earlier looks last.
+    pub(crate) fn next_running(&mut self) -> Option<(usize, &Called<X>)> {
+        let count = self.executed.len();
+        let is_running = |index: &usize| {
+            self.executed
+                .get(*index)
+                .is_some_and(|(state, _)| *state == State::Running)
+        };
+        let index = (self.next..count).chain(0..self.next.min(count)).find(is_running)?;
+        self.next = index + 1;
+        let (_, called) = self.executed.get(index)?;
+        Some((index, called))
+    }
+}
