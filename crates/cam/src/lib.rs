@@ -5,6 +5,7 @@
 //! does at the ends of its profile. Units: those of the points, `x` of the master and `y` of the slave.
 
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod profile;
 mod spline;

@@ -1,13 +1,15 @@
-//! What a project would create, for a person to read (`arcline-server check`).
+//! The objects that a project would create, as text (`arcline-server check`).
 
 use std::fmt::Write as _;
 
-use arcline_controller::machine::{AxisKind, AxisLimits, Corner, Home, HomeMode, HomeSequence};
+use arcline_controller::machine::{
+    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Home, HomeMode, HomeSequence, Machine,
+};
 use arcline_instruction_set::SystemId;
 
-use crate::Project;
+use crate::{Project, ServerConfig};
 
-/// What the project would create, one line a thing, ending with a newline.
+/// The objects that the project would create, one a line, ending with a newline.
 pub fn describe(project: &Project) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
@@ -24,19 +26,7 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         tags,
         ..
     } = project;
-    writeln!(out, "server {:?}", server.name)?;
-    writeln!(out, "  EtherNet/IP on {}", server.listen)?;
-    for also in &server.listen_also {
-        writeln!(out, "  EtherNet/IP on {also}")?;
-    }
-    match server.io.address(server.listen) {
-        Some(io) => writeln!(out, "  I/O on {io}, lost outputs: {}", server.io_loss.word())?,
-        None => writeln!(out, "  I/O off")?,
-    }
-    match server.hmi {
-        Some(hmi) => writeln!(out, "  HMI on {hmi}")?,
-        None => writeln!(out, "  HMI off")?,
-    }
+    write_server(out, server)?;
     writeln!(
         out,
         "motion group {}, coarse update period {} ms",
@@ -44,53 +34,10 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         machine.period_ns as f64 / 1e6
     )?;
     for axis in &machine.axes {
-        let kind = match axis.kind {
-            AxisKind::Servo => "servo",
-            AxisKind::Virtual => "virtual",
-            AxisKind::Feedback => "feedback",
-        };
-        let unit = &axis.units;
-        write!(
-            out,
-            "axis {}: {kind}, up to {} {unit}/s, {} {unit}/s²",
-            axis.name, axis.max_speed, axis.max_acceleration
-        )?;
-        if let Some(travel) = axis.travel {
-            write!(out, ", travel {} to {} {unit}", travel.min, travel.max)?;
-        }
-        if let Some(unwind) = axis.unwind {
-            write!(out, ", rotary, {unwind} {unit} a turn")?;
-        }
-        write!(out, ", starts at {} {unit}", axis.start.position)?;
-        if matches!(axis.kind, AxisKind::Servo) {
-            write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
-        }
-        write!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
-        writeln!(out, "{}", homing(&axis.home))?;
+        write_axis(out, axis)?;
     }
     for system in &machine.systems {
-        let axes: Vec<&str> = system
-            .axes
-            .iter()
-            .filter_map(|place| machine.axes.get(usize::from(*place)))
-            .map(|axis| axis.name.as_str())
-            .collect();
-        write!(
-            out,
-            "coordinate system {}: {}, up to {} units/s, {} units/s², {} pending",
-            system.name,
-            axes.join(" "),
-            system.max_speed,
-            system.max_acceleration,
-            system.queue_depth,
-        )?;
-        if system.corner == Corner::Precise {
-            write!(out, ", precise corners")?;
-        }
-        if system.axis_limits == AxisLimits::Enforce {
-            write!(out, ", axis limits enforced")?;
-        }
-        writeln!(out)?;
+        write_system(out, system, machine)?;
     }
     let system_name = |place: SystemId| {
         machine
@@ -122,6 +69,74 @@ fn write(out: &mut String, project: &Project) -> std::fmt::Result {
         counted(instruction_tags.len(), ["instruction tag", "instruction tags"]),
         counted(tags.len(), ["plain tag", "plain tags"]),
     )
+}
+
+fn write_server(out: &mut String, server: &ServerConfig) -> std::fmt::Result {
+    writeln!(out, "server {:?}", server.name)?;
+    writeln!(out, "  EtherNet/IP on {}", server.listen)?;
+    for also in &server.listen_also {
+        writeln!(out, "  EtherNet/IP on {also}")?;
+    }
+    match server.io.address(server.listen) {
+        Some(io) => writeln!(out, "  I/O on {io}, lost outputs: {}", server.io_loss.word())?,
+        None => writeln!(out, "  I/O off")?,
+    }
+    match server.hmi {
+        Some(hmi) => writeln!(out, "  HMI on {hmi}")?,
+        None => writeln!(out, "  HMI off")?,
+    }
+    Ok(())
+}
+
+fn write_axis(out: &mut String, axis: &Axis) -> std::fmt::Result {
+    let kind = match axis.kind {
+        AxisKind::Servo => "servo",
+        AxisKind::Virtual => "virtual",
+        AxisKind::Feedback => "feedback",
+    };
+    let unit = &axis.units;
+    write!(
+        out,
+        "axis {}: {kind}, up to {} {unit}/s, {} {unit}/s²",
+        axis.name, axis.max_speed, axis.max_acceleration
+    )?;
+    if let Some(travel) = axis.travel {
+        write!(out, ", travel {} to {} {unit}", travel.min, travel.max)?;
+    }
+    if let Some(unwind) = axis.unwind {
+        write!(out, ", rotary, {unwind} {unit} a turn")?;
+    }
+    write!(out, ", starts at {} {unit}", axis.start.position)?;
+    if matches!(axis.kind, AxisKind::Servo) {
+        write!(out, ", servo {}", if axis.start.servo_on { "on" } else { "off" })?;
+    }
+    write!(out, "{}", if axis.start.homed { ", homed" } else { ", not homed" })?;
+    writeln!(out, "{}", homing(&axis.home))
+}
+
+fn write_system(out: &mut String, system: &CoordinateSystem, machine: &Machine) -> std::fmt::Result {
+    let axes: Vec<&str> = system
+        .axes
+        .iter()
+        .filter_map(|place| machine.axes.get(usize::from(*place)))
+        .map(|axis| axis.name.as_str())
+        .collect();
+    write!(
+        out,
+        "coordinate system {}: {}, up to {} units/s, {} units/s², {} pending",
+        system.name,
+        axes.join(" "),
+        system.max_speed,
+        system.max_acceleration,
+        system.queue_depth,
+    )?;
+    if system.corner == Corner::Precise {
+        write!(out, ", precise corners")?;
+    }
+    if system.axis_limits == AxisLimits::Enforce {
+        write!(out, ", axis limits enforced")?;
+    }
+    writeln!(out)
 }
 
 /// `1 axis`, `7 axes`.

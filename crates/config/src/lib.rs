@@ -221,7 +221,7 @@ pub fn load(text: &str, file: &str) -> Result<Project, ConfigError> {
     load_all(text, file).map_err(|mut errors| errors.swap_remove(0))
 }
 
-/// As [`load`], for a person who wants to see all errors at once.
+/// As [`load`], with all errors of the text instead of the first one.
 ///
 /// # Errors
 /// All that is wrong, in the order of the file; at least one.

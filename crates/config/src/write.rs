@@ -3,8 +3,8 @@
 
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Geometry, Home,
-    HomeDirection, HomeMode, HomeSequence, Machine, Orientation, ProgrammedStopMode, Robot, Sensor, SimulatedDrive,
+    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Feed, Geometry, Home,
+    HomeDirection, HomeMode, HomeSequence, Inputs, Machine, Orientation, ProgrammedStopMode, Robot, Sensor, SimulatedDrive, Travel,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
@@ -133,92 +133,100 @@ fn axis((axis, drive): (&Axis, &Option<SimulatedDrive>)) -> Value {
         axis.max_deceleration_jerk,
     ]);
     table.extend(bits(axis.dynamics_bits));
-    let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
-    put("name", text(&axis.name));
     let kind = match axis.kind {
         AxisKind::Servo => "servo",
         AxisKind::Virtual => "virtual",
         AxisKind::Feedback => "feedback",
     };
-    put("type", text(kind));
-    put("units", text(&axis.units));
-    if let Some(travel) = axis.travel {
-        put(
-            "travel",
-            keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]),
-        );
-    }
-    if let Some(unwind) = axis.unwind {
-        put("unwind", Value::Float(unwind));
-    }
+    let travel = |travel: Travel| keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]);
     let start = [
         ("position", Value::Float(axis.start.position)),
         ("servo_on", Value::Boolean(axis.start.servo_on)),
         ("homed", Value::Boolean(axis.start.homed)),
     ];
-    put("start", keys(start));
-    if let Some(SimulatedDrive { settings, .. }) = drive {
-        let limit = |limit: f64| limit.is_finite().then_some(limit);
-        let mut drive_table = Table::new();
-        for (key, number) in [
-            ("position_bandwidth_hz", Some(settings.bandwidth)),
-            ("velocity_feedforward", Some(settings.feedforward)),
-            ("position_error_tolerance", Some(axis.position_error.tolerance)),
-            ("position_error_tolerance_time", Some(axis.position_error.time)),
-            ("speed_limit", limit(settings.speed_limit)),
-            ("torque_limit", limit(settings.torque_limit)),
-            ("encoder_resolution", settings.encoder_resolution),
-        ] {
-            drive_table.extend(number.map(|number| (key.to_owned(), Value::Float(number))));
-        }
-        put("drive", Value::Table(drive_table));
-    }
-    if let Some(feed) = &axis.inputs.feed {
-        let fed = [
-            ("tag", text(&feed.tag)),
-            ("interval_ms", Value::Float(feed.interval * 1000.0)),
-            ("timeout_ms", Value::Float(feed.timeout * 1000.0)),
-        ];
-        put("feed", keys(fed));
-    }
-    let inputs = ["input_1", "input_2"].into_iter().zip(&axis.inputs.registration);
-    let inputs = inputs.filter_map(|(key, path)| Some((key.to_owned(), text(path.as_deref()?))));
-    let inputs: Table = inputs.collect();
-    if !inputs.is_empty() {
-        put("registration", Value::Table(inputs));
-    }
-    put(
-        "home",
-        home(&axis.home, drive.map(|drive| drive.sensor).unwrap_or_default()),
-    );
-    let mode = ProgrammedStopMode::ALL
-        .iter()
-        .find(|(_, mode)| *mode == axis.programmed_stop_mode);
-    put("programmed_stop_mode", text(mode.map_or("fast_stop", |(word, _)| word)));
-    let possible = FaultSet::possible(!axis.is_virtual());
-    let mut actions = Table::new();
-    for fault in FAULTS.iter().filter(|fault| possible.contains(fault.kind)) {
-        let action = axis.exception_actions.of(fault.kind);
-        if let Some((word, _)) = ExceptionAction::ALL.iter().find(|(_, other)| *other == action) {
-            actions.insert(fault.word.to_owned(), text(word));
-        }
-    }
-    put("exception_actions", Value::Table(actions));
-    put(
-        "average_velocity_timebase",
-        Value::Float(axis.average_velocity_timebase),
-    );
     let limits = [
         ("enabled", Value::Boolean(axis.command_limits.enabled)),
         ("speed", Value::Float(axis.command_limits.speed)),
         ("acceleration", Value::Float(axis.command_limits.acceleration)),
     ];
-    put("command_limits", keys(limits));
-    put(
-        "output_cam_execution_targets",
-        Value::Integer(axis.output_cam_targets as i64),
+    let mode = ProgrammedStopMode::ALL
+        .iter()
+        .find(|(_, mode)| *mode == axis.programmed_stop_mode);
+    let sensor = drive.map(|drive| drive.sensor).unwrap_or_default();
+    let members = [
+        ("name", Some(text(&axis.name))),
+        ("type", Some(text(kind))),
+        ("units", Some(text(&axis.units))),
+        ("travel", axis.travel.map(travel)),
+        ("unwind", axis.unwind.map(Value::Float)),
+        ("start", Some(keys(start))),
+        ("drive", drive.as_ref().map(|drive| servo_drive(axis, drive))),
+        ("feed", axis.inputs.feed.as_ref().map(feed)),
+        ("registration", registration(&axis.inputs)),
+        ("home", Some(home(&axis.home, sensor))),
+        (
+            "programmed_stop_mode",
+            Some(text(mode.map_or("fast_stop", |(word, _)| word))),
+        ),
+        ("exception_actions", Some(exception_actions(axis))),
+        (
+            "average_velocity_timebase",
+            Some(Value::Float(axis.average_velocity_timebase)),
+        ),
+        ("command_limits", Some(keys(limits))),
+        (
+            "output_cam_execution_targets",
+            Some(Value::Integer(axis.output_cam_targets as i64)),
+        ),
+    ];
+    table.extend(
+        members
+            .into_iter()
+            .filter_map(|(key, value)| Some((key.to_owned(), value?))),
     );
     Value::Table(table)
+}
+
+fn servo_drive(axis: &Axis, drive: &SimulatedDrive) -> Value {
+    let settings = &drive.settings;
+    let limit = |limit: f64| limit.is_finite().then_some(limit);
+    let numbers = [
+        ("position_bandwidth_hz", Some(settings.bandwidth)),
+        ("velocity_feedforward", Some(settings.feedforward)),
+        ("position_error_tolerance", Some(axis.position_error.tolerance)),
+        ("position_error_tolerance_time", Some(axis.position_error.time)),
+        ("speed_limit", limit(settings.speed_limit)),
+        ("torque_limit", limit(settings.torque_limit)),
+        ("encoder_resolution", settings.encoder_resolution),
+    ];
+    keys(numbers.into_iter().filter_map(|(key, number)| Some((key, Value::Float(number?)))))
+}
+
+fn feed(feed: &Feed) -> Value {
+    keys([
+        ("tag", text(&feed.tag)),
+        ("interval_ms", Value::Float(feed.interval * 1000.0)),
+        ("timeout_ms", Value::Float(feed.timeout * 1000.0)),
+    ])
+}
+
+fn registration(inputs: &Inputs) -> Option<Value> {
+    let inputs = ["input_1", "input_2"].into_iter().zip(&inputs.registration);
+    let inputs = inputs.filter_map(|(key, path)| Some((key.to_owned(), text(path.as_deref()?))));
+    let inputs: Table = inputs.collect();
+    (!inputs.is_empty()).then_some(Value::Table(inputs))
+}
+
+/// The reaction to each fault that the axis can have.
+fn exception_actions(axis: &Axis) -> Value {
+    let possible = FaultSet::possible(!axis.is_virtual());
+    let faults = FAULTS.iter().filter(|fault| possible.contains(fault.kind));
+    let actions = faults.filter_map(|fault| {
+        let action = axis.exception_actions.of(fault.kind);
+        let (word, _) = ExceptionAction::ALL.iter().find(|(_, other)| *other == action)?;
+        Some((fault.word, text(word)))
+    });
+    keys(actions)
 }
 
 fn home(home: &Home, sensor: Sensor) -> Value {

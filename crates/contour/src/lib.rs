@@ -8,6 +8,7 @@
 //! By subject: `path` (the programmed pieces and the corridor about them), `timing` (where the control points stand in time),
 //! `solve` (the optimisation), `section` and `plan` (moves from rest to rest), `extend` (while they run).
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 #![allow(
     clippy::needless_range_loop,
     reason = "axes, nodes and band rows are indexed side by side"

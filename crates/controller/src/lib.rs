@@ -4,6 +4,7 @@
 //! thread, or its three parts on a virtual clock.
 
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod controller;
 mod drives;

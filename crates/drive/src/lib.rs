@@ -6,6 +6,7 @@
 //! units, seconds. Nothing allocates after an implementation was made.
 
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod exchange;
 pub mod simulated;

@@ -8,6 +8,7 @@
 //!
 //! Everything here is safe in the tick: no allocation, no unbounded loop, no panic.
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod arc;
 mod frame;

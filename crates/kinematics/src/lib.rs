@@ -9,6 +9,7 @@
 //! Not here: axes, coordinate systems, instructions, time. Source: spec/coordinated-instructions.md §22; formulas that
 //! other documents have in another form are in `NOTES.md`.
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod error;
 mod number;

@@ -8,6 +8,7 @@
 //! Source: spec/coordinated-instructions.md and spec/axis-and-data-types.md; sections are named where used.
 
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod accepted;
 mod axes;

@@ -12,6 +12,7 @@
 //! ([`Parameter`]). Nothing here allocates after [`Planner::new`].
 
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod beside;
 mod change;

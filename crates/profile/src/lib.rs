@@ -12,6 +12,7 @@
 //! Everything here is safe in the tick: no allocation, no unbounded loop, no panic, and a result for
 //! every input (what is not finite counts as 0, magnitudes are kept within 1e-30 to 1e30).
 #![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
 
 mod bounded;
 mod builder;

@@ -193,6 +193,12 @@ impl<'m> Runner<'m> {
         self.simulation.lines.len()
     }
 
+    /// Command positions of the axes.
+    #[cfg(test)]
+    pub(crate) fn positions(&self) -> Vec<f64> {
+        self.simulation.controller.trace().map(|axis| axis[0]).collect()
+    }
+
     /// Runs until everything has ended.
     pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
         let simulation = &mut self.simulation;

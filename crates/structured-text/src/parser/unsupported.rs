@@ -1,4 +1,4 @@
-//! Constructs of IEC 61131-3 and of Logix that this dialect does not have: a program that uses one is told so by name.
+//! Constructs of IEC 61131-3 and of Logix that this dialect does not have: the error of a program that uses one names it.
 
 use super::Parser;
 use crate::error::{SyntaxError, SyntaxProblem};

@@ -358,6 +358,7 @@ async fn the_state_is_pushed() {
 
 mod costs;
 mod driving;
+mod faces;
 mod looking;
 mod previews;
 mod programs;

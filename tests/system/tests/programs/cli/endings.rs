@@ -19,6 +19,12 @@ fn begin(at: std::net::SocketAddr, arguments: &[&str]) -> std::thread::JoinHandl
     })
 }
 
+/// The last object that a failed command printed.
+fn failed_with(ended: std::thread::JoinHandle<Outcome>) -> serde_json::Value {
+    let mut objects = ended.join().expect("it ran").expect(1).objects();
+    objects.pop().expect("one result")
+}
+
 fn moves(at: std::net::SocketAddr, axis: &str) {
     let speed = format!("{axis}.CommandVelocity");
     eventually("motion", Duration::from_secs(20), || {
@@ -58,13 +64,7 @@ fn motion_says_what_ended_it() {
     let ended = begin(at, &["--json", moving[0], moving[1], moving[2], moving[3], moving[4]]);
     moves(at, "X");
     let _ = arcline(at, &["fault", "inject", "X", "overcurrent"]).expect(0);
-    let object = ended
-        .join()
-        .expect("it ran")
-        .expect(1)
-        .objects()
-        .pop()
-        .expect("one result");
+    let object = failed_with(ended);
     let text = object["error"].as_str().unwrap_or_default();
     assert!(
         text.contains("stopped by a fault: X overcurrent, at ") && text.contains(" s of machine time"),
@@ -109,13 +109,7 @@ fn a_jog_says_what_stopped_it() {
     let ended = begin(at, &["--json", "jog", "S", "50"]);
     moves(at, "S");
     let _ = arcline(at, &["fault", "inject", "S", "overcurrent"]).expect(0);
-    let object = ended
-        .join()
-        .expect("it ran")
-        .expect(1)
-        .objects()
-        .pop()
-        .expect("one result");
+    let object = failed_with(ended);
     assert_eq!(
         (&object["ended"]["by"], &object["ended"]["faults"][0]),
         (&"fault".into(), &"overcurrent".into()),
