@@ -136,6 +136,32 @@ impl<'c> Runner<'c> {
         Ok(Self { client, run, tick })
     }
 
+    /// Continues with the next piece of a program that is read in pieces, its lines counted on from `lines_before`. The piece
+    /// before must have run to its end; [`Runner::executions`] and [`Runner::finish`] are about all of them.
+    ///
+    /// # Errors
+    /// As [`Runner::program`].
+    pub async fn load(&mut self, text: &str, lines_before: usize) -> Result<(), ProgramError> {
+        let counted_on = |mut error: SyntaxError| {
+            error.line += lines_before;
+            error
+        };
+        let program = Program::parse(text).map_err(counted_on)?;
+        let mut checked = program.clone();
+        if checked.check(&Known(&self.client.table())).is_err() {
+            // A tag that a piece before has made is not in the table yet.
+            let browsed = self.client.browse().await;
+            browsed.map_err(|source| ProgramError::Client {
+                line: lines_before + 1,
+                source,
+            })?;
+            checked = program;
+            checked.check(&Known(&self.client.table())).map_err(counted_on)?;
+        }
+        self.run.load(Interpreter::new(checked), lines_before);
+        Ok(())
+    }
+
     /// With another answer to a full queue than waiting.
     #[must_use]
     pub fn queue_full(mut self, queue_full: QueueFull) -> Self {

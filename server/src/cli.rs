@@ -81,6 +81,10 @@ pub(crate) struct SimulateArgs {
     /// The program.
     #[arg(value_name = "PROGRAM.st")]
     pub(crate) program: PathBuf,
+    /// Read the program line by line, as it runs: each line has whole statements, `-` is standard input, and memory does not
+    /// grow with its length.
+    #[arg(long)]
+    pub(crate) lines: bool,
     /// Configuration file; without it the embedded default is used.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,

@@ -113,29 +113,18 @@ impl Program {
         if text.len() > MAX_BYTES {
             return Err(too_large(1, MAX_BYTES, "bytes"));
         }
-        let mut modes = Modes::new(options);
+        let mut reader = Reader::new(options);
         let mut steps: Vec<Step> = Vec::new();
-        let mut framed = false;
-        for (place, text) in text.lines().enumerate() {
-            let line = place + 1;
-            if text.trim() == "%" {
-                // The first one opens the program, the second one is its end.
-                if framed || !steps.is_empty() {
-                    break;
-                }
-                framed = true;
-                continue;
-            }
-            let words = words(text, line)?;
-            let goes_on = modes.line(&words, line, &mut |motion| steps.push(Step { line, motion }))?;
-            if steps.len() > MAX_STEPS {
-                return Err(too_large(line, MAX_STEPS, "motions"));
+        for (index, text) in text.lines().enumerate() {
+            let goes_on = reader.line(text, &mut |step| steps.push(step))?;
+            if steps.len() >= MAX_STEPS {
+                return Err(too_large(index + 1, MAX_STEPS, "motions"));
             }
             if !goes_on {
                 break;
             }
         }
-        stop_where_nothing_follows(&mut steps);
+        reader.end(&mut |step| steps.push(step));
         Ok(Self {
             axes: options.axes,
             steps,
@@ -143,18 +132,79 @@ impl Program {
     }
 }
 
-/// The last motion, and the one before a dwell, end at rest whatever the path control is.
-fn stop_where_nothing_follows(steps: &mut [Step]) {
-    let mut follows = false;
-    for step in steps.iter_mut().rev() {
-        match &mut step.motion {
-            Motion::Line { corner, .. } | Motion::Arc { corner, .. } => {
-                if !follows {
-                    *corner = Corner::Stop;
-                }
-                follows = true;
-            }
-            Motion::Dwell { .. } => follows = false,
+/// Reads a program line by line: what it holds does not grow with the program.
+#[derive(Debug)]
+pub struct Reader {
+    modes: Modes,
+    /// Lines that were read.
+    line: usize,
+    /// Whether a `%` has opened the program.
+    framed: bool,
+    /// Whether there was a step.
+    begun: bool,
+    ended: bool,
+    /// The newest step, until its successor is known: a motion with none, and one before a dwell, ends at rest.
+    held: Option<Step>,
+}
+
+impl Reader {
+    /// In front of the first line.
+    pub fn new(options: &Options) -> Self {
+        Self {
+            modes: Modes::new(options),
+            line: 0,
+            framed: false,
+            begun: false,
+            ended: false,
+            held: None,
         }
+    }
+
+    /// Reads the next line, and passes on the steps whose successors are known. Returns whether the program continues behind it.
+    ///
+    /// # Errors
+    /// [`GcodeError`] for the first word that cannot be read, is unknown, or has no meaning on its line.
+    pub fn line(&mut self, text: &str, then: &mut dyn FnMut(Step)) -> Result<bool, GcodeError> {
+        if self.ended {
+            return Ok(false);
+        }
+        self.line += 1;
+        let line = self.line;
+        if text.trim() == "%" {
+            // The first one opens the program, the second one is its end.
+            self.ended = self.framed || self.begun;
+            self.framed = true;
+            return Ok(!self.ended);
+        }
+        let words = words(text, line)?;
+        let (held, begun) = (&mut self.held, &mut self.begun);
+        let goes_on = self.modes.line(&words, line, &mut |motion| {
+            *begun = true;
+            let step = Step { line, motion };
+            if let Some(before) = held.replace(step) {
+                let rests = matches!(motion, Motion::Dwell { .. });
+                then(if rests { before.to_rest() } else { before });
+            }
+        })?;
+        self.ended = !goes_on;
+        Ok(goes_on)
+    }
+
+    /// Passes on the last step.
+    pub fn end(self, then: &mut dyn FnMut(Step)) {
+        if let Some(last) = self.held {
+            then(last.to_rest());
+        }
+    }
+}
+
+impl Step {
+    /// The same with its end at rest, whatever the path control is.
+    fn to_rest(mut self) -> Self {
+        match &mut self.motion {
+            Motion::Line { corner, .. } | Motion::Arc { corner, .. } => *corner = Corner::Stop,
+            Motion::Dwell { .. } => {}
+        }
+        self
     }
 }

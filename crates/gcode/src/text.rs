@@ -1,8 +1,6 @@
 //! A program as Structured Text: one statement a line, all moves under one motion control tag.
 
-use std::fmt::Write;
-
-use crate::{Corner, Motion, Program, Speed};
+use crate::{Corner, Motion, Program, Speed, Step};
 
 /// Structured Text and where its lines come from.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -27,43 +25,42 @@ impl Program {
         let mut text = String::new();
         let mut lines = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
-            // Writing to a String cannot fail.
-            let _ = match step.motion {
-                Motion::Line { end, speed, corner } => writeln!(
-                    text,
-                    "MCLM({system}, {control}, Absolute, {}, {});",
-                    self.point(end),
-                    dynamics(speed, corner)
-                ),
-                Motion::Arc {
-                    via,
-                    end,
-                    speed,
-                    corner,
-                } => writeln!(
-                    text,
-                    "MCCM({system}, {control}, Absolute, {}, Via, {}, 0, {});",
-                    self.point(end),
-                    self.point(via),
-                    dynamics(speed, corner)
-                ),
-                Motion::Dwell { seconds } => {
-                    writeln!(text, "WAIT(NOT {control}.IP); DELAY({seconds});")
-                }
-            };
+            text.push_str(&step.structured_text(self.axes, system, control));
+            text.push('\n');
             lines.push(step.line);
         }
         StructuredText { text, lines }
     }
+}
 
-    fn point(&self, point: [f64; 3]) -> String {
-        let numbers: Vec<String> = point
-            .iter()
-            .take(self.axes)
-            .map(|number| format!("{}", number + 0.0))
-            .collect();
-        format!("[{}]", numbers.join(", "))
+impl Step {
+    /// The step as one line of Structured Text; see [`Program::structured_text`].
+    pub fn structured_text(&self, axes: usize, system: &str, control: &str) -> String {
+        match self.motion {
+            Motion::Line { end, speed, corner } => format!(
+                "MCLM({system}, {control}, Absolute, {}, {});",
+                point(end, axes),
+                dynamics(speed, corner)
+            ),
+            Motion::Arc {
+                via,
+                end,
+                speed,
+                corner,
+            } => format!(
+                "MCCM({system}, {control}, Absolute, {}, Via, {}, 0, {});",
+                point(end, axes),
+                point(via, axes),
+                dynamics(speed, corner)
+            ),
+            Motion::Dwell { seconds } => format!("WAIT(NOT {control}.IP); DELAY({seconds});"),
+        }
     }
+}
+
+fn point(point: [f64; 3], axes: usize) -> String {
+    let numbers = point.iter().take(axes).map(|number| format!("{}", number + 0.0));
+    format!("[{}]", numbers.collect::<Vec<_>>().join(", "))
 }
 
 /// The operands from Speed to Command Tolerance.

@@ -186,6 +186,8 @@ pub struct ProgramRun<X> {
     settled: Vec<String>,
     /// Whether a WAIT was without hope a tick ago.
     was_hopeless: bool,
+    /// Lines of the pieces that ran before this one.
+    lines_before: usize,
 }
 
 impl<X: Clone> ProgramRun<X> {
@@ -197,7 +199,15 @@ impl<X: Clone> ProgramRun<X> {
             calls: Calls::default(),
             settled: Vec::new(),
             was_hopeless: false,
+            lines_before: 0,
         }
+    }
+
+    /// Continues with the next piece of a program that is read in pieces: its first line counts as the line behind `lines_before`
+    /// others. The piece before must have run to its end; its variables are gone, its executions are not.
+    pub fn load(&mut self, piece: Interpreter, lines_before: usize) {
+        self.interpreter = piece;
+        self.lines_before = lines_before;
     }
 
     /// The policy.
@@ -218,8 +228,11 @@ impl<X: Clone> ProgramRun<X> {
         let mut answer = Answer::Start;
         let mut waits_for_room = None;
         loop {
-            let request = self.interpreter.resume(answer)?;
-            let line = self.interpreter.line();
+            let request = self.interpreter.resume(answer).map_err(|error| RuntimeError {
+                line: error.line + self.lines_before,
+                ..error
+            })?;
+            let line = self.line();
             let at = |error| RunError::Driver { line, error };
             if request != Request::End {
                 driver.turn(line).await.map_err(at)?;
@@ -242,7 +255,8 @@ impl<X: Clone> ProgramRun<X> {
                     driver.set_attribute(&of, value).await.map_err(at)?;
                     Answer::Done
                 }
-                Request::Call(call) => {
+                Request::Call(mut call) => {
+                    call.line += self.lines_before;
                     self.was_hopeless = false;
                     let answer = self.call(driver, &call).await.map_err(at)?;
                     waits_for_room = (answer == Answer::QueueFull).then_some(call);
@@ -276,10 +290,15 @@ impl<X: Clone> ProgramRun<X> {
             if !self.calls.any(State::Running) {
                 return Ok(());
             }
-            let line = self.interpreter.line();
+            let line = self.line();
             let paused = driver.pause(Pause::Motion).await;
             paused.map_err(|error| RunError::Driver { line, error })?;
         }
+    }
+
+    /// Line of the statement that runs, from 1.
+    fn line(&self) -> usize {
+        self.interpreter.line() + self.lines_before
     }
 
     async fn call<D: Driver<Execution = X>>(&mut self, driver: &mut D, call: &BoundCall) -> Result<Answer, D::Error> {
@@ -334,7 +353,7 @@ impl<X: Clone> ProgramRun<X> {
 
     /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since its tag was read.
     async fn hopeless<D: Driver<Execution = X>>(&self, driver: &mut D) -> Result<Option<Hopeless>, RunError<D::Error>> {
-        let line = self.interpreter.line();
+        let line = self.line();
         let mut first = None;
         for tag in &self.settled {
             let called = self.calls.newest(tag);

@@ -166,6 +166,11 @@ impl Interpreter {
         }
     }
 
+    /// A program without a statement.
+    pub fn empty() -> Self {
+        Self::new(Program::empty(""))
+    }
+
     /// Line of the statement that runs, from 1.
     pub fn line(&self) -> usize {
         self.line as usize

@@ -552,3 +552,121 @@ mod hostile {
         "a",
     ];
 }
+
+/// A machine on which every instruction has ended at once, unless its axis is Z; each call is noted with its line.
+#[derive(Default)]
+struct Ended {
+    calls: Vec<(usize, String)>,
+    pauses: usize,
+    room: usize,
+    reported: Vec<usize>,
+}
+
+impl crate::Driver for Ended {
+    type Error = &'static str;
+    type Execution = ();
+
+    const LOOKS: usize = 1;
+
+    async fn turn(&mut self, _line: usize) -> Result<(), &'static str> {
+        Ok(())
+    }
+    async fn read(&mut self, _path: &TagPath, _calls: &crate::Calls<()>) -> Result<crate::Reading, &'static str> {
+        Ok(crate::Reading::Settled(Value::Bool(false)))
+    }
+    async fn read_array(&mut self, _path: &TagPath) -> Result<Vec<f64>, &'static str> {
+        Ok(vec![0.0])
+    }
+    async fn write(&mut self, _path: &TagPath, _value: Value) -> Result<(), &'static str> {
+        Err("read only")
+    }
+    async fn attribute(&mut self, _of: &crate::ObjectAttribute) -> Result<f64, &'static str> {
+        Ok(0.0)
+    }
+    async fn set_attribute(&mut self, _of: &crate::ObjectAttribute, _value: f64) -> Result<(), &'static str> {
+        Ok(())
+    }
+    async fn has_room(&mut self, _call: &crate::BoundCall) -> Result<bool, &'static str> {
+        self.room += 1;
+        Ok(self.room.is_multiple_of(2))
+    }
+    async fn call(&mut self, call: &crate::BoundCall) -> Result<(), &'static str> {
+        self.calls.push((call.line, call.target.clone()));
+        if call.target == "Y" { Err("erred") } else { Ok(()) }
+    }
+    async fn pause(&mut self, pause: crate::Pause<'_>) -> Result<(), &'static str> {
+        self.pauses += usize::from(matches!(pause, crate::Pause::Room(_)));
+        Ok(())
+    }
+    async fn progress(&mut self, called: &crate::Called<()>) -> Result<crate::Progress<&'static str>, &'static str> {
+        Ok(if called.target == "Z" {
+            crate::Progress::Erred("erred later")
+        } else {
+            crate::Progress::Ended
+        })
+    }
+    async fn stopped(
+        &mut self,
+        _called: &crate::Called<()>,
+    ) -> Result<Option<crate::Stopped<&'static str>>, &'static str> {
+        Ok(None)
+    }
+    async fn outcome(
+        &mut self,
+        _tag: &str,
+        called: Option<&crate::Called<()>>,
+    ) -> Result<crate::Outcome, &'static str> {
+        Ok(crate::Outcome {
+            call: called.map(|called| (called.mnemonic, called.line)),
+            control: arcline_instruction_set::MotionControl::default(),
+            ending: None,
+        })
+    }
+    fn err(error: &&'static str) -> Option<i16> {
+        error.starts_with("erred").then_some(9)
+    }
+    fn report(&mut self, called: &crate::Called<()>, _error: &&'static str) {
+        self.reported.push(called.line);
+    }
+}
+
+/// The lines of calls and errors behind the first piece count on; room, errors and hopeless waits are the loop's.
+#[test]
+fn the_loop_counts_lines_over_pieces_and_applies_its_policy() {
+    use crate::{OnError, Policy, ProgramRun, immediately};
+    let piece = |text: &str| Interpreter::new(Program::parse(text).expect(text));
+    // why, piece, lines before it, keeps going, how it ends, lines of calls, lines that were reported
+    #[rustfmt::skip]
+    let cases = [
+        ("a call",                       "\nMSO(X, M);",              0, false, "",                     vec![2],  vec![]),
+        ("a call behind other pieces",   "\nMSO(X, M);",              9, false, "",                     vec![11], vec![]),
+        ("an error",                     "MSO(X, M);\nMSO(Y, N);",    9, false, "line 11: erred",       vec![10, 11], vec![11]),
+        ("the same, and it goes on",     "MSO(Y, N);\nMSO(X, M);",    9, true,  "",                     vec![10, 11], vec![10]),
+        ("an error after its call",      "MSO(Z, N);\nDELAY(1);\nMSO(X, M);", 9, false, "line 10: erred later", vec![10], vec![10]),
+        ("at the end, without a pause",  "MSO(Z, N);",                0, false, "line 1: erred later",  vec![1],  vec![1]),
+        ("a refused write",              "\nT := 1;",                 9, false, "line 11: read only",   vec![],   vec![]),
+        ("no number",                    "\nDELAY(TRUE);",            9, false, "line 11: found a BOOL, expected a number", vec![], vec![]),
+        ("a wait in vain",               "MSO(X, M);\nWAIT(M.PC);",   9, false, "line 11: WAIT can no longer come true: M was never executed", vec![10], vec![]),
+        ("a move that waits for room",   "MCLM(XY, M, 0, [1, 2], 3);", 0, false, "",                     vec![1],  vec![]),
+    ];
+    for (why, text, before, keeps_going, end, calls, reported) in cases {
+        let on_error = if keeps_going { OnError::KeepGoing } else { OnError::Stop };
+        let policy = Policy {
+            on_error,
+            ..Policy::default()
+        };
+        let mut driver = Ended::default();
+        let mut run = ProgramRun::new(Interpreter::empty(), policy);
+        let result = immediately(async {
+            run.run(&mut driver).await?;
+            run.load(piece(text), before);
+            run.run(&mut driver).await?;
+            run.finish(&mut driver).await
+        });
+        let told = result.map_or_else(|error| error.to_string(), |()| String::new());
+        assert_eq!(told, end, "{why}");
+        let lines: Vec<usize> = driver.calls.iter().map(|(line, _)| *line).collect();
+        assert_eq!((lines, driver.reported), (calls, reported), "{why}");
+        assert_eq!(driver.pauses, usize::from(text.starts_with("MCLM")), "{why}");
+    }
+}

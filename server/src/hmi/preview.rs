@@ -79,6 +79,7 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
             Err(Refusal::motion(err, exerr, mnemonic).at(line))
         }
         End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
+        End::Unread(failure) => Err(Refusal::new(failure.to_string())),
         End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
         End::Left => Ok(seen.told(
             &machine,

@@ -4,19 +4,19 @@
 //! tick the controller, unless something happened or the program has something to do.
 
 mod output;
+mod pieces;
 mod runner;
 mod summary;
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use arcline_config::Project;
-use arcline_structured_text::{Interpreter, OnError, Policy, Program, RunError};
+use arcline_structured_text::{Interpreter, OnError, Policy, RunError};
 
 use crate::cli::{Failure, SimulateArgs, project};
-use crate::names::ImageNames;
 use crate::plant::image_of;
 use output::{Files, Output, is_standard_output};
+use pieces::Pieces;
 pub(crate) use runner::{End, Observer, Options, Runner};
 use summary::Summary;
 
@@ -24,9 +24,15 @@ use summary::Summary;
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let project = project(args.config.as_deref())?;
     let file = args.program.display();
-    let text = std::fs::read_to_string(&args.program)
-        .map_err(|error| Failure::usage(format!("{file}: cannot be read: {error}")))?;
-    let program = check(&text, &project).map_err(|error| Failure::usage(format!("{file}: {error}")))?;
+    let image = image_of(&project);
+    let mut pieces = if args.lines {
+        Pieces::of_lines(&args.program)?
+    } else {
+        Pieces::whole(&args.program)?
+    };
+    let first = pieces
+        .next(&image)?
+        .map_or_else(Interpreter::empty, |piece| piece.interpreter);
     let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
     let to_output = [&args.trace, &args.events, &args.faults].into_iter().flatten();
     if to_output.filter(|path| is_standard_output(path)).count() > 1 {
@@ -38,7 +44,6 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let events = args.events.as_deref().map(create).transpose()?;
     let faults = args.faults.as_deref().map(create).transpose()?;
 
-    let image = image_of(&project);
     let options = Options {
         until: args.until,
         policy: Policy {
@@ -50,14 +55,14 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             },
         },
     };
-    let mut runner = Runner::new(&project.machine, image, Interpreter::new(program), options);
+    let mut runner = Runner::new(&project.machine, image, first, options);
     let mut files = Files {
         trace,
         events,
         faults,
         summary: Summary::default(),
     };
-    let end = runner.run(&mut files);
+    let end = runner.run_pieces(&mut files, &mut |image| pieces.next(image));
     let Files {
         trace,
         events,
@@ -84,16 +89,10 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             3,
             format!("{file}: not at its end after {seconds} s of simulated time (--until)"),
         )),
+        End::Unread(failure) => Err(failure),
         // Files take everything.
         End::Left => Ok(ExitCode::SUCCESS),
     }
-}
-
-/// Reads a program and checks that its names mean something.
-fn check(text: &str, project: &Project) -> Result<Program, arcline_structured_text::SyntaxError> {
-    let mut program = Program::parse(text)?;
-    program.check(&ImageNames(&image_of(project)))?;
-    Ok(program)
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {

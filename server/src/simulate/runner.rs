@@ -1,7 +1,7 @@
 //! A simulation: the program runs within a tick, and while it waits the ticks pass: each is ended, its events are written
 //! down, and the next one begins.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
 
 use arcline_controller::image::{Edge, Image, TagKind};
@@ -16,7 +16,12 @@ use arcline_structured_text::{
 };
 use arcline_tag::{TagPath, Value};
 
+use super::pieces::Piece;
+use crate::cli::Failure;
 use crate::plant::ending;
+
+/// Calls and their ends that are remembered, so that memory does not grow with the program.
+const REMEMBERED: usize = 1 << 16;
 
 /// How to run.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +44,8 @@ pub(crate) enum End {
     TooLong(f64),
     /// Its observer has seen enough.
     Left,
+    /// The next piece of the program cannot be read.
+    Unread(Failure),
 }
 
 /// An instruction that erred.
@@ -129,10 +136,10 @@ struct Simulation<'m> {
     options: Options,
     /// Line of the statement that runs.
     line: usize,
-    /// Lines of the calls, by ticket.
-    lines: Vec<usize>,
-    /// Their instructions and motion control tags, by ticket.
-    calls: Vec<(Mnemonic, ControlSlot)>,
+    /// Instructions that were executed: the newest ticket.
+    executed: u64,
+    /// The newest calls, by ticket: lines, instructions and motion control tags.
+    calls: VecDeque<(usize, Mnemonic, ControlSlot)>,
     snapshot: Snapshot,
     contour: ContourRequest,
     /// The tick whose state the image shows.
@@ -159,8 +166,8 @@ impl<'m> Runner<'m> {
             image,
             options,
             line: 1,
-            lines: Vec::new(),
-            calls: Vec::new(),
+            executed: 0,
+            calls: VecDeque::new(),
             snapshot: Snapshot::new(machine),
             contour: ContourRequest::new(),
             shown: None,
@@ -189,8 +196,8 @@ impl<'m> Runner<'m> {
     }
 
     /// Instructions that were executed.
-    pub(super) fn executed(&self) -> usize {
-        self.simulation.lines.len()
+    pub(super) fn executed(&self) -> u64 {
+        self.simulation.executed
     }
 
     /// Command positions of the axes.
@@ -201,6 +208,15 @@ impl<'m> Runner<'m> {
 
     /// Runs until everything has ended.
     pub(crate) fn run(&mut self, observer: &mut impl Observer) -> End {
+        self.run_pieces(observer, &mut |_| Ok(None))
+    }
+
+    /// The same with further pieces of the program, each asked for when the one before has run.
+    pub(super) fn run_pieces(
+        &mut self,
+        observer: &mut impl Observer,
+        next: &mut dyn FnMut(&Image) -> Result<Option<Piece>, Failure>,
+    ) -> End {
         let simulation = &mut self.simulation;
         observer.begin(simulation.machine);
         simulation.controller.begin_tick();
@@ -209,7 +225,16 @@ impl<'m> Runner<'m> {
             observer,
             is_open: true,
         };
-        let wrong = match immediately(self.program.run(&mut ticks)) {
+        let mut ran = immediately(self.program.run(&mut ticks));
+        while ran.is_ok() {
+            match next(&ticks.simulation.image) {
+                Ok(None) => break,
+                Ok(Some(piece)) => self.program.load(piece.interpreter, piece.lines_before),
+                Err(failure) => return End::Unread(failure),
+            }
+            ran = immediately(self.program.run(&mut ticks));
+        }
+        let wrong = match ran {
             Ok(()) => None,
             Err(RunError::Driver {
                 error: Refused::Ended(end),
@@ -269,14 +294,11 @@ impl Simulation<'_> {
             .iter()
             .filter(|(_, cause)| matches!(cause, Cause::Fault { .. }));
         let told = by_fault.filter_map(|(ticket, cause)| {
-            let (mnemonic, tag) = self.calls.get((ticket.0 as usize).checked_sub(1)?)?;
+            let (line, mnemonic, tag) = self.call_of(*ticket)?;
             let ending = ending(self.machine, &self.image, *cause)?;
-            let tag = self.image.control_name(*tag);
+            let tag = self.image.control_name(tag);
             let blank = if tag.is_empty() { "" } else { " " };
-            Some(format!(
-                "line {}: {mnemonic}{blank}{tag} was {ending}",
-                self.line_of(*ticket)
-            ))
+            Some(format!("line {line}: {mnemonic}{blank}{tag} was {ending}"))
         });
         told.collect()
     }
@@ -353,12 +375,15 @@ impl Simulation<'_> {
         }
     }
 
+    /// Line, instruction and motion control tag of a call; `None`: it is too old.
+    fn call_of(&self, ticket: Ticket) -> Option<(usize, Mnemonic, ControlSlot)> {
+        let first = self.executed + 1 - self.calls.len() as u64;
+        let index = usize::try_from(ticket.0.checked_sub(first)?).ok()?;
+        self.calls.get(index).copied()
+    }
+
     fn line_of(&self, ticket: Ticket) -> usize {
-        let place = (ticket.0 as usize).checked_sub(1);
-        place
-            .and_then(|place| self.lines.get(place))
-            .copied()
-            .unwrap_or_default()
+        self.call_of(ticket).map_or(0, |(line, ..)| line)
     }
 
     /// Brings axes and coordinate systems in the image up to this tick.
@@ -381,9 +406,12 @@ impl Simulation<'_> {
     }
 
     fn execute(&mut self, call: &Call) -> (Ticket, MotionControl) {
-        self.lines.push(self.line);
-        self.calls.push((call.mnemonic, call.control));
-        let ticket = Ticket(self.lines.len() as u64);
+        if self.calls.len() == REMEMBERED {
+            self.calls.pop_front();
+        }
+        self.calls.push_back((self.line, call.mnemonic, call.control));
+        self.executed += 1;
+        let ticket = Ticket(self.executed);
         self.newest.insert(call.control, (ticket, call.mnemonic));
         self.shown = None;
         let (data, staged) = self.image.prepare(call);
@@ -449,6 +477,9 @@ impl Simulation<'_> {
         for event in std::mem::take(&mut self.events) {
             self.image.apply_event(&event);
             if event.cause != Cause::Itself {
+                if self.causes.len() == REMEMBERED {
+                    self.causes.pop_first();
+                }
                 self.causes.insert(event.ticket, event.cause);
             }
             observer.event(&event, time, &self.image);

@@ -10,7 +10,7 @@ use arcline_instruction_set::Ending;
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     /// Instructions that were executed.
-    pub(super) executed: usize,
+    pub(super) executed: u64,
     ticks: u64,
     /// Positions of the axes, in position units, at the first tick and at the last.
     first: Vec<f64>,

@@ -20,6 +20,7 @@ pub mod browser;
 pub mod capture;
 pub mod command_line;
 pub mod foreign;
+pub mod gcode;
 pub mod guide;
 pub mod interop;
 pub mod libplctag;

@@ -1,6 +1,7 @@
-//! A thousand clients at once, and implicit I/O at its shortest intervals: each needs the machine for itself.
+//! A thousand clients at once, implicit I/O at its shortest intervals, a million lines of G-code: each needs the machine for itself.
 //!
 //! `cargo test --workspace --test load`, or `.ci/run load`.
 
 mod crowd;
+mod gcode;
 mod io_scanner;

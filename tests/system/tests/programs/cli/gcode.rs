@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use arcline_system_tests::command_line::{arcline, read_numbers};
+use arcline_system_tests::gcode::simulated;
 use arcline_system_tests::server::Server;
 
 const POSITIONS: [&str; 3] = ["X.CommandPosition", "Y.CommandPosition", "Z.CommandPosition"];
@@ -134,4 +135,37 @@ fn a_program_is_simulated_and_drawn_without_a_server() {
         "{refused:?}"
     );
     let _ = arcline(nobody, &["gcode", &unknown, "CS1", "--simulate", "--skip", "M3,S"]).expect(0);
+}
+
+#[test]
+fn a_long_program_streams_in_pieces() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (short, long) = (simulated(folder.path(), 2_000), simulated(folder.path(), 20_000));
+    assert_eq!((short.moves, long.moves), (1_999, 19_999));
+    assert!(long.peak < short.peak + (8 << 20), "{short:?}, {long:?}");
+    let (per_short, per_long) = (short.seconds / 1_999.0, long.seconds / 19_999.0);
+    assert!(
+        (per_long / per_short - 1.0).abs() < 0.01,
+        "{per_short} s and {per_long} s a move"
+    );
+    // More statements than a piece has, on a live machine.
+    let text = format!("G91 G61\n{}", "G0 X0.001\n".repeat(1_100));
+    let file = written(folder.path(), "live.ngc", &text);
+    let server = Server::start();
+    let told = arcline(server.address(), &["gcode", &file, "CS1"]).expect(0);
+    assert!(told.stdout.contains("live.ngc: 1100 moves"), "{told:?}");
+    let x = read_numbers(server.address(), &POSITIONS)[0];
+    assert!((x - 1.1).abs() < 1e-9, "{x}");
+    // Nothing moves when the last line cannot be read, and errors behind the first piece have the lines of the file.
+    let file = written(folder.path(), "wrong.ngc", &format!("{text}G5 X1\n"));
+    let refused = arcline(server.address(), &["gcode", &file, "CS1"]).expect(2);
+    assert!(refused.stderr.contains("wrong.ngc: line 1102, column 1"), "{refused:?}");
+    assert_eq!(read_numbers(server.address(), &POSITIONS)[0], x);
+    let file = written(
+        folder.path(),
+        "dwell.ngc",
+        &format!("{text}\nG4 P1e9\nG1 X1 F1e9\nG4 P1e9\nG4 P1e9\n"),
+    );
+    let shown = arcline(server.address(), &["gcode", &file, "CS1", "--emit", "-"]).expect(0);
+    assert_eq!(shown.stdout.lines().count(), 1_104);
 }
