@@ -4,7 +4,8 @@
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
     Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Feed, Geometry, Home,
-    HomeDirection, HomeMode, HomeSequence, Inputs, Machine, Orientation, ProgrammedStopMode, Robot, Sensor, SimulatedDrive, Travel,
+    HomeDirection, HomeMode, HomeSequence, Inputs, Machine, Orientation, ProgrammedStopMode, Robot, Sensor,
+    SimulatedDrive, Travel,
 };
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
@@ -199,7 +200,11 @@ fn servo_drive(axis: &Axis, drive: &SimulatedDrive) -> Value {
         ("torque_limit", limit(settings.torque_limit)),
         ("encoder_resolution", settings.encoder_resolution),
     ];
-    keys(numbers.into_iter().filter_map(|(key, number)| Some((key, Value::Float(number?)))))
+    keys(
+        numbers
+            .into_iter()
+            .filter_map(|(key, number)| Some((key, Value::Float(number?)))),
+    )
 }
 
 fn feed(feed: &Feed) -> Value {
