@@ -141,7 +141,7 @@ impl Mover {
 }
 
 impl fmt::Display for Mover {
-    /// `10.0.0.5:50123 (pycomm3)`, `the program of 10.0.0.7 #3 (Firefox/128.0), line 7`.
+    /// `10.0.0.5:50123 (pycomm3)`, `the program of 10.0.0.7 #3 (Firefox 128), line 7`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             kind,
@@ -204,13 +204,13 @@ mod tests {
             line: 7,
             address: "10.0.0.5 #3".into(),
             told: Identification {
-                product: "Firefox/128.0".into(),
+                product: "Firefox 128".into(),
                 ..Identification::default()
             },
         };
         let data = mover.to_bytes();
         assert_eq!(&data[..6], &[3, 7, 0, 0, 0, 11]);
-        assert_eq!(mover.to_string(), "the program of 10.0.0.5 #3 (Firefox/128.0), line 7");
+        assert_eq!(mover.to_string(), "the program of 10.0.0.5 #3 (Firefox 128), line 7");
         assert_eq!(Mover::decode(&data), Some(mover));
         for cut in 0..data.len() {
             assert_eq!(Mover::decode(&data[..cut]), None, "{cut}");

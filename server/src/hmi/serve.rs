@@ -191,18 +191,25 @@ async fn socket(
     (StatusCode::SWITCHING_PROTOCOLS, headers).into_response()
 }
 
-/// The name of a browser with its version, such as `Firefox/128.0`, or else the first product of its `User-Agent`.
+/// The browser of a page as the product of its client.
 fn browser(headers: &HeaderMap) -> Identification {
     let agent = headers.get(header::USER_AGENT).and_then(|agent| agent.to_str().ok());
-    let agent = agent.unwrap_or_default();
-    let product = |name: &&str| agent.split_whitespace().find(|product| product.starts_with(*name));
-    let known = BROWSERS.iter().find_map(product);
-    let product = known.or_else(|| agent.split_whitespace().next());
     let told = Identification {
-        product: product.unwrap_or_default().to_owned(),
+        product: product_of(agent.unwrap_or_default()),
         ..Identification::default()
     };
     told.bounded()
+}
+
+/// The name and the first number of the version of a browser, such as `Firefox 128`, or else of the first product of its `User-Agent`.
+fn product_of(agent: &str) -> String {
+    let product = |name: &&str| agent.split_whitespace().find(|product| product.starts_with(*name));
+    let known = BROWSERS.iter().find_map(product);
+    let product = known.or_else(|| agent.split_whitespace().next()).unwrap_or_default();
+    match product.split_once('/') {
+        Some((name, version)) => format!("{name} {}", version.split('.').next().unwrap_or_default()),
+        None => product.to_owned(),
+    }
 }
 
 /// Browsers by their product in `User-Agent`; the engines that several have in common come last.
@@ -220,4 +227,25 @@ fn accept_key(headers: &HeaderMap) -> Option<HeaderValue> {
     }
     let key = headers.get(header::SEC_WEBSOCKET_KEY)?;
     HeaderValue::from_str(&derive_accept_key(key.as_bytes())).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::product_of;
+
+    #[test]
+    fn browsers_are_named() {
+        #[rustfmt::skip]
+        let cases = [
+            ("Mozilla/5.0 (X11; Linux x86_64; rv:128.0) Gecko/20100101 Firefox/128.0", "Firefox 128"),
+            ("Mozilla/5.0 (X11; Linux x86_64) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/126.0.0.0 Safari/537.36", "Chrome 126"),
+            ("Mozilla/5.0 (Windows NT 10.0) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/126.0.0.0 Safari/537.36 Edg/126.0.0.0", "Edg 126"),
+            ("curl/8.5.0", "curl 8"),
+            ("a page", "a"),
+            ("", ""),
+        ];
+        for (agent, expected) in cases {
+            assert_eq!(product_of(agent), expected, "{agent}");
+        }
+    }
 }
