@@ -1,5 +1,5 @@
 //! How fast tags are read over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
-//! this machine and in one run: `cargo bench -p arcline-tests --bench network`. Rounds take turns, so that whatever else the
+//! this machine and in one run: `cargo bench -p arcline-system-tests --bench network`. Rounds take turns, so that whatever else the
 //! machine does meets all of them. `-- --test` asks each a few times and measures nothing.
 #![allow(missing_docs)]
 

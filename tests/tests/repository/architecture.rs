@@ -125,7 +125,7 @@ fn arrows_run_one_way() {
     let dependencies = normal_dependencies(&metadata);
     for package in metadata.workspace_packages() {
         let package_name = package.name.as_str();
-        if ["arcline-tests", "arcline-system-tests"].contains(&package_name) {
+        if ["arcline-tests", "arcline-system-tests", "arcline-benchmarks"].contains(&package_name) {
             continue;
         }
         let allowed = allowed(package_name);
@@ -243,7 +243,7 @@ fn every_package_says_what_it_is() {
     for package in metadata().workspace_packages() {
         let description = package.description.as_deref().unwrap_or_default();
         assert!(description.len() > 20, "{}: {description:?}", package.name);
-        let is_test = package.name.ends_with("tests");
+        let is_test = package.name.ends_with("tests") || package.name == "arcline-benchmarks";
         assert!(
             is_test || !package.keywords.is_empty() && package.keywords.len() <= 5 && !package.categories.is_empty(),
             "{} has one to five keywords, and categories",

@@ -1,5 +1,6 @@
 //! Rules for the repository itself: which crate may use which, and that what code cites is there.
 
 mod architecture;
+mod doc_tests;
 mod readme;
 mod specification;

@@ -58,15 +58,23 @@ pub(crate) fn ahead(from: Point, heading: f64, length: f64) -> Point {
 /// Distance of a point from a path, and how far along the path the nearest point is.
 pub(crate) fn distance(path: &Path, q: &Point) -> (f64, f64) {
     let length = path.length();
-    let at = |s: f64| (path.at(s).position - q).norm();
-    let (mut low, mut high) = (0.0, length);
-    if matches!(path, Path::Arc(_)) {
-        let step = length / 60.0;
-        let middle = |k: i32| at(step * (f64::from(k) + 0.5));
-        let best = (0..60).min_by(|&a, &b| middle(a).total_cmp(&middle(b))).unwrap_or(0);
-        low = (step * f64::from(best - 1)).max(0.0);
-        high = (step * f64::from(best + 2)).min(length);
+    if let Path::Line(_) = path {
+        let start = path.at(0.0).position;
+        let along = path.at(length).position - start;
+        let s = if length > 0.0 {
+            along.dot(&(q - start)) / length
+        } else {
+            0.0
+        };
+        let s = s.clamp(0.0, length);
+        return ((path.at(s).position - q).norm(), s);
     }
+    let at = |s: f64| (path.at(s).position - q).norm();
+    let step = length / 60.0;
+    let middle = |k: i32| at(step * (f64::from(k) + 0.5));
+    let best = (0..60).min_by(|&a, &b| middle(a).total_cmp(&middle(b))).unwrap_or(0);
+    let mut low = (step * f64::from(best - 1)).max(0.0);
+    let mut high = (step * f64::from(best + 2)).min(length);
     for _ in 0..60 {
         let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
         if at(a) < at(b) {
@@ -81,8 +89,16 @@ pub(crate) fn distance(path: &Path, q: &Point) -> (f64, f64) {
 
 /// Distance of a point from the nearest of some paths.
 pub(crate) fn off(moves: &[ContourMove], q: &Point) -> f64 {
-    let distances = moves.iter().map(|one| distance(&one.path, q).0);
-    distances.fold(f64::INFINITY, f64::min)
+    moves.iter().fold(f64::INFINITY, |least, one| {
+        // No point of a path is further from its middle than half of its length.
+        let middle = one.path.at(0.5 * one.path.length()).position;
+        let nearest = (middle - q).norm() - 0.5 * one.path.length();
+        if nearest >= least {
+            least
+        } else {
+            least.min(distance(&one.path, q).0)
+        }
+    })
 }
 
 /// The extreme values of the axes are within their limits.

@@ -1,4 +1,4 @@
-//! Both directions of the transforms, over random points of the workspace: `cargo bench -p arcline-kinematics`.
+//! Both directions of the transforms, over random points of the workspace: `cargo bench -p arcline-benchmarks --bench kinematics`.
 //!
 //! Those with velocity and acceleration are what the tick calls. Goals: the inverse of a delta of three arms and of a SCARA
 //! within 200 ns, of six axes within 2 µs.

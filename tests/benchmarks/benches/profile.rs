@@ -1,7 +1,7 @@
 //! Planning and sampling beside an independent time-optimal solver, in one process and one thread.
 //!
 //! The same thousand random states for both; equal limits both ways, since the other cannot take four.
-//! `cargo bench -p arcline-profile` prints means, and quantiles of the single plans.
+//! `cargo bench -p arcline-benchmarks --bench profile` prints means, and quantiles of the single plans.
 
 #![allow(clippy::disallowed_methods, missing_docs)] // the clock is what a benchmark reads
 use std::hint::black_box;
