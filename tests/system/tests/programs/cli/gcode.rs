@@ -164,7 +164,7 @@ fn a_long_program_streams_in_pieces() {
     let file = written(
         folder.path(),
         "dwell.ngc",
-        &format!("{text}\nG4 P1e9\nG1 X1 F1e9\nG4 P1e9\nG4 P1e9\n"),
+        &format!("{text}\nG4 P9\nG1 X1 F60000\nG4 P9\nG4 P9\n"),
     );
     let shown = arcline(server.address(), &["gcode", &file, "CS1", "--emit", "-"]).expect(0);
     assert_eq!(shown.stdout.lines().count(), 1_104);
