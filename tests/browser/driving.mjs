@@ -28,6 +28,38 @@ export async function a_move_started_by_the_form_arrives({ browser, url }) {
   await close(page);
 }
 
+/** Run, pressed right behind an edit, runs the line with the edit: before it is asked for, and while it is on its way. */
+export async function a_press_behind_an_edit_runs_the_edit({ browser, url }) {
+  const page = await open(browser, url, "drive");
+  await take(page, "CS1");
+  await positions(page, "Position", [5, 5, 5]);
+  await ready(page, "[5,5,5]");
+  // The page asks for a line 120 ms after an edit.
+  for (const [wait, target] of [[0, 11], [60, -7], [121, 23], [125, -9]]) {
+    await page.evaluate(async ([wait, target]) => {
+      const input = document.querySelector('.target-table [data-member="Position"]');
+      input.focus();
+      input.value = String(target);
+      input.dispatchEvent(new Event("input", { bubbles: true }));
+      const press = () => document.querySelector(".form .run").click();
+      if (wait) await new Promise((done) => setTimeout(() => done(press()), wait));
+      else press();
+    }, [wait, target]);
+    await arrived(page, "X", target);
+    await until(page, "one execution", () => document.querySelector(".form[data-ready=true]"));
+  }
+  // What cannot be executed is not, whatever line was there before.
+  await page.evaluate(() => {
+    const input = document.querySelector('.target-table [data-member="Position"]');
+    input.value = "";
+    input.dispatchEvent(new Event("input", { bubbles: true }));
+    document.querySelector(".form .run").click();
+  });
+  await page.locator(".form .run:disabled").waitFor();
+  await arrived(page, "X", -9);
+  await close(page);
+}
+
 /** An error has its text, cause and remedy in the form and among the events. */
 export async function an_error_is_explained({ browser, url }) {
   const page = await open(browser, url, "drive");

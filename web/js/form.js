@@ -14,6 +14,8 @@ import { explanation } from "./toasts.js";
 const LINE_MS = 120;
 const PREVIEW_MS = 350;
 const TAGS = 8;
+/** How often a press asks again because the form was edited meanwhile. */
+const TRIES = 8;
 /** Stops need no control. */
 export const STOPS = new Set(["MCS", "MAS", "MGS"]);
 let lastTag = 0;
@@ -49,6 +51,10 @@ export class InstructionForm {
     /** Members of the operands that a person has edited. @type {Set<string>} */
     this.touched = new Set();
     this.asked = 0;
+    /** How often the form was edited, and the edit whose line is known, or known to be wrong. */
+    this.edits = 0;
+    this.answered = 0;
+    this.isPressed = false;
     const { target_position: rule } = instruction;
     this.table = rule && new TargetTable(app, instruction, () => this.words(), () => this.#edit());
     if (this.table) this.table.onfollow = () => this.#changed();
@@ -168,6 +174,7 @@ export class InstructionForm {
     const words = this.words();
     this.table?.arrange();
     for (const item of this.fields.values()) if (!item.hosted) this.#annotate(item, words);
+    this.edits += 1;
     this.later();
   }
 
@@ -227,23 +234,36 @@ export class InstructionForm {
 
   async #askLine() {
     const turn = ++this.asked;
-    this.line = null;
+    const edit = this.edits;
     const operands = this.#read();
-    this.update();
-    if (!operands) return;
-    try {
-      const answer = await this.app.connection.request("line", { instruction: this.instruction.mnemonic, operands });
+    /** @type {string | null} */
+    let line = null;
+    /** @type {unknown} */
+    let problem = null;
+    if (operands) {
+      try {
+        const answer = await this.app.connection.request("line", { instruction: this.instruction.mnemonic, operands });
+        line = answer.text;
+      } catch (error) {
+        problem = error;
+      }
       if (turn !== this.asked) return;
-      this.line = answer.text;
-      text(this.code, answer.text);
-      this.#say(null);
+      if (problem) this.#mark(problem);
+      this.#say(problem);
+    }
+    this.answered = edit;
+    this.line = line;
+    if (line) {
+      text(this.code, line);
       this.laterPreview();
-    } catch (error) {
-      if (turn !== this.asked) return;
-      this.#mark(error);
-      this.#say(error);
     }
     this.update();
+  }
+
+  /** The line with the newest edit, which may not have been asked for yet; `null`: there is none, and the form says why. */
+  async #newestLine() {
+    for (let tries = 0; this.answered !== this.edits && tries < TRIES; tries += 1) await this.#askLine();
+    return this.answered === this.edits ? this.line : null;
   }
 
   /** Marks the operand that an error names: by member, or by EXERR of "Parameter Out Of Range". @param {unknown} error */
@@ -257,13 +277,14 @@ export class InstructionForm {
 
   /** @param {boolean} quiet */
   async #preview(quiet = false) {
-    if (!this.line || !this.moves) return;
+    const line = quiet ? this.line : await this.#newestLine();
+    if (!line || !this.moves) return;
     const turn = this.asked;
     try {
-      const preview = await this.app.connection.request("preview", { text: this.line });
+      const preview = await this.app.connection.request("preview", { text: line });
       if (turn !== this.asked) return;
       this.app.setPreview(preview);
-      this.beyond = preview.travel && { line: this.line, text: preview.travel.text };
+      this.beyond = preview.travel && { line, text: preview.travel.text };
       this.#say(null);
     } catch (error) {
       if (turn !== this.asked) return;
@@ -278,9 +299,13 @@ export class InstructionForm {
     return this.instruction.operands.some(({ member }) => member === "Position" || member === "Path");
   }
 
+  /** A press right behind an edit waits for the line with the edit. */
   async #run() {
-    if (!this.line || this.run.disabled) return;
-    const { line } = this;
+    if (this.run.disabled || this.isPressed) return;
+    this.isPressed = true;
+    const line = await this.#newestLine();
+    this.isPressed = false;
+    if (!line || this.run.disabled) return;
     if (this.beyond?.line === line && this.sure !== line) {
       // As in Logix such a move is accepted, and the axis stops beyond its limit: a person decides, with a second press.
       this.sure = line;

@@ -14,6 +14,7 @@ macro_rules! cases {
 cases! {
     a_path_is_drawn,
     a_move_started_by_the_form_arrives,
+    a_press_behind_an_edit_runs_the_edit,
     an_error_is_explained,
     a_fault_is_an_event,
     a_jog_ends_with_its_page,
