@@ -1,7 +1,7 @@
 //! Several clients that write the operands and `EnableIn` of one instruction tag at once: each message is one action, so every
 //! execution has the operands of the message that began it, and the edges reach the controller in their order.
 //!
-//! `ARCLINE_RACE` is the number of messages of each client: 100,000 in a nightly run.
+//! `ARCLINE_RACE` is the number of messages of each client: 25,000 in a nightly run (`tests/nightly race`), 100,000 in all.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
