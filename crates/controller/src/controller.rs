@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use arcline_drive::Drives;
-use arcline_instruction_set::{AxisId, Call, ControlSlot, FaultSet, JogEnd, MotionControl, Object, SystemId};
+use arcline_instruction_set::{
+    AxisId, Call, ControlSlot, FaultSet, JogEnd, MotionControl, MotionError, Object, SystemId,
+};
 use arcline_motion::{
     AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;
 use crate::machine::{self, DynamicsBits, Machine};
+use crate::overtaken::Overtaken;
 use crate::snapshot::Snapshot;
 
 /// What reaches the controller from outside.
@@ -66,6 +69,15 @@ pub enum StopRequest {
     },
 }
 
+/// A command that comes ahead of others that were sent before it and still wait.
+#[derive(Clone, Debug)]
+pub struct Overtaking {
+    /// An instruction that stops or switches off, or the false rung condition of one.
+    pub command: Command,
+    /// The commands that were sent before it, ever, stops aside.
+    pub sent_before: u64,
+}
+
 /// What joins the controller to the rest: rings in the real-time thread, plain collections in a test.
 /// Every method is called from the tick and must neither block nor allocate.
 pub trait Port {
@@ -80,6 +92,14 @@ pub trait Port {
     /// Whether motion is inhibited: instructions of this tick that would begin motion are refused.
     fn is_inhibited(&mut self) -> bool {
         false
+    }
+    /// The next stop before which more commands wait than this tick takes.
+    fn next_overtaking(&mut self) -> Option<Overtaking> {
+        None
+    }
+    /// The commands that were taken before the newest one of [`Port::next_command`], ever, stops aside.
+    fn taken_before(&self) -> u64 {
+        0
     }
     /// The next command, if one waits.
     fn next_command(&mut self) -> Option<Command>;
@@ -135,6 +155,7 @@ pub struct Controller {
     motion: Motion,
     drives: Box<dyn Drives>,
     next_tick: u64,
+    overtaken: Overtaken,
 }
 
 /// Planned contours that one tick takes.
@@ -143,6 +164,8 @@ const MAX_CONTOURS_PER_TICK: usize = 4;
 const MAX_STOPS_PER_TICK: usize = machine::MAX_AXES + 1;
 /// Commands that one tick takes; the rest wait for the next one.
 pub const MAX_COMMANDS_PER_TICK: usize = 64;
+/// Stops among them that come ahead of others, so that stops alone never keep other commands from the controller.
+const MAX_OVERTAKING_PER_TICK: usize = 16;
 
 impl Controller {
     /// The machine as configured with simulated drives, at rest, before tick 0. The only allocation.
@@ -156,6 +179,7 @@ impl Controller {
             motion: Motion::new(machine),
             drives,
             next_tick: 0,
+            overtaken: Overtaken::default(),
         }
     }
 
@@ -176,24 +200,11 @@ impl Controller {
             }
         }
         self.inhibit(port.is_inhibited());
-        for _ in 0..MAX_COMMANDS_PER_TICK {
-            match port.next_command() {
-                Some(Command::Call(ticket, call)) => {
-                    let control = self.execute(ticket, &call);
-                    port.answer(ticket, control);
-                }
-                Some(Command::CallWith(ticket, call, data)) => {
-                    let control = self.execute_with(ticket, &call, Some(data));
-                    port.answer(ticket, control);
-                }
-                Some(Command::RungFalse(control)) => self.rung_false(control),
-                Some(Command::Override { system, rate }) => self.set_override(system, rate),
-                Some(Command::DynamicsBits { object, index, bits }) => self.set_dynamics_bits(object, index, bits),
-                Some(Command::Inject { axis, causes }) => self.inject(axis, causes),
-                Some(Command::Input(input)) => self.input(input),
-                Some(Command::StopAll) => self.stop_all(),
-                None => break,
-            }
+        let overtaking = self.take_overtaking(port);
+        for _ in overtaking..MAX_COMMANDS_PER_TICK {
+            let Some(command) = port.next_command() else { break };
+            let taken_before = port.taken_before();
+            self.take(command, taken_before, port);
         }
         if port.was_sent_before_stop() {
             self.stop_all();
@@ -216,6 +227,48 @@ impl Controller {
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
+        }
+    }
+
+    /// Takes the stops that come ahead of other commands, and returns how many there were. Real-time.
+    fn take_overtaking(&mut self, port: &mut impl Port) -> usize {
+        for number in 0..MAX_OVERTAKING_PER_TICK {
+            let Some(Overtaking { command, sent_before }) = port.next_overtaking() else {
+                return number;
+            };
+            if let Command::Call(_, call) | Command::CallWith(_, call, _) = &command {
+                self.overtaken.note(self.motion.axes_of(call), sent_before);
+            }
+            self.take(command, u64::MAX, port);
+        }
+        MAX_OVERTAKING_PER_TICK
+    }
+
+    /// Does what a command says, before which so many others were taken. Real-time.
+    fn take(&mut self, command: Command, taken_before: u64, port: &mut impl Port) {
+        match command {
+            Command::Call(ticket, call) | Command::CallWith(ticket, call, _)
+                if self
+                    .overtaken
+                    .refuses(&call, taken_before, || self.motion.axes_of(&call)) =>
+            {
+                let control = self.motion.refuse_call(ticket, &call, MotionError::ExecutionCollision);
+                port.answer(ticket, control);
+            }
+            Command::Call(ticket, call) => {
+                let control = self.execute(ticket, &call);
+                port.answer(ticket, control);
+            }
+            Command::CallWith(ticket, call, data) => {
+                let control = self.execute_with(ticket, &call, Some(data));
+                port.answer(ticket, control);
+            }
+            Command::RungFalse(control) => self.rung_false(control),
+            Command::Override { system, rate } => self.set_override(system, rate),
+            Command::DynamicsBits { object, index, bits } => self.set_dynamics_bits(object, index, bits),
+            Command::Inject { axis, causes } => self.inject(axis, causes),
+            Command::Input(input) => self.input(input),
+            Command::StopAll => self.stop_all(),
         }
     }
 

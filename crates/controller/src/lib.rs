@@ -10,6 +10,7 @@ mod controller;
 mod drives;
 pub mod image;
 pub mod machine;
+mod overtaken;
 pub mod samples;
 mod snapshot;
 
@@ -18,6 +19,6 @@ pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
     Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written,
 };
-pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, PlannedContour, Port, StopRequest};
+pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, Overtaking, PlannedContour, Port, StopRequest};
 pub use drives::simulated;
 pub use snapshot::Snapshot;

@@ -42,6 +42,11 @@ macro_rules! mnemonics {
                 }
             }
 
+            /// Whether it switches an axis on, or takes a shutdown back.
+            pub const fn switches_on(self) -> bool {
+                matches!(self, Self::Mso | Self::Masr | Self::Mcsr | Self::Mgsr)
+            }
+
             /// The full name.
             pub const fn title(self) -> &'static str {
                 match self { $(Self::$name => $title),* }

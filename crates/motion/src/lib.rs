@@ -52,3 +52,4 @@ pub use motion::{Input, Motion};
 pub use output::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 pub use path_data::{DynamicsData, PathData, PathMove};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};
+pub use stop::AxisSet;

@@ -147,6 +147,20 @@ impl Motion {
         self.controls.word(call.control)
     }
 
+    /// Refuses an instruction without looking at it. Real-time.
+    pub fn refuse_call(&mut self, ticket: Ticket, call: &Call, error: MotionError) -> MotionControl {
+        let execution = Execution {
+            ticket,
+            control: call.control,
+            mnemonic: call.mnemonic,
+        };
+        // A collision with the execution before is the same to its tag.
+        let begun = self.controls.begin(execution, self.clock.tick);
+        self.controls
+            .fail(execution, begun.err().unwrap_or(error), self.clock.tick);
+        self.controls.word(call.control)
+    }
+
     /// A false rung condition of the instruction with this motion control tag.
     pub fn rung_false(&mut self, control: ControlSlot) {
         self.controls.rung_false(control, self.clock.tick);

@@ -16,7 +16,7 @@ pub(crate) struct Stop {
 
 /// A set of axes of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct AxisSet([u64; MAX_AXES / 64]);
+pub struct AxisSet([u64; MAX_AXES / 64]);
 
 impl AxisSet {
     pub(crate) fn insert(&mut self, axis: AxisId) {
@@ -38,7 +38,8 @@ impl AxisSet {
         }
     }
 
-    pub(crate) fn contains(&self, axis: AxisId) -> bool {
+    /// Whether an axis is one of them.
+    pub fn contains(&self, axis: AxisId) -> bool {
         self.0
             .get(usize::from(axis.0 / 64))
             .is_some_and(|word| word & (1 << (axis.0 % 64)) != 0)

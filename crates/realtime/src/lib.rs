@@ -7,6 +7,7 @@
 
 #![deny(unsafe_code)]
 
+mod commands;
 mod contour;
 mod meter;
 mod rings;
@@ -15,9 +16,10 @@ mod schedule;
 mod stops;
 mod thread;
 
+pub use commands::{COMMANDS, CommandSender, Full, STOPS};
 pub use contour::Planning;
 pub use meter::Meter;
-pub use rings::{ACCEPTED, Answer, COMMANDS, EVENTS, Link, Rings, link};
+pub use rings::{ACCEPTED, Answer, EVENTS, Link, Rings, link};
 pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use stops::Stops;

@@ -5,18 +5,17 @@ use std::sync::Arc;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, FaultChange, MAX_COMMANDS_PER_TICK, PlannedContour, Port,
-    Snapshot, StopRequest, Ticket, Trajectory,
+    AcceptedMove, ArrayWrite, Command, ContourRequest, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot,
+    StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
+use crate::commands::{self, COMMANDS, CommandReceiver, CommandSender, STOPS};
 use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
 use crate::samples::{self, SampleSender, Samples};
 use crate::stops::{self, StopReceiver, Stops};
 
-/// Commands that can wait for the controller: what it takes in 16 ticks, so that no command waits for longer.
-pub const COMMANDS: usize = 16 * MAX_COMMANDS_PER_TICK;
 /// Events that can wait for their reader; one tick can make as many.
 pub const EVENTS: usize = 16_384;
 /// Changes of faults that can wait for their reader.
@@ -44,10 +43,10 @@ pub struct Answer {
 #[derive(Debug)]
 pub struct Link {
     /// Commands to the controller.
-    pub commands: rtrb::Producer<Command>,
+    pub commands: CommandSender,
     /// Requests to stop, which no command is ahead of.
     pub stops: Stops,
-    /// One answer for every call, in order.
+    /// One answer for every call, in the order in which they were executed.
     pub answers: rtrb::Consumer<Answer>,
     /// Changes of instructions, in order.
     pub events: rtrb::Consumer<Event>,
@@ -70,7 +69,7 @@ pub struct Link {
 /// The controller's ends.
 #[derive(Debug)]
 pub struct Rings {
-    commands: rtrb::Consumer<Command>,
+    commands: CommandReceiver,
     stops: StopReceiver,
     /// Commands in the ring that were sent before the newest stop of everything.
     before_stop: usize,
@@ -102,9 +101,9 @@ enum Stop {
 
 /// Rings for the controller of a machine. The only allocation.
 pub fn link(machine: &Machine) -> (Rings, Link) {
-    let (command_sender, commands) = rtrb::RingBuffer::new(COMMANDS);
+    let (command_sender, commands) = commands::link();
     // Every command in the ring may be answered before anybody looks.
-    let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * COMMANDS);
+    let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (COMMANDS + STOPS));
     let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
     let (fault_changes, fault_change_receiver) = rtrb::RingBuffer::new(FAULT_CHANGES);
     let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
@@ -160,7 +159,7 @@ impl Port for Rings {
     fn next_stop(&mut self) -> Option<StopRequest> {
         let stop = self.stops.next();
         if stop == Some(StopRequest::All) {
-            self.before_stop = self.commands.slots();
+            self.before_stop = self.commands.waiting();
         }
         stop
     }
@@ -173,12 +172,27 @@ impl Port for Rings {
         self.stops.is_inhibited()
     }
 
+    fn next_overtaking(&mut self) -> Option<Overtaking> {
+        match self.stop {
+            Stop::No => self.commands.overtaking(),
+            Stop::Asked | Stop::Under => None,
+        }
+    }
+
+    fn taken_before(&self) -> u64 {
+        self.commands.taken().saturating_sub(1)
+    }
+
     fn next_command(&mut self) -> Option<Command> {
         match self.stop {
             Stop::No => {
-                let command = self.commands.pop().ok()?;
-                self.took_before_stop |= self.before_stop > 0;
-                self.before_stop = self.before_stop.saturating_sub(1);
+                let taken = self.commands.taken();
+                let command = self.commands.next()?;
+                // Stops begin nothing.
+                if self.commands.taken() > taken {
+                    self.took_before_stop |= self.before_stop > 0;
+                    self.before_stop = self.before_stop.saturating_sub(1);
+                }
                 Some(command)
             }
             Stop::Asked => {

@@ -83,12 +83,25 @@ impl Bench {
         ticket
     }
 
+    /// As the server sends instructions that stop or switch off.
+    fn send_stop(&mut self, call: Call) -> Ticket {
+        self.tickets += 1;
+        let ticket = Ticket(self.tickets);
+        let command = Command::Call(ticket, call);
+        self.link.commands.push_stop(command).expect("room");
+        ticket
+    }
+
     /// Velocity of Y after some ticks.
     fn after(&mut self, ticks: u32) -> f64 {
         for _ in 0..ticks {
             assert_no_alloc(|| step(&mut self.controller, &mut self.rings));
             while self.link.answers.pop().is_ok() {}
         }
+        self.velocity()
+    }
+
+    fn velocity(&mut self) -> f64 {
         self.link.snapshots.update();
         self.link.snapshots.output_buffer().axes[usize::from(Y)].command[1]
     }
@@ -174,4 +187,91 @@ fn a_stop_of_everything_is_not_behind_the_commands_that_wait() {
     assert_eq!(bench.after(1), 0.0);
     bench.send(jog(3, 0.0));
     assert_eq!(bench.after(200), 100.0, "what is sent behind it moves");
+}
+
+/// Commands that the controller takes before it comes to one that is sent behind them, and more than one tick takes.
+fn wait_before(bench: &mut Bench) {
+    for control in 0..900 {
+        let command = Command::RungFalse(ControlSlot(1000 + control));
+        bench.link.commands.push(command).expect("room");
+    }
+}
+
+#[test]
+fn a_stop_instruction_overtakes_what_waits_and_what_waits_begins_nothing() {
+    let stop = call(Mnemonic::Mas, 50, &[]);
+    let move_of_y = |control| {
+        let operands = [
+            ("Position", 500.0),
+            ("Speed", 100.0),
+            ("Accel Rate", 5000.0),
+            ("Decel Rate", 5000.0),
+        ];
+        call(Mnemonic::Mam, control, &operands)
+    };
+    let mut bench = Bench::jogging(0.0).0;
+    wait_before(&mut bench);
+    let overtaken = [bench.send(jog(2, 0.0)), bench.send(move_of_y(3))];
+    bench.send_stop(stop);
+    let behind = bench.send(jog(4, 0.0));
+    assert!(bench.after(2) <= 90.0, "it brakes in the tick that the stop comes to");
+    let mut fastest = 0.0_f64;
+    let mut answers = std::collections::BTreeMap::new();
+    for _ in 0..20 {
+        assert_no_alloc(|| step(&mut bench.controller, &mut bench.rings));
+        while let Ok(answer) = bench.link.answers.pop() {
+            answers.insert(answer.ticket, answer.control);
+        }
+        if !answers.contains_key(&behind) {
+            fastest = bench.velocity().max(fastest);
+        }
+    }
+    assert!(
+        fastest <= 90.0,
+        "what was sent before the stop begins nothing: {fastest}"
+    );
+    for ticket in overtaken {
+        assert_eq!(answers[&ticket].err, 3, "execution collision");
+    }
+    assert_eq!(answers[&behind].err, 0, "what was sent behind it moves");
+    assert_eq!(bench.after(200), 100.0);
+}
+
+#[test]
+fn a_stop_leaves_what_waits_for_other_axes() {
+    let mut bench = Bench::new();
+    wait_before(&mut bench);
+    bench.send(jog(2, 0.0));
+    let mut other = call(Mnemonic::Mas, 50, &[]);
+    other.target = Some(0);
+    bench.send_stop(other);
+    assert_eq!(bench.after(200), 100.0, "X was stopped, Y jogs");
+}
+
+/// An axis that was switched off stays off, whatever waited.
+#[test]
+fn a_shutdown_is_not_taken_back_by_what_waits() {
+    let mut bench = Bench::jogging(0.0).0;
+    wait_before(&mut bench);
+    bench.send(call(Mnemonic::Masr, 60, &[]));
+    bench.send(jog(2, 0.0));
+    bench.send_stop(call(Mnemonic::Masd, 50, &[]));
+    assert_eq!(bench.after(3), 0.0, "it is shut down");
+    assert_eq!(bench.after(200), 0.0, "and stays so");
+}
+
+/// While one tick takes all that waits, a stop is executed at its turn.
+#[test]
+fn a_stop_overtakes_nothing_while_the_controller_keeps_up() {
+    let mut bench = Bench::new();
+    let jogged = bench.send(jog(2, 0.0));
+    let stopped = bench.send_stop(call(Mnemonic::Mas, 50, &[]));
+    assert_no_alloc(|| step(&mut bench.controller, &mut bench.rings));
+    let answers: Vec<_> = std::iter::from_fn(|| bench.link.answers.pop().ok()).collect();
+    let answers: Vec<_> = answers
+        .iter()
+        .map(|answer| (answer.ticket, answer.control.err))
+        .collect();
+    assert_eq!(answers, [(jogged, 0), (stopped, 0)]);
+    assert_eq!(bench.after(20), 0.0);
 }

@@ -11,7 +11,8 @@ use std::sync::{Arc, Weak};
 use std::task::Poll;
 use std::time::Duration;
 
-use arcline_proto::session::{CloseReason, Event, ServerSession};
+use arcline_proto::cip::{Reply, Request};
+use arcline_proto::session::{CloseReason, Event, ServerSession, Transport};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -23,6 +24,7 @@ use super::device::Device;
 use super::limiter::ClientSlot;
 use super::router::Router;
 use super::session_host::SessionHost;
+use super::turns::{SHORT, Share};
 use crate::guard::Signs;
 use crate::plant::ClientIdentity;
 
@@ -120,6 +122,7 @@ where
         now: Duration::ZERO,
         is_polling: false,
         signs,
+        share: Share::default(),
     };
     let ended = close.run_until_cancelled(connection.run()).await;
     let ended = ended.unwrap_or(Ended::Crowded);
@@ -150,6 +153,8 @@ struct Connection<S> {
     is_polling: bool,
     /// What the guard of jogs hears of the peer.
     signs: Signs,
+    /// What it has used of a thread of the network.
+    share: Share,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -329,15 +334,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                     reply_budget,
                     transport,
                 } => {
-                    let mut handled = pin!(self.router.handle(&request, reply_budget, transport));
-                    let reply = match at_once(handled.as_mut()).await {
-                        Poll::Ready(reply) => reply,
-                        Poll::Pending => {
-                            let reply = handled.await;
-                            self.now = self.epoch.elapsed();
-                            reply
-                        }
-                    };
+                    let reply = self.answer(&request, reply_budget, transport).await?;
                     self.session.reply(id, &reply, self.now);
                     answered = true;
                     if self.signs.is_wanted()
@@ -356,6 +353,33 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             }
         }
         Ok(answered)
+    }
+
+    /// Answers a request, in a turn of its own if it is long work.
+    async fn answer(&mut self, request: &Request, budget: usize, transport: Transport) -> Result<Reply, Ended> {
+        let is_long = request.data.len() > SHORT || self.share.is_used(self.now) && !self.router.is_stop(request);
+        let device = self.host.device.clone();
+        if is_long && device.turns.are_taken() {
+            // What is answered already does not wait with it.
+            self.flush().await?;
+        }
+        let turn = match is_long {
+            true => device.turns.take(self.host.session).await,
+            false => None,
+        };
+        let began = std::time::Instant::now();
+        let mut handled = pin!(self.router.handle(request, budget, transport));
+        let reply = at_once(handled.as_mut()).await;
+        self.share.pay(self.now, began.elapsed());
+        drop(turn);
+        Ok(match reply {
+            Poll::Ready(reply) => reply,
+            Poll::Pending => {
+                let reply = handled.await;
+                self.now = self.epoch.elapsed();
+                reply
+            }
+        })
     }
 
     /// Queues a frame; waits for the peer when there are many.

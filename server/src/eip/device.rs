@@ -18,6 +18,7 @@ use super::adapter::Adapters;
 use super::io::{AssemblyData, Io};
 use super::limiter::{ClientLimiter, Limits};
 use super::objects::Objects;
+use super::turns::Turns;
 use crate::guard::Face;
 use crate::plant::{Plant, Principal};
 
@@ -77,6 +78,8 @@ pub(crate) struct Device {
     /// The adapters of the host.
     pub(crate) adapters: Adapters,
     io: Option<Arc<Io>>,
+    /// The turns of connections whose work is long.
+    pub(crate) turns: Turns,
     /// The clients that are connected.
     pub(crate) limiter: Arc<ClientLimiter>,
     open_connections: AtomicUsize,
@@ -112,6 +115,9 @@ impl Device {
             assembly_data,
             objects: Objects::ALL,
             adapters: Adapters::new(&settings.system),
+            turns: Turns::new(
+                tokio::runtime::Handle::try_current().map_or(1, |runtime| runtime.metrics().num_workers()),
+            ),
             io,
             session_settings: Arc::new(settings.session.clone()),
             inactivity: watch::Sender::new(settings.session.inactivity),

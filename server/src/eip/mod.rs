@@ -24,6 +24,7 @@ mod router;
 mod session_host;
 mod status;
 mod tags;
+mod turns;
 
 #[cfg(test)]
 mod tests;

@@ -7,6 +7,7 @@ use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use arcline_controller::image::Image;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
@@ -17,6 +18,7 @@ use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
 use super::objects::{self, Access, Object, ObjectContext};
 use super::tags;
+use super::turns::SHORT;
 use crate::plant::Principal;
 use crate::retained::NotPersisted;
 
@@ -56,6 +58,28 @@ impl Router {
             debug_span!("request", service = request.service).in_scope(|| debug!(status = %reply.status, "refused"));
         }
         reply
+    }
+
+    /// Whether a message is a stop, or a short packet with one: nothing waits longer than it must before that.
+    pub(crate) fn is_stop(&self, message: &Request) -> bool {
+        if message.data.len() > SHORT {
+            return false;
+        }
+        let is_one = |request: &Request| {
+            let parsed = ParsedRequest::new(request, self.device.objects);
+            let context = self.context(0, Transport::Unconnected);
+            let image = |ask: &dyn Fn(&Image) -> bool| self.device.plant.with_published(ask);
+            match parsed.action {
+                Action::Motion => image(&|image| motion::is_stop(&context, image, request, &parsed.target)),
+                Action::WriteTag(_) => image(&|image| tags::is_of_stop(image, &parsed.target)),
+                Action::ReadTag(_) | Action::Object(..) | Action::Named(_) | Action::Refused(_) => false,
+            }
+        };
+        if !is_multiple(message) {
+            return is_one(message);
+        }
+        let requests = cip::split_multiple(&message.data).unwrap_or_default();
+        requests.iter().flatten().any(is_one)
     }
 
     async fn single(&self, request: &Request, budget: usize, transport: Transport) -> Reply {

@@ -51,6 +51,16 @@ pub(crate) fn write(memory: Memory<'_, '_>, request: &Request, target: &Target<'
     }
 }
 
+/// Whether a path is in a tag of an instruction that stops or switches off, or in the tag of STOP.
+pub(crate) fn is_of_stop(image: &Image, target: &Target<'_>) -> bool {
+    let tag = TagPart::find(image, target).ok().and_then(|part| image.tag(part.tag));
+    match tag.map(|tag| tag.kind) {
+        Some(TagKind::Instruction(kind)) => kind.mnemonic.is_stop(),
+        Some(kind) => kind == TagKind::MotionInhibit,
+        None => false,
+    }
+}
+
 /// The program in whose scope an instance of class 0x6B is meant: `Program:Main` in front of the class.
 pub(crate) fn scope(image: &Image, target: &Target<'_>) -> Result<Option<u16>, CipStatus> {
     let Some(name) = target.first_symbol() else {

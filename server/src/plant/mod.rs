@@ -230,6 +230,11 @@ impl Plant {
         read(&published.image.load())
     }
 
+    /// Looks at tags as they were published, which is for what does not change: names, types, kinds.
+    pub(crate) fn with_published<R>(&self, look: impl FnOnce(&Image) -> R) -> R {
+        look(&self.0.published.image.load())
+    }
+
     /// Sends the axes as they are after the real-time thread has stopped them, to be kept.
     pub(crate) fn keep_at_the_end(&self) {
         let mut state = self.0.lock();

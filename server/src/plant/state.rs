@@ -13,7 +13,7 @@ use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Ticket};
 use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
 };
-use arcline_realtime::Link;
+use arcline_realtime::{Link, STOPS};
 use tokio::sync::oneshot;
 
 use super::changes::ChangeLog;
@@ -103,6 +103,25 @@ impl Later {
         match same {
             Some(waiting) => *waiting = input,
             None => self.inputs.push_back(input),
+        }
+    }
+}
+
+/// How a command goes to the controller.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Lane {
+    /// Ahead of the others where more of them wait than one tick takes.
+    Stops,
+    /// One after the other.
+    Others,
+}
+
+impl Lane {
+    /// That of an instruction, and of its false rung conditions.
+    fn of(mnemonic: Mnemonic) -> Self {
+        match mnemonic.is_stop() {
+            true => Lane::Stops,
+            false => Lane::Others,
         }
     }
 }
@@ -335,9 +354,10 @@ impl State {
         text: Option<Arc<str>>,
         call: Call,
     ) -> (Ticket, oneshot::Receiver<()>) {
+        let lane = Lane::of(call.mnemonic);
         if self.later.rungs.remove(&call.control) {
             // The false rung condition is sent before it is true again.
-            self.push(Command::RungFalse(call.control));
+            self.push(lane, Command::RungFalse(call.control));
         }
         let ticket = self.ticket(principal, text, call.target);
         let (sender, receiver) = oneshot::channel();
@@ -346,10 +366,11 @@ impl State {
         if let Some(staged) = staged {
             self.staged.insert(ticket, staged);
         }
-        self.push(match data {
+        let command = match data {
             None => Command::Call(ticket, call),
             Some(data) => Command::CallWith(ticket, call, data),
-        });
+        };
+        self.push(lane, command);
         self.motion_tickets.note(ticket, &call);
         self.own(principal.owner(), ticket, &call);
         (ticket, receiver)
@@ -382,16 +403,15 @@ impl State {
         ticket
     }
 
-    /// How many instructions can still be sent. Some room is kept for those that only stop or switch off.
+    /// How many instructions can still be sent; those that only stop or switch off have room of their own.
     pub(super) fn room(&self) -> CallRoom {
-        let free = self.link.commands.slots();
         let waiting = self.waiting.len();
         let calls = OUTSTANDING.saturating_sub(waiting);
         let stops = (OUTSTANDING + FOR_STOPS).saturating_sub(waiting);
         CallRoom {
-            calls: calls.min(free.saturating_sub(FOR_STOPS)),
-            // A false rung condition may go ahead of it.
-            stops: stops.min(free.saturating_sub(1)),
+            calls: calls.min(self.link.commands.slots().saturating_sub(RESERVE)),
+            // A false rung condition may go ahead of each.
+            stops: stops.min(self.link.commands.stop_slots() / 2),
         }
     }
 
@@ -402,28 +422,35 @@ impl State {
     }
 
     /// Sends a command for which there is room.
-    fn push(&mut self, command: Command) {
-        if let Err(error) = self.link.commands.push(command) {
-            tracing::error!(%error, "no room for a command");
+    fn push(&mut self, lane: Lane, command: Command) {
+        let sent = match lane {
+            Lane::Stops => self.link.commands.push_stop(command),
+            Lane::Others => self.link.commands.push(command),
+        };
+        if let Err(error) = sent {
+            tracing::error!(%error, "a command is lost");
         }
     }
 
     /// Whether a command that can wait finds room now.
-    fn has_room_beside_stops(&self) -> bool {
-        self.link.commands.slots() > FOR_STOPS
+    fn has_room_to_wait(&self, lane: Lane) -> bool {
+        match lane {
+            Lane::Stops => self.link.commands.stop_slots() > 0,
+            Lane::Others => self.link.commands.slots() > RESERVE,
+        }
     }
 
     /// Sends the commands that wait for room.
     pub(super) fn flush(&mut self) {
-        while self.has_room_beside_stops()
+        while self.has_room_to_wait(Lane::Others)
             && let Some(control) = self.later.rungs.pop_first()
         {
-            self.push(Command::RungFalse(control));
+            self.push(Lane::Others, Command::RungFalse(control));
         }
-        while self.has_room_beside_stops()
+        while self.has_room_to_wait(Lane::Others)
             && let Some(input) = self.later.inputs.pop_front()
         {
-            self.push(Command::Input(input));
+            self.push(Lane::Others, Command::Input(input));
         }
         if self.later.overrides {
             self.send_overrides();
@@ -442,10 +469,11 @@ impl State {
     }
 
     /// The rung condition of an instruction is false. It never overtakes the instruction, which was sent before.
-    fn rung_false(&mut self, control: ControlSlot) {
-        if self.has_room_beside_stops() {
+    fn rung_false(&mut self, mnemonic: Mnemonic, control: ControlSlot) {
+        let lane = Lane::of(mnemonic);
+        if self.has_room_to_wait(lane) {
             self.later.rungs.remove(&control);
-            self.push(Command::RungFalse(control));
+            self.push(lane, Command::RungFalse(control));
         } else {
             self.later.rungs.insert(control);
         }
@@ -459,15 +487,18 @@ impl State {
             if self.overrides.get(place).is_none_or(|sent| *sent == now) {
                 continue;
             }
-            if !self.has_room_beside_stops() {
+            if !self.has_room_to_wait(Lane::Others) {
                 self.later.overrides = true;
                 return;
             }
             self.overrides[place] = now;
-            self.push(Command::Override {
-                system: SystemId::from_index(place),
-                rate: f64::from(now) / 100.0,
-            });
+            self.push(
+                Lane::Others,
+                Command::Override {
+                    system: SystemId::from_index(place),
+                    rate: f64::from(now) / 100.0,
+                },
+            );
         }
     }
 
@@ -479,15 +510,18 @@ impl State {
             if self.injected.get(place).is_none_or(|sent| *sent == causes) {
                 continue;
             }
-            if !self.has_room_beside_stops() {
+            if !self.has_room_to_wait(Lane::Others) {
                 self.later.injected = true;
                 return;
             }
             self.injected[place] = causes;
-            self.push(Command::Inject {
-                axis: AxisId::from_index(place),
-                causes,
-            });
+            self.push(
+                Lane::Others,
+                Command::Inject {
+                    axis: AxisId::from_index(place),
+                    causes,
+                },
+            );
         }
     }
 
@@ -503,12 +537,12 @@ impl State {
             {
                 continue;
             }
-            if !self.has_room_beside_stops() {
+            if !self.has_room_to_wait(Lane::Others) {
                 self.later.dynamics_bits = true;
                 return;
             }
             self.dynamics_bits[place] = (object, index, bits);
-            self.push(Command::DynamicsBits { object, index, bits });
+            self.push(Lane::Others, Command::DynamicsBits { object, index, bits });
         }
     }
 
@@ -541,8 +575,8 @@ impl State {
             }
             Edge::Input => {
                 for input in self.image.take_inputs() {
-                    if self.later.inputs.is_empty() && self.has_room_beside_stops() {
-                        self.push(Command::Input(input));
+                    if self.later.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {
+                        self.push(Lane::Others, Command::Input(input));
                     } else {
                         self.later.input(input);
                     }
@@ -560,7 +594,7 @@ impl State {
                 control.clear(Flag::En);
                 self.image_mut().set_control(kind.control, control);
             }
-            self.rung_false(kind.control);
+            self.rung_false(kind.mnemonic, kind.control);
             return None;
         }
         let error = match self.image.call_of(id)? {
@@ -595,5 +629,7 @@ fn is_answered(control: &MotionControl) -> bool {
 
 /// Calls that may wait for the controller at a time.
 pub(super) const OUTSTANDING: usize = 512;
-/// Room of the ring that only instructions take that stop or switch off, commands: what the controller takes in two ticks.
-pub(super) const FOR_STOPS: usize = 2 * MAX_COMMANDS_PER_TICK;
+/// Calls that may wait besides if they only stop or switch off.
+const FOR_STOPS: usize = STOPS / 2;
+/// Room of the ring that only false rung conditions take which go ahead of their instruction: what the controller takes in two ticks.
+const RESERVE: usize = 2 * MAX_COMMANDS_PER_TICK;

@@ -233,8 +233,8 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     // False rungs stand in the same ring.
     assert!((256..=OUTSTANDING as u32).contains(&accepted), "{accepted}");
     assert_eq!(accepted + refused, 2000);
-    let free = plant.0.lock().link.commands.slots();
-    assert!(free >= state::FOR_STOPS, "room for stops is left: {free}");
+    let free = plant.0.lock().link.commands.stop_slots();
+    assert_eq!(free, arcline_realtime::STOPS, "room for stops is left");
     assert_eq!(plant.count(Counter::Writes).refused, u64::from(refused));
     assert_eq!(
         call(&plant, Mnemonic::Mso, None, &[]).await,

@@ -1,6 +1,7 @@
 //! STOP under the load of others: a server with one network thread, over real sockets, and clients that ask for as much as they can for a
 //! few seconds. Each load is measured beside an idle control. A process of its own: it would make other tests late.
 
+mod instructions;
 mod turns;
 
 use arcline_config::{IoListen, ServerConfig};
@@ -30,6 +31,8 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
 /// From STOP to the ramp, at most: 20 ms are meant, the rest is for a machine that is busy with other tests. Seconds were measured before.
 const BOUND: Duration = Duration::from_millis(150);
+/// The same of stops that travel as instructions; 89 to 166 ms were measured before.
+const BOUND_OF_INSTRUCTIONS: Duration = Duration::from_millis(20);
 /// How long a load lasts before STOP is pressed.
 const WARM: Duration = Duration::from_millis(400);
 /// Longest wait for something that must come.
@@ -283,18 +286,19 @@ fn packet(requests: &[Request]) -> Bytes {
 
 /// EnableIn of an instruction, on and off, as often as a packet has room for.
 fn toggle(tag: &str) -> Vec<Bytes> {
-    let write = |on: u8| {
-        let path = Epath::from_tag(&format!("{tag}.EnableIn").parse().expect("a path")).0;
-        let write = WriteTag {
-            data_type: WireType::Atomic(0xC1),
-            elements: 1,
-            offset: 0,
-            data: Bytes::copy_from_slice(&[on]),
-        };
-        Request::new(service::WRITE_TAG, path, write.to_bytes())
-    };
-    let pairs: Vec<Request> = (0..40).map(|place| write(u8::from(place % 2 == 0))).collect();
+    let pairs: Vec<Request> = (0..40).map(|place| write_enable(tag, place % 2 == 0)).collect();
     vec![packet(&pairs)]
+}
+
+fn write_enable(tag: &str, on: bool) -> Request {
+    let path = Epath::from_tag(&format!("{tag}.EnableIn").parse().expect("a path")).0;
+    let write = WriteTag {
+        data_type: WireType::Atomic(0xC1),
+        elements: 1,
+        offset: 0,
+        data: Bytes::copy_from_slice(&[u8::from(on)]),
+    };
+    Request::new(service::WRITE_TAG, path, write.to_bytes())
 }
 
 /// Begins a load.

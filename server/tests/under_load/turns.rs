@@ -67,14 +67,14 @@ fn thread_time() -> u64 {
 }
 
 /// A session that asks one request after another.
-struct Session {
+pub(super) struct Session {
     stream: TcpStream,
     session: SessionHandle,
     buf: BytesMut,
 }
 
 impl Session {
-    async fn open(eip: SocketAddr) -> Self {
+    pub(super) async fn open(eip: SocketAddr) -> Self {
         let mut session = Session {
             stream: TcpStream::connect(eip).await.expect("a place"),
             session: SessionHandle(0),
@@ -88,8 +88,16 @@ impl Session {
     }
 
     async fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
+        self.send(command, data).await;
+        self.reply().await
+    }
+
+    pub(super) async fn send(&mut self, command: Command, data: Bytes) {
         let frame = Frame::request(command, self.session, [0; 8], data);
         self.stream.write_all(&frame.to_bytes()).await.expect("it is open");
+    }
+
+    pub(super) async fn reply(&mut self) -> Frame {
         let decoder = FrameDecoder::new(MAX_DATA);
         loop {
             if let Some(frame) = decoder.decode(&mut self.buf).expect("a frame") {
@@ -99,7 +107,7 @@ impl Session {
         }
     }
 
-    async fn ask(&mut self, message: Bytes) -> Frame {
+    pub(super) async fn ask(&mut self, message: Bytes) -> Frame {
         self.exchange(Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes())
             .await
     }

@@ -1,10 +1,11 @@
 //! What instructions read of a call: its target, its verified operands, and the objects that these name.
 
 use arcline_instruction_set::operands::{OperandValue, Operands};
-use arcline_instruction_set::{AxisId, Call, MotionError, Object, SystemId};
+use arcline_instruction_set::{Argument, AxisId, Call, Mnemonic, MotionError, Object, SystemId};
 
 use crate::instructions;
 use crate::motion::Motion;
+use crate::stop::AxisSet;
 
 impl Motion {
     pub(crate) fn target_axis(&self, call: &Call) -> Result<AxisId, MotionError> {
@@ -27,6 +28,33 @@ impl Motion {
             .map(SystemId)
             .filter(|system| self.systems.get(*system).is_some())
             .ok_or(instructions::no_target())
+    }
+
+    /// The axes of the object that an instruction acts on, and of the other coordinate system of a transform. Real-time.
+    pub fn axes_of(&self, call: &Call) -> AxisSet {
+        let mut axes = AxisSet::default();
+        let mut of_system = |system: SystemId| {
+            let system = self.systems.get(system);
+            for axis in system.iter().flat_map(|system| &system.description.axes) {
+                axes.insert(*axis);
+            }
+        };
+        match (call.mnemonic.instruction().object, call.target) {
+            (Object::CoordinateSystem, Some(target)) => {
+                of_system(SystemId(target));
+                if matches!(call.mnemonic, Mnemonic::Mct | Mnemonic::Mcto) {
+                    for argument in &call.arguments {
+                        if let Argument::Object(other) = argument {
+                            of_system(SystemId(*other));
+                        }
+                    }
+                }
+            }
+            (Object::Axis, Some(target)) => axes.insert(AxisId(target)),
+            (Object::MotionGroup, _) => self.axes.ids().for_each(|axis| axes.insert(axis)),
+            (_, None) => {}
+        }
+        axes
     }
 
     /// Step 5 of the verification: the operands, in faceplate order.

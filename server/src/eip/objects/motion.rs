@@ -62,6 +62,13 @@ pub(crate) fn parse(
     })
 }
 
+/// Whether a motion service is an instruction that stops or switches off.
+pub(crate) fn is_stop(context: &Context<'_>, image: &Image, request: &Request, target: &Target<'_>) -> bool {
+    let object = find(context, image, target).ok();
+    let mnemonic = object.and_then(|(object, _)| by_service(object.class_code(), request.service));
+    mnemonic.is_some_and(Mnemonic::is_stop)
+}
+
 impl MotionRequest {
     /// Executes the instruction and waits until it is verified.
     pub(crate) async fn execute(&self, plant: &Plant, principal: Principal) -> Reply {

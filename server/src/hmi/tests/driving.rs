@@ -248,6 +248,10 @@ async fn a_jog_ends_with_the_hand_that_holds_it() {
                 break;
             }
             late.push((end, moving, ticks));
+            // The next try may jog again.
+            let release = crate::plant::Command::Release;
+            let released = bench.plant.apply(crate::plant::Principal::Server, release).await;
+            assert!(released.is_ok(), "{released:?}");
         }
         assert!(within.is_some(), "{end}: {late:?}");
     }

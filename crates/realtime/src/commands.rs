@@ -1,0 +1,184 @@
+//! Commands to the controller: one order, in two rings, so that a stop need not wait for the commands that were sent before it.
+//!
+//! Commands are taken in the order in which they were sent, [`MAX_COMMANDS_PER_TICK`] in a tick. A stop before which more commands wait
+//! than one tick takes comes first, and the controller refuses those commands that it overtook and that would move what it stopped.
+//! So nothing is ever reordered while the controller keeps up. Not here: which instructions are stops, and what is refused.
+
+use arcline_controller::{Command, MAX_COMMANDS_PER_TICK, Overtaking};
+
+/// Commands that can wait for the controller: what it takes in 16 ticks, so that no command waits for longer.
+pub const COMMANDS: usize = 16 * MAX_COMMANDS_PER_TICK;
+/// Stops that can wait besides.
+pub const STOPS: usize = COMMANDS / 2;
+
+/// There is no room for a command; nothing was sent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Full;
+
+impl std::fmt::Display for Full {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("too many commands wait for the controller")
+    }
+}
+
+impl std::error::Error for Full {}
+
+/// The sender's end.
+#[derive(Debug)]
+pub struct CommandSender {
+    commands: rtrb::Producer<Command>,
+    stops: rtrb::Producer<Overtaking>,
+    /// Commands that were sent, stops aside.
+    sent: u64,
+}
+
+/// The controller's end.
+#[derive(Debug)]
+pub(crate) struct CommandReceiver {
+    commands: rtrb::Consumer<Command>,
+    stops: rtrb::Consumer<Overtaking>,
+    /// Commands that were taken, stops aside.
+    taken: u64,
+}
+
+/// Both ends. The only allocation.
+pub(crate) fn link() -> (CommandSender, CommandReceiver) {
+    let (command_sender, commands) = rtrb::RingBuffer::new(COMMANDS);
+    let (stop_sender, stops) = rtrb::RingBuffer::new(STOPS);
+    let sender = CommandSender {
+        commands: command_sender,
+        stops: stop_sender,
+        sent: 0,
+    };
+    let receiver = CommandReceiver {
+        commands,
+        stops,
+        taken: 0,
+    };
+    (sender, receiver)
+}
+
+impl CommandSender {
+    /// Sends a command that waits for those before it.
+    ///
+    /// # Errors
+    /// There is no room.
+    pub fn push(&mut self, command: Command) -> Result<(), Full> {
+        self.commands.push(command).map_err(|_| Full)?;
+        self.sent += 1;
+        Ok(())
+    }
+
+    /// Sends a stop, or the false rung condition of one.
+    ///
+    /// # Errors
+    /// There is no room.
+    pub fn push_stop(&mut self, command: Command) -> Result<(), Full> {
+        let overtaking = Overtaking {
+            command,
+            sent_before: self.sent,
+        };
+        self.stops.push(overtaking).map_err(|_| Full)
+    }
+
+    /// Commands that find room.
+    pub fn slots(&self) -> usize {
+        self.commands.slots()
+    }
+
+    /// Stops that find room.
+    pub fn stop_slots(&self) -> usize {
+        self.stops.slots()
+    }
+}
+
+impl CommandReceiver {
+    /// Commands that wait, stops aside. Real-time.
+    pub(crate) fn waiting(&self) -> usize {
+        self.commands.slots()
+    }
+
+    /// Commands that were taken, stops aside. Real-time.
+    pub(crate) fn taken(&self) -> u64 {
+        self.taken
+    }
+
+    /// A stop before which more commands wait than a tick takes. Real-time.
+    pub(crate) fn overtaking(&mut self) -> Option<Overtaking> {
+        let sent_before = self.stops.peek().ok()?.sent_before;
+        if sent_before.saturating_sub(self.taken) <= MAX_COMMANDS_PER_TICK as u64 {
+            return None;
+        }
+        self.stops.pop().ok()
+    }
+
+    /// The next command in the order in which they were sent. Real-time.
+    pub(crate) fn next(&mut self) -> Option<Command> {
+        // Looked at first: a stop that was sent before a command that waits now is seen below.
+        let waits = self.commands.slots() > 0;
+        if self.stops.peek().is_ok_and(|stop| stop.sent_before <= self.taken) {
+            return self.stops.pop().ok().map(|stop| stop.command);
+        }
+        if !waits {
+            return None;
+        }
+        let command = self.commands.pop().ok()?;
+        self.taken += 1;
+        Some(command)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use arcline_instruction_set::ControlSlot;
+
+    use super::*;
+
+    fn command(number: u32) -> Command {
+        Command::RungFalse(ControlSlot(number))
+    }
+
+    fn slot(command: Option<Command>) -> Option<u32> {
+        match command {
+            Some(Command::RungFalse(slot)) => Some(slot.0),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn while_the_controller_keeps_up_the_order_is_that_of_sending() {
+        let (mut sender, mut receiver) = link();
+        for number in 0..MAX_COMMANDS_PER_TICK as u32 {
+            sender.push(command(number)).expect("room");
+            sender.push_stop(command(1000 + number)).expect("room");
+        }
+        assert!(receiver.overtaking().is_none(), "one tick takes what is before them");
+        for number in 0..MAX_COMMANDS_PER_TICK as u32 {
+            assert_eq!(slot(receiver.next()), Some(number));
+            assert_eq!(slot(receiver.next()), Some(1000 + number));
+        }
+        assert_eq!(slot(receiver.next()), None);
+    }
+
+    #[test]
+    fn a_stop_overtakes_more_commands_than_a_tick_takes() {
+        let (mut sender, mut receiver) = link();
+        for number in 0..COMMANDS as u32 {
+            sender.push(command(number)).expect("room");
+        }
+        assert!(
+            sender.push(command(0)).is_err(),
+            "the ring is full, and nothing counts it"
+        );
+        for number in 0..STOPS as u32 {
+            sender.push_stop(command(number)).expect("there is room for stops");
+        }
+        assert!(sender.push_stop(command(0)).is_err());
+        for number in 0..STOPS as u32 {
+            let overtaking = receiver.overtaking().expect("it comes first");
+            assert_eq!(overtaking.sent_before, COMMANDS as u64);
+            assert_eq!(slot(Some(overtaking.command)), Some(number));
+        }
+        assert_eq!(slot(receiver.next()), Some(0));
+    }
+}
