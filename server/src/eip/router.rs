@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use arcline_controller::image::Image;
+use arcline_proto::arcline::machine;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
 use arcline_proto::session::Transport;
 use tracing::{debug, debug_span};
@@ -72,7 +73,10 @@ impl Router {
             match parsed.action {
                 Action::Motion => image(&|image| motion::is_stop(&context, image, request, &parsed.target)),
                 Action::WriteTag(_) => image(&|image| tags::is_of_stop(image, &parsed.target)),
-                Action::ReadTag(_) | Action::Object(..) | Action::Named(_) | Action::Refused(_) => false,
+                Action::Object(..) => {
+                    parsed.target.class == Some(machine::CLASS) && request.service == machine::service::STOP
+                }
+                Action::ReadTag(_) | Action::Named(_) | Action::Refused(_) => false,
             }
         };
         if !is_multiple(message) {
