@@ -19,7 +19,7 @@ enum Group {
     Axes,
     Masters,
     Outputs,
-    MotionGroup,
+    WholeMachine,
 }
 
 impl Group {
@@ -30,7 +30,7 @@ impl Group {
         Self::Axes,
         Self::Masters,
         Self::Outputs,
-        Self::MotionGroup,
+        Self::WholeMachine,
     ];
 
     const fn title(self) -> &'static str {
@@ -41,7 +41,7 @@ impl Group {
             Self::Axes => "single axes",
             Self::Masters => "gears, cams and masters",
             Self::Outputs => "output cams, registration, watched positions",
-            Self::MotionGroup => "motion group",
+            Self::WholeMachine => "motion group",
         }
     }
 
@@ -58,7 +58,7 @@ impl Group {
             }
             Self::Axes => "complete, rotary axes too; homing on simulated switches, markers and mechanical stops",
             Self::Masters => "complete: moves and jogs as functions of a master's position too",
-            Self::CoordinatedStops | Self::Outputs | Self::MotionGroup => "complete",
+            Self::CoordinatedStops | Self::Outputs | Self::WholeMachine => "complete",
         }
     }
 }
@@ -73,7 +73,7 @@ const fn group(mnemonic: Mnemonic) -> Group {
         Mso | Msf | Mam | Maj | Mcd | Mas | Mah | Mrp | Masd | Masr | Mafr => Group::Axes,
         Mag | Mapc | Matc | Mccp | Mcsv | Mdac | Mdcc => Group::Masters,
         Maoc | Mdoc | Mar | Mdr | Maw | Mdw => Group::Outputs,
-        Mgs | Mgsd | Mgsr | Mgsp => Group::MotionGroup,
+        Mgs | Mgsd | Mgsr | Mgsp => Group::WholeMachine,
     }
 }
 
