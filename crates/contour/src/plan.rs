@@ -6,6 +6,7 @@ use crate::path::straight::straight;
 use crate::section::Section;
 use crate::solve::stages::Quality;
 use crate::trajectory::MoveEnd;
+use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Path, Point, Trajectory};
 
 /// Plans the moves from rest to rest; the last one ends exactly. Total: what cannot be rounded is
@@ -57,20 +58,32 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         rest.move_ends = vec![MoveEnd::plain(0.0); moves.len()];
         return rest;
     }
-    let section = Section::new(moves, limits, Begin::Rest);
-    for quality in [Quality::Full, Quality::TimingOnly] {
-        if let Some(trajectory) = section.plan(quality) {
+    for quality in qualities(moves) {
+        if let Some(trajectory) = Section::new(moves, limits, Begin::Rest, quality).plan() {
             return trajectory;
         }
     }
     if long.len() == 1 {
-        return section.slowed();
+        return Section::new(moves, limits, Begin::Rest, Quality::TimingOnly).slowed();
     }
     let mut whole = Trajectory::rest(moves[0].path.start());
     for one in moves {
         whole.append(plan_section(core::slice::from_ref(one), limits));
     }
     whole
+}
+
+/// In which order a section is tried: dense chords as a smooth curve first.
+pub(crate) fn qualities(moves: &[ContourMove]) -> impl Iterator<Item = Quality> {
+    let dense = is_dense(moves).then_some(Quality::Smooth);
+    dense.into_iter().chain([Quality::Full, Quality::TimingOnly])
+}
+
+/// Whether moves are many, most of them with a corner that turns little.
+pub(crate) fn is_dense(moves: &[ContourMove]) -> bool {
+    let turn = |pair: &[ContourMove]| (pair[1].path.start_tangent() - pair[0].path.end_tangent()).norm();
+    let sharp = moves.windows(2).filter(|pair| turn(pair) > TUNING.smooth.sharp).count();
+    moves.len() >= TUNING.smooth.least_moves && sharp * TUNING.smooth.most_sharp <= moves.len()
 }
 
 /// Tangents that differ by no more than this are equal (spec/motion-core.md §6.3).

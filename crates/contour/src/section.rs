@@ -8,6 +8,7 @@ use crate::path::allowance::{Allowance, Begin};
 use crate::path::margin::ToleranceMargin;
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Stretch, round};
+use crate::path::smooth::smooth;
 use crate::solve::measure::{Measured, measured};
 use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
@@ -34,11 +35,12 @@ pub(crate) struct Section<'a> {
     pub(crate) bounds: Vec<Bounds>,
     pub(crate) allowance: Allowance,
     pub(crate) smoothness: Smoothness,
+    quality: Quality,
 }
 
 impl<'a> Section<'a> {
     /// Moves of which at least one has a length.
-    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, begin: Begin) -> Self {
+    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, begin: Begin, quality: Quality) -> Self {
         let smoothness = Smoothness::of(moves);
         let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
         let reference = ReferencePath::new(long.iter().map(|m| m.path).collect());
@@ -46,10 +48,11 @@ impl<'a> Section<'a> {
         let deviations = long.iter().map(|m| m.deviation);
         Section {
             moves,
-            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, begin),
+            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, begin).with_quality(quality),
             reference,
             bounds: long.iter().map(|m| Bounds::new(m, limits, smoothness)).collect(),
             smoothness,
+            quality,
         }
     }
 
@@ -63,21 +66,21 @@ impl<'a> Section<'a> {
     }
 
     /// From rest to rest; `None` where the result is not inside the corridor and the limits.
-    pub(crate) fn plan(&self, quality: Quality) -> Option<Trajectory> {
-        Some(self.finish(self.solve(quality)?))
+    pub(crate) fn plan(&self) -> Option<Trajectory> {
+        Some(self.finish(self.solve()?))
     }
 
     /// As [`Section::plan`], with its control points.
-    pub(crate) fn solve(&self, quality: Quality) -> Option<Solved> {
+    pub(crate) fn solve(&self) -> Option<Solved> {
         let control = self.first_guess();
         let mut work = Work::from_rest(control.points.len());
-        self.run(control, quality, &stages(self.smoothness, quality), &mut work)
+        self.run(control, &stages(self.smoothness, self.quality), &mut work)
     }
 
     /// The same with work that is shared with others.
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
-        let stages = stages(self.smoothness, Quality::Full);
-        self.run(self.first_guess(), Quality::Full, &stages, work)
+        let stages = stages(self.smoothness, self.quality);
+        self.run(self.first_guess(), &stages, work)
     }
 
     fn first_guess(&self) -> ControlPoints {
@@ -93,14 +96,14 @@ impl<'a> Section<'a> {
 
     /// From a first guess to rest; `None` where the result is not inside the corridor and the limits.
     pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
-        let stages = stages(self.smoothness, Quality::Full);
-        Some(self.finish(self.run(control, Quality::Full, &stages, work)?))
+        let stages = stages(self.smoothness, self.quality);
+        Some(self.finish(self.run(control, &stages, work)?))
     }
 
     /// From a guess that is nearly within its limits.
     pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let stages = last_stages(self.smoothness);
-        Some(self.finish(self.run(control, Quality::Full, &stages, work)?))
+        Some(self.finish(self.run(control, &stages, work)?))
     }
 
     /// The last resort for a single curve: the first guess, as slow as the limits ask for.
@@ -122,14 +125,15 @@ impl<'a> Section<'a> {
     }
 
     /// All stages, until one has a plan or the work is done.
-    fn run(&self, mut control: ControlPoints, quality: Quality, stages: &[Stage], work: &mut Work) -> Option<Solved> {
+    fn run(&self, mut control: ControlPoints, stages: &[Stage], work: &mut Work) -> Option<Solved> {
+        let quality = self.quality;
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
         let mut warp = Smoothness::Trapezoid;
         for stage in stages {
             let is_repair = stage.result == StageResult::Repair;
             // One that continues a motion is close to its limits everywhere: repairs keep its nodes.
-            let keeps = control.initial.is_some() && is_repair;
+            let keeps = is_repair && (control.initial.is_some() || quality == Quality::Smooth);
             if let Some(last) = last.as_ref().filter(|_| !keeps) {
                 // The first stage that limits the jerk is stretched for it at its ends.
                 let warp = match stage.limits {
@@ -137,6 +141,10 @@ impl<'a> Section<'a> {
                     Limited::Acceleration => Smoothness::Trapezoid,
                 };
                 control = self.resampled(&control, last, warp);
+            }
+            if quality == Quality::Smooth {
+                smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
+                project(&self.reference, &mut control);
             }
             if stage.limits == Limited::Acceleration {
                 warp = self.smoothness;
@@ -163,7 +171,7 @@ impl<'a> Section<'a> {
                 return None;
             }
             // For the first repair the corridor is narrowed where the curve was outside; then all of it.
-            if is_repair {
+            if is_repair && quality == Quality::Full {
                 margin.narrow(worst, &self.allowance);
             }
             last = Some(now);
@@ -175,7 +183,14 @@ impl<'a> Section<'a> {
     fn resampled(&self, control: &ControlPoints, last: &Measured, warp: Smoothness) -> ControlPoints {
         let Measured { trajectory, times, .. } = last;
         let roundings = self.allowance.roundings(&self.reference, |s| control.time_of(s, times));
-        let mut fresh = resample(trajectory, times, control, &self.bounds, &roundings, warp);
+        let mut fresh = resample(
+            trajectory,
+            times,
+            control,
+            &self.bounds,
+            (&roundings, self.allowance.node_s()),
+            warp,
+        );
         project(&self.reference, &mut fresh);
         fresh
     }
@@ -278,7 +293,7 @@ mod tests {
             acceleration: Point::repeat(1000.0),
             jerk: Some(Point::repeat(20_000.0)),
         };
-        let section = Section::new(&moves, &limits, Begin::Rest);
+        let section = Section::new(&moves, &limits, Begin::Rest, Quality::Full);
         let nodes = section.first_guess().points.len();
         let mut work = Work::from_rest(nodes);
         assert!(section.solve_with(&mut work).is_some() && !work.is_done());

@@ -19,6 +19,7 @@ pub(crate) struct Tuning {
     pub(crate) corridor: Corridor,
     pub(crate) margin: Margin,
     pub(crate) rounding: Rounding,
+    pub(crate) smooth: Smooth,
     pub(crate) grid: Grid,
     pub(crate) speed_profile: SpeedProfile,
     pub(crate) stages: Stages,
@@ -34,6 +35,7 @@ pub(crate) const TUNING: Tuning = Tuning {
     corridor: Corridor::VALUES,
     margin: Margin::VALUES,
     rounding: Rounding::VALUES,
+    smooth: Smooth::VALUES,
     grid: Grid::VALUES,
     speed_profile: SpeedProfile::VALUES,
     stages: Stages::VALUES,
@@ -101,6 +103,32 @@ constants! {
         line_samples: [f64; 3] = [400.0, 4.0, 200.0],
         /// Samples of an arc for each radian, at least and at most for each.
         arc_samples: [f64; 3] = [20.0, 8.0, 1000.0],
+    }
+}
+
+constants! {
+    /// The smooth curve that takes the place of dense chords ([`crate::path::smooth`]).
+    Smooth {
+        /// Seconds between two nodes where the motion is busy.
+        node_s: f64 = 0.002,
+        /// A change of direction (of a unit vector) whose corner has nodes of its own.
+        sharp: f64 = 0.35,
+        /// Moves of which there must be at least so many for a smooth curve, and of which one in so many may end in a sharp corner.
+        least_moves: usize = 24,
+        most_sharp: usize = 3,
+        /// Rounds of springs.
+        rounds: usize = 12,
+        /// How much the jerk of a node counts where the room to the wall counts as the logarithm: a jerk that comes to the least
+        /// acceleration limit within so many seconds.
+        stiffness: f64 = 20.0,
+        jerk_s: f64 = 0.05,
+        /// Share of the corridor that it uses, and of its room that is left of it outside.
+        inside_share: f64 = 0.95,
+        least_room: f64 = 1e-7,
+        /// Share of the way to the wall that one step goes.
+        most_step: f64 = 0.8,
+        /// How often the timing is repeated with the corridor narrowed where the curve was outside.
+        repairs: usize = 3,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::Begin;
 use crate::plan::plan;
 use crate::section::Section;
+use crate::solve::stages::Quality;
 use crate::solve::work::Work;
 use crate::trajectory::{Knot, State};
 use crate::tuning::TUNING;
@@ -23,6 +24,7 @@ pub(crate) struct Continuation<'a> {
     /// Moves of the section.
     pub(crate) begin: usize,
     pub(crate) end: usize,
+    pub(crate) quality: Quality,
 }
 
 impl Continuation<'_> {
@@ -36,6 +38,7 @@ impl Continuation<'_> {
             now,
             begin,
             end,
+            quality,
         } = self;
         // Some pieces before the one at the splice belong to the reference path: the curve there may be near them too.
         let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
@@ -43,7 +46,7 @@ impl Continuation<'_> {
             .iter()
             .rposition(ContourMove::has_length)
             .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits, Begin::Running);
+        let section = Section::new(&moves[back..end], limits, Begin::Running, quality);
         let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
         let followed = Running {
             trajectory: running,
@@ -73,7 +76,8 @@ impl Continuation<'_> {
 
     /// As a motion over the same moves that begins at rest earlier, where both are alike.
     fn joined(&self, section: &Section<'_>, followed: Running<'_>, back: usize, work: &mut Work) -> Option<Trajectory> {
-        if work.is_done() {
+        // Two smooth motions are not alike enough.
+        if work.is_done() || self.quality == Quality::Smooth {
             return None;
         }
         let &Continuation {
@@ -93,7 +97,7 @@ impl Continuation<'_> {
             .unwrap_or(begin.min(back));
         let long = moves[from..back].iter().filter(|m| m.has_length());
         let before = long.map(|m| m.path.length()).sum();
-        let fresh = Section::new(&moves[from..end], limits, Begin::Rest).solve_with(work)?;
+        let fresh = Section::new(&moves[from..end], limits, Begin::Rest, Quality::Full).solve_with(work)?;
         section.repair(warm_start_joined(section, followed, limits, &fresh, before)?, work)
     }
 }

@@ -11,7 +11,8 @@ mod warm_start_joined;
 
 use crate::extend::continuation::{Continuation, cut};
 use crate::extend::splice::{braking_time, splice};
-use crate::plan::can_pass;
+use crate::plan::{can_pass, qualities};
+use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -50,16 +51,22 @@ pub fn extend(
     let end = (old + 1..moves.len())
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
-    let continuation = Continuation {
-        running,
-        passed,
-        moves,
-        limits,
-        now,
-        begin,
-        end,
-    };
-    Some(extended(&continuation, old, earliest)?.planned_for(moves, limits))
+    let extended = qualities(&moves[begin..end])
+        .filter(|&quality| quality != Quality::TimingOnly)
+        .find_map(|quality| {
+            let continuation = Continuation {
+                running,
+                passed,
+                moves,
+                limits,
+                now,
+                begin,
+                end,
+                quality,
+            };
+            extended(&continuation, old, earliest)
+        })?;
+    Some(extended.planned_for(moves, limits))
 }
 
 /// `old` moves are those of the running trajectory.

@@ -113,7 +113,16 @@ fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: 
         if time.is_finite() { time } else { behind.time }
     });
     let pieces = section.reference.pieces.len();
-    continued_grid(running_knots, whole, &Density { busy, fine, pieces })
+    continued_grid(
+        running_knots,
+        whole,
+        &Density {
+            busy,
+            fine,
+            pieces,
+            node_s: section.allowance.node_s(),
+        },
+    )
 }
 
 /// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.

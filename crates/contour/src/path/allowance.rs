@@ -4,6 +4,7 @@
 use crate::limits::Smoothness;
 use crate::path::reach::{MOST_REACH_TOLERANCES, most_reach};
 use crate::path::reference::{ReferencePath, along, nearest};
+use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{Deviation, Point};
 use arcline_geometry::Path;
@@ -27,6 +28,8 @@ pub(crate) struct Allowance {
     /// Whether the curve may be anywhere inside the tolerance of a piece.
     anywhere: Vec<bool>,
     begin: Begin,
+    /// Which plan it is for.
+    quality: Quality,
 }
 
 impl Allowance {
@@ -43,11 +46,29 @@ impl Allowance {
             .map(|(pair, &tolerance)| most_reach(&pair[0], &pair[1], tolerance, smoothness))
             .collect();
         reaches.push(0.0);
+        let chords = chords(reference, &tolerances);
+        let anywhere = deviations
+            .zip(chords)
+            .map(|(deviation, chord)| chord || deviation == Deviation::Anywhere);
         Allowance {
+            anywhere: anywhere.collect(),
             tolerances,
             reaches,
-            anywhere: deviations.map(|deviation| deviation == Deviation::Anywhere).collect(),
             begin,
+            quality: Quality::Full,
+        }
+    }
+
+    /// For a plan of another quality than [`Quality::Full`].
+    pub(crate) fn with_quality(self, quality: Quality) -> Allowance {
+        Allowance { quality, ..self }
+    }
+
+    /// Seconds between two nodes where the motion is busy.
+    pub(crate) fn node_s(&self) -> f64 {
+        match self.quality {
+            Quality::Smooth => TUNING.smooth.node_s,
+            Quality::TimingOnly | Quality::Full => TUNING.grid.node_s,
         }
     }
 
@@ -139,12 +160,18 @@ impl Allowance {
     pub(crate) fn roundings(&self, reference: &ReferencePath, time_at: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let joints = (0..reference.pieces.len()).filter(|&piece| piece + 1 < reference.pieces.len());
         joints
-            .filter(|&piece| self.room(reference, piece).is_finite() && self.reaches[piece] > 0.0)
+            .filter(|&piece| self.reaches[piece] > 0.0)
+            .filter(|&piece| self.room(reference, piece).is_finite() || self.is_sharp(reference, piece))
             .map(|piece| {
                 let (s, reach) = (reference.starts[piece + 1], self.reaches[piece]);
                 (time_at(s - reach), time_at(s + reach))
             })
             .collect()
+    }
+
+    /// Whether the corner at the end of a piece has nodes of its own on a smooth curve.
+    fn is_sharp(&self, reference: &ReferencePath, piece: usize) -> bool {
+        self.quality == Quality::Smooth && turn(reference, piece) > TUNING.smooth.sharp
     }
 
     /// Whether one of the two pieces at a joint is kept to beside it: how far from its corner the curve may be. `None`: neither.
@@ -220,6 +247,34 @@ impl Allowance {
     }
 }
 
+/// How much the direction changes behind a piece, as the length of the change of a unit vector.
+pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
+    let next = reference.pieces.get(piece + 1);
+    next.map_or(0.0, |next| {
+        (next.start_tangent() - reference.pieces[piece].end_tangent()).norm()
+    })
+}
+
+/// Which pieces are chords of a curve: lines so short, and between corners so flat, that an arc with the same turn would be within half of
+/// the tolerance.
+fn chords<'a>(reference: &'a ReferencePath, tolerances: &'a [f64]) -> impl Iterator<Item = bool> + 'a {
+    (0..reference.pieces.len()).map(|piece| {
+        let before = piece.checked_sub(1);
+        let most = before
+            .map_or(0.0, |before| turn(reference, before))
+            .max(turn(reference, piece));
+        let tolerance = before.map_or(f64::INFINITY, |before| tolerances[before]);
+        let tolerance = if piece + 1 < reference.pieces.len() {
+            tolerance.min(tolerances[piece])
+        } else {
+            tolerance
+        };
+        let length = reference.pieces[piece].length();
+        let flat = length * most / 8.0 <= 0.5 * tolerance;
+        matches!(reference.pieces[piece], Path::Line(_)) && most > 0.0 && flat && length <= LONGEST_CHORD * tolerance
+    })
+}
+
 /// 0 outside of the rounding, 1 from half of its reach on.
 fn opened(distance: f64, reach: f64) -> f64 {
     if distance < reach {
@@ -231,6 +286,8 @@ fn opened(distance: f64, reach: f64) -> f64 {
 
 /// A piece longer than so many tolerances is kept to ([`Deviation::Corners`]).
 const LONG: f64 = 50.0;
+/// A longer one is no chord of a curve, tolerances.
+const LONGEST_CHORD: f64 = 100.0;
 /// Share of the tolerance that is allowed there.
 const STRAIGHT: f64 = 0.01;
 /// Just before the middle of a piece, as a share of it.

@@ -6,4 +6,5 @@ pub(crate) mod margin;
 pub(crate) mod reach;
 pub(crate) mod reference;
 pub(crate) mod rounding;
+pub(crate) mod smooth;
 pub(crate) mod straight;

@@ -10,5 +10,5 @@ pub(crate) mod problem;
 mod relax;
 pub(crate) mod setup;
 pub(crate) mod stages;
-mod step_lengths;
+pub(crate) mod step_lengths;
 pub(crate) mod work;

@@ -34,7 +34,7 @@ impl<'a> Conditions<'a> {
         let radii = self.radii(control, &pieces);
         let corridor = self.corridor(control, &pieces, &radii);
         let lateral = match quality {
-            Quality::TimingOnly => 0,
+            Quality::TimingOnly | Quality::Smooth => 0,
             Quality::Full if corridor.is_empty() => 0,
             Quality::Full => 1 + usize::from(plane.is_none()),
         };

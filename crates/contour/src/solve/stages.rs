@@ -9,6 +9,8 @@ use crate::tuning::{StageTuning, TUNING};
 pub(crate) enum Quality {
     /// The least time on corners rounded one by one.
     TimingOnly,
+    /// The least time on a smooth curve through dense chords ([`crate::path::smooth`]).
+    Smooth,
     /// The least time for timing and shape together.
     Full,
 }
@@ -62,9 +64,14 @@ pub(crate) fn stages(smoothness: Smoothness, quality: Quality) -> Vec<Stage> {
     let tuning = &TUNING.stages;
     let start = |limits, of: &StageTuning| Stage::new(limits, of, StageResult::Start);
     let mut stages = match (smoothness, quality) {
-        (Smoothness::Trapezoid, Quality::TimingOnly) => {
+        (Smoothness::Trapezoid, Quality::TimingOnly | Quality::Smooth) => {
             vec![Stage::new(Limited::Acceleration, &tuning.timing, StageResult::Plan)]
         }
+        (Smoothness::SCurve, Quality::Smooth) => vec![
+            start(Limited::Acceleration, &tuning.without_jerk),
+            start(Limited::Jerk, &tuning.without_jerk),
+            Stage::new(Limited::Jerk, &tuning.timing_with_jerk, StageResult::Plan),
+        ],
         (Smoothness::SCurve, Quality::TimingOnly) => vec![
             start(Limited::Acceleration, &tuning.without_jerk),
             Stage::new(Limited::Jerk, &tuning.timing_with_jerk, StageResult::Plan),
@@ -80,10 +87,21 @@ pub(crate) fn stages(smoothness: Smoothness, quality: Quality) -> Vec<Stage> {
                 .collect()
         }
     };
-    if quality == Quality::Full {
-        stages.extend(last_stages(smoothness));
+    match quality {
+        Quality::Full => stages.extend(last_stages(smoothness)),
+        Quality::Smooth => stages.extend(smooth_repairs(smoothness)),
+        Quality::TimingOnly => {}
     }
     stages
+}
+
+/// The same timing again, where the smooth curve was outside.
+fn smooth_repairs(smoothness: Smoothness) -> Vec<Stage> {
+    let (limits, timing) = match smoothness {
+        Smoothness::Trapezoid => (Limited::Acceleration, &TUNING.stages.timing),
+        Smoothness::SCurve => (Limited::Jerk, &TUNING.stages.timing_with_jerk),
+    };
+    vec![Stage::new(limits, timing, StageResult::Repair); TUNING.smooth.repairs]
 }
 
 /// The stages of a plan that is nearly within corridor and limits: one and its repairs.

@@ -39,7 +39,16 @@ pub(crate) fn first_guess(
         .collect();
     let fine = allowance.roundings(reference, |s| warped(time_at(&samples, &profile, s)));
     let pieces = bounds.len();
-    let grid = grid(warp.stretched(total), &Density { busy, fine, pieces });
+    let node_s = allowance.node_s();
+    let grid = grid(
+        warp.stretched(total),
+        &Density {
+            busy,
+            fine,
+            pieces,
+            node_s,
+        },
+    );
     let mut control = ControlPoints {
         points: Vec::with_capacity(grid.len()),
         progress: Vec::with_capacity(grid.len()),

@@ -19,6 +19,8 @@ pub(crate) struct Density {
     pub(crate) fine: Vec<(f64, f64)>,
     /// Pieces of the reference path.
     pub(crate) pieces: usize,
+    /// Seconds between two nodes where it is busy.
+    pub(crate) node_s: f64,
 }
 
 impl Density {
@@ -29,8 +31,7 @@ impl Density {
         let beside = tuning.quiet_s * self.busy.len().min(tuning.most_quiet) as f64;
         // An arc is busy all along; beside a corner the nodes are few.
         let most_busy = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
-        tuning
-            .node_s
+        self.node_s
             .max(busy / most_busy.min(tuning.most_nodes))
             .max((busy + beside).min(whole) / tuning.most_nodes)
             .min(whole / tuning.least_nodes)
@@ -80,7 +81,7 @@ pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
 /// it is busy. The last span is left out: there the motion comes to rest.
 pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
     let from = kept[kept.len() - 1];
-    let mut busy = vec![(0.0, TUNING.grid.node_s)];
+    let mut busy = vec![(0.0, density.node_s)];
     let later = density.busy.iter().filter(|(_, to)| *to > from);
     busy.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
     let ahead = density.fine.iter().filter(|(_, to)| *to > from);
@@ -88,6 +89,7 @@ pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) 
         busy,
         fine: ahead.map(|(begin, end)| (begin - from, end - from)).collect(),
         pieces: density.pieces,
+        node_s: density.node_s,
     };
     let behind = grid(whole - from, &ahead).into_iter().skip(1);
     kept.extend(behind.map(|time| time + from));

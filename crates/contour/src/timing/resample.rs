@@ -14,7 +14,7 @@ pub(crate) fn resample(
     times: &[f64],
     control: &ControlPoints,
     bounds: &[Bounds],
-    fine: &[(f64, f64)],
+    (fine, node_s): (&[(f64, f64)], f64),
     smoothness: Smoothness,
 ) -> ControlPoints {
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
@@ -44,7 +44,12 @@ pub(crate) fn resample(
         .map(|&(from, to)| (warp.warped(from), warp.warped(to)))
         .collect();
     let pieces = bounds.len();
-    let density = Density { busy, fine, pieces };
+    let density = Density {
+        busy,
+        fine,
+        pieces,
+        node_s,
+    };
     if control.initial.is_some() {
         return resample_continued(trajectory, times, control, &density, &warp);
     }

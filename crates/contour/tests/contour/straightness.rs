@@ -29,6 +29,20 @@ fn course(legs: &[Leg], tolerance: f64, profile: Profile) -> Vec<ContourMove> {
         .collect()
 }
 
+/// Whether a line is so short, and between corners so flat, that it counts as a chord of a curve.
+fn is_chord(moves: &[ContourMove], k: usize) -> bool {
+    let joints = [k.checked_sub(1), Some(k).filter(|&k| k + 1 < moves.len())];
+    let joints = || joints.into_iter().flatten();
+    let turn = |joint: usize| (moves[joint + 1].path.start_tangent() - moves[joint].path.end_tangent()).norm();
+    let most = joints().map(turn).fold(0.0, f64::max);
+    let tolerance = joints()
+        .map(|joint| moves[joint].tolerance)
+        .fold(f64::INFINITY, f64::min);
+    let length = moves[k].path.length();
+    let line = matches!(moves[k].path, Path::Line(_));
+    line && most > 0.0 && length <= 100.0 * tolerance && length * most / 8.0 <= 0.5 * tolerance
+}
+
 /// A share of what is allowed: the worst between two instants.
 fn used(trajectory: &Trajectory, moves: &[ContourMove], from: f64, to: f64) -> (f64, f64) {
     let count = ((to - from) / 5e-4).ceil().max(1.0) as usize;
@@ -51,6 +65,7 @@ fn used(trajectory: &Trajectory, moves: &[ContourMove], from: f64, to: f64) -> (
                 };
                 let tolerance = nearer.unwrap_or(moves[k].tolerance);
                 let open = length <= 50.0 * tolerance
+                    || is_chord(moves, k)
                     || at_start.is_some_and(|start| along < 10.0 * start)
                     || at_end.is_some_and(|end| length - along < 10.0 * end);
                 off / (tolerance * if open { 1.0 } else { 0.01 })

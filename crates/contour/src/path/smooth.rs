@@ -1,0 +1,250 @@
+//! Chords compressed into a smooth curve: the nodes of a dense path moved inside the tolerance to where the least jerk is.
+//!
+//! Nodes stand at equal times of a first speed profile, so their third difference is the jerk at that speed. Minimised is the sum of
+//! its squares minus the logarithm of the room to the corridor's wall: each round solves a band system in which the barrier is a spring to the
+//! nearest point of the reference path, as stiff as the barrier is steep. Steps are shortened where they would leave the corridor. A
+//! few numbers a node and round. Position units.
+
+use crate::Point;
+use crate::limits::Bounds;
+use crate::path::allowance::Allowance;
+use crate::path::corridor::CorridorRow;
+use crate::path::margin::ToleranceMargin;
+use crate::path::reference::{ReferencePath, along};
+use crate::solve::step_lengths::smooth_lengths;
+use crate::timing::control_points::ControlPoints;
+use crate::timing::grid::sites;
+use crate::tuning::TUNING;
+
+/// Moves the nodes of a curve inside its corridor to where it is smooth. Those that a running motion gives stay.
+pub(crate) fn smooth(
+    reference: &ReferencePath,
+    allowance: &Allowance,
+    margin: &ToleranceMargin,
+    bounds: &[Bounds],
+    control: &mut ControlPoints,
+) {
+    let count = control.points.len();
+    let given = control.kept.max(ENDS);
+    if count < given + 2 * ENDS {
+        return;
+    }
+    let free = given..count - ENDS;
+    let mut rows: Vec<Row> = (given - 1..count - ENDS)
+        .flat_map(|node| PARTS.map(|part| Row::new(node, part, reference, margin, control)))
+        .collect();
+    let rate = |bound: &Bounds| bound.axes.acceleration.min().min(bound.norm_acceleration());
+    let least = bounds.iter().map(rate).fold(f64::INFINITY, f64::min);
+    let third = least * TUNING.smooth.node_s.powi(3) / TUNING.smooth.jerk_s;
+    let stiffness = TUNING.smooth.stiffness / (third * third);
+    let thirds = thirds(control);
+    let mut system = Springs::new(count);
+    let mut lengths = vec![1.0; count];
+    let mut wanted = vec![1.0; count];
+    for _ in 0..TUNING.smooth.rounds {
+        system.clear();
+        for (i, point) in control.points.iter().enumerate().filter(|(i, _)| !free.contains(i)) {
+            system.hold(i, point);
+        }
+        for row in &mut rows {
+            row.look(reference, allowance, &control.points);
+            system.pull(row);
+        }
+        system.solve(stiffness, &thirds);
+        for (step, point) in system.points.iter_mut().zip(&control.points) {
+            *step -= point;
+        }
+        wanted.fill(1.0);
+        for row in &rows {
+            let part = row.step(&system.points);
+            for node in [row.first + 1, row.first + 2] {
+                wanted[node] = f64::min(wanted[node], part);
+            }
+        }
+        smooth_lengths(&wanted, &mut lengths);
+        for i in free.clone() {
+            control.points[i] += system.points[i] * lengths[i];
+        }
+    }
+}
+
+/// A point of the curve, and the corridor's wall about it.
+struct Row {
+    /// It is a weighted sum of four nodes from this one on.
+    first: usize,
+    weights: [f64; 4],
+    /// The piece of the reference path that it was nearest to.
+    piece: usize,
+    /// Share of the corridor.
+    share: f64,
+    /// The nearest point of the reference path, and where it is from there.
+    foot: Point,
+    off: Point,
+    radius: f64,
+    tangent: Point,
+}
+
+impl Row {
+    fn new(
+        node: usize,
+        part: f64,
+        reference: &ReferencePath,
+        margin: &ToleranceMargin,
+        control: &ControlPoints,
+    ) -> Row {
+        let s = control.progress[node];
+        let mut point = CorridorRow::exact(node, part, 0, 0.0);
+        point.weigh(&control.spans);
+        Row {
+            first: point.first,
+            weights: point.weights,
+            piece: reference.piece_at(s),
+            share: TUNING.smooth.inside_share * margin.at(s).min(margin.at(control.progress[node + 1])),
+            foot: Point::zeros(),
+            off: Point::zeros(),
+            radius: 0.0,
+            tangent: Point::zeros(),
+        }
+    }
+
+    fn of(&self, points: &[Point]) -> Point {
+        let p = &points[self.first..self.first + 4];
+        let w = &self.weights;
+        p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3]
+    }
+
+    fn look(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
+        let point = self.of(points);
+        (self.foot, self.piece) = reference.foot(&point, self.piece);
+        let path = &reference.pieces[self.piece];
+        let at = along(path, &point);
+        self.radius = self.share * allowance.aim(reference, self.piece, reference.starts[self.piece] + at);
+        self.off = point - self.foot;
+        self.tangent = path.at(at).tangent;
+    }
+
+    /// How steep the barrier is.
+    fn strength(&self) -> f64 {
+        let square = self.radius * self.radius;
+        1.0 / (square - self.off.norm_squared()).max(TUNING.smooth.least_room * square)
+    }
+
+    /// The part of a step of the nodes that leaves it inside. Along the path it may go anywhere.
+    fn step(&self, steps: &[Point]) -> f64 {
+        let across = |v: &Point| v - self.tangent * self.tangent.dot(v);
+        let (off, step) = (across(&self.off), across(&self.of(steps)));
+        let (product, square) = (off.dot(&step), step.norm_squared());
+        let room = self.radius * self.radius - off.norm_squared();
+        if room <= 0.0 {
+            return if product < 0.0 { 1.0 } else { 0.0 };
+        }
+        let most = (libm::sqrt(product * product + square * room) - product) / square;
+        if most.is_finite() {
+            (TUNING.smooth.most_step * most).min(1.0)
+        } else {
+            1.0
+        }
+    }
+}
+
+/// Weights of four nodes whose sum is the jerk about them, by the root of the time that it lasts; in units of the usual time between two nodes.
+fn thirds(control: &ControlPoints) -> Vec<[f64; 4]> {
+    let mut time = 0.0;
+    let knots: Vec<f64> = core::iter::once(0.0)
+        .chain(control.spans.iter().map(|span| {
+            time += span / TUNING.smooth.node_s;
+            time
+        }))
+        .collect();
+    let at: Vec<f64> = sites(&knots).collect();
+    at.windows(4)
+        .map(|t| {
+            let lasts = libm::sqrt((t[3] - t[0]) / 3.0);
+            core::array::from_fn(|k| {
+                let others = (0..4).filter(|&other| other != k);
+                6.0 * lasts / others.map(|other| t[k] - t[other]).product::<f64>()
+            })
+        })
+        .collect()
+}
+
+/// Nodes held by springs, whose third differences cost.
+struct Springs {
+    /// Lower half of the band: the diagonal, then three to its left.
+    band: Vec<[f64; 4]>,
+    points: Vec<Point>,
+}
+
+impl Springs {
+    fn new(count: usize) -> Springs {
+        Springs {
+            band: vec![[0.0; 4]; count],
+            points: vec![Point::zeros(); count],
+        }
+    }
+
+    fn clear(&mut self) {
+        self.band.fill([0.0; 4]);
+        self.points.fill(Point::zeros());
+    }
+
+    fn hold(&mut self, node: usize, at: &Point) {
+        self.band[node][0] += HELD;
+        self.points[node] += at * HELD;
+    }
+
+    fn pull(&mut self, row: &Row) {
+        let strength = row.strength();
+        for (k, &weight) in row.weights.iter().enumerate() {
+            let pull = strength * weight;
+            self.points[row.first + k] += row.foot * pull;
+            for (before, other) in row.weights.iter().enumerate().take(k + 1) {
+                self.band[row.first + k][k - before] += pull * other;
+            }
+        }
+    }
+
+    /// Where the nodes come to rest, in `points`: by Cholesky's method without roots.
+    fn solve(&mut self, stiffness: f64, thirds: &[[f64; 4]]) {
+        let Springs { band, points } = self;
+        let count = band.len();
+        for (first, third) in thirds.iter().enumerate() {
+            for row in 0..4 {
+                for column in 0..=row {
+                    band[first + row][row - column] += stiffness * third[row] * third[column];
+                }
+            }
+        }
+        for i in 0..count {
+            let most = i.min(3);
+            for left in (1..=most).rev() {
+                let mut sum = band[i][left];
+                for other in left + 1..=most {
+                    sum -= band[i][other] * band[i - left][other - left] * band[i - other][0];
+                }
+                band[i][left] = sum / band[i - left][0];
+            }
+            for left in 1..=most {
+                band[i][0] -= band[i][left] * band[i][left] * band[i - left][0];
+                let before = points[i - left];
+                points[i] -= before * band[i][left];
+            }
+        }
+        for i in 0..count {
+            points[i] /= band[i][0];
+        }
+        for i in (0..count).rev() {
+            let value = points[i];
+            for left in 1..=i.min(3) {
+                points[i - left] -= value * band[i][left];
+            }
+        }
+    }
+}
+
+/// Parts of the way from a knot to the next at which the curve is inside.
+const PARTS: [f64; 2] = [0.0, 0.5];
+/// Nodes at an end that stay: there the motion begins or rests.
+const ENDS: usize = 3;
+/// The spring of a node that stays.
+const HELD: f64 = 1e14;
