@@ -2,7 +2,7 @@
 //! tolerance 0.01 mm) in a queue of 1,000 moves and prints planning time, time of motion and extensions that were not found.
 #![allow(clippy::disallowed_methods, reason = "an example may read the clock")]
 
-use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, extend, plan};
+use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Point, begin, extend};
 use std::time::Instant;
 
 const QUEUE: usize = 1000;
@@ -45,7 +45,8 @@ fn main() {
         };
         let begun = Instant::now();
         let mut known = QUEUE.min(count);
-        let mut running = plan(&moves[..known], &limits);
+        let mut running = begin(&moves[..known], &limits);
+        known = running.moves();
         let first = begun.elapsed().as_secs_f64();
         let (mut passed, mut now, mut before, mut rests, mut calls) = (0, 0.0, 0.0, 0, 0);
         while known < count {
@@ -62,7 +63,8 @@ fn main() {
                 before += running.duration();
                 (passed, now) = (known, 0.0);
                 known = (known + QUEUE).min(count);
-                running = plan(&moves[passed..known], &limits);
+                running = begin(&moves[passed..known], &limits);
+                known = passed + running.moves();
             }
         }
         let (took, motion) = (begun.elapsed().as_secs_f64(), before + running.duration());

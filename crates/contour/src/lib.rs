@@ -30,7 +30,7 @@ pub use arcline_geometry::{Path, Point};
 pub use extend::extend;
 pub use extend::replan::replan;
 pub use limits::{AxisLimits, Rates};
-pub use plan::plan;
+pub use plan::{begin, plan};
 pub use trajectory::{Peaks, Piece, State, Trajectory};
 
 pub(crate) use limits::Bounds;

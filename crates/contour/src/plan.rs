@@ -27,6 +27,31 @@ pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     whole.planned_for(moves, limits)
 }
 
+/// Plans the first of the moves, so many that the motion can begin soon, from rest to rest; [`crate::extend`] plans on while it runs. All
+/// of them where they are few, and where they make up a whole contour with many sharp corners, which is faster when it is planned at once.
+#[must_use]
+pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+    plan(&moves[..first_moves(moves)], limits)
+}
+
+/// How many moves are planned first.
+fn first_moves(moves: &[ContourMove]) -> usize {
+    // The last one that is known ends in a stop or at a corner without tolerance.
+    let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
+    let section = 1 + moves.windows(2).take_while(|pair| can_pass(&pair[0], &pair[1])).count();
+    let dense = is_dense(&moves[..section.min(moves.len())]);
+    if is_whole && !dense {
+        return moves.len();
+    }
+    let mut seconds = 0.0;
+    let first = moves.iter().take_while(|one| {
+        let before = seconds;
+        seconds += one.path.length() / one.speed;
+        before < TUNING.extend.first_s
+    });
+    first.count().max(TUNING.extend.first_moves).min(moves.len())
+}
+
 /// Whether the joint between two moves can be passed without a stop.
 pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     if before.jerk.is_some() != after.jerk.is_some() {

@@ -96,7 +96,14 @@ impl<'a> Section<'a> {
 
     /// From a first guess to rest; `None` where the result is not inside the corridor and the limits.
     pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
-        let stages = stages(self.smoothness, self.quality);
+        let mut stages = stages(self.smoothness, self.quality);
+        if self.quality == Quality::Smooth && self.smoothness == Smoothness::SCurve {
+            // What runs keeps the limits of the jerk: without them for a while it would not come back to them.
+            stages.retain(|stage| stage.limits == Limited::Jerk);
+            for _ in 0..TUNING.smooth.closing {
+                stages.insert(0, stages[0]);
+            }
+        }
         Some(self.finish(self.run(control, &stages, work)?))
     }
 
@@ -129,11 +136,18 @@ impl<'a> Section<'a> {
         let quality = self.quality;
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
+        let mut within_before: Option<Solved> = None;
         let mut warp = Smoothness::Trapezoid;
         for stage in stages {
+            // A motion that is continued closes in on its limits until it is within them.
+            let closes_in =
+                control.initial.is_some() && quality == Quality::Smooth && stage.result == StageResult::Start;
+            if closes_in && last.as_ref().is_some_and(|last| last.excess <= 1.0 + EXACT) {
+                continue;
+            }
             let is_repair = stage.result == StageResult::Repair;
             // One that continues a motion is close to its limits everywhere: repairs keep its nodes.
-            let keeps = is_repair && (control.initial.is_some() || quality == Quality::Smooth);
+            let keeps = closes_in || is_repair && (control.initial.is_some() || quality == Quality::Smooth);
             if let Some(last) = last.as_ref().filter(|_| !keeps) {
                 // The first stage that limits the jerk is stretched for it at its ends.
                 let warp = match stage.limits {
@@ -142,7 +156,7 @@ impl<'a> Section<'a> {
                 };
                 control = self.resampled(&control, last, warp);
             }
-            if quality == Quality::Smooth {
+            if quality == Quality::Smooth && !(closes_in && last.is_some()) {
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
                 project(&self.reference, &mut control);
             }
@@ -155,12 +169,24 @@ impl<'a> Section<'a> {
             }
             let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_plan = stage.result != StageResult::Start;
+            let within = worst <= 1.0 && now.excess <= 1.0 + EXACT;
+            // A motion that is continued within all limits is a plan, from whichever stage: what fails later starts from it again.
+            if let Some(within) = within_before.take_if(|_| is_plan && !within) {
+                return Some(self.improved(within, stage, &margin, work));
+            }
+            if closes_in && within {
+                within_before = Some(Solved {
+                    trajectory: now.trajectory.clone(),
+                    control: control.clone(),
+                    times: now.times.clone(),
+                });
+            }
             // A motion that waits for its continuation does not wait for ever.
             let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
             if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
                 return None;
             }
-            if is_plan && worst <= 1.0 && now.excess <= 1.0 + EXACT {
+            if is_plan && within {
                 return Some(Solved {
                     trajectory: now.trajectory,
                     control,
@@ -177,6 +203,24 @@ impl<'a> Section<'a> {
             last = Some(now);
         }
         None
+    }
+
+    /// A motion within all limits, made faster on its own nodes; itself where that fails.
+    fn improved(&self, from: Solved, stage: &Stage, margin: &ToleranceMargin, work: &mut Work) -> Solved {
+        let mut control = from.control.clone();
+        let mut better = self.run_stage(&mut control, (stage, self.quality), margin, work);
+        let mut margin = ToleranceMargin::new();
+        let worst = margin.tighten(&better.trajectory, &control, &self.reference, &self.allowance);
+        let faster = better.trajectory.duration() < from.trajectory.duration();
+        if faster && worst <= 1.0 && better.excess <= 1.0 + EXACT {
+            Solved {
+                trajectory: core::mem::replace(&mut better.trajectory, Trajectory::rest(crate::Point::zeros())),
+                control,
+                times: better.times,
+            }
+        } else {
+            from
+        }
     }
 
     /// The control points at equal times of the last result.

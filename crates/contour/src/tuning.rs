@@ -127,6 +127,8 @@ constants! {
         least_room: f64 = 1e-7,
         /// Share of the way to the wall that one step goes.
         most_step: f64 = 0.8,
+        /// How often a motion that is continued may close in on its limits again.
+        closing: usize = 3,
         /// How often the timing is repeated with the corridor narrowed where the curve was outside.
         repairs: usize = 3,
     }
@@ -288,6 +290,9 @@ constants! {
         brakings: f64 = 1.5,
         /// Seconds behind a stop before which it is simpler to start at the stop.
         after_stop_s: f64 = 0.01,
+        /// Seconds at programmed speed, and at least so many moves, for which a motion is planned before it begins.
+        first_s: f64 = 0.25,
+        first_moves: usize = 4,
         /// Seconds by which it is extended at once, about, but at least so many moves.
         most_s: f64 = 0.8,
         least_moves: usize = 12,

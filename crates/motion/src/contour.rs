@@ -46,7 +46,7 @@ impl ContourRequest {
     /// what it has been given is freed.
     pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
         let planned = match self.extends.take() {
-            None => precise::plan(&self.moves, &self.limits),
+            None => precise::begin(&self.moves, &self.limits),
             Some(extension) => extension.plan(&self.moves, &self.limits)?,
         };
         Some(Arc::new(planned))

@@ -232,6 +232,7 @@ pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot
         path_position: system.shown.distance,
         path_length: system.shown.length,
         feed_override: system.travel.rate(),
+        contour_rests: system.travel.contour_rests(),
         frames: role.robot.frames,
         turns: {
             let [j1, j4, j6] = role.robot.solution.1;

@@ -14,6 +14,7 @@ mod events;
 mod guard;
 mod pace;
 mod requests;
+mod rests;
 mod stopping;
 
 use std::collections::VecDeque;
@@ -27,6 +28,7 @@ use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
 use pace::{Pace, Wanted};
 
 pub use requests::{ContourBatch, Extension, Installed};
+pub use rests::ContourRests;
 pub use stopping::ContourStopping;
 
 /// One active move and the pending ones, of which the first few are on a planned trajectory.
@@ -38,12 +40,16 @@ pub struct ContourQueue<T> {
     run: Option<Run>,
     asked: Option<Asked>,
     generation: u32,
-    /// When the last move was queued.
+    /// When the last move was queued, and the first of those that wait.
     grown: Option<Instant>,
+    gathering: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
     /// Counts what changes when moves come to their ends.
     plans: u32,
+    /// Rests between moves that go on, and the end of a contour that would have gone on, had there been another move.
+    rests: ContourRests,
+    open_end: Option<Instant>,
 }
 
 /// A plan under way.
@@ -123,8 +129,11 @@ impl<T: Copy> ContourQueue<T> {
             asked: None,
             generation: 0,
             grown: None,
+            gathering: None,
             rate: 1.0,
             plans: 0,
+            rests: ContourRests::default(),
+            open_end: None,
         }
     }
 
@@ -200,6 +209,10 @@ impl<T: Copy> ContourQueue<T> {
             return Err(QueueFull);
         }
         self.grown = Some(time.now());
+        self.count_late_move(time);
+        if self.moves.is_empty() {
+            self.gathering = self.grown;
+        }
         self.moves.push_back(motion);
         Ok(())
     }
@@ -212,9 +225,10 @@ impl<T: Copy> ContourQueue<T> {
     }
 
     /// The trajectory is at its end, and its last move complete.
-    pub(crate) fn end(&mut self) -> Option<Arc<Trajectory>> {
+    pub(crate) fn end(&mut self, time: &Clock) -> Option<Arc<Trajectory>> {
         self.plans = self.plans.wrapping_add(1);
-        self.moves.pop_front();
+        let last = self.moves.pop_front();
+        self.count_end(last.as_ref(), time);
         self.finish()
     }
 

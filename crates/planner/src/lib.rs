@@ -35,7 +35,7 @@ mod travel;
 mod turning;
 
 pub use clock::{Clock, Instant, MasterMotion, Pace, ROUNDING, TimeBase};
-pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourStopping, Extension, Installed};
+pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, Installed};
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
 pub use planner::{Planner, QueueFull};

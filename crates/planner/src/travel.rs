@@ -20,7 +20,8 @@ use crate::clock::TimeBase;
 use crate::contour::ContourEvent;
 use crate::move_event::MoveEvent;
 use crate::{
-    Clock, ContourBatch, ContourQueue, InitialMotion, Installed, Instant, Move, Pace, Planner, QueueFull, TurnResidual,
+    Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, Installed, Instant, Move, Pace, Planner, QueueFull,
+    TurnResidual,
 };
 
 pub use stopping::PathStopping;
@@ -267,17 +268,24 @@ impl<T: Copy> Travel<T> {
     }
 
     /// Ends the active move: what waits stays, and is planned from rest.
-    pub fn end(&mut self) -> Option<Arc<Trajectory>> {
+    pub fn end(&mut self, base: &TimeBase) -> Option<Arc<Trajectory>> {
         if self.planner.clear_active().is_some() {
             return None;
         }
-        self.contour.as_mut()?.end()
+        self.contour.as_mut()?.end(&base.time)
     }
 
     /// Forgets the active move, and all that wait for a plan.
     pub fn clear(&mut self) -> Option<Arc<Trajectory>> {
         self.planner.clear_active();
         self.contour.as_mut()?.clear()
+    }
+
+    /// Rests of its contours on the way.
+    pub fn contour_rests(&self) -> ContourRests {
+        self.contour
+            .as_ref()
+            .map_or_else(ContourRests::default, ContourQueue::rests)
     }
 
     /// The moves that are to be planned as a contour now ([`ContourQueue::batch`]).

@@ -38,7 +38,9 @@ pub fn extend(
         .and_then(|last| running.move_end(last))
         .unwrap_or(0.0);
     let each = (running.duration() - begins) / old as f64;
-    let most = ((TUNING.extend.most_s / each) as usize).max(TUNING.extend.least_moves);
+    // One that has just begun is extended by little at first: it must not come to its end meanwhile.
+    let ahead = (running.duration() - now).clamp(TUNING.extend.first_s, TUNING.extend.most_s);
+    let most = ((ahead / each) as usize).max(TUNING.extend.least_moves);
     let moves = &moves[..moves.len().min(old.saturating_add(most))];
     if moves.len() <= old {
         return None;

@@ -4,3 +4,4 @@ mod common;
 mod extend;
 mod properties;
 mod straightness;
+mod streams;

@@ -114,7 +114,8 @@ impl Motion {
                 return;
             }
         }
-        self.retired.extend(self.systems[index].travel.end());
+        let base = self.systems[index].time_base(&self.clock);
+        self.retired.extend(self.systems[index].travel.end(&base));
         self.release_axes(index);
         self.refuse_next(index, last.as_ref());
         // What still waits is planned as a contour now.

@@ -65,7 +65,7 @@ impl<T: Copy> ContourQueue<T> {
                 let first = self.moves.front().map(|motion| motion.parameter);
                 let goes_on = |motion: &Move<T>| motion.ending != Ending::Stop && Some(motion.parameter) == first;
                 let open = !self.is_full() && self.moves.iter().all(goes_on);
-                if open && self.is_growing(time) {
+                if open && self.is_gathering(time) {
                     return None;
                 }
                 None
@@ -90,6 +90,24 @@ impl<T: Copy> ContourQueue<T> {
         Some(ContourBatch {
             generation: self.generation,
             extends,
+        })
+    }
+
+    /// Whether the first of the moves that wait has come just now, so that others may be about to come with it, or they still come and are
+    /// not enough to plan on from before the motion is at its end.
+    fn is_gathering(&self, time: &Clock) -> bool {
+        let Some(waited) = self.gathering.map(|first| first.elapsed(time)) else {
+            return false;
+        };
+        waited < GATHER || (waited < LONGEST_GATHER && self.is_growing(time) && !self.lasts(LEAST_BEGUN))
+    }
+
+    /// Whether the moves last for so many seconds at their programmed speeds.
+    fn lasts(&self, seconds: f64) -> bool {
+        let mut sum = 0.0;
+        self.moves.iter().any(|motion| {
+            sum += motion.path.length() / motion.limits.speed;
+            sum >= seconds
         })
     }
 
@@ -123,7 +141,9 @@ impl<T: Copy> ContourQueue<T> {
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
         let next = self.moves.get(planned)?;
-        let many = waiting * FEW >= planned;
+        // The more of it is left, the more are planned at once: each extension plans the end of what runs anew.
+        let few = if left > AMPLE { MANY } else { FEW };
+        let many = waiting * few >= planned;
         let near = left <= NEAR && !self.is_growing(time);
         let goes_on = last.ending != Ending::Stop && last.parameter == next.parameter;
         (goes_on && (many || near)).then(|| ask(None))
@@ -299,10 +319,17 @@ pub enum Installed {
     Extended(Arc<Trajectory>),
 }
 
-/// How long a contour without an end waits for another move, seconds: clients send them one by one.
+/// How long the first move of a contour without an end waits for others, and the end of one that runs for another move, seconds: clients
+/// send them one by one.
 const GATHER: f64 = 0.01;
+/// The same while moves come so slowly that they do not last for so long, seconds.
+const LONGEST_GATHER: f64 = 0.1;
+const LEAST_BEGUN: f64 = 0.1;
 /// A trajectory is extended when one move waits for so many that are planned, or
 const FEW: usize = 4;
+/// with that many seconds left for so many that are planned, or
+const AMPLE: f64 = 0.5;
+const MANY: usize = 2;
 /// when this is left of it, seconds.
 const NEAR: f64 = 0.5;
 /// Seconds that an extension may take to be planned, at first and at most; then what the last one took, times a margin.

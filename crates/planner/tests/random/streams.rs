@@ -133,7 +133,7 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
             let from = if measured { busy() } else { 0.0 };
             let planned = match &batch.extends {
                 Some(extension) => extension.plan(&asked, &limits),
-                None => Some(arcline_planner::precise::plan(&asked, &limits)),
+                None => Some(arcline_planner::precise::begin(&asked, &limits)),
             };
             let took = if measured { busy() - from } else { 0.01 };
             if batch.extends.is_some() {
