@@ -1,6 +1,7 @@
 //! What the outside sees of an axis and of a coordinate system at one tick.
 
 use arcline_instruction_set::FaultSet;
+use arcline_planner::ContourRests;
 
 use crate::machine::MAX_SYSTEM_AXES;
 

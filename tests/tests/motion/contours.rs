@@ -88,7 +88,7 @@ fn moves_that_come_one_by_one_become_one_contour() {
         .enumerate()
     {
         bench.execute(&line(&format!("M{place}"), x, y, "6, 0, 0, 0.1"));
-        bench.run(4);
+        bench.run(2);
     }
     assert_eq!((bench.bits("M0").as_str(), bench.position("X")), ("EN DN IP", 0.0));
     bench.run(8);
