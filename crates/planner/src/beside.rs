@@ -134,20 +134,44 @@ impl Beside<'_> {
             for (place, look) in looks.iter_mut().enumerate().skip(1) {
                 *look = square(begin + length * place as f64 / LOOKS as f64);
             }
-            let peak = |window: &[f64]| {
-                let bend = 0.5 * (window[0] + window[2]) - window[1];
-                let slope = 0.5 * (window[2] - window[0]);
-                let within = bend < 0.0 && slope.abs() < -2.0 * bend;
-                window[1] - if within { 0.25 * slope * slope / bend } else { 0.0 }
-            };
-            let too_fast = looks.iter().any(|look| *look > most);
-            if too_fast || looks.windows(3).any(|window| peak(window) > most) {
+            if highest(&square, begin, end, &looks, most) > most {
                 return false;
             }
             (begin, first) = (end, looks[LOOKS]);
         }
         true
     }
+}
+
+/// The maximum of a smooth function between two instants, of which `looks` are at equal distances; exact where it matters, beside `most`.
+fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOOKS + 1], most: f64) -> f64 {
+    let (mut begin, mut end, mut looks) = (begin, end, *looks);
+    let mut found = vertices(&looks);
+    for _ in 0..NARROWINGS {
+        if found > most || found <= most * (1.0 - NEAR) {
+            break;
+        }
+        let top = (0..=LOOKS).fold(0, |top, place| if looks[place] > looks[top] { place } else { top });
+        let (before, after) = (top.saturating_sub(1), (top + 1).min(LOOKS));
+        let step = (end - begin) / LOOKS as f64;
+        (begin, end) = (begin + step * before as f64, begin + step * after as f64);
+        let part = (end - begin) / LOOKS as f64;
+        looks = std::array::from_fn(|place| square(begin + part * place as f64));
+        found = vertices(&looks).max(looks[0]);
+    }
+    found
+}
+
+/// The highest of some values at equal distances, and of the vertices of the parabolas through three of them.
+fn vertices(looks: &[f64; LOOKS + 1]) -> f64 {
+    let vertex = |window: &[f64]| {
+        let bend = 0.5 * (window[0] + window[2]) - window[1];
+        let slope = 0.5 * (window[2] - window[0]);
+        let within = bend < 0.0 && slope.abs() < -2.0 * bend;
+        window[1] - if within { 0.25 * slope * slope / bend } else { 0.0 }
+    };
+    let most = looks.windows(3).map(vertex).fold(looks[0], f64::max);
+    most.max(looks[LOOKS])
 }
 
 /// A plan behind a hold that ends so many seconds from now, unless the plan must slow down before.
@@ -200,3 +224,7 @@ const BISECTIONS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
 const LOOKS: usize = 4;
+/// A parabola through three looks is off by less than this share of its vertex.
+const NEAR: f64 = 1e-2;
+/// Each looks at a half of the interval before, or less.
+const NARROWINGS: usize = 4;

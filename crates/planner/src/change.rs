@@ -22,7 +22,7 @@ impl<T: Copy> Planner<T> {
             return;
         };
         let before = running.motion.limits;
-        let ran = Ran::new(running, clock);
+        let ran = Ran::new(running, self.queue.rate(), clock);
         running.motion.limits = limits;
         let met = self.replan(&ran, clock);
         if met == Met::All || same_rates(&before, &limits) {
@@ -70,21 +70,10 @@ impl<T: Copy> Planner<T> {
     /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
     /// present tick on; 0 holds. Of no effect on a stop that is under way.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
-        let most = self.active.map_or(rate, |running| {
-            let speed = running.motion.limits.speed;
-            let wanted = Limits {
-                speed: speed * rate,
-                ..running.motion.limits
-            };
-            if speed > 0.0 {
-                self.allowed(&wanted).speed / speed
-            } else {
-                rate
-            }
-        });
+        let most = self.most_rate();
+        let ran = self.active.map(|running| Ran::new(&running, self.queue.rate(), clock));
         self.queue.set_rate(rate.min(most));
-        if let Some(running) = &self.active {
-            let ran = Ran::new(running, clock);
+        if let Some(ran) = ran {
             self.replan(&ran, clock);
         }
     }
@@ -130,7 +119,7 @@ impl<T: Copy> Planner<T> {
                 ..self.limits(&running)
             };
             let planned = |from, limits: &Limits| Profile::to_position_two_stage(from, plan.target, limits);
-            let beside = self.beside_again(&running, from, &limits, &ran.limits, planned, clock);
+            let beside = self.beside_again(&running, from, &limits, ran, planned, clock);
             beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
         };
         // A path that waits for what ramps out goes on waiting.
@@ -148,7 +137,7 @@ impl<T: Copy> Planner<T> {
         if !self.bounds.overshoot {
             return AccelerationRemoval::NONE;
         }
-        let programmed = self.programmed_speed(ran.limits.speed, speed);
+        let programmed = ran.programmed.max(self.programmed_speed(speed));
         AccelerationRemoval {
             ceiling: (MOST_OVERSHOOT * programmed * pace).max(ran.ahead),
             forward: ran.forward,
@@ -172,10 +161,10 @@ impl<T: Copy> Planner<T> {
         reach(&limits) > reach(&ran) * (1.0 + NEARLY) || (turns_back(&from, &limits) && !turns_back(&from, &ran))
     }
 
-    /// The larger of the programmed speeds before and behind a change or a merge, as an override raises it. An override below 1 lowers
-    /// the speed, and a motion that still slows down to it, or speeds up, keeps the time that its acceleration needs.
-    pub(crate) fn programmed_speed(&self, old: f64, new: f64) -> f64 {
-        old.max(new) * self.queue.rate().max(1.0)
+    /// A speed as it is programmed and an override raises it. An override below 1 lowers the speed, and a motion that still slows down
+    /// to it, or speeds up, keeps the time that its acceleration needs.
+    pub(crate) fn programmed_speed(&self, speed: f64) -> f64 {
+        raised(speed, self.queue.rate())
     }
 
     /// The profile of a path beside what still ramps out; `None` where nothing does.
@@ -184,7 +173,7 @@ impl<T: Copy> Planner<T> {
         running: &Running<T>,
         from: KinematicState,
         limits: &Limits,
-        ran: &Limits,
+        ran: &Ran,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
         clock: &Clock,
     ) -> Option<Profile> {
@@ -196,14 +185,14 @@ impl<T: Copy> Planner<T> {
             return None;
         }
         let present = track.sample(clock).velocity.norm();
-        let programmed = self.programmed_speed(ran.speed, running.motion.limits.speed);
+        let programmed = ran.programmed.max(self.programmed_speed(running.motion.limits.speed));
         let beside = Beside {
             path: &running.motion.path,
             parts: &residual.parts,
             since,
             bound: present.max(programmed),
         };
-        let old = ran.jerk.map_or(0.0, |jerk| jerk.acceleration);
+        let old = ran.limits.jerk.map_or(0.0, |jerk| jerk.acceleration);
         // A hold is no faster than any other change.
         let below = running.removal.lead(from, limits).map_or(0.0, |lead| lead.jerk);
         let removal = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
@@ -221,7 +210,8 @@ impl<T: Copy> Planner<T> {
             ..approach.limits
         };
         let length = approach.path.length();
-        let removal = self.relief_of(&Ran::approaching(&approach, elapsed), running.motion.limits.speed, 1.0);
+        let ran = Ran::approaching(&approach, self.queue.rate(), elapsed);
+        let removal = self.relief_of(&ran, running.motion.limits.speed, 1.0);
         let lead = removal.lead(from, &limits);
         let level = lead.map_or(from, |lead| lead.end());
         let wanted = self.entry(running).min(limits.speed);
@@ -304,6 +294,8 @@ impl Met {
 struct Ran {
     /// Within these.
     limits: Limits,
+    /// Its programmed speed, as the override raised it.
+    programmed: f64,
     /// The highest speed that was to come.
     ahead: f64,
     /// Where a deceleration may be too much for the jerk of the move: the jerk that takes it away.
@@ -311,10 +303,11 @@ struct Ran {
 }
 
 impl Ran {
-    fn new<T>(running: &Running<T>, clock: &Clock) -> Ran {
+    fn new<T>(running: &Running<T>, rate: f64, clock: &Clock) -> Ran {
         let track = &running.track;
         let own = paced(&running.in_force, 1.0, track.pace());
-        let ran = Ran::along(&track.profile, track.start.elapsed(clock), own);
+        let programmed = raised(running.motion.limits.speed, rate);
+        let ran = Ran::along(&track.profile, track.start.elapsed(clock), own, programmed);
         // So may it be one that began on an earlier move, with the rates of that.
         let earlier = running.kept || track.offset != 0.0;
         Ran {
@@ -325,25 +318,32 @@ impl Ran {
     }
 
     /// How the predecessor ran to the start of the active path.
-    fn approaching(approach: &Approach, elapsed: f64) -> Ran {
-        let ran = Ran::along(&approach.profile, elapsed, approach.limits);
+    fn approaching(approach: &Approach, rate: f64, elapsed: f64) -> Ran {
+        let programmed = raised(approach.limits.speed, rate);
+        let ran = Ran::along(&approach.profile, elapsed, approach.limits, programmed);
         Ran {
             forward: ran.forward.or(taking(&approach.limits).filter(|_| approach.kept)),
             ..ran
         }
     }
 
-    fn along(profile: &Profile, elapsed: f64, limits: Limits) -> Ran {
+    fn along(profile: &Profile, elapsed: f64, limits: Limits, programmed: f64) -> Ran {
         let now = profile.at(elapsed);
         let braking = now.velocity > 0.0 && now.acceleration < 0.0;
         // A lead is under way.
         let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + NEARLY));
         Ran {
             limits,
+            programmed,
             ahead: profile.top_speed(elapsed),
             forward: Some(profile.jerk(elapsed)).filter(led),
         }
     }
+}
+
+/// A speed as an override raises it.
+fn raised(speed: f64, rate: f64) -> f64 {
+    speed * rate.max(1.0)
 }
 
 /// The jerk that takes a deceleration away.

@@ -43,7 +43,7 @@ impl<T: Copy> Planner<T> {
         }
         let old = self.active.map_or(0.0, |running| running.in_force.speed);
         let terminated = initial.before.map_or(0.0, |before| before.speed);
-        let programmed = self.programmed_speed(old, motion.limits.speed);
+        let programmed = self.programmed_speed(old.max(motion.limits.speed));
         let bound = speed.max(programmed).max(terminated);
         let (path, tangent) = (&motion.path, motion.path.start_tangent());
         let direction = initial.velocity / speed;

@@ -84,6 +84,23 @@ impl<T: Copy> Planner<T> {
         self.within.map_or(*limits, |within| within.limits(limits))
     }
 
+    /// The largest override with which the axes keep their limits on the active move.
+    pub(crate) fn most_rate(&self) -> f64 {
+        let Some((within, running)) = self.within.zip(self.active) else {
+            return f64::INFINITY;
+        };
+        let programmed = running.motion.limits;
+        let fastest = within.limits(&Limits {
+            speed: f64::INFINITY,
+            ..programmed
+        });
+        if programmed.speed > 0.0 {
+            fastest.speed / programmed.speed
+        } else {
+            f64::INFINITY
+        }
+    }
+
     fn run_within(
         &mut self,
         mut motion: Move<T>,

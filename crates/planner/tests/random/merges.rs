@@ -108,6 +108,14 @@ fn no_merge_runs_away() {
     assert!(failed.is_empty(), "seeds {failed:?}");
 }
 
+/// Programs of nightly runs in which both together were too fast by 3e-5 between two instants at which the planner looked.
+#[test]
+fn what_ran_too_fast_once_does_so_no_more() {
+    [2_078_001_592, 2_078_004_529, 2_078_041_559]
+        .into_iter()
+        .for_each(travel);
+}
+
 /// A merge of a random motion into a random move, whose limits change on the way now and then.
 fn travel(seed: u64) {
     let mut random = Random(seed);
@@ -219,6 +227,21 @@ fn no_row_of_changes_runs_away() {
         .filter(|&seed| std::panic::catch_unwind(|| change_again(seed)).is_err())
         .collect();
     assert!(failed.is_empty(), "seeds {failed:?}");
+}
+
+/// An override raised the speed of before a pause, which was no longer programmed.
+#[test]
+fn what_an_override_raised_too_far_once_it_does_no_more() {
+    [
+        2_078_014_571,
+        2_078_042_098,
+        2_078_047_485,
+        2_078_047_879,
+        2_078_071_682,
+        2_078_096_506,
+    ]
+    .into_iter()
+    .for_each(change_again);
 }
 
 fn change_again(seed: u64) {
