@@ -1,4 +1,5 @@
-//! Drives an Arcline server with an unmodified libplctag: arcline-libplctag HOST:PORT.
+//! Drives an Arcline server with an unmodified libplctag: arcline-libplctag HOST:PORT; or jogs the axis S by its instruction tag `Jog1`
+//! until it is killed: arcline-libplctag HOST:PORT jog.
 //!
 //! One line for each check; the first that fails ends the program with a panic, whose message says what was expected.
 #![forbid(unsafe_code)]
@@ -292,10 +293,29 @@ fn service(plc: &Plc, control: &str) {
     equal("ERR 13, EXERR 4", reply, vec![0xB2, 0, 0x1F, 2, 13, 0, 4, 0]);
 }
 
+fn jog(plc: &Plc) -> ! {
+    // A tag that stays open: with its last one libplctag closes the connection in order, and the jog would go on without an owner.
+    let speed = plc.tag("S.CommandVelocity", 1);
+    for (member, value) in [("Speed", 50.0), ("AccelRate", 5000.0), ("DecelRate", 5000.0)] {
+        plc.write(&format!("Jog1.{member}"), 1, &f32::to_le_bytes(value));
+    }
+    for member in ["SpeedUnits", "AccelUnits", "DecelUnits"] {
+        plc.write(&format!("Jog1.{member}"), 1, &[0; 4]);
+    }
+    plc.write("Jog1.EnableIn", 1, &[1]);
+    loop {
+        ok("S.CommandVelocity", speed.read(TIMEOUT));
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
 fn main() {
     let gateway = std::env::args().nth(1).expect("HOST:PORT as the argument");
     let address = format!("protocol=ab-eip&gateway={gateway}&path=1,0&plc=controllogix");
     let connected = Plc(address.clone());
+    if std::env::args().nth(2).as_deref() == Some("jog") {
+        jog(&connected);
+    }
     types(&connected);
     browse(&connected);
     run_a_move(&connected, [40.0, 20.0, 10.0]);

@@ -47,6 +47,17 @@ pub fn python_hangs(client: &str, script: &str) {
     }
 }
 
+/// The same with the program of `tests/libplctag`.
+///
+/// # Panics
+/// As [`python_hangs`].
+pub fn libplctag_hangs() {
+    match Libplctag::build() {
+        Ok(client) => hangs("libplctag", |server| client.jog(server)),
+        Err(why) => crate::not_run("libplctag_hangs", &why),
+    }
+}
+
 fn hangs(name: &str, client: impl FnOnce(SocketAddr) -> Command) {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("jog.toml");

@@ -1,5 +1,6 @@
 //! The program of `tests/libplctag`, a package of its own because it builds libplctag from C.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
@@ -44,6 +45,15 @@ impl Libplctag {
     pub fn run(&self, arguments: &[&str]) -> String {
         // `cargo run` lets the program find the shared library that was built with it.
         foreign::run("arcline-libplctag", self.cargo("run").arg("--").args(arguments))
+    }
+
+    /// Jogs the axis S of a server until its process is killed.
+    #[must_use]
+    pub fn jog(&self, server: SocketAddr) -> Command {
+        let mut command = self.cargo("run");
+        // On Unix `cargo run` becomes the program: it is the same process.
+        command.arg("--").arg(server.to_string()).arg("jog");
+        command
     }
 
     fn cargo(&self, command: &str) -> Command {

@@ -1,7 +1,7 @@
 //! Clients that others have written, unmodified: what each can browse, every type and shape of tag, moves, refusals. The scripts and
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
-use arcline_system_tests::interop::{libplctag, node, python, python_hangs, python_io};
+use arcline_system_tests::interop::{libplctag, libplctag_hangs, node, python, python_hangs, python_io};
 
 #[test]
 fn cm_ethernetip_works_unmodified() {
@@ -51,6 +51,11 @@ fn a_jog_of_pycomm3_that_hangs_stops() {
 #[test]
 fn a_jog_of_pylogix_that_hangs_stops() {
     python_hangs("pylogix", "pylogix_jog.py");
+}
+
+#[test]
+fn a_jog_of_libplctag_that_hangs_stops() {
+    libplctag_hangs();
 }
 
 #[test]
