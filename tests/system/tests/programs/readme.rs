@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-use arcline_instruction_set::Mnemonic;
 use arcline_system_tests::command_line::arcline;
 use arcline_system_tests::eventually;
 use arcline_system_tests::guide::readme_blocks;
@@ -35,22 +34,4 @@ fn the_tour_with_the_command_line() {
             other => panic!("the README starts {other}"),
         }
     }
-}
-
-/// The table of groups names every instruction of the catalogue once.
-#[test]
-fn every_instruction_is_in_the_table_of_groups() {
-    let readme = arcline_system_tests::workspace().join("README.md");
-    let text = std::fs::read_to_string(readme).expect("the README can be read");
-    let (_, table) = text
-        .split_once("| group | instructions | status |")
-        .expect("the table is there");
-    let (table, _) = table.split_once("\n\n").expect("the table ends");
-    let cells: Vec<&str> = table.lines().filter_map(|row| row.split('|').nth(2)).collect();
-    let mut named: Vec<&str> = cells.iter().flat_map(|cell| cell.split(',')).map(str::trim).collect();
-    named.retain(|name| name.starts_with('M'));
-    let mut known: Vec<&str> = Mnemonic::ALL.iter().map(|mnemonic| mnemonic.name()).collect();
-    named.sort_unstable();
-    known.sort_unstable();
-    assert_eq!(named, known);
 }
