@@ -1,6 +1,6 @@
 //! L5X, the XML of a Studio 5000 project, and Arcline's configuration: text in, values out, both ways.
 //!
-//! [`import`] takes the tags, data types, axes, coordinate systems and the motion group of an export and makes tables of
+//! [`import()`] takes the tags, data types, axes, coordinate systems and the motion group of an export and makes tables of
 //! a configuration of them; its [`Report`] has all parts that it does not understand or that have no counterpart in Arcline.
 //! [`export`] writes a project so that it imports again as the same one. It reads and writes no files, runs no logic,
 //! and knows nothing of modules, routines and tasks. The correspondence is one table, [`mapping`], which

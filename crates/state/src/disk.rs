@@ -1,7 +1,7 @@
 //! The seam to the disk: nine calls, and their implementation by the system.
 //!
-//! All that a [`Store`](crate::Store) does to a disk is one of these calls, so that a test can record them and try every content that a
-//! crash between any two of them may leave ([`Recording`](crate::recording::Recording)).
+//! All that a [`Writer`](crate::Writer) does to a disk is one of these calls, so that a test can record them and try every content that a
+//! crash between any two of them may leave (`recording::Recording`).
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read as _, Write as _};

@@ -43,7 +43,7 @@ pub struct Axis {
     pub command_limits: CommandLimits,
     /// Its following error that is a fault; nothing on an axis without a drive.
     pub position_error: PositionErrorLimit,
-    /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`].
+    /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`](super::MAX_OUTPUT_TARGETS).
     pub output_cam_targets: usize,
     /// What it has from tags that clients write.
     pub inputs: Inputs,
