@@ -46,7 +46,7 @@ impl Client {
     }
 
     /// Tells the server the product, the user and the program of this client. The server shows them where this client moves an axis or a
-    /// coordinate system. A server of another kind is told nothing.
+    /// coordinate system. A server without this service is not an error.
     ///
     /// # Errors
     /// The errors of the connection.

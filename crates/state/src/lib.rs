@@ -3,9 +3,9 @@
 //!
 //! One file holds a whole [`State`] and behind it the changes since, each in a [`Record`] with a checksum. A record is part of one `write`, so it is
 //! there when it is answered, whatever then becomes of the process; a record that the end of the process cut off was never answered. The
-//! [`Writer`] synchronises the file from time to time and notes in it how far the disk has it (the horizon), so that what a crash
-//! of the system leaves behind that point is told from damage. When the file has grown, the state is written anew beside it, synchronised
-//! and renamed over it. A file that is not whole in any other way is [`Damage`], and its reader never guesses.
+//! [`Writer`] synchronises the file from time to time and notes in it how far the disk has it (the horizon), so that a reader distinguishes
+//! the remains of a crash of the system behind that point from damage before it. When the file has grown, the state is written anew beside it,
+//! synchronised and renamed over it. A file that is not whole in any other way is [`Damage`], and its reader never guesses.
 //!
 //! Not here: machines, tags and ticks (names and types are text, values bytes), threads, clocks and logs. Positions are in
 //! position units of their axis.

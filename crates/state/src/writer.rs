@@ -82,7 +82,7 @@ pub enum Report {
     Grows(io::Error),
 }
 
-/// What has failed.
+/// The operation that has failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Failure {
     /// A write.

@@ -85,15 +85,15 @@ impl Identification {
 }
 
 impl fmt::Display for Identification {
-    /// ` (arcline 0.2.0, user jane, program part.st)`: behind the address of the client; empty when nothing is told.
+    /// ` (arcline 0.2.0, user jane, program part.st)`, to stand behind the address of the client; empty when the client has not identified itself.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts = [("", &self.product), ("user ", &self.user), ("program ", &self.program)];
-        let told = parts.into_iter().filter(|(_, part)| !part.is_empty());
-        let told: Vec<String> = told.map(|(word, part)| format!("{word}{part}")).collect();
-        if told.is_empty() {
+        let known = parts.into_iter().filter(|(_, part)| !part.is_empty());
+        let known: Vec<String> = known.map(|(word, part)| format!("{word}{part}")).collect();
+        if known.is_empty() {
             return Ok(());
         }
-        write!(f, " ({})", told.join(", "))
+        write!(f, " ({})", known.join(", "))
     }
 }
 

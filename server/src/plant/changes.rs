@@ -30,7 +30,7 @@ struct Steps {
     of: BTreeMap<TagId, u64>,
 }
 
-/// What has changed since a reader looked last.
+/// The changes of tags since a reader's last look.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TagChanges {
     /// The tick that the tags show now.

@@ -111,7 +111,7 @@ pub struct Mover {
 }
 
 impl Mover {
-    /// As it is told to clients.
+    /// The mover in the layout of its CIP attribute.
     pub(crate) fn encoded(&self) -> motion::Mover {
         motion::Mover {
             kind: match self.principal {

@@ -220,7 +220,7 @@ impl Sum {
     pub(crate) fn seen_from(&self, kind: GeneratorKind, position: Option<f64>) -> Option<f64> {
         let generator = self.get(kind)?;
         let mut others = generator.shift;
-        // Alone, as nearly always, an axis has only what has been.
+        // Most axes have one generator, and only generators that have ended displace it.
         let now = if self.active == kind.bit() {
             self.displaced
         } else {
