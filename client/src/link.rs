@@ -82,11 +82,9 @@ impl Link {
             size: None,
             reopening: Arc::default(),
         };
-        let registered = this.ask(What::Register).await?;
-        this.checked(registered)?;
+        this.ask(What::Register).await?;
         for size in [size, size.min(SMALL_CONNECTION)] {
-            let opened = this.ask(What::Open(open_options(size))).await?;
-            match this.checked(opened) {
+            match this.ask(What::Open(open_options(size))).await {
                 Ok(Outcome::Opened { budget, .. }) => {
                     this.budget = budget;
                     this.size = Some(size);
@@ -114,20 +112,19 @@ impl Link {
                 limit: self.budget,
             });
         }
-        let first = self.ask(What::Message(request.clone())).await?;
+        let first = self.outcome(What::Message(request.clone())).await?;
         let Some(size) = self.size.filter(|_| may_repeat(&first, &request)) else {
             return self.reply(&request, first);
         };
         self.reopen(size).await?;
-        let second = self.ask(What::Message(request.clone())).await?;
+        let second = self.outcome(What::Message(request.clone())).await?;
         self.reply(&request, second)
     }
 
     /// Opens the class 3 connection again, unless another caller has done it.
     async fn reopen(&self, size: u16) -> Result<(), ClientError> {
         let _alone = self.reopening.lock().await;
-        let outcome = self.ask(What::Open(open_options(size))).await?;
-        self.checked(outcome).map(drop)
+        self.ask(What::Open(open_options(size))).await.map(drop)
     }
 
     fn reply(&self, request: &Request, outcome: Outcome) -> Result<Reply, ClientError> {
@@ -141,8 +138,7 @@ impl Link {
 
     /// The identity of the server, and the address at which it says it listens.
     pub(crate) async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
-        let outcome = self.ask(What::Identify).await?;
-        match self.checked(outcome)? {
+        match self.ask(What::Identify).await? {
             Outcome::Identity(Some(found)) => Ok(found),
             _ => Err(ClientError::Malformed {
                 what: "a ListIdentity reply holds no identity",
@@ -157,6 +153,11 @@ impl Link {
     }
 
     async fn ask(&self, what: What) -> Result<Outcome, ClientError> {
+        let outcome = self.outcome(what).await?;
+        self.checked(outcome)
+    }
+
+    async fn outcome(&self, what: What) -> Result<Outcome, ClientError> {
         let (answer, answered) = oneshot::channel();
         self.jobs
             .send(Job { what, answer })

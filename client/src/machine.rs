@@ -59,7 +59,13 @@ impl Client {
         decode_instances(&data).ok_or(CUT)
     }
 
-    async fn bytes_of(&self, what: &str, object: Object, instance: u32, id: u16) -> Result<Bytes, ClientError> {
+    pub(crate) async fn bytes_of(
+        &self,
+        what: &str,
+        object: Object,
+        instance: u32,
+        id: u16,
+    ) -> Result<Bytes, ClientError> {
         let path = Epath::attribute(object.class_code(), instance, id);
         let reply = self
             .ask(what, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())

@@ -2,9 +2,6 @@
 
 use arcline_instruction_set::Object;
 use arcline_proto::arcline::motion::{Mover, MoverKind, axis, coordinate_system};
-use arcline_proto::cip::service;
-use arcline_proto::epath::Epath;
-use bytes::Bytes;
 
 use crate::{Client, ClientError};
 
@@ -20,13 +17,9 @@ impl Client {
             Object::CoordinateSystem => coordinate_system::MOVER,
             Object::MotionGroup => return Ok(None),
         };
-        let path = Epath::attribute(object.class_code(), instance, attribute);
-        match self
-            .ask("a mover", service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
-            .await
-        {
-            Ok(reply) => {
-                let mover = Mover::decode(&reply.data).ok_or(ClientError::Malformed { what: "a mover is cut" })?;
+        match self.bytes_of("a mover", object, instance, attribute).await {
+            Ok(data) => {
+                let mover = Mover::decode(&data).ok_or(ClientError::Malformed { what: "a mover is cut" })?;
                 Ok(Some(mover).filter(|mover| mover.kind != MoverKind::NONE))
             }
             Err(ClientError::Refused { .. }) => Ok(None),

@@ -17,8 +17,6 @@ import { found } from "./dom.js";
  * @property {(row: number, column: number, which: number) => number} value
  */
 
-/** A signal whose values are in a memory of its own. @typedef {Series & { stored: Float32Array | Float64Array }} StoredSeries */
-
 const MAGIC = 0x31435241; // "ARC1", little-endian
 const HISTORY = 0x32435241; // "ARC2"
 const HEAD = 24;

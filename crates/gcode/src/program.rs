@@ -140,8 +140,6 @@ pub struct Reader {
     line: usize,
     /// Whether a `%` has opened the program.
     framed: bool,
-    /// Whether there was a step.
-    begun: bool,
     ended: bool,
     /// The newest step, until its successor is known: a motion with none, and one before a dwell, ends at rest.
     held: Option<Step>,
@@ -154,7 +152,6 @@ impl Reader {
             modes: Modes::new(options),
             line: 0,
             framed: false,
-            begun: false,
             ended: false,
             held: None,
         }
@@ -172,14 +169,13 @@ impl Reader {
         let line = self.line;
         if text.trim() == "%" {
             // The first one opens the program, the second one is its end.
-            self.ended = self.framed || self.begun;
+            self.ended = self.framed || self.held.is_some();
             self.framed = true;
             return Ok(!self.ended);
         }
         let words = words(text, line)?;
-        let (held, begun) = (&mut self.held, &mut self.begun);
+        let held = &mut self.held;
         let goes_on = self.modes.line(&words, line, &mut |motion| {
-            *begun = true;
             let step = Step { line, motion };
             if let Some(before) = held.replace(step) {
                 let rests = matches!(motion, Motion::Dwell { .. });

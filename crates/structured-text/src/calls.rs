@@ -108,10 +108,6 @@ impl<X: Clone> Calls<X> {
         matches!(ending, Ending::Instruction { tag, .. } if self.newest(tag).is_some())
     }
 
-    pub(crate) fn any(&self, state: State) -> bool {
-        self.first(state).is_some()
-    }
-
     pub(crate) fn first(&self, state: State) -> Option<(usize, &Called<X>)> {
         let mut executed = self.executed.iter().enumerate();
         executed.find_map(|(index, (now, called))| (*now == state).then_some((index, called)))

@@ -287,7 +287,7 @@ impl<X: Clone> ProgramRun<X> {
         loop {
             self.look(driver, Turn::First).await?;
             self.explain(driver).await?;
-            if !self.calls.any(State::Running) {
+            if self.calls.running() == 0 {
                 return Ok(());
             }
             let line = self.line();

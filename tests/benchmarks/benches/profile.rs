@@ -3,7 +3,7 @@
 //! The same thousand random states for both; equal limits both ways, since the other cannot take four.
 //! `cargo bench -p arcline-benchmarks --bench profile` prints means, and quantiles of the single plans.
 
-#![allow(clippy::disallowed_methods, missing_docs)] // the clock is what a benchmark reads
+#![allow(missing_docs)]
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Long G-code programs, simulated: what they take, by `arcline gcode --simulate`.
+//! Long G-code programs, simulated: their duration and memory, by `arcline gcode --simulate`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -63,7 +63,8 @@ fn peak_of(process: &mut Child) -> u64 {
 }
 
 /// VmHWM of a process, bytes; 0: it has ended.
-fn high_water(process: u32) -> u64 {
+#[must_use]
+pub fn high_water(process: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kilobytes = line.and_then(|line| line.trim().strip_suffix(" kB")?.parse::<u64>().ok());

@@ -18,7 +18,7 @@ pub(super) struct Source<'c> {
     pub(super) options: Options,
 }
 
-/// What a program has.
+/// The numbers of lines, arcs and dwells of a program.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
 pub(super) struct Counts {
     pub(super) lines: u64,

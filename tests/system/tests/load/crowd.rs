@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use arcline_system_tests::bare::Bare;
 use arcline_system_tests::command_line::read_numbers;
+use arcline_system_tests::gcode::high_water;
 use arcline_system_tests::load::{Load, Question, read_all};
 use arcline_system_tests::server::Server;
 
@@ -140,8 +141,7 @@ fn p99(counts: &[f64]) -> f64 {
 
 /// The most memory that a process has had in use, MiB.
 fn peak_memory(process: u32) -> f64 {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).expect("Linux shows it");
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
-    kilobytes.expect("a number") / 1024.0
+    let bytes = high_water(process);
+    assert!(bytes > 0, "Linux shows the memory of a process that runs");
+    bytes as f64 / f64::from(1 << 20)
 }

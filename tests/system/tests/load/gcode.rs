@@ -3,7 +3,7 @@
 use arcline_system_tests::gcode::simulated;
 
 #[test]
-fn a_million_lines_take_no_more_memory_than_a_thousand() {
+fn a_million_lines_take_no_more_memory_than_ten_thousand() {
     let folder = tempfile::tempdir().expect("a folder");
     let (short, long) = (simulated(folder.path(), 10_000), simulated(folder.path(), 1_000_000));
     println!("{short:?}, {long:?}");

@@ -54,7 +54,7 @@ impl<'a, 't> Importer<'a, 't> {
         system.extend(robot.map(|build| ("type".to_owned(), Value::String(build.key.to_owned()))));
         system.extend(definition.map(|word| ("definition".to_owned(), Value::String(word.to_owned()))));
         self.robot(node, robot.map(|_| names.len()), &mut system)?;
-        self.orientation(node, robot.is_none().then_some(definition).flatten(), &mut system)?;
+        self.orientation(node, definition.filter(|_| robot.is_none()), &mut system)?;
         let words = "transforms take all axes";
         if let Some(dimension) = self.source.number(node, "TransformDimension")?
             && dimension != 0.0
