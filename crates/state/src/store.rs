@@ -66,8 +66,8 @@ impl<D: Disk> Store<D> {
         self.state.apply(record)
     }
 
-    /// Writes records that were applied, each whole or not at all. After a failure the caller has to [give the file up](Store::give_up), so that
-    /// nothing is written behind half a record.
+    /// Writes records that were applied, each whole or not at all. After a failure the file is given up, so that nothing is written behind half
+    /// a record.
     pub(crate) fn append<'r>(&mut self, records: impl Iterator<Item = &'r Record> + Clone) -> io::Result<()> {
         let disk = self.place.disk();
         // The file beside has no name yet: a failure to write it only ends it.
@@ -80,12 +80,21 @@ impl<D: Disk> Store<D> {
             .log
             .as_mut()
             .ok_or_else(|| io::Error::other("an earlier record could not be written"))?;
-        log.append(disk, records, &mut self.buffer)
+        let written = log.append(disk, records, &mut self.buffer);
+        if written.is_err() {
+            self.log = None;
+        }
+        written
     }
 
     /// Gives the file up: nothing more is written to it until the state has been written anew.
     pub(crate) fn give_up(&mut self) {
         self.log = None;
+    }
+
+    /// Whether the file takes records.
+    pub(crate) fn is_writable(&self) -> bool {
+        self.log.is_some()
     }
 
     /// The file, and what its synchronisation covers; `None` after a failure.

@@ -181,12 +181,14 @@ impl<D: Disk, A> Writer<D, A> {
                 self.store.end_rewrite();
                 self.not_rewritten(error, now);
             }
-            (What::Folder, Ok(())) => {
-                if std::mem::take(&mut self.failed) {
-                    self.actions.push_back(Action::Report(Report::Recovered));
-                    self.wrote(now);
-                }
+            (What::Folder, Ok(())) if self.failed && self.store.is_writable() => {
+                self.failed = false;
+                self.actions.push_back(Action::Report(Report::Recovered));
+                self.wrote(now);
             }
+            // A write to the new file has failed meanwhile.
+            (What::Folder, Ok(())) if self.failed => self.due = now + self.pace.pause,
+            (What::Folder, Ok(())) => {}
             (What::Records(..) | What::Folder, Err(error)) => self.fail(Failure::Synchronisation, error, now),
         }
     }
