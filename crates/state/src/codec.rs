@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Change, MAX_TOTAL, State};
 
-/// One record of a file: what is kept as one, whole or not at all.
+/// One record of a file, which a crash leaves whole or not at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Record {
     /// Everything, in place of what there was: the first record of a file, and one whenever there are other tags.
@@ -17,7 +17,7 @@ pub enum Record {
 
 /// The bytes of [`Record::State`], from a state that is borrowed. The names of the variants do not matter, their order does.
 #[derive(Serialize)]
-enum Borrowed<'s> {
+pub(crate) enum Borrowed<'s> {
     State(&'s State),
 }
 
@@ -31,14 +31,9 @@ const CONFIG: Configuration<LittleEndian, Varint, Limit<MAX_RECORD>> = config::s
     .with_variable_int_encoding()
     .with_limit::<MAX_RECORD>();
 
-/// Appends the bytes of a record.
-pub(crate) fn encode(record: &Record, out: &mut Vec<u8>) {
+/// Appends the bytes of a [`Record`], or of a [`Borrowed`] one.
+pub(crate) fn encode(record: &impl Serialize, out: &mut Vec<u8>) {
     bincode::serde::encode_into_std_write(record, out, CONFIG).expect("plain data goes into a vector");
-}
-
-/// Appends the bytes of a record that is this state.
-pub(crate) fn encode_state(state: &State, out: &mut Vec<u8>) {
-    bincode::serde::encode_into_std_write(Borrowed::State(state), out, CONFIG).expect("plain data goes into a vector");
 }
 
 /// Reads a record; `None`: the bytes are not one record exactly.

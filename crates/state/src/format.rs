@@ -13,8 +13,9 @@
 //! mistaken for a record that was cut off. Format 2, which is still read, has no horizon: its records stand behind the header.
 
 use crc32fast::Hasher;
+use serde::Serialize;
 
-use crate::codec::{self, MAX_RECORD, Record};
+use crate::codec::{self, Borrowed, MAX_RECORD, Record};
 use crate::horizon::{self, PAGE};
 use crate::{Damage, State};
 
@@ -38,15 +39,11 @@ pub struct Kept {
 pub(crate) struct Chain(u32);
 
 impl Chain {
-    /// Appends a record.
-    pub(crate) fn push(&mut self, record: &Record, out: &mut Vec<u8>) {
-        self.push_encoded(out, |out| codec::encode(record, out));
-    }
-
-    fn push_encoded(&mut self, out: &mut Vec<u8>, encode: impl FnOnce(&mut Vec<u8>)) {
+    /// Appends a [`Record`], or a [`Borrowed`] one.
+    pub(crate) fn push(&mut self, record: &impl Serialize, out: &mut Vec<u8>) {
         let head = out.len();
         out.extend_from_slice(&[0; HEAD]);
-        encode(out);
+        codec::encode(record, out);
         let length = u32::try_from(out.len() - head - HEAD)
             .expect("a record is far below 4 GiB")
             .to_le_bytes();
@@ -71,7 +68,7 @@ pub(crate) fn fresh(state: &State) -> (Vec<u8>, Chain) {
     let mut chain = Chain(0).over(&out);
     out.extend_from_slice(&chain.0.to_le_bytes());
     out.resize(RECORDS, 0);
-    chain.push_encoded(&mut out, |out| codec::encode_state(state, out));
+    chain.push(&Borrowed::State(state), &mut out);
     let (horizon, at) = (horizon::page(out.len()), horizon::offset(0));
     out[at..at + horizon.len()].copy_from_slice(&horizon);
     (out, chain)

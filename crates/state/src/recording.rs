@@ -13,11 +13,11 @@ use crate::{Disk, OpenError};
 
 /// A file by its identity; a name points at it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Inode(usize);
+pub(crate) struct Inode(usize);
 
 /// A call that changed the disk, or synchronised it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Call {
+pub(crate) enum Call {
     /// A new, empty file has the name.
     Create(PathBuf, Inode),
     /// Bytes at the end of a file.
@@ -37,11 +37,11 @@ pub enum Call {
 }
 
 /// Decides by the number of a call, counted from 0, whether it fails.
-pub type Fails = Box<dyn Fn(usize, Kind) -> bool + Send>;
+pub(crate) type Fails = Box<dyn Fn(usize, Kind) -> bool + Send>;
 
 /// The kinds of calls that can fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// [`Disk::create`].
     Create,
     /// [`Disk::append`] and [`Disk::overwrite`].
@@ -56,7 +56,7 @@ pub enum Kind {
 
 /// A disk in memory.
 #[derive(Clone, Default)]
-pub struct Recording(Arc<Mutex<Recorded>>);
+pub(crate) struct Recording(Arc<Mutex<Recorded>>);
 
 #[derive(Default)]
 struct Recorded {
@@ -75,34 +75,36 @@ struct Files {
 
 impl Recording {
     /// A disk that has these files, all of them synchronised.
-    pub fn with(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
+    pub(crate) fn with(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
         let mut recorded = Recorded::default();
         for (name, content) in files {
             let inode = Inode(recorded.files.contents.len());
-            recorded.files.contents.push(content.clone());
-            recorded.files.names.insert(name.clone(), inode);
-            recorded.calls.push(Call::Create(name, inode));
-            recorded.calls.push(Call::Append(inode, content));
-            recorded.calls.push(Call::Sync(inode));
+            for call in [
+                Call::Create(name, inode),
+                Call::Append(inode, content),
+                Call::Sync(inode),
+            ] {
+                recorded.carry_out(call);
+            }
         }
-        recorded.calls.push(Call::SyncFolder);
+        recorded.carry_out(Call::SyncFolder);
         Recording(Arc::new(Mutex::new(recorded)))
     }
 
     /// From now on calls fail that this says.
-    pub fn fail(&self, fails: Fails) {
+    pub(crate) fn fail(&self, fails: Fails) {
         let mut recorded = self.lock_recorded();
         recorded.fails = Some(fails);
         recorded.asked = 0;
     }
 
     /// The calls so far.
-    pub fn calls(&self) -> Vec<Call> {
+    pub(crate) fn calls(&self) -> Vec<Call> {
         self.lock_recorded().calls.clone()
     }
 
     /// How many there are.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.lock_recorded().calls.len()
     }
 
@@ -119,9 +121,15 @@ impl Recording {
             return Err(io::Error::other("an input/output error by design"));
         }
         let call = call(&mut recorded.files);
-        recorded.files.apply(&call);
-        recorded.calls.push(call.clone());
+        recorded.carry_out(call.clone());
         Ok(call)
+    }
+}
+
+impl Recorded {
+    fn carry_out(&mut self, call: Call) {
+        self.files.apply(&call);
+        self.calls.push(call);
     }
 }
 
@@ -181,9 +189,7 @@ impl Disk for Recording {
         let written = self.call(Kind::Write, |_| Call::Append(*file, bytes.to_vec()));
         if written.is_err() {
             let mut recorded = self.lock_recorded();
-            let call = Call::FailedAppend(*file, bytes[..bytes.len() / 2].to_vec());
-            recorded.files.apply(&call);
-            recorded.calls.push(call);
+            recorded.carry_out(Call::FailedAppend(*file, bytes[..bytes.len() / 2].to_vec()));
         }
         written.map(drop)
     }
@@ -218,7 +224,7 @@ impl Disk for Recording {
 
 /// What ends, and what a file system promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rules {
+pub(crate) enum Rules {
     /// The process is killed: all calls that have returned are there, and a part of the one under way.
     Process,
     /// The system ends, on a file system that keeps the data of an append before its length and names in order (ext4, XFS, Btrfs): a prefix
@@ -231,40 +237,37 @@ pub enum Rules {
 }
 
 /// What may be found under one name after a crash.
-pub struct Crashes<'c> {
+pub(crate) struct Crashes<'c> {
     calls: &'c [Call],
     name: &'c Path,
 }
 
 impl<'c> Crashes<'c> {
     /// The crash comes behind the last of these calls. The disk was empty before the first.
-    pub fn behind(calls: &'c [Call], name: &'c Path) -> Self {
+    pub(crate) fn behind(calls: &'c [Call], name: &'c Path) -> Self {
         Crashes { calls, name }
     }
 
     /// Calls `found` with every content that the file may have, `None` where it does not exist: all of them when there are at most
     /// `most`, otherwise `most` that are drawn. Returns how many there were.
-    pub fn each(
+    pub(crate) fn each(
         &self,
         rules: Rules,
         most: usize,
         random: &mut dyn FnMut(usize) -> usize,
         found: &mut dyn FnMut(Option<&[u8]>),
     ) -> usize {
-        let mut states = Vec::new();
-        for inode in self.pointed_at(rules) {
-            match inode {
-                None => {
-                    found(None);
-                    states.push(1);
-                }
-                Some(inode) => {
-                    let file = PartlySynchronised::of(inode, self.calls, rules);
-                    states.push(file.each(most, random, &mut |content| found(Some(content))));
-                }
+        let mut every = |inode: Option<Inode>| match inode {
+            None => {
+                found(None);
+                1
             }
-        }
-        states.iter().sum()
+            Some(inode) => {
+                let file = PartlySynchronised::of(inode, self.calls, rules);
+                file.each(most, random, &mut |content| found(Some(content)))
+            }
+        };
+        self.pointed_at(rules).into_iter().map(&mut every).sum()
     }
 
     /// The files that the name may point at.

@@ -1,4 +1,4 @@
-//! When what is written: a state machine without threads or clocks, which a thread carries out.
+//! The order and the times of writes: a state machine without threads or clocks, which a thread carries out.
 //!
 //! Everything that waits when [`Writer::turn`] is called is one write. The writer never waits for the disk: at most once in a
 //! [`Pace::pause`] it hands out a [`Task`], a synchronisation that another thread runs and whose end comes back as [`Writer::ended`]. When the
@@ -8,7 +8,6 @@
 //! success says nothing about it. From then on every record is answered with [`NotPersisted`], and after each pause the whole state is tried in a new
 //! file.
 
-use std::collections::VecDeque;
 use std::io;
 use std::path::Path;
 use std::time::Duration;
@@ -41,13 +40,13 @@ impl Default for Pace {
     }
 }
 
-/// Keeps a state in a file. `A` stands for the one who waits for an answer.
+/// Keeps a state in a file. `A` addresses an answer.
 #[derive(Debug)]
 pub struct Writer<D: Disk, A> {
     store: Store<D>,
     pace: Pace,
     waiting: Vec<(Record, A)>,
-    actions: VecDeque<Action<A>>,
+    actions: Vec<Action<A>>,
     /// Whether a task is under way.
     busy: bool,
     /// The folder is to be synchronised next.
@@ -135,7 +134,7 @@ impl<D: Disk, A> Writer<D, A> {
             store: Store::new(place, state, pace.growth),
             pace,
             waiting: Vec::new(),
-            actions: VecDeque::new(),
+            actions: Vec::new(),
             busy: false,
             renamed: false,
             unsynchronised: false,
@@ -183,7 +182,7 @@ impl<D: Disk, A> Writer<D, A> {
             }
             (What::Folder, Ok(())) if self.failed && self.store.is_writable() => {
                 self.failed = false;
-                self.actions.push_back(Action::Report(Report::Recovered));
+                self.actions.push(Action::Report(Report::Recovered));
                 self.wrote(now);
             }
             // A write to the new file has failed meanwhile.
@@ -232,24 +231,23 @@ impl<D: Disk, A> Writer<D, A> {
                 records.push(record);
                 answers.push(answer);
             } else {
-                self.actions.push_back(Action::Answer(answer, Err(NotPersisted)));
+                self.actions.push(Action::Answer(answer, Err(NotPersisted)));
             }
         }
         if records.is_empty() {
             return;
         }
-        let written = self.store.append(records.iter());
-        let kept = match written {
-            Err(error) if !self.failed => {
-                self.fail(Failure::Write, error, now);
-                Err(NotPersisted)
-            }
-            Ok(()) if !self.failed => Ok(()),
-            _ => Err(NotPersisted),
-        };
-        if !self.failed {
-            self.wrote(now);
+        if let Err(error) = self.store.append(records.iter())
+            && !self.failed
+        {
+            self.fail(Failure::Write, error, now);
         }
+        let kept = if self.failed {
+            Err(NotPersisted)
+        } else {
+            self.wrote(now);
+            Ok(())
+        };
         let answers = answers.into_iter().map(|answer| Action::Answer(answer, kept));
         self.actions.extend(answers);
     }
@@ -300,7 +298,7 @@ impl<D: Disk, A> Writer<D, A> {
         if self.failed {
             self.due = now + self.pace.pause;
         } else {
-            self.actions.push_back(Action::Report(Report::Grows(error)));
+            self.actions.push(Action::Report(Report::Grows(error)));
         }
     }
 
@@ -308,7 +306,7 @@ impl<D: Disk, A> Writer<D, A> {
         self.store.give_up();
         self.due = now + self.pace.pause;
         if !std::mem::replace(&mut self.failed, true) {
-            self.actions.push_back(Action::Report(Report::Failed(what, error)));
+            self.actions.push(Action::Report(Report::Failed(what, error)));
         }
     }
 }

@@ -144,24 +144,21 @@ impl Scene {
 
     /// Records that a synchronisation covers of the file to which the disk has the name; `None`: it has no name.
     fn synchronised(&self, calls: &[Call]) -> Option<usize> {
-        let (mut covered, mut synchronised) = (Vec::<usize>::new(), Vec::<Option<usize>>::new());
+        // Records that each file has, and those of them that its last synchronisation covers.
+        let mut files = BTreeMap::<Inode, (usize, Option<usize>)>::new();
         let mut bad: Vec<Inode> = Vec::new();
         let (mut named, mut disk) = (BTreeMap::<&Path, Inode>::new(), None);
-        let mut inodes: Vec<Inode> = Vec::new();
         for (call, sent) in calls.iter().zip(&self.sent) {
-            let index = |inode: &Inode, inodes: &Vec<Inode>| inodes.iter().position(|known| known == inode);
             match call {
                 Call::Create(name, inode) => {
                     named.insert(name, *inode);
-                    inodes.push(*inode);
-                    covered.push(0);
-                    synchronised.push(None);
+                    files.insert(*inode, (0, None));
                 }
-                Call::Append(inode, _) => covered[index(inode, &inodes).expect("created")] = *sent,
+                Call::Append(inode, _) => files.get_mut(inode).expect("created").0 = *sent,
                 Call::FailedAppend(..) | Call::Overwrite(..) => {}
                 Call::Sync(inode) if !bad.contains(inode) => {
-                    let index = index(inode, &inodes).expect("created");
-                    synchronised[index] = Some(covered[index]);
+                    let (records, synchronised) = files.get_mut(inode).expect("created");
+                    *synchronised = Some(*records);
                 }
                 Call::Sync(_) => {}
                 Call::FailedSync(inode) => bad.push(*inode),
@@ -172,8 +169,7 @@ impl Scene {
                 Call::SyncFolder => disk = named.get(file().as_path()).copied(),
             }
         }
-        let inode = disk?;
-        synchronised[inodes.iter().position(|known| *known == inode)?]
+        files.get(&disk?)?.1
     }
 
     /// Holds every content behind every call against the bounds. Returns how many there were.
