@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 /// A file of the project.
-pub(crate) fn path_of(file: &str) -> PathBuf {
+fn path_of(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
 }
 

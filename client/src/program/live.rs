@@ -115,19 +115,12 @@ impl Driver for Live<'_> {
             }
             Err(error) => return Err(error),
         };
-        Ok(if control.has(Flag::Er) {
-            Progress::Erred(ClientError::Motion {
-                mnemonic: Some(execution.mnemonic),
-                err: control.err,
-                exerr: control.exerr,
-            })
-        } else if !execution.completes() || control.has(Flag::Pc) {
-            Progress::Ended
-        } else if control.has(Flag::Ip) {
-            Progress::Running
-        } else {
-            Progress::Incomplete
-        })
+        let mnemonic = execution.mnemonic;
+        Ok(Progress::of(mnemonic, &control, || ClientError::Motion {
+            mnemonic: Some(mnemonic),
+            err: control.err,
+            exerr: control.exerr,
+        }))
     }
 
     async fn stopped(&mut self, called: &Called<Execution>) -> Result<Option<Stopped<ClientError>>, ClientError> {

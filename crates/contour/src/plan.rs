@@ -38,9 +38,11 @@ pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
 fn first_moves(moves: &[ContourMove]) -> usize {
     // The last one that is known ends in a stop or at a corner without tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
-    let section = 1 + moves.windows(2).take_while(|pair| can_pass(&pair[0], &pair[1])).count();
-    let dense = is_dense(&moves[..section.min(moves.len())]);
-    if is_whole && !dense {
+    let dense = || {
+        let section = 1 + moves.windows(2).take_while(|pair| can_pass(&pair[0], &pair[1])).count();
+        is_dense(&moves[..section.min(moves.len())])
+    };
+    if is_whole && !dense() {
         return moves.len();
     }
     let mut seconds = 0.0;
@@ -83,7 +85,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         rest.move_ends = vec![MoveEnd::plain(0.0); moves.len()];
         return rest;
     }
-    for quality in qualities(moves) {
+    for quality in qualities(moves).chain([Quality::TimingOnly]) {
         if let Some(trajectory) = Section::new(moves, limits, Begin::Rest, quality).plan() {
             return trajectory;
         }
@@ -98,14 +100,14 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     whole
 }
 
-/// In which order a section is tried: dense chords as a smooth curve first.
+/// The order of the plans of a section, before the last resort: dense chords as a smooth curve first.
 pub(crate) fn qualities(moves: &[ContourMove]) -> impl Iterator<Item = Quality> {
     let dense = is_dense(moves).then_some(Quality::Smooth);
-    dense.into_iter().chain([Quality::Full, Quality::TimingOnly])
+    dense.into_iter().chain([Quality::Full])
 }
 
 /// Whether moves are many, most of them with a corner that turns little.
-pub(crate) fn is_dense(moves: &[ContourMove]) -> bool {
+fn is_dense(moves: &[ContourMove]) -> bool {
     let turn = |pair: &[ContourMove]| (pair[1].path.start_tangent() - pair[0].path.end_tangent()).norm();
     let sharp = moves.windows(2).filter(|pair| turn(pair) > TUNING.smooth.sharp).count();
     moves.len() >= TUNING.smooth.least_moves && sharp * TUNING.smooth.most_sharp <= moves.len()

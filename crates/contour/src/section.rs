@@ -48,7 +48,7 @@ impl<'a> Section<'a> {
         let deviations = long.iter().map(|m| m.deviation);
         Section {
             moves,
-            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, begin).with_quality(quality),
+            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, begin, quality),
             reference,
             bounds: long.iter().map(|m| Bounds::new(m, limits, smoothness)).collect(),
             smoothness,
@@ -163,7 +163,7 @@ impl<'a> Section<'a> {
             if stage.limits == Limited::Acceleration {
                 warp = self.smoothness;
             }
-            let now = self.run_stage(&mut control, (stage, quality), &margin, work);
+            let now = self.run_stage(&mut control, stage, &margin, work);
             if !now.trajectory.duration().is_finite() {
                 return None;
             }
@@ -208,13 +208,13 @@ impl<'a> Section<'a> {
     /// A motion within all limits, made faster on its own nodes; itself where that fails.
     fn improved(&self, from: Solved, stage: &Stage, margin: &ToleranceMargin, work: &mut Work) -> Solved {
         let mut control = from.control.clone();
-        let mut better = self.run_stage(&mut control, (stage, self.quality), margin, work);
+        let better = self.run_stage(&mut control, stage, margin, work);
         let mut margin = ToleranceMargin::new();
         let worst = margin.tighten(&better.trajectory, &control, &self.reference, &self.allowance);
         let faster = better.trajectory.duration() < from.trajectory.duration();
         if faster && worst <= 1.0 && better.excess <= 1.0 + EXACT {
             Solved {
-                trajectory: core::mem::replace(&mut better.trajectory, Trajectory::rest(crate::Point::zeros())),
+                trajectory: better.trajectory,
                 control,
                 times: better.times,
             }
@@ -243,7 +243,7 @@ impl<'a> Section<'a> {
     fn run_stage(
         &self,
         control: &mut ControlPoints,
-        (stage, quality): (&Stage, Quality),
+        stage: &Stage,
         margin: &ToleranceMargin,
         work: &mut Work,
     ) -> Measured {
@@ -263,7 +263,7 @@ impl<'a> Section<'a> {
             kept_limits: &self.bounds,
             margins: &margins,
         };
-        let mut problem = conditions.problem(control, quality);
+        let mut problem = conditions.problem(control, self.quality);
         problem.make_feasible();
         problem.run(stage.schedule, work);
         let span = control.spans[0];

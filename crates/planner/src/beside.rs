@@ -157,7 +157,7 @@ fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOO
         (begin, end) = (begin + step * before as f64, begin + step * after as f64);
         let part = (end - begin) / LOOKS as f64;
         looks = std::array::from_fn(|place| square(begin + part * place as f64));
-        found = vertices(&looks).max(looks[0]);
+        found = vertices(&looks);
     }
     found
 }

@@ -1,6 +1,6 @@
 //! One coordinate system's active move, the end of the one before it, and its queue.
 //!
-//! Not here: what a move is and what runs ([`crate::running`]), the look-ahead over the queue ([`crate::queue`]).
+//! Not here: moves, and the running move ([`crate::running`]), the look-ahead over the queue ([`crate::queue`]).
 
 use std::collections::VecDeque;
 

@@ -2,7 +2,7 @@
 //!
 //! Commands are taken in the order in which they were sent, [`MAX_COMMANDS_PER_TICK`] in a tick. A stop before which more commands wait
 //! than one tick takes comes first, and the controller refuses those commands that it overtook and that would move what it stopped.
-//! So nothing is ever reordered while the controller keeps up. Not here: which instructions are stops, and what is refused.
+//! So nothing is ever reordered while the controller keeps up. Not here: the choice of the instructions that are stops, and the refusal of overtaken commands.
 
 use arcline_controller::{Command, MAX_COMMANDS_PER_TICK, Overtaking};
 

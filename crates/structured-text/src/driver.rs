@@ -7,7 +7,7 @@
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
-use arcline_instruction_set::{Ending, Mnemonic, MotionControl, MotionError};
+use arcline_instruction_set::{Ending, Flag, Mnemonic, MotionControl, MotionError};
 use arcline_tag::{TagPath, Value};
 
 use crate::calls::{Called, Calls, State};
@@ -96,6 +96,21 @@ pub enum Progress<E> {
     Incomplete,
     /// It has erred since it was accepted.
     Erred(E),
+}
+
+impl<E> Progress<E> {
+    /// The progress that the bits of a motion control tag show.
+    pub fn of(mnemonic: Mnemonic, control: &MotionControl, error: impl FnOnce() -> E) -> Self {
+        if control.has(Flag::Er) {
+            Progress::Erred(error())
+        } else if !mnemonic.instruction().bits.contains(&Flag::Pc) || control.has(Flag::Pc) {
+            Progress::Ended
+        } else if control.has(Flag::Ip) {
+            Progress::Running
+        } else {
+            Progress::Incomplete
+        }
+    }
 }
 
 /// The end of an instruction that did not come to its programmed end.

@@ -358,13 +358,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     /// Answers a request, in a turn of its own if it is long work.
     async fn answer(&mut self, request: &Request, budget: usize, transport: Transport) -> Result<Reply, Ended> {
         let is_long = request.data.len() > SHORT || self.share.is_used(self.now) && !self.router.is_stop(request);
-        let device = self.host.device.clone();
-        if is_long && device.turns.are_taken() {
-            // What is answered already does not wait with it.
+        if is_long && self.host.device.turns.are_taken() {
+            // Replies that are ready do not wait with it.
             self.flush().await?;
         }
         let turn = match is_long {
-            true => device.turns.take(self.host.session).await,
+            true => self.host.device.turns.take(self.host.session).await,
             false => None,
         };
         let began = std::time::Instant::now();

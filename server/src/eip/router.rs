@@ -7,7 +7,6 @@ use std::net::SocketAddrV4;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use arcline_controller::image::Image;
 use arcline_proto::arcline::machine;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
 use arcline_proto::session::Transport;
@@ -66,13 +65,15 @@ impl Router {
         if message.data.len() > SHORT {
             return false;
         }
+        let context = self.context(0, Transport::Unconnected);
+        let plant = &self.device.plant;
         let is_one = |request: &Request| {
             let parsed = ParsedRequest::new(request, self.device.objects);
-            let context = self.context(0, Transport::Unconnected);
-            let image = |ask: &dyn Fn(&Image) -> bool| self.device.plant.with_published(ask);
             match parsed.action {
-                Action::Motion => image(&|image| motion::is_stop(&context, image, request, &parsed.target)),
-                Action::WriteTag(_) => image(&|image| tags::is_of_stop(image, &parsed.target)),
+                Action::Motion => {
+                    plant.with_published(|image| motion::is_stop(&context, image, request, &parsed.target))
+                }
+                Action::WriteTag(_) => plant.with_published(|image| tags::is_of_stop(image, &parsed.target)),
                 Action::Object(..) => {
                     parsed.target.class == Some(machine::CLASS) && request.service == machine::service::STOP
                 }

@@ -27,11 +27,6 @@ pub(crate) struct Turns {
     newest: AtomicU64,
 }
 
-/// The turn of a connection: until it is dropped, as many others as there are other threads have one.
-#[derive(Debug)]
-#[must_use]
-pub(crate) struct Turn<'t>(#[expect(dead_code, reason = "it is dropped")] SemaphorePermit<'t>);
-
 impl Turns {
     /// For so many threads.
     pub(crate) fn new(threads: usize) -> Self {
@@ -46,14 +41,15 @@ impl Turns {
         self.threads.available_permits() == 0
     }
 
-    /// The turn of a connection, by its session's number, in the order of those who wait. If another connection had the one before,
-    /// everything that is ready and needs no turn comes first. `None`: never, as nothing closes them.
-    pub(crate) async fn take(&self, session: u64) -> Option<Turn<'_>> {
+    /// The turn of a connection, by its session's number, in the order of the calls. Until it is dropped, as many others as there are other threads
+    /// have one. If another connection had the one before, everything that is ready and needs no turn comes first. `None`: never, as
+    /// nothing closes them.
+    pub(crate) async fn take(&self, session: u64) -> Option<SemaphorePermit<'_>> {
         let thread = self.threads.acquire().await.ok()?;
         if self.newest.swap(session, Ordering::Relaxed) != session {
             tokio::task::yield_now().await;
         }
-        Some(Turn(thread))
+        Some(thread)
     }
 }
 

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use arcline_controller::image::TagKind;
-use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 use arcline_structured_text::{
     BoundCall, Called, Calls, Driver, Interpreter, ObjectAttribute, Outcome, Pause, Policy, Program, ProgramRun,
@@ -381,15 +380,9 @@ impl Driver for Live<'_> {
             return Ok(Progress::Ended);
         };
         let mnemonic = called.mnemonic;
-        Ok(if control.has(Flag::Er) {
-            Progress::Erred(Refusal::motion(control.err, control.exerr, mnemonic).into())
-        } else if !mnemonic.instruction().bits.contains(&Flag::Pc) || control.has(Flag::Pc) {
-            Progress::Ended
-        } else if control.has(Flag::Ip) {
-            Progress::Running
-        } else {
-            Progress::Incomplete
-        })
+        Ok(Progress::of(mnemonic, &control, || {
+            Refusal::motion(control.err, control.exerr, mnemonic).into()
+        }))
     }
 
     async fn stopped(&mut self, called: &Called<Accepted>) -> Result<Option<Stopped<Break>>, Break> {

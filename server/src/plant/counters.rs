@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A kind of commands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u8)]
 pub enum Counter {
     /// Writes of tags.
     Writes,

@@ -21,7 +21,6 @@ use super::state::may_run;
 pub(super) struct MotionTickets {
     /// The newest instructions that began motion of each object, newest first.
     newest: BTreeMap<MotionObject, VecDeque<Ticket>>,
-    axes: usize,
     /// The axes of each coordinate system.
     systems: Vec<Vec<AxisId>>,
     movers: Arc<Movers>,
@@ -34,7 +33,6 @@ impl MotionTickets {
     pub(super) fn new(machine: &Machine) -> Self {
         MotionTickets {
             newest: BTreeMap::new(),
-            axes: machine.axes.len(),
             systems: machine.systems.iter().map(|system| system.axes.clone()).collect(),
             movers: Arc::new(Movers {
                 axes: vec![None; machine.axes.len()],
@@ -53,7 +51,7 @@ impl MotionTickets {
     pub(super) fn movers(&mut self, records: &Executions) -> Arc<Movers> {
         if std::mem::take(&mut self.is_stale) {
             let movers = Movers {
-                axes: AxisId::first(self.axes)
+                axes: AxisId::first(self.movers.axes.len())
                     .map(|axis| self.mover_of_axis(records, axis))
                     .collect(),
                 systems: SystemId::first(self.systems.len())

@@ -70,7 +70,11 @@ impl Pieces {
         let lines_before = self.lines;
         let text = match &mut self.rest {
             Rest::Ended => return Ok(None),
-            Rest::Whole(text) => std::mem::take(text),
+            Rest::Whole(text) => {
+                let text = std::mem::take(text);
+                self.rest = Rest::Ended;
+                text
+            }
             Rest::Lines(input) => {
                 let (text, lines) = read_lines(input).map_err(|error| cannot_read(&self.file, &error))?;
                 self.lines += lines;
@@ -80,9 +84,6 @@ impl Pieces {
                 text
             }
         };
-        if matches!(self.rest, Rest::Whole(_)) {
-            self.rest = Rest::Ended;
-        }
         let checked = check(&text, image).map_err(|mut error| {
             error.line += lines_before;
             Failure::usage(format!("{}: {error}", self.file.display()))

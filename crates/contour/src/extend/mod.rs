@@ -12,7 +12,6 @@ mod warm_start_joined;
 use crate::extend::continuation::{Continuation, cut};
 use crate::extend::splice::{braking_time, splice};
 use crate::plan::{can_pass, qualities};
-use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -53,21 +52,19 @@ pub fn extend(
     let end = (old + 1..moves.len())
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
-    let extended = qualities(&moves[begin..end])
-        .filter(|&quality| quality != Quality::TimingOnly)
-        .find_map(|quality| {
-            let continuation = Continuation {
-                running,
-                passed,
-                moves,
-                limits,
-                now,
-                begin,
-                end,
-                quality,
-            };
-            extended(&continuation, old, earliest)
-        })?;
+    let extended = qualities(&moves[begin..end]).find_map(|quality| {
+        let continuation = Continuation {
+            running,
+            passed,
+            moves,
+            limits,
+            now,
+            begin,
+            end,
+            quality,
+        };
+        extended(&continuation, old, earliest)
+    })?;
     Some(extended.planned_for(moves, limits))
 }
 

@@ -3,7 +3,6 @@
 use crate::extend::continuation::Continuation;
 use crate::extend::splice::splice;
 use crate::plan::{can_pass, qualities};
-use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -50,21 +49,19 @@ pub fn replan(
             .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
             .unwrap_or(moves.len());
         let splice = splice(&running, passed + begin, &moves[begin..end], limits, first)?;
-        let whole = qualities(&moves[begin..end])
-            .filter(|&quality| quality != Quality::TimingOnly)
-            .find_map(|quality| {
-                let continuation = Continuation {
-                    running: &running,
-                    passed,
-                    moves,
-                    limits,
-                    now,
-                    begin,
-                    end,
-                    quality,
-                };
-                continuation.plan(splice, splice + TUNING.extend.replan_followed_s, &mut work)
-            })?;
+        let whole = qualities(&moves[begin..end]).find_map(|quality| {
+            let continuation = Continuation {
+                running: &running,
+                passed,
+                moves,
+                limits,
+                now,
+                begin,
+                end,
+                quality,
+            };
+            continuation.plan(splice, splice + TUNING.extend.replan_followed_s, &mut work)
+        })?;
         Some(whole.planned_for(moves, limits))
     })
 }

@@ -40,6 +40,7 @@ impl Allowance {
         deviations: impl Iterator<Item = Deviation>,
         smoothness: Smoothness,
         begin: Begin,
+        quality: Quality,
     ) -> Allowance {
         let reaches = reference.pieces.windows(2).zip(&tolerances);
         let mut reaches: Vec<f64> = reaches
@@ -55,13 +56,8 @@ impl Allowance {
             tolerances,
             reaches,
             begin,
-            quality: Quality::Full,
+            quality,
         }
-    }
-
-    /// For a plan of another quality than [`Quality::Full`].
-    pub(crate) fn with_quality(self, quality: Quality) -> Allowance {
-        Allowance { quality, ..self }
     }
 
     /// Seconds between two nodes where the motion is busy.

@@ -1,7 +1,6 @@
 //! The attribute services, which are the same for all objects (CIP Vol. 1, appendix A), and the way to the services of one class.
 
-use arcline_proto::cip::{self, AttributeListReader, AttributeListReply, CipStatus, Reply, is_stray_route, service};
-use arcline_proto::session::Transport;
+use arcline_proto::cip::{self, AttributeListReader, AttributeListReply, CipStatus, Reply, service};
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::object::{Object, ObjectContext, On};
@@ -124,10 +123,7 @@ impl Attributes<'_, '_, '_> {
         let (id, request) = (self.id()?, self.cx.request);
         let width = self.width(id)?;
         let (value, surplus) = request.data.split_at_checked(width).ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-        let stray = self.cx.context.transport == Transport::Unconnected && is_stray_route(surplus);
-        if !surplus.is_empty() && !stray {
-            return Err(CipStatus::TOO_MUCH_DATA);
-        }
+        self.cx.no_surplus(surplus)?;
         self.set(id, value)
     }
 

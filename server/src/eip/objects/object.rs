@@ -200,11 +200,16 @@ impl<'a> ObjectContext<'a, '_> {
         self.target.instance.unwrap_or(0)
     }
 
-    /// Refuses data: 0x15. Behind an unconnected request may stand the route of a message that a client sent without its wrapping.
+    /// Refuses data: 0x15.
     pub(crate) fn no_data(&self) -> Result<(), CipStatus> {
-        let data = &self.request.data;
-        let is_stray = self.context.transport == Transport::Unconnected && is_stray_route(data);
-        if data.is_empty() || is_stray {
+        self.no_surplus(&self.request.data)
+    }
+
+    /// Refuses bytes behind the data: 0x15. Behind an unconnected request may stand the route of a message that a client sent without its
+    /// wrapping.
+    pub(crate) fn no_surplus(&self, surplus: &[u8]) -> Result<(), CipStatus> {
+        let is_stray = self.context.transport == Transport::Unconnected && is_stray_route(surplus);
+        if surplus.is_empty() || is_stray {
             Ok(())
         } else {
             Err(CipStatus::TOO_MUCH_DATA)

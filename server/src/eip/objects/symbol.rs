@@ -3,9 +3,8 @@
 //! Reading and writing a tag by its instance is [`tags`](crate::eip::tags)'s.
 
 use arcline_controller::image::{Access as ExternalAccess, PlainTag, Tag, TagId, TagKind};
-use arcline_proto::cip::{self, CipStatus, Reply, class, is_stray_route, service};
+use arcline_proto::cip::{self, CipStatus, Reply, class, service};
 use arcline_proto::logix::{CreateSymbol, Symbol, instance_list_reply};
-use arcline_proto::session::Transport;
 use arcline_tag::program_name;
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -115,10 +114,7 @@ fn list(cx: &ObjectContext<'_, '_>, start: u32) -> Result<Reply, CipStatus> {
 /// Create on the class, in a program's scope behind its name: a plain tag appears as after a download (spec/ethernet-ip.md §10).
 fn create(cx: &mut ObjectContext<'_, '_>) -> Result<Bytes, CipStatus> {
     let (wanted, surplus) = CreateSymbol::decode(&cx.request.data)?;
-    let stray = cx.context.transport == Transport::Unconnected && is_stray_route(surplus);
-    if !surplus.is_empty() && !stray {
-        return Err(CipStatus::TOO_MUCH_DATA);
-    }
+    cx.no_surplus(surplus)?;
     // The program need not be there yet.
     let program = match cx.target.first_symbol() {
         None => None,
