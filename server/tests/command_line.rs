@@ -44,6 +44,10 @@ fn simulate_tells_how_it_ended() {
     let stops = format!("{MOVE}\n{REFUSED}\nWAIT(FALSE);");
     let stopped = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All);\nWAIT(M.PC);");
     let at_once = format!("{MOVE} DELAY(0.05);\nMCS(CS1, Halt, All); WAIT(M.PC);");
+    let stands = format!("{MOVE}\nWAIT(X.CommandPosition > 51);");
+    let no_speed =
+        "MCLM(CS1, M, Absolute, [9, 0, 0], 0, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);\nWAIT(M.PC);";
+    let jogs = "MSO(X, On); WAIT(On.DN); MAJ(X, Jog, Forward, 1, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);\nWAIT(X.CommandPosition > 65); MAS(X, Halt);";
     let goes_wrong = format!("{REFUSED}\nWAIT(Bad.PC);");
     let either = format!("{MOVE} DELAY(0.05); MCS(CS1, Halt, All); WAIT(M.PC OR X.CommandVelocity = 0);");
     let faulted = format!("{MOVE} DELAY(0.05); FaultInject[0] := 16;");
@@ -61,6 +65,9 @@ fn simulate_tells_how_it_ended() {
         ("a read-only tag",               "X.CommandPosition := 1;", &[],                        2, "read-only"),
         ("waits for ever",                "WAIT(FALSE);",          &["--until", "1"],            3, "after 1 s"),
         ("waits for a stopped move",      &stopped,                &[],                          1, "line 2: WAIT can no longer come true: M (MCLM, line 1) was stopped by MCS Halt"),
+        ("waits while nothing moves",     &stands,                 &[],                          1, "line 2: WAIT can no longer come true: every axis is at rest"),
+        ("waits without a speed",         no_speed,                &[],                          1, "line 2: WAIT can no longer come true: every axis is at rest"),
+        ("waits while an axis jogs",      jogs,                    &[],                          0, "s, 3 instructions"),
         ("stops in the tick of the wait", &at_once,                &[],                          1, "M (MCLM, line 1) was stopped by MCS Halt"),
         ("waits for an error",            &goes_wrong,             &["--keep-going"],            1, "Bad (MCLM, line 1) erred: ERR 13"),
         ("waits for what never was",      "WAIT(M.PC); MSO(X, M);", &[],                         1, "M was never executed"),

@@ -386,6 +386,11 @@ impl Controller {
         self.motion.at_rest()
     }
 
+    /// Whether no axis moves and none will before another instruction is executed.
+    pub fn is_still(&self) -> bool {
+        self.motion.is_still()
+    }
+
     /// The present tick.
     pub fn tick_number(&self) -> u64 {
         self.motion.tick()

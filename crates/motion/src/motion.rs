@@ -224,6 +224,15 @@ impl Motion {
                 .all(|axis| !axis.will_end() && !axis.is_homed_actively())
     }
 
+    /// Whether no axis moves and none will before another instruction is executed: nothing has a speed, no cam runs by time, no axis is being
+    /// homed. Unlike [`Motion::at_rest`], this holds while a move with a speed of 0 is in process, and not while an axis jogs.
+    pub fn is_still(&self) -> bool {
+        self.messages.is_empty()
+            && self.axes.iter().all(|axis| {
+                axis.command.velocity == 0.0 && !axis.sum.is_active(GeneratorKind::TimeCam) && !axis.is_homed_actively()
+            })
+    }
+
     /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
     pub fn stop_all(&mut self) {
         self.controls.because(Cause::StopAll);

@@ -17,7 +17,7 @@ use crate::cli::{Failure, SimulateArgs, project};
 use crate::plant::image_of;
 use output::{Files, Output, is_standard_output};
 use pieces::Pieces;
-pub(crate) use runner::{End, Observer, Options, Runner};
+pub(crate) use runner::{End, Observer, Options, Refused, Runner};
 use summary::Summary;
 
 /// Runs a program to its end.
@@ -83,7 +83,12 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     match end {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
-        End::Wrong(error @ RunError::Hopeless(_)) => Err(Failure::new(1, format!("{file}: {error}"))),
+        End::Wrong(
+            error @ (RunError::Hopeless(_)
+            | RunError::Driver {
+                error: Refused::Still, ..
+            }),
+        ) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(error) => Err(Failure::new(2, format!("{file}: {error}"))),
         End::TooLong(seconds) => Err(Failure::new(
             3,

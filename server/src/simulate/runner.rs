@@ -88,10 +88,17 @@ pub(crate) enum Refused {
     /// An instruction erred: this one, or an earlier one in a tick that has passed.
     #[error("an instruction erred")]
     Erred { err: i16 },
+    /// Nothing that could make the condition of a WAIT true goes on.
+    #[error("WAIT can no longer come true: every axis is at rest, and nothing has changed for {STILL_SECONDS} s")]
+    Still,
     /// The simulation ends while the program waits.
     #[error("the simulation ended")]
     Ended(Box<End>),
 }
+
+/// Simulated seconds that a WAIT lasts while the machine is at rest. Only the program moves a simulated machine, and whatever a drive or
+/// a servo still does is over long before.
+const STILL_SECONDS: u32 = 60;
 
 /// Sees a simulation, tick by tick.
 pub(crate) trait Observer {
@@ -156,6 +163,8 @@ struct Simulation<'m> {
     /// What was accepted in this tick.
     accepted: Vec<(Ticket, Call)>,
     erred: Option<Erred>,
+    /// The first tick since which the program waits for a condition and the machine is at rest.
+    still_since: Option<u64>,
 }
 
 impl<'m> Runner<'m> {
@@ -178,6 +187,7 @@ impl<'m> Runner<'m> {
             events: Vec::new(),
             accepted: Vec::new(),
             erred: None,
+            still_since: None,
         };
         Runner {
             simulation,
@@ -244,6 +254,11 @@ impl<'m> Runner<'m> {
                 error: Refused::Erred { .. },
                 ..
             }) => None,
+            Err(
+                wrong @ RunError::Driver {
+                    error: Refused::Still, ..
+                },
+            ) => return End::Wrong(wrong),
             Err(wrong) => Some(wrong),
         };
         if let Err(end) = ticks.come_to_rest() {
@@ -362,10 +377,25 @@ impl Simulation<'_> {
         }
     }
 
+    /// Ends a WAIT during which the machine has been at rest for [`STILL_SECONDS`].
+    fn check_still(&mut self) -> Result<(), Refused> {
+        if !self.controller.is_still() {
+            self.still_since = None;
+            return Ok(());
+        }
+        let tick = self.controller.tick_number();
+        let since = *self.still_since.get_or_insert(tick);
+        let still_ns = u128::from(tick - since) * u128::from(self.machine.period_ns);
+        if still_ns >= u128::from(STILL_SECONDS) * 1_000_000_000 {
+            return Err(Refused::Still);
+        }
+        Ok(())
+    }
+
     /// Whether the program may have something to do in this tick.
     fn is_due(&self, wake: &Wake) -> bool {
         match wake {
-            Wake::Next => true,
+            Wake::Next | Wake::Condition => true,
             Wake::Change => self
                 .watched
                 .iter()
@@ -413,6 +443,7 @@ impl Simulation<'_> {
         self.executed += 1;
         let ticket = Ticket(self.executed);
         self.newest.insert(call.control, (ticket, call.mnemonic));
+        self.still_since = None;
         self.shown = None;
         let (data, staged) = self.image.prepare(call);
         let control = self.controller.execute_with(ticket, call, data);
@@ -508,6 +539,8 @@ impl Simulation<'_> {
 enum Wake {
     /// In the next tick.
     Next,
+    /// In the next tick, in which the condition of a WAIT may have changed.
+    Condition,
     /// When a motion control tag that it has read shows something else.
     Change,
     /// When there is room for the move.
@@ -572,6 +605,9 @@ impl<O: Observer> Ticks<'_, '_, O> {
             self.end()?;
             self.simulation.check()?;
             self.check_time()?;
+            if matches!(wake, Wake::Change | Wake::Condition) {
+                self.simulation.check_still()?;
+            }
             self.begin();
             if self.simulation.is_due(wake) {
                 return Ok(());
@@ -661,9 +697,13 @@ impl<O: Observer> Driver for Ticks<'_, '_, O> {
     }
 
     async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Refused> {
+        if pause != Pause::Condition {
+            self.simulation.still_since = None;
+        }
         let wake = match pause {
             Pause::Condition if !self.simulation.reads_motion => Wake::Change,
-            Pause::Tick | Pause::Condition | Pause::Motion => Wake::Next,
+            Pause::Condition => Wake::Condition,
+            Pause::Tick | Pause::Motion => Wake::Next,
             Pause::Room(call) => Wake::Room(Box::new(self.simulation.bind(call)?)),
             Pause::Seconds(seconds) => {
                 let nanoseconds = (seconds * 1e9).round() as u64;

@@ -79,6 +79,48 @@ async fn an_instruction_that_errs_ends_it_at_its_line() {
     assert!(failed["error"]["remedy"].is_string());
 }
 
+/// What a WAIT waits for can no longer come: the move was stopped by another client, or the tag was never executed.
+#[tokio::test]
+async fn a_wait_that_cannot_come_true_ends_it_with_the_reason() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer.take("CS1").await;
+    let waits = "MCLM(CS1, Down, Absolute, [400, 0, 0], 50, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);\nWAIT(Down.PC);";
+    viewer.run(waits).await.expect("it runs");
+    wait_for(&bench, "Down.IP").await;
+    let stop = crate::plant::Call {
+        mnemonic: arcline_instruction_set::Mnemonic::Mcs,
+        target: Some(0),
+        control: Some("Halt"),
+        given: &[],
+        text: None,
+    };
+    let stopped = bench
+        .plant
+        .apply(crate::plant::Principal::Server, crate::plant::Command::Call(stop));
+    assert!(stopped.await.is_ok());
+    let failed = viewer.program("failed").await;
+    assert_eq!(failed["line"], 2, "{failed}");
+    let text = failed["error"]["text"].as_str().expect("a text");
+    assert_eq!(
+        text, "line 2: WAIT can no longer come true: Down (MCLM, line 1) was stopped by MCS Halt",
+        "{failed}"
+    );
+}
+
+/// Waits until a bit of a tag is on.
+async fn wait_for(bench: &Bench, path: &str) {
+    let path = path.parse().expect("a path");
+    let began = std::time::Instant::now();
+    while !bench
+        .plant
+        .with_image(|image| image.read(&path).is_ok_and(|value| value.as_bool()))
+    {
+        assert!(began.elapsed() < Duration::from_secs(20), "not in time");
+        tokio::time::sleep(Duration::from_millis(1)).await;
+    }
+}
+
 #[tokio::test]
 async fn it_steps_pauses_and_ends() {
     let bench = Bench::start().await;
