@@ -5,7 +5,7 @@ use arcline_instruction_set::{Ending, Flag, Mnemonic, MotionControl, describe};
 /// A WAIT whose condition cannot hold any more, since the instructions that it waits for have ended
 /// ([`crate::Interpreter::is_hopeless`]).
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("line {line}: WAIT can no longer come true: {tag} {how}")]
+#[error("line {line}: {}", self.problem())]
 pub struct Hopeless {
     /// Line of the WAIT, from 1.
     pub line: usize,
@@ -16,6 +16,11 @@ pub struct Hopeless {
 }
 
 impl Hopeless {
+    /// The message without the line.
+    pub fn problem(&self) -> String {
+        format!("WAIT can no longer come true: {} {}", self.tag, self.how)
+    }
+
     /// `call`: the execution that the tag shows and the line of its call; `ending`: why it ended before its end.
     pub fn new(
         line: usize,

@@ -77,7 +77,7 @@ impl From<RunError<Break>> for Break {
     fn from(error: RunError<Break>) -> Self {
         match error {
             RunError::Runtime(error) => Refusal::new(error.problem.to_string()).at(error.line).into(),
-            RunError::Hopeless(hopeless) => Refusal::new(hopeless.to_string()).at(hopeless.line).into(),
+            RunError::Hopeless(hopeless) => Refusal::new(hopeless.problem()).at(hopeless.line).into(),
             RunError::Driver { line, error } => match error {
                 Break::Failed(refusal) => refusal.at(line).into(),
                 Break::Ended => Break::Ended,

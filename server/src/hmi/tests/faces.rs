@@ -93,13 +93,13 @@ fn rows() -> Vec<Row> {
              WAIT(F7.PC);\nWAIT(F5.PC);",
             failed(
                 6,
-                "line 6: WAIT can no longer come true: F5 (MAM, line 1) was stopped by MAS F6",
+                "WAIT can no longer come true: F5 (MAM, line 1) was stopped by MAS F6",
             ),
         ),
         row(
             "a WAIT for a bit that an ended instruction has not",
             "MAM(X, F8, 1, 0, 10, 0, 1000, 0, 1000);\nWAIT(F8.PC AND F8.ER);",
-            failed(2, "line 2: WAIT can no longer come true: F8 (MAM, line 1) has ended"),
+            failed(2, "WAIT can no longer come true: F8 (MAM, line 1) has ended"),
         ),
         row(
             "a negative delay",
@@ -183,7 +183,7 @@ fn simulated(project: &Project, text: &str) -> Ended {
             Ended::Erred(line as u64, err.into(), exerr.into())
         }
         End::Wrong(RunError::Runtime(error)) => failed(error.line as u64, &error.problem.to_string()),
-        End::Wrong(RunError::Hopeless(error)) => failed(error.line as u64, &error.to_string()),
+        End::Wrong(RunError::Hopeless(error)) => failed(error.line as u64, &error.problem()),
         End::Wrong(RunError::Driver { line, error }) => failed(line as u64, &error.to_string()),
         end => panic!("{end:?}"),
     }
@@ -207,7 +207,7 @@ impl Bench {
             Ok(()) => self.at(),
             Err(ProgramError::Syntax(error)) => unread_at(&error),
             Err(ProgramError::Runtime(error)) => failed(error.line as u64, &error.problem.to_string()),
-            Err(ProgramError::Hopeless(error)) => failed(error.line as u64, &error.to_string()),
+            Err(ProgramError::Hopeless(error)) => failed(error.line as u64, &error.problem()),
             Err(ProgramError::Client { line, source }) => match source.motion() {
                 Some((err, exerr)) => Ended::Erred(line as u64, err.into(), exerr.into()),
                 None => failed(line as u64, &source.to_string()),

@@ -103,7 +103,7 @@ async fn a_wait_that_cannot_come_true_ends_it_with_the_reason() {
     assert_eq!(failed["line"], 2, "{failed}");
     let text = failed["error"]["text"].as_str().expect("a text");
     assert_eq!(
-        text, "line 2: WAIT can no longer come true: Down (MCLM, line 1) was stopped by MCS Halt",
+        text, "WAIT can no longer come true: Down (MCLM, line 1) was stopped by MCS Halt",
         "{failed}"
     );
 }
