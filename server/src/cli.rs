@@ -73,6 +73,9 @@ pub(crate) struct RunArgs {
     /// The file that keeps positions and plain tags between runs; without it they are not kept.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
+    /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
+    #[arg(long)]
+    pub(crate) open_to_network: bool,
 }
 
 /// Flags of `simulate`.

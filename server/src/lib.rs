@@ -11,6 +11,7 @@ pub mod eip;
 mod guard;
 pub mod hmi;
 mod l5x;
+mod limits;
 mod names;
 #[cfg(test)]
 mod pages;

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::cli::{Failure, OrOff, RunArgs, project};
@@ -31,6 +32,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         None if project.server.hmi == ServerConfig::default().hmi => project.server.hmi.map(HmiAt::Default),
         None => project.server.hmi.map(HmiAt::Chosen),
     };
+    check_open(&project.server, hmi, args)?;
     let (retained, keeper) = match &args.state {
         Some(OrOff::On(file)) => {
             let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
@@ -38,6 +40,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
         Some(OrOff::Off) | None => (None, None),
     };
+    raise_descriptors(project.server.max_clients);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(workers())
         .enable_all()
@@ -105,6 +108,60 @@ async fn serve(
     }
     Ok((plant, handle))
 }
+
+/// Refuses to listen beyond this computer without `[security]`, unless the user says so; then a banner says what that means.
+fn check_open(server: &ServerConfig, hmi: Option<HmiAt>, args: &RunArgs) -> Result<(), Failure> {
+    let page = hmi.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
+    let eip = [server.listen].into_iter().chain(server.listen_also.iter().copied());
+    let doors = eip.chain(page).chain(server.io.address(server.listen));
+    let Some(open) = doors
+        .into_iter()
+        .find(|address| !address.ip().to_canonical().is_loopback())
+    else {
+        return Ok(());
+    };
+    if server.security.is_given {
+        return Ok(());
+    }
+    if !args.open_to_network {
+        return Err(Failure::usage(format!(
+            "{open} is reachable from other computers, and the configuration has no [security]; add that table (SECURITY.md), or say \
+             --open-to-network to let clients elsewhere look and stop"
+        )));
+    }
+    let (loopback, remote) = (server.security.loopback.word(), server.security.remote_plain.word());
+    eprintln!(
+        "\n  *** OPEN TO THE NETWORK: {open} is reachable from other computers, without encryption.\n  \
+         *** Clients on this computer have the role {loopback}, all others the role {remote}: see SECURITY.md.\n"
+    );
+    Ok(())
+}
+
+/// Raises the limit of open files as far as the clients may need it and the system allows it: beyond the limit no newcomer gets in.
+fn raise_descriptors(clients: usize) {
+    let wanted = u64::try_from(clients)
+        .unwrap_or(u64::MAX)
+        .saturating_add(SPARE_DESCRIPTORS);
+    let limit = getrlimit(Resource::Nofile);
+    let Some(now) = limit.current.filter(|now| *now < wanted) else {
+        return;
+    };
+    let raised = limit.maximum.map_or(wanted, |most| wanted.min(most));
+    let new = Rlimit {
+        current: Some(raised),
+        ..limit
+    };
+    if raised < wanted || setrlimit(Resource::Nofile, new).is_err() {
+        tracing::warn!(
+            limit = raised.max(now),
+            wanted,
+            "the system limits open files below what `max_clients` needs: newcomers close silent clients earlier"
+        );
+    }
+}
+
+/// Descriptors beside those of EtherNet/IP clients: the page's connections and viewers, files, and the server's own.
+const SPARE_DESCRIPTORS: u64 = 512;
 
 /// SIGHUP: takes over the tags and types of the configuration file as it is now, or logs the reason. The result is a
 /// warning, so that the default log level shows it.

@@ -1,5 +1,6 @@
 //! Output: results on standard output, as text or as one JSON object each; errors of text mode on standard error.
 
+use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
 use std::time::UNIX_EPOCH;
 
@@ -37,9 +38,9 @@ impl Output {
         let mut out = std::io::stdout().lock();
         // A reader that has gone away (`| head`) is no error of ours.
         let _ = if self.json {
-            writeln!(out, "{}", object())
+            writeln!(out, "{}", json_text(&object()))
         } else {
-            writeln!(out, "{}", text.as_ref())
+            writeln!(out, "{}", printable(text.as_ref()))
         };
     }
 
@@ -69,7 +70,7 @@ impl Output {
     /// Something for people only.
     pub(crate) fn note(&self, text: &str) {
         if !self.json {
-            let _ = writeln!(std::io::stderr(), "{text}");
+            let _ = writeln!(std::io::stderr(), "{}", printable(text));
         }
     }
 
@@ -83,7 +84,7 @@ impl Output {
         }
         if !self.json {
             // Best effort: there is no other output for a failure.
-            let _ = writeln!(std::io::stderr(), "{failure}");
+            let _ = writeln!(std::io::stderr(), "{}", printable(&failure.to_string()));
             if self.is_watched()
                 && let Some((error, (err, exerr))) = failure.client().and_then(|error| Some((error, error.motion()?)))
             {
@@ -112,6 +113,38 @@ impl Output {
         }
         self.result("", || Json::Object(object));
     }
+}
+
+/// A text for a terminal: characters that would control it, or turn the direction of writing, as `\u{1b}`. Texts of servers, files and
+/// arguments come through here.
+pub(crate) fn printable(text: &str) -> Cow<'_, str> {
+    if !text.chars().any(controls) {
+        return text.into();
+    }
+    let escaped = text.chars().map(|c| match c {
+        c if controls(c) => c.escape_unicode().to_string(),
+        c => c.to_string(),
+    });
+    escaped.collect::<String>().into()
+}
+
+/// JSON, likewise: its own rules let controls from U+007F on through.
+fn json_text(object: &Json) -> String {
+    let text = object.to_string();
+    if !text.chars().any(controls) {
+        return text;
+    }
+    let escaped = text.chars().map(|c| match c {
+        c if controls(c) => format!("\\u{:04x}", u32::from(c)),
+        c => c.to_string(),
+    });
+    escaped.collect()
+}
+
+/// Whether a character controls a terminal, or the direction of writing. Results have lines and columns of their own.
+fn controls(c: char) -> bool {
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    turns || c.is_control() && !matches!(c, '\n' | '\t')
 }
 
 /// The cause that ended an instruction, as JSON.
@@ -175,7 +208,28 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{counted, table};
+    use serde_json::json;
+
+    use super::{counted, json_text, printable, table};
+
+    #[test]
+    fn texts_do_not_control_the_terminal() {
+        #[rustfmt::skip]
+        let cases = [
+            ("the title of the window", "\u{1b}]0;owned\u{7}",   "\\u{1b}]0;owned\\u{7}"),
+            ("a control of eight bits", "\u{9b}2J",              "\\u{9b}2J"),
+            ("back to the beginning",   "bad\rgood",             "bad\\u{d}good"),
+            ("another direction",       "abc\u{202e}txt",        "abc\\u{202e}txt"),
+            ("what a table has",        "a\tb\nc äß中",          "a\tb\nc äß中"),
+        ];
+        for (why, text, expected) in cases {
+            assert_eq!(printable(text), expected, "{why}");
+            let json = json_text(&json!({ "name": text }));
+            assert!(!json.chars().any(char::is_control), "{why}: {json}");
+            let back: serde_json::Value = serde_json::from_str(&json).expect("still JSON");
+            assert_eq!(back["name"], text, "{why}");
+        }
+    }
 
     #[test]
     fn nouns_follow_their_number() {

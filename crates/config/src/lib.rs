@@ -11,6 +11,7 @@ mod page;
 mod read;
 mod schema;
 mod section;
+mod security;
 mod write;
 
 use std::net::SocketAddr;
@@ -27,6 +28,7 @@ pub use error::{ConfigError, Problem};
 pub use page::page;
 pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
 pub use schema::schema;
+pub use security::{Role, Security};
 pub use write::{build_of, definition_of, format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.
@@ -87,6 +89,8 @@ pub struct ServerConfig {
     pub connection_loss: ConnectionLoss,
     /// Silence after which the jogs (MAJ) of a client are stopped, ms; 0: never.
     pub jog_silence: u16,
+    /// The `[security]` table.
+    pub security: Security,
 }
 
 /// Where implicit I/O (class 0 and 1 connections) listens.
@@ -209,6 +213,7 @@ impl Default for ServerConfig {
             io_loss: IoLoss::default(),
             connection_loss: ConnectionLoss::default(),
             jog_silence: 2000,
+            security: Security::default(),
         }
     }
 }

@@ -56,8 +56,9 @@ fn default(default: Default) -> String {
 
 const HEAD: &str = "| key | default | meaning |";
 
-const TABLES: [&Keys; 19] = [
+const TABLES: [&Keys; 20] = [
     &keys::SERVER,
+    &keys::SECURITY,
     &keys::MOTION_GROUP,
     &keys::AXIS,
     &keys::START,

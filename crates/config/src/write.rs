@@ -13,7 +13,7 @@ use toml::{Table, Value};
 
 use crate::keys::{Keys, Kind, ROOT};
 use crate::read::WRISTS;
-use crate::{IoListen, PlainTag, Project};
+use crate::{IoListen, PlainTag, Project, Security};
 
 /// The tables of a project with every key, those at their default too.
 pub fn table(project: &Project) -> Table {
@@ -53,6 +53,9 @@ pub fn table(project: &Project) -> Table {
     ];
     let server = server.into_iter().filter_map(|(key, value)| Some((key, value?)));
     root.insert("server".into(), keys(server));
+    if project.server.security.is_given {
+        root.insert("security".into(), keys(security(&project.server.security)));
+    }
     let group = [
         ("name", text(&machine.group)),
         ("coarse_update_period_ms", Value::Float(machine.period_ns as f64 / 1e6)),
@@ -87,6 +90,17 @@ pub fn table(project: &Project) -> Table {
     list(&mut root, "data_type", types.iter().map(|template| data_type(template)));
     list(&mut root, "tag", tags.iter().map(tag));
     root
+}
+
+fn security(security: &Security) -> Vec<(&'static str, Value)> {
+    let [viewer, operator, engineer, _] = security.max_requests.map(|rate| Value::Integer(rate.into()));
+    vec![
+        ("loopback", text(security.loopback.word())),
+        ("remote_plain", text(security.remote_plain.word())),
+        ("max_requests_per_s_viewer", viewer),
+        ("max_requests_per_s_operator", operator),
+        ("max_requests_per_s_engineer", engineer),
+    ]
 }
 
 /// The tables as the text of a configuration: the sections and the keys of each in the order of docs/CONFIGURATION.md;

@@ -108,6 +108,10 @@ impl Disk for System {
     type File = Arc<File>;
 
     fn lock(&self, name: &Path) -> Result<Arc<File>, OpenError> {
+        // A link leads to a file of another user, and a FIFO would wait for its other end.
+        if fs::symlink_metadata(name).is_ok_and(|found| !found.is_file()) {
+            return Err(OpenError::NotAFile);
+        }
         let lock = OpenOptions::new().create(true).append(true).mode(PRIVATE).open(name)?;
         match lock.try_lock() {
             Ok(()) => Ok(Arc::new(lock)),

@@ -46,6 +46,16 @@ pub enum Application {
     ListenOnly,
 }
 
+impl Application {
+    /// What a Forward Open asks for; `path` is its path without ports and key.
+    ///
+    /// # Errors
+    /// 0x01 with the additional status of what is wrong.
+    pub fn of(open: &ForwardOpen, path: &[Segment], assemblies: &Assemblies) -> Result<Self, CipStatus> {
+        OpenRequest::new(open, path, assemblies).map(|request| request.application)
+    }
+}
+
 /// What a Forward Open asks for, found to be in order.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct OpenRequest {

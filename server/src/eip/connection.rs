@@ -11,7 +11,8 @@ use std::sync::{Arc, Weak};
 use std::task::Poll;
 use std::time::Duration;
 
-use arcline_proto::cip::{Reply, Request};
+use arcline_config::Role;
+use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::session::{CloseReason, Event, ServerSession, Transport};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
@@ -21,11 +22,12 @@ use tokio::time::{Instant, Sleep, sleep_until, timeout};
 use tracing::{debug, warn};
 
 use super::device::Device;
-use super::limiter::ClientSlot;
+use super::limiter::{ClientSlot, Stage};
 use super::router::Router;
 use super::session_host::SessionHost;
 use super::turns::{SHORT, Share};
 use crate::guard::Signs;
+use crate::limits::AddressRate;
 use crate::plant::ClientIdentity;
 
 /// How long the frames of one connection are taken before the others get their turn: the others wait for one message of a client,
@@ -67,31 +69,50 @@ pub(crate) enum Ended {
     /// The peer does not read.
     #[error("the peer did not read its replies in time")]
     SlowReader,
-    /// Too many clients, and this one had no session.
-    #[error("too many clients, and this one had no session")]
+    /// Too many clients: a newcomer got the place of this one.
+    #[error("too many clients: a newcomer got its place")]
     Crowded,
 }
 
-/// Serves a stream that takes no slot of the device's clients.
+/// A client that came in.
+#[derive(Debug)]
+pub(crate) struct Incoming {
+    /// Its slot among the device's clients; `None`: it takes none.
+    pub(crate) slot: Option<ClientSlot>,
+    /// The near end.
+    pub(crate) local: SocketAddrV4,
+    /// The far end.
+    pub(crate) peer: IpAddr,
+    /// Its role.
+    pub(crate) role: Role,
+}
+
+/// Serves a stream of an engineer that takes no slot of the device's clients.
 #[cfg(test)]
 pub(crate) async fn serve<S>(stream: S, local: SocketAddrV4, peer: IpAddr, device: Arc<Device>) -> Ended
 where
     S: AsyncRead + AsyncWrite + Unpin + Socket,
 {
-    serve_in(None, stream, local, peer, device).await
+    let incoming = Incoming {
+        slot: None,
+        local,
+        peer,
+        role: Role::Engineer,
+    };
+    serve_in(incoming, stream, device).await
 }
 
-/// Serves a stream that was accepted at `local` from `peer` until it ends, in a slot of the device's clients.
-pub(crate) async fn serve_in<S>(
-    slot: Option<ClientSlot>,
-    stream: S,
-    local: SocketAddrV4,
-    peer: IpAddr,
-    device: Arc<Device>,
-) -> Ended
+/// Serves the stream of a client until it ends.
+pub(crate) async fn serve_in<S>(incoming: Incoming, stream: S, device: Arc<Device>) -> Ended
 where
     S: AsyncRead + AsyncWrite + Unpin + Socket,
 {
+    let Incoming {
+        slot,
+        local,
+        peer,
+        role,
+    } = incoming;
     let close = slot.as_ref().map(ClientSlot::close).unwrap_or_default();
     let epoch = Instant::now();
     let number = device.number_session();
@@ -102,8 +123,8 @@ where
     let face: Weak<Device> = Arc::downgrade(&device);
     let signs = device
         .plant
-        .guard()
-        .enter(number, ClientIdentity::of_address(&name), face);
+        .enter(number, ClientIdentity::of_address(&name), role, face);
+    let rate = device.settings.config.security.max_requests_of(role);
     let mut connection = Connection {
         stream,
         input: BytesMut::with_capacity(READ),
@@ -123,6 +144,7 @@ where
         is_polling: false,
         signs,
         share: Share::default(),
+        rate: Some(rate).filter(|rate| *rate > 0).map(AddressRate::new),
     };
     let ended = close.run_until_cancelled(connection.run()).await;
     let ended = ended.unwrap_or(Ended::Crowded);
@@ -130,7 +152,7 @@ where
     let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
     let device = &connection.host.device;
     device.end_session(number, in_order);
-    device.plant.guard().leave(number);
+    device.plant.leave(number);
     ended
 }
 
@@ -155,6 +177,8 @@ struct Connection<S> {
     signs: Signs,
     /// What it has used of a thread of the network.
     share: Share,
+    /// The most requests a second; `None`: any number.
+    rate: Option<AddressRate>,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -310,7 +334,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             if let Some(slot) = &mut self.slot
                 && self.session.is_registered()
             {
-                slot.register();
+                slot.reach(Stage::Registered);
             }
             // The session stops behind each request.
             if !self.apply_events().await? {
@@ -334,7 +358,14 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                     reply_budget,
                     transport,
                 } => {
-                    let reply = self.answer(&request, reply_budget, transport).await?;
+                    if let Some(slot) = &mut self.slot {
+                        slot.reach(Stage::Asking);
+                    }
+                    let reply = if self.is_within_rate(&request) {
+                        self.answer(&request, reply_budget, transport).await?
+                    } else {
+                        Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE)
+                    };
                     self.session.reply(id, &reply, self.now);
                     answered = true;
                     if self.signs.is_wanted()
@@ -353,6 +384,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             }
         }
         Ok(answered)
+    }
+
+    /// Whether a request is within the rate of the client's role; stops always are.
+    fn is_within_rate(&mut self, request: &Request) -> bool {
+        let Some(rate) = &mut self.rate else { return true };
+        rate.allows(self.host.peer, std::time::Instant::now()) || self.router.is_stop(request)
     }
 
     /// Answers a request, in a turn of its own if it is long work.

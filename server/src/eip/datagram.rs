@@ -15,9 +15,12 @@ use tracing::debug;
 
 use super::device::Device;
 use super::listener::reachable;
+use crate::limits::AddressRate;
 
 /// Delayed answers that may wait at a time; more requests are dropped, as UDP may drop them.
 const MAX_WAITING: usize = 64;
+/// Answers to one address a second: an answer is longer than its request, and its sender may be forged.
+const ANSWERS: u32 = 10;
 /// The longest datagram that is looked at; a list request is 24 bytes.
 const MAX_DATAGRAM: usize = 1500;
 
@@ -25,6 +28,7 @@ const MAX_DATAGRAM: usize = 1500;
 pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<Device>) {
     let mut buf = [0_u8; MAX_DATAGRAM];
     let mut waiting: JoinSet<(Bytes, SocketAddr)> = JoinSet::new();
+    let mut rate = AddressRate::new(ANSWERS);
     loop {
         let received = tokio::select! {
             received = socket.recv_from(&mut buf) => received,
@@ -45,6 +49,9 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
             }
         };
         let Some(datagram) = buf.get(..length) else { continue };
+        if !peer.ip().is_loopback() && !rate.allows(peer.ip(), std::time::Instant::now()) {
+            continue;
+        }
         let address = reachable(local, peer).await;
         let capability = device.settings.session.capability;
         let Some(answer) = discovery::answer(datagram, &device.settings.identity, capability, address) else {

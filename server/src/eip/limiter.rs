@@ -1,11 +1,15 @@
-//! Limits the number of clients, in all and from one address. When it is reached, the oldest client without a session is
-//! closed, so that silent sockets keep no client out (spec/ethernet-ip.md §18).
+//! Limits the number of clients, in all and from one address. While it is reached, a newcomer gets the place of the oldest client
+//! without a session, else of the oldest one that never asked for anything in its session, else of the oldest client of the address
+//! with the most, if that address has at least two clients more than the newcomer's. So neither silent sockets nor sessions of one
+//! address keep a client of another address out (spec/ethernet-ip.md §18).
 
 use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio_util::sync::CancellationToken;
+
+use crate::limits::counted;
 
 /// The most of each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,8 +40,19 @@ struct State {
 #[derive(Debug)]
 struct Client {
     peer: IpAddr,
-    registered: bool,
+    stage: Stage,
     close: CancellationToken,
+}
+
+/// How far a client has come: of two clients, the one of the earlier stage loses its place first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub(crate) enum Stage {
+    /// No session.
+    Silent,
+    /// A session without a request.
+    Registered,
+    /// A session in which it asked for something.
+    Asking,
 }
 
 /// The clients and connections of one address.
@@ -52,7 +67,7 @@ struct Address {
 pub(crate) struct ClientSlot {
     limiter: Arc<ClientLimiter>,
     number: u64,
-    registered: bool,
+    stage: Stage,
     close: CancellationToken,
 }
 
@@ -64,15 +79,16 @@ impl ClientLimiter {
         })
     }
 
-    /// A slot for a new client; `None`: all slots have clients with sessions.
+    /// A slot for a new client; `None`: all slots have clients that ask, and no other address has more of them.
     pub(crate) fn enter(self: &Arc<Self>, peer: IpAddr) -> Option<ClientSlot> {
+        let peer = counted(peer);
         let mut state = self.lock();
-        if state.addresses.get(&peer).map_or(0, |address| address.clients) >= self.limits.clients_of_one
-            && !state.close_oldest(|client| client.peer == peer)
+        let own = state.clients_of(peer);
+        if own >= self.limits.clients_of_one && !state.close_oldest(Stage::Registered, |_, client| client.peer == peer)
         {
             return None;
         }
-        if state.clients.len() >= self.limits.clients && !state.close_oldest(|_| true) {
+        if state.clients.len() >= self.limits.clients && !state.close_for(peer) {
             return None;
         }
         let number = state.next;
@@ -80,7 +96,7 @@ impl ClientLimiter {
         let close = CancellationToken::new();
         let client = Client {
             peer,
-            registered: false,
+            stage: Stage::Silent,
             close: close.clone(),
         };
         state.clients.insert(number, client);
@@ -88,18 +104,19 @@ impl ClientLimiter {
         Some(ClientSlot {
             limiter: self.clone(),
             number,
-            registered: false,
+            stage: Stage::Silent,
             close,
         })
     }
 
     /// Closes the oldest client without a session: the system has no more sockets.
     pub(crate) fn make_room(&self) {
-        self.lock().close_oldest(|_| true);
+        self.lock().close_oldest(Stage::Registered, |_, _| true);
     }
 
     /// Whether the clients of an address may have one more class 3 connection; counts it if so.
     pub(crate) fn acquire_connection(&self, peer: IpAddr) -> bool {
+        let peer = counted(peer);
         let mut state = self.lock();
         let address = state.addresses.entry(peer).or_default();
         let free = address.connections < self.limits.connections_of_one;
@@ -110,6 +127,7 @@ impl ClientLimiter {
 
     /// `count` connections of an address have gone.
     pub(crate) fn release_connections(&self, peer: IpAddr, count: usize) {
+        let peer = counted(peer);
         let mut state = self.lock();
         if let Some(address) = state.addresses.get_mut(&peer) {
             address.connections = address.connections.saturating_sub(count);
@@ -123,18 +141,41 @@ impl ClientLimiter {
 }
 
 impl State {
-    fn close_oldest(&mut self, which: impl Fn(&Client) -> bool) -> bool {
-        let mut silent = self
-            .clients
-            .iter()
-            .filter(|(_, client)| !client.registered && which(client));
-        let Some(number) = silent.next().map(|(number, _)| *number) else {
-            return false;
-        };
-        if let Some(client) = self.remove(number) {
-            client.close.cancel();
+    fn clients_of(&self, peer: IpAddr) -> usize {
+        self.addresses.get(&peer).map_or(0, |address| address.clients)
+    }
+
+    /// Closes a client for a newcomer.
+    fn close_for(&mut self, peer: IpAddr) -> bool {
+        let own = self.clients_of(peer);
+        // One address does not close the clients of addresses that have fewer.
+        let may = |state: &Self, client: &Client| client.peer == peer || state.clients_of(client.peer) > own;
+        if self.close_oldest(Stage::Asking, may) {
+            return true;
         }
-        true
+        let largest = self.addresses.iter().max_by_key(|(_, address)| address.clients);
+        match largest.map(|(address, clients)| (*address, clients.clients)) {
+            Some((largest, clients)) if clients >= own + 2 => {
+                let oldest = self.clients.iter().find(|(_, client)| client.peer == largest);
+                let oldest = oldest.map(|(number, _)| *number);
+                oldest.is_some_and(|number| self.close(number))
+            }
+            _ => false,
+        }
+    }
+
+    /// Closes the oldest client of the earliest stage before `before`.
+    fn close_oldest(&mut self, before: Stage, which: impl Fn(&Self, &Client) -> bool) -> bool {
+        let clients = self.clients.iter();
+        let early = clients.filter(|(_, client)| client.stage < before && which(self, client));
+        // Of equal ones the first, which is the oldest.
+        let oldest = early.min_by_key(|(_, client)| client.stage).map(|(number, _)| *number);
+        oldest.is_some_and(|number| self.close(number))
+    }
+
+    fn close(&mut self, number: u64) -> bool {
+        let client = self.remove(number);
+        client.inspect(|client| client.close.cancel()).is_some()
     }
 
     fn remove(&mut self, number: u64) -> Option<Client> {
@@ -159,14 +200,14 @@ impl State {
 }
 
 impl ClientSlot {
-    /// The client has a session: it stays.
-    pub(crate) fn register(&mut self) {
-        if self.registered {
+    /// The client has come so far.
+    pub(crate) fn reach(&mut self, stage: Stage) {
+        if self.stage >= stage {
             return;
         }
-        self.registered = true;
+        self.stage = stage;
         if let Some(client) = self.limiter.lock().clients.get_mut(&self.number) {
-            client.registered = true;
+            client.stage = stage;
         }
     }
 
@@ -193,28 +234,51 @@ mod tests {
     }
 
     #[test]
-    fn who_is_silent_goes_first_and_who_has_a_session_stays() {
+    fn silent_clients_go_first_and_those_that_ask_stay() {
         let limiter = ClientLimiter::new(Limits {
             clients: 3,
             clients_of_one: 2,
             connections_of_one: 2,
         });
         let mut first = limiter.enter(peer(1)).expect("room");
-        first.register();
+        first.reach(Stage::Asking);
         let silent = limiter.enter(peer(1)).expect("room");
         let third = limiter.enter(peer(1)).expect("the silent one goes");
         drop(silent);
         assert_eq!(limiter.lock().clients.len(), 2);
         let mut third = third;
-        third.register();
-        assert!(limiter.enter(peer(1)).is_none(), "two sessions from there");
+        third.reach(Stage::Asking);
+        assert!(limiter.enter(peer(1)).is_none(), "two clients from there ask");
         let mut other = limiter.enter(peer(2)).expect("another address");
-        other.register();
-        assert!(limiter.enter(peer(3)).is_none(), "three sessions in all");
+        other.reach(Stage::Asking);
+        let mut fourth = limiter.enter(peer(3)).expect("the oldest of the address with two");
+        assert!(first.close().is_cancelled() && !third.close().is_cancelled());
+        fourth.reach(Stage::Asking);
+        assert!(limiter.enter(peer(4)).is_none(), "every address has one");
         drop(first);
-        assert!(limiter.enter(peer(3)).is_some());
-        drop((third, other));
+        drop((third, other, fourth));
         assert!(limiter.lock().clients.is_empty() && limiter.lock().addresses.is_empty());
+    }
+
+    #[test]
+    fn sessions_of_one_address_keep_no_client_out() {
+        let limiter = ClientLimiter::new(Limits {
+            clients: 2_048,
+            clients_of_one: 2_048,
+            connections_of_one: 1,
+        });
+        for stage in [Stage::Registered, Stage::Asking] {
+            let mut stranger: Vec<ClientSlot> = (0..2_048).map(|_| limiter.enter(peer(1)).expect("room")).collect();
+            stranger.iter_mut().for_each(|slot| slot.reach(stage));
+            let newcomers: Vec<_> = (2..12).map(|last| limiter.enter(peer(last))).collect();
+            assert!(newcomers.iter().all(Option::is_some), "{stage:?}");
+            let same = limiter.enter(peer(1)).is_some();
+            assert_eq!(
+                same,
+                stage == Stage::Registered,
+                "{stage:?}: a newcomer of the same address"
+            );
+        }
     }
 
     #[test]

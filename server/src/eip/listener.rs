@@ -10,13 +10,15 @@ use std::time::Duration;
 
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::task::JoinSet;
-use tracing::{Instrument, debug, error, info_span, warn};
+use tracing::{Instrument, debug, error, info_span};
 
+use super::connection::{self, Incoming};
+use super::datagram;
 use super::device::{Device, Settings};
 use super::io::IoThread;
 use super::limiter::ClientSlot;
-use super::{connection, datagram};
 use crate::plant::Plant;
+use crate::plant::roles::role_of_address;
 
 /// Pause after the system refused to accept (out of file descriptors): long enough not to spin.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -112,10 +114,13 @@ impl Endpoint {
                             let span = info_span!("connection", %peer);
                             connections.spawn(serve_one(stream, slot, device.clone()).instrument(span));
                         }
-                        None => debug!(%peer, "too many clients: closed"),
+                        None => device.plant.log_limit().warn("full", Some(peer.ip()), || {
+                            "a client was closed, since all places of EtherNet/IP are taken".to_owned()
+                        }),
                     },
                     Err(error) => {
-                        warn!(%error, "cannot accept a connection");
+                        let text = || format!("cannot accept a connection: {error}");
+                        device.plant.log_limit().warn("accept", None, text);
                         device.limiter.make_room();
                         tokio::time::sleep(ACCEPT_PAUSE).await;
                     }
@@ -151,7 +156,13 @@ async fn serve_one(stream: TcpStream, slot: ClientSlot, device: Arc<Device>) {
         debug!(%error, "a pulled cable will be noticed late");
     }
     debug!("connected");
-    let ended = connection::serve_in(Some(slot), stream, local, peer.ip(), device).await;
+    let incoming = Incoming {
+        slot: Some(slot),
+        local,
+        peer: peer.ip(),
+        role: role_of_address(&device.settings.config.security, peer.ip()),
+    };
+    let ended = connection::serve_in(incoming, stream, device).await;
     connection::report(&ended);
 }
 

@@ -7,11 +7,13 @@ use arcline_proto::cip::CipStatus;
 use arcline_proto::connection::{ConnectionKey, Count};
 use arcline_proto::cpf::ConnectionId;
 use arcline_proto::identity::Identity;
+use arcline_proto::io::{Application, Ownership};
 use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
 
 use super::device::Device;
 use super::originator;
-use crate::plant::Principal;
+use super::status::refusal;
+use crate::plant::{Principal, Right};
 
 /// The device, for the session of one TCP connection.
 #[derive(Clone, Debug)]
@@ -76,6 +78,18 @@ impl Host for SessionHost {
         let mut device = &*self.device;
         match device.io() {
             Some(io) => {
+                let assemblies = device.assembly_data().assemblies();
+                if Application::of(open.open, open.application, assemblies)? == Application::ExclusiveOwner {
+                    let principal = Principal::Client {
+                        session: self.session,
+                        connection: 0,
+                    };
+                    let checked = device.plant.check(principal, Right::OwnOutputs);
+                    checked.map_err(|refused| refusal(&refused))?;
+                    if io.ownership() == Ownership::Free {
+                        device.plant.roles().set_io(device.plant.roles().of(principal));
+                    }
+                }
                 let local = *self.local.ip();
                 let group = device.adapters.of(local).first_multicast();
                 io.open(open, self.peer, local, group, device, || device.random())

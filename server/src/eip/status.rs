@@ -27,7 +27,7 @@ pub(crate) fn refusal(refused: &Refused) -> CipStatus {
         Refused::Write(error) => write_status(error),
         Refused::Table(error) => table_status(error),
         Refused::Call(error) => call_status(error),
-        Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        Refused::Role { .. } | Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
         // Only jog buttons of the page are refused so.
         Refused::MovedByAnother { .. } => CipStatus::OBJECT_STATE_CONFLICT,
         Refused::NotPersisted(_) => CipStatus::STORE_FAILURE,

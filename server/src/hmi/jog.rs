@@ -97,7 +97,7 @@ impl Jogs {
     /// A viewer has gone: what it jogged stops.
     pub(super) fn leave(&self, plant: &Plant, viewer: ViewerId) {
         plant.guard().lose(VIEWERS | viewer);
-        plant.guard().leave(VIEWERS | viewer);
+        plant.leave(VIEWERS | viewer);
         self.decelerations().retain(|(of, _), _| *of != viewer);
         plant.control().leave(viewer);
     }

@@ -33,8 +33,9 @@ use std::sync::atomic::AtomicU64;
 
 use axum::extract::ws::Utf8Bytes;
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, broadcast, watch};
+use tokio::sync::{broadcast, watch};
 
+use crate::limits::{Full, Places};
 use crate::plant::Plant;
 use assets::Assets;
 use jog::Jogs;
@@ -62,7 +63,7 @@ struct Shared {
     machine: String,
     instructions: String,
     /// One for each viewer that may still come.
-    places: Arc<Semaphore>,
+    places: Arc<Places>,
     /// Viewers so far.
     viewers: AtomicU64,
     status: watch::Sender<Status>,
@@ -90,7 +91,7 @@ impl Hmi {
             listen: listener.local_addr()?,
             machine: text_of(&machine::description(&plant)),
             instructions: text_of(&instructions::catalogue()),
-            places: Arc::new(Semaphore::new(VIEWERS)),
+            places: Places::new(VIEWERS, Full::ClosesOldestOfLargerShare),
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),
             frames: broadcast::Sender::new(frames::WAITING),

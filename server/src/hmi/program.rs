@@ -127,7 +127,9 @@ impl Programs {
     /// No further statement is executed.
     pub(super) fn end(&self) {
         // Without a program there is nothing to end.
-        let _ = self.set(Mode::End);
+        if let Some(running) = &*self.running() {
+            running.mode.send_replace(Mode::End);
+        }
     }
 
     /// Ends the program of a viewer who goes.
@@ -138,8 +140,15 @@ impl Programs {
         }
     }
 
-    fn set(&self, mode: Mode) -> Result<Done, Refusal> {
+    /// Steps and continues only for the viewer that started the program: they move the machine with the rights of that viewer.
+    fn set(&self, plant: &Plant, viewer: ViewerId, mode: Mode) -> Result<Done, Refusal> {
         match &*self.running() {
+            Some(running) if running.viewer != viewer && matches!(mode, Mode::Run | Mode::Step) => {
+                let by = plant.control().name(running.viewer).to_owned();
+                let text =
+                    format!("the program is that of {by}, who alone steps and continues it; every viewer can end it");
+                Err(Refusal::new(text))
+            }
             Some(running) => {
                 running.mode.send_replace(mode);
                 Ok(Done {})
@@ -237,16 +246,16 @@ impl Programs {
         Ok(Done {})
     }
 
-    pub(super) fn step(&self) -> Result<Done, Refusal> {
-        self.set(Mode::Step)
+    pub(super) fn step(&self, plant: &Plant, viewer: ViewerId) -> Result<Done, Refusal> {
+        self.set(plant, viewer, Mode::Step)
     }
 
-    pub(super) fn pause(&self) -> Result<Done, Refusal> {
-        self.set(Mode::Pause)
+    pub(super) fn pause(&self, plant: &Plant, viewer: ViewerId) -> Result<Done, Refusal> {
+        self.set(plant, viewer, Mode::Pause)
     }
 
-    pub(super) fn go_on(&self) -> Result<Done, Refusal> {
-        self.set(Mode::Run)
+    pub(super) fn go_on(&self, plant: &Plant, viewer: ViewerId) -> Result<Done, Refusal> {
+        self.set(plant, viewer, Mode::Run)
     }
 }
 

@@ -1,6 +1,7 @@
 //! HTTP: the page's files, two descriptions as JSON, and the way to the WebSocket. Every answer carries the headers that
 //! keep foreign pages out.
 
+use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,13 +17,15 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinSet;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
-use tracing::{debug, warn};
+use tokio_util::sync::CancellationToken;
+use tracing::debug;
 
 use super::viewer::{self, Page};
 use super::{Shared, access};
+use crate::limits::{Full, Place, Places};
+use crate::plant::roles::role_of_address;
 
 /// TCP connections at a time.
 const CONNECTIONS: usize = 256;
@@ -52,19 +55,20 @@ const HEADERS: [(HeaderName, &str); 7] = [
 
 /// Accepts connections until the future is dropped; that closes them.
 pub(super) async fn accept(listener: TcpListener, shared: Arc<Shared>) {
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
-    let router = router(shared);
+    let places = Places::new(CONNECTIONS, Full::ClosesOldest);
+    let router = router(shared.clone());
     let mut connections = JoinSet::new();
     loop {
         match listener.accept().await {
-            Ok((stream, _)) => match places.clone().try_acquire_owned() {
-                Ok(place) => {
+            Ok((stream, peer)) => match places.enter(peer.ip()) {
+                Some(place) => {
                     connections.spawn(serve_one(stream, router.clone(), place));
                 }
-                Err(_) => debug!("too many connections to the HMI: closed"),
+                None => debug!("too many connections to the HMI: closed"),
             },
             Err(error) => {
-                warn!(%error, "cannot accept a connection to the HMI");
+                let text = || format!("cannot accept a connection to the page: {error}");
+                shared.plant.log_limit().warn("accept", None, text);
                 tokio::time::sleep(ACCEPT_PAUSE).await;
             }
         }
@@ -72,26 +76,28 @@ pub(super) async fn accept(listener: TcpListener, shared: Arc<Shared>) {
     }
 }
 
-async fn serve_one(stream: TcpStream, router: Router, place: OwnedSemaphorePermit) {
+async fn serve_one(stream: TcpStream, router: Router, place: Place) {
     // A frame of samples is not to wait for the next one.
     let _ = stream.set_nodelay(true);
     let peer = stream.peer_addr().ok();
-    let router = router.layer(Extension(Peer(peer.map(|peer| peer.ip().to_string()))));
+    let router = router.layer(Extension(Peer(peer.map(|peer| peer.ip()))));
+    let close = place.close();
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_WITHIN)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
-        .with_upgrades()
-        .await;
-    if let Err(error) = served {
-        debug!(%error, "connection to the HMI");
+        .with_upgrades();
+    match close.run_until_cancelled(served).await {
+        Some(Ok(())) => {}
+        Some(Err(error)) => debug!(%error, "connection to the HMI"),
+        None => debug!("too many connections to the HMI: a newcomer got the place of this one"),
     }
     drop(place);
 }
 
 /// The far end of a connection, as its viewer is named.
 #[derive(Clone, Debug)]
-struct Peer(Option<String>);
+struct Peer(Option<IpAddr>);
 
 fn router(shared: Arc<Shared>) -> Router {
     Router::new()
@@ -158,14 +164,26 @@ async fn socket(
         return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
     }
     let page = Page {
-        address: peer,
+        peer,
         told: browser(headers),
+        role: role_of_address(
+            &shared.plant.server().security,
+            peer.unwrap_or(Ipv4Addr::UNSPECIFIED.into()),
+        ),
+        close: CancellationToken::new(),
     };
     let Some(accepted) = accept_key(headers) else {
         return (StatusCode::BAD_REQUEST, "Here is a WebSocket of version 13.\n").into_response();
     };
-    let Ok(place) = shared.places.clone().try_acquire_owned() else {
+    let from = page.peer.unwrap_or(Ipv4Addr::UNSPECIFIED.into());
+    let Some(place) = shared.places.enter(from) else {
+        let text = || "a viewer was refused, since all places of the page are taken".to_owned();
+        shared.plant.log_limit().warn("full", peer, text);
         return (StatusCode::SERVICE_UNAVAILABLE, "Too many viewers.\n").into_response();
+    };
+    let page = Page {
+        close: place.close(),
+        ..page
     };
     let upgrade = hyper::upgrade::on(&mut request);
     tokio::spawn(async move {

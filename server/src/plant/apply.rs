@@ -5,6 +5,7 @@
 //! Only the stops that must wait for no lock do not take it: [`Plant::stop_all`], [`Plant::inhibit`] and the end of jogs of lost
 //! clients (`crate::guard`).
 
+use arcline_config::Role;
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
 use arcline_controller::{Ticket, UNNAMED};
 use arcline_instruction_set::{SystemId, bind};
@@ -15,13 +16,17 @@ use super::command::{Call, Command, Outcome, Refused, Systems};
 use super::control::MotionObject;
 use super::records::instance_of;
 use super::state::State;
-use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Shared, policy};
+use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Right, Shared, policy};
 use crate::retained::{NotPersisted, WhenPersisted};
 
 /// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all edges at the
 /// end.
 pub struct Transaction<'t> {
     principal: Principal,
+    /// The role of the principal as the transaction began.
+    role: Role,
+    /// The first right that was missing.
+    denied: Option<Right>,
     shared: &'t Shared,
     state: &'t mut State,
     /// The edges of the writes so far, which the controller is not sent yet.
@@ -82,6 +87,8 @@ impl Plant {
         state.refresh();
         let mut transaction = Transaction {
             principal,
+            role: self.0.roles.of(principal),
+            denied: None,
             shared: &self.0,
             state: &mut state,
             edges: Vec::new(),
@@ -90,9 +97,13 @@ impl Plant {
         };
         transaction.update_room();
         let result = work(&mut transaction);
+        let (denied, role) = (transaction.denied, transaction.role);
         let pending = transaction.finish();
         drop(state);
         self.0.sent.notify_one();
+        if let Some(right) = denied {
+            self.log_denied(principal, right, role);
+        }
         (result, pending)
     }
 
@@ -158,6 +169,7 @@ impl Transaction<'_> {
         self.shared.counters.count(counter, done.is_ok());
         match &done {
             Ok(_) => self.retained |= retained,
+            Err(Refused::Role { right, .. }) => self.denied = self.denied.or(Some(*right)),
             Err(refused) => tracing::debug!(principal = ?self.principal, ?counter, %refused, "a command was refused"),
         }
         done
@@ -186,6 +198,7 @@ impl Transaction<'_> {
 
     fn authorized(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
         let (image, machine) = (self.state.image(), &self.shared.machine);
+        policy::authorize_role(self.principal, self.role, &command, image)?;
         policy::authorize(self.principal, &command, image, machine, &self.shared.control())?;
         self.check_alone(&command)?;
         self.execute(command)

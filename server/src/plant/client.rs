@@ -1,6 +1,7 @@
 //! What is known of a client: its address, and what it has told of itself.
 
 use std::fmt;
+use std::net::{IpAddr, SocketAddr};
 
 use arcline_proto::arcline::machine::Identification;
 
@@ -14,6 +15,13 @@ pub struct ClientIdentity {
 }
 
 impl ClientIdentity {
+    /// The IP address.
+    pub(crate) fn ip(&self) -> Option<IpAddr> {
+        let address = self.address.split(' ').next().unwrap_or_default();
+        let socket = address.parse::<SocketAddr>().map(|socket| socket.ip());
+        socket.or_else(|_| address.parse()).ok()
+    }
+
     /// A client of which only the address is known.
     pub fn of_address(address: &str) -> Self {
         ClientIdentity {

@@ -5,11 +5,11 @@
 
 use std::sync::Arc;
 
-use arcline_config::ConnectionLoss;
+use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
 
-use super::{CallRefused, Executed, Lost, Mover, Principal};
+use super::{CallRefused, Executed, Lost, Mover, Principal, Right};
 use crate::retained::NotPersisted;
 
 /// A change of the machine.
@@ -134,6 +134,14 @@ pub enum Outcome {
 /// Why a command was not executed. Nothing has changed then, but for [`Refused::NotPersisted`] and [`CallRefused::NoAnswer`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Refused {
+    /// The role of the principal does not have the right.
+    #[error("the role {} may not {}: the least that may is {}", role.word(), right.name(), right.least().word())]
+    Role {
+        /// The right that was missing.
+        right: Right,
+        /// The role of the principal.
+        role: Role,
+    },
     /// A viewer of the page does not have control of what it would move.
     #[error("there is no control of {object}")]
     NoControl {

@@ -24,6 +24,10 @@ mod policy;
 mod principal;
 mod records;
 mod reload;
+mod rights;
+#[cfg(test)]
+mod role_tests;
+pub(crate) mod roles;
 mod state;
 
 use std::ops::{Deref, DerefMut};
@@ -32,7 +36,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
 use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
-use arcline_config::{ConnectionLoss, Project, ServerConfig};
+use arcline_config::{ConnectionLoss, Project, Role, ServerConfig};
 use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, Ticket};
@@ -41,7 +45,8 @@ use arcline_instruction_set::{AxisId, BindError, Ending, MotionControl};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
-use crate::guard::Guard;
+use crate::guard::{Face, Guard, Signs};
+use crate::limits::LogLimit;
 use crate::retained::ChangeTracker;
 use crate::trace::Trace;
 pub use apply::{Pending, Transaction};
@@ -61,6 +66,10 @@ pub use principal::Principal;
 pub(crate) use records::Executions;
 use records::instance_of;
 pub use reload::ReloadError;
+pub use rights::Right;
+#[cfg(test)]
+pub(crate) use rights::page as rights_page;
+use roles::Roles;
 use state::{OUTSTANDING, Observers, Published, State, may_run};
 
 /// The running machine. Clones are the same one.
@@ -118,6 +127,9 @@ pub(crate) struct Shared {
     /// The objects that viewers of the page have control of.
     control: Mutex<Control>,
     counters: Counters,
+    log_limit: LogLimit,
+    /// The role of each client.
+    roles: Roles,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -185,6 +197,8 @@ impl Plant {
             guard,
             control: Mutex::default(),
             counters: Counters::default(),
+            log_limit: LogLimit::default(),
+            roles: Roles::default(),
             sent: Notify::new(),
         }))
     }
@@ -269,6 +283,53 @@ impl Plant {
     /// The objects that viewers of the page have control of.
     pub(crate) fn control(&self) -> MutexGuard<'_, Control> {
         self.0.control()
+    }
+
+    /// The bound of what peers cause to be logged.
+    pub(crate) fn log_limit(&self) -> &LogLimit {
+        &self.0.log_limit
+    }
+
+    /// The role of each client.
+    pub(crate) fn roles(&self) -> &Roles {
+        &self.0.roles
+    }
+
+    /// A client has come in with a role; the guard knows it from now on.
+    pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, role: Role, face: Weak<dyn Face>) -> Signs {
+        self.0.roles.set(session, role);
+        self.0.guard.enter(session, identity, face)
+    }
+
+    /// A client has gone.
+    pub(crate) fn leave(&self, session: u64) {
+        self.0.guard.leave(session);
+        self.0.roles.forget(session);
+    }
+
+    /// Whether a principal has a right; a refusal is logged.
+    ///
+    /// # Errors
+    /// [`Refused::Role`].
+    pub(crate) fn check(&self, principal: Principal, right: Right) -> Result<(), Refused> {
+        let role = self.0.roles.of(principal);
+        if right.is_of(role) {
+            return Ok(());
+        }
+        self.log_denied(principal, right, role);
+        Err(Refused::Role { right, role })
+    }
+
+    fn log_denied(&self, principal: Principal, right: Right, role: Role) {
+        let session = principal.session();
+        let client = session
+            .map(|session| self.0.guard.identity_of(session))
+            .unwrap_or_default();
+        let text = || {
+            let (least, right) = (right.least().word(), right.name());
+            format!("{principal} ({client}) is {} and needs {least} to {right}", role.word())
+        };
+        self.0.log_limit.warn("denied", client.ip(), text);
     }
 
     /// How many commands of a kind there were.

@@ -2,8 +2,10 @@
 //! whether it is kept over a restart, and its counter. A new command or instruction does not compile before all are answered.
 //!
 //! A CIP client may execute every command. A viewer of the page needs control of the objects that its commands move. A jog button
-//! moves no axis that another principal moves. Roles would be checked here.
+//! moves no axis that another principal moves. What a role may do is
+//! [`Right`](super::Right)'s.
 
+use arcline_config::Role;
 use arcline_controller::image::{Image, TagId, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{AxisId, Directory as _, Given, Mnemonic, Object, SystemId, instruction_tag_target};
@@ -12,8 +14,28 @@ use super::command::{Call, Command, Refused, Systems};
 use super::control::{Control, MotionObject};
 use super::counters::Counter;
 use super::principal::Principal;
+use super::rights::Right;
 
-/// Whether a principal may execute a command on the tags as they are.
+/// Whether a principal of a role may execute a command on the tags as they are. A program of the page needs the right to run
+/// programs beside that of each of its commands.
+///
+/// # Errors
+/// [`Refused::Role`].
+pub(super) fn authorize_role(
+    principal: Principal,
+    role: Role,
+    command: &Command<'_>,
+    image: &Image,
+) -> Result<(), Refused> {
+    let of_program = matches!(principal, Principal::Program { .. }).then_some(Right::RunProgram);
+    let missing = [of_program, Some(Right::of_command(command, image))]
+        .into_iter()
+        .flatten()
+        .find(|right| !right.is_of(role));
+    missing.map_or(Ok(()), |right| Err(Refused::Role { right, role }))
+}
+
+/// Whether a principal has the control that a command needs.
 ///
 /// # Errors
 /// [`Refused::NoControl`].

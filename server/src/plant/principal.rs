@@ -1,5 +1,7 @@
 //! The principals of commands, which own the motion that these begin.
 
+use std::fmt;
+
 use crate::guard::VIEWERS;
 
 /// The source of a command. Motion that it begins belongs to its owner ([`Principal::owner`]) until it ends, from every face.
@@ -60,6 +62,18 @@ impl Principal {
         match self {
             Self::Program { line, .. } => Some(line),
             Self::Server | Self::Io | Self::Client { .. } | Self::Viewer(_) | Self::Button(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Principal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Server => f.write_str("the server"),
+            Self::Io => f.write_str("the owner of the outputs"),
+            Self::Client { .. } => f.write_str("an EtherNet/IP client"),
+            Self::Viewer(_) | Self::Button(_) => f.write_str("a viewer of the page"),
+            Self::Program { .. } => f.write_str("a program of the page"),
         }
     }
 }

@@ -38,9 +38,13 @@ impl Plant {
             Ok(_) => Ok(()),
             Err(Refused::Table(error)) => Err(error.into()),
             Err(Refused::NotPersisted(NotPersisted)) => Err(ReloadError::NotPersisted),
-            Err(Refused::NoControl { .. } | Refused::MovedByAnother { .. } | Refused::Write(_) | Refused::Call(_)) => {
-                Ok(())
-            }
+            Err(
+                Refused::Role { .. }
+                | Refused::NoControl { .. }
+                | Refused::MovedByAnother { .. }
+                | Refused::Write(_)
+                | Refused::Call(_),
+            ) => Ok(()),
         }
     }
 }

@@ -8,7 +8,7 @@ use super::records::{Executions, Origin, RECORDS};
 use super::*;
 use arcline_instruction_set::{Given, Mnemonic};
 
-fn project() -> Project {
+pub(super) fn project() -> Project {
     arcline_config::load(arcline_config::DEFAULT, "default").expect("the default is valid")
 }
 
@@ -74,6 +74,7 @@ async fn wait_for(plant: &Plant, path: &str, is: impl Fn(f64) -> bool) {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_written_enable_in_moves_to_the_exact_end() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     let edges = write(
         &plant,
         &[
@@ -103,6 +104,7 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_is_refused_is_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
     plant.kept(speed).await.expect("nothing is kept");
     assert_eq!(
@@ -139,6 +141,7 @@ async fn what_is_refused_is_shown() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn every_execution_of_a_tag_begins_enabled() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     for _ in 0..2 {
         let executed = call(&plant, Mnemonic::Mcs, Some("Again"), &[]).await.expect("a stop");
         assert!(executed.control.has(Flag::En) && executed.control.has(Flag::Dn));
@@ -181,6 +184,7 @@ fn the_newest_executions_are_kept() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_override_holds_and_resumes() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     let held = write(
         &plant,
         &[
@@ -212,6 +216,7 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     let project = project();
     let (_rings, link) = arcline_realtime::link(&project.machine);
     let plant = Plant::new(&project, link);
+    plant.roles().set(1, Role::Engineer);
     let path: arcline_tag::TagPath = "Move1.EnableIn".parse().expect("a path");
     let (mut accepted, mut refused) = (0, 0);
     for _ in 0..2000 {
@@ -252,6 +257,7 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn stop_inhibits_motion_until_it_is_released() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     let far = [
         ("Move1.Position[0]", 500.0),
         ("Move1.Position[1]", 0.0),
@@ -301,7 +307,9 @@ async fn stop_inhibits_motion_until_it_is_released() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_jog_button_is_refused_on_an_axis_that_another_principal_moves() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
+    plant.roles().set(1, Role::Engineer);
     plant.control().enter(7, "viewer".into());
+    plant.roles().set(crate::guard::VIEWERS | 7, Role::Engineer);
     let taken = plant
         .control()
         .take(plant.machine(), 7, control::MotionObject::Group, false);
@@ -376,6 +384,7 @@ async fn changes_tell_the_tags_that_changed() {
     let project = project();
     let (_rings, link) = arcline_realtime::link(&project.machine);
     let plant = Plant::new(&project, link);
+    plant.roles().set(1, Role::Engineer);
     let id = |name: &str| plant.with_image(|image| image.find(name).expect(name).id);
     let (speed, inhibit) = (id("Move1"), id("MotionInhibit"));
     drop(write(&plant, &[("Move1.Speed", 1.0)]));

@@ -12,9 +12,10 @@ use std::time::Duration;
 
 use clap::FromArgMatches;
 
-use arcline_client::{Client, ClientError, Mnemonic};
+use arcline_client::{Client, ClientError, Mnemonic, Tag};
 
 use super::args::{self, Arguments, Command, Exec, Shell, Waiting};
+use super::output::printable;
 use super::{Failure, Output, connect, local, on_machine, programs, wait, without_server};
 use complete::{Known, OWN};
 use line::{Lines, Read};
@@ -69,7 +70,7 @@ pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Res
         }
         // Tags that the line created can be completed.
         if is_interactive && let Ok(tags) = client.browse().await {
-            lines.set_tags(tags);
+            lines.set_tags(completable(tags));
         }
     }
     client.close().await;
@@ -95,8 +96,14 @@ async fn next(client: &Client, lines: Lines) -> Result<(Read, Lines), Failure> {
 async fn known(client: &Client) -> Result<Known, Failure> {
     let mut command = args::command();
     command.build();
-    let tags = client.browse().await?;
+    let tags = completable(client.browse().await?);
     Ok(Known { command, tags })
+}
+
+/// The tags whose names control no terminal.
+fn completable(mut tags: Vec<Tag>) -> Vec<Tag> {
+    tags.retain(|tag| printable(&tag.name) == tag.name);
+    tags
 }
 
 /// One line: a command, a call, or a piece of a program.

@@ -17,6 +17,12 @@ pub(crate) static ROOT: Keys = Keys {
             meaning: "the network side",
         },
         Key {
+            name: "security",
+            kind: Kind::Table(&SECURITY),
+            default: Default::Prose(""),
+            meaning: "roles and limits",
+        },
+        Key {
             name: "motion_group",
             kind: Kind::Table(&MOTION_GROUP),
             default: Default::Prose(""),
@@ -136,6 +142,43 @@ pub(crate) static SERVER: Keys = Keys {
             kind: Kind::ZeroOr(100..=60_000, "ms"),
             default: Default::Integer(2000),
             meaning: r#"silence after which the jogs (MAJ) of a client are stopped though its TCP connection stays open, ms, 100 to 60000; 0: never. It is measured per TCP connection: any message of the client counts, on any of its class 3 connections or without one, and so does any message of a page. A client that hangs, or whose cable was pulled, stops its jogs so. With `connection_loss = "finish"` they go on. A client that sleeps for longer while it jogs needs a larger value, or reads any tag meanwhile"#,
+        },
+    ],
+};
+
+pub(crate) static SECURITY: Keys = Keys {
+    heading: "## `[security]`",
+    expected: "a table, [security]",
+    keys: &[
+        Key {
+            name: "loopback",
+            kind: Kind::Word(&["viewer", "operator", "engineer"]),
+            default: Default::Text("engineer"),
+            meaning: "the role of clients on this computer ([SECURITY.md](SECURITY.md)). A proxy, the server side of a tunnel and the port map of a container make their peers such clients",
+        },
+        Key {
+            name: "remote_plain",
+            kind: Kind::Word(&["viewer", "operator", "engineer"]),
+            default: Default::Text("viewer"),
+            meaning: "the role of clients elsewhere whose connection is not encrypted",
+        },
+        Key {
+            name: "max_requests_per_s_viewer",
+            kind: Kind::Integer(0..=1_000_000, "1/s"),
+            default: Default::Integer(0),
+            meaning: "the most requests a second of an EtherNet/IP client that is a viewer; beyond, the answer is 0x02; 0: any number. Stops are not counted",
+        },
+        Key {
+            name: "max_requests_per_s_operator",
+            kind: Kind::Integer(0..=1_000_000, "1/s"),
+            default: Default::Integer(0),
+            meaning: "the same of an operator",
+        },
+        Key {
+            name: "max_requests_per_s_engineer",
+            kind: Kind::Integer(0..=1_000_000, "1/s"),
+            default: Default::Integer(0),
+            meaning: "the same of an engineer or administrator",
         },
     ],
 };

@@ -2,6 +2,7 @@
 
 use std::net::{Ipv4Addr, SocketAddr};
 
+use super::security;
 use crate::section::Section;
 use crate::{ConnectionLoss, IoListen, IoLoss, ServerConfig};
 
@@ -45,6 +46,7 @@ pub(super) fn server(root: &Section<'_>) -> ServerConfig {
         io_loss: IoLoss::of_word(io_loss.unwrap_or_default()),
         connection_loss: ConnectionLoss::of_word(connection_loss.unwrap_or_default()),
         jog_silence: short("jog_silence_ms"),
+        security: security(root),
     }
 }
 

@@ -10,6 +10,7 @@ use super::object::{Extent, Object, ObjectContext};
 use super::values::{no_attribute, u16_value};
 use crate::eip::device::Device;
 use crate::eip::status::unknown;
+use crate::plant::Right;
 
 /// Attribute 3: the data.
 const DATA: u16 = 3;
@@ -83,11 +84,19 @@ impl Object for Assemblies {
         (id == DATA && is_output(device, instance)).then(|| size(device, instance).unwrap_or_default().into())
     }
 
+    fn right_to_set(&self) -> Right {
+        Right::OwnOutputs
+    }
+
     fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
         let device = cx.device();
         if ownership(device) != Ownership::Free {
             return Err(CipStatus::OBJECT_STATE_CONFLICT);
         }
+        device
+            .plant
+            .roles()
+            .set_io(device.plant.roles().of(cx.context.principal));
         device.assembly_data().apply(value, &device.plant);
         Ok(())
     }

@@ -24,7 +24,8 @@ fn answer(object: &dyn Object, cx: &mut ObjectContext<'_, '_>) -> Result<Reply, 
         (Some(On::Any | On::Class), _) | (None, 0) => {}
         (Some(On::Instance) | None, 1..) => object.check(cx, instance)?,
     }
-    if own.is_some() {
+    if let Some(own) = own {
+        cx.check(own.right)?;
         return object.serve(cx, instance);
     }
     let mut attributes = Attributes { object, instance, cx };
@@ -106,6 +107,7 @@ impl Attributes<'_, '_, '_> {
     }
 
     fn set(&mut self, id: u16, value: &[u8]) -> Result<(), CipStatus> {
+        self.cx.check(self.object.right_to_set())?;
         self.object.set(self.cx, self.instance, id, value)
     }
 

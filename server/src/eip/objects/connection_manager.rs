@@ -9,6 +9,7 @@ use bytes::Bytes;
 
 use super::object::{Extent, Object, ObjectContext};
 use super::values::{u8_value, u16_value};
+use crate::plant::Right;
 
 /// A vendor's attribute, USINT: the index of the reaction in [`ConnectionLoss::WORDS`], for the connection (or the
 /// session without one) over which it is asked and set.
@@ -53,6 +54,10 @@ impl Object for ConnectionManager {
 
     fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
         (id == LOSS).then_some(1)
+    }
+
+    fn right_to_set(&self) -> Right {
+        Right::SetLoss
     }
 
     fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {

@@ -4,6 +4,7 @@ use arcline_proto::cip::{CipStatus, Reply, class, service};
 use bytes::Bytes;
 
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
+use crate::plant::Right;
 
 #[derive(Debug)]
 pub(super) struct Identity;
@@ -36,6 +37,8 @@ impl Object for Identity {
             name: "Reset",
             on: On::Instance,
             access: Access::Read,
+            // It is refused to every role.
+            right: Right::Look,
         }]
     }
 

@@ -7,21 +7,26 @@ use bytes::Bytes;
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use super::values::{no_attribute, u8_value};
 use crate::eip::context::Memory;
-use crate::plant::{Command, Counter};
+use crate::plant::{Command, Counter, Right};
 
 #[derive(Debug)]
 pub(super) struct MachineObject;
 
-const fn row(code: u8, name: &'static str, access: Access) -> OwnService {
-    let on = On::Instance;
-    OwnService { code, name, on, access }
+const fn row(code: u8, name: &'static str, access: Access, right: Right) -> OwnService {
+    OwnService {
+        code,
+        name,
+        on: On::Instance,
+        access,
+        right,
+    }
 }
 
 /// Stop alone waits for no lock.
 const SERVICES: [OwnService; 3] = [
-    row(service::STOP, "Stop", Access::Read),
-    row(service::RELEASE, "Release", Access::Set),
-    row(service::IDENTIFY, "Identify", Access::Read),
+    row(service::STOP, "Stop", Access::Read, Right::Stop),
+    row(service::RELEASE, "Release", Access::Set, Right::ReleaseStop),
+    row(service::IDENTIFY, "Identify", Access::Read, Right::Look),
 ];
 
 impl Object for MachineObject {

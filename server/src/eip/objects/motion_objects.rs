@@ -45,7 +45,7 @@ use bytes::Bytes;
 use super::object::{Extent, Object, ObjectContext};
 use super::values::{f64_value, no_attribute, short_string, u8_value, u32_value};
 use crate::eip::status::unknown;
-use crate::plant::{Command, Mover};
+use crate::plant::{Command, Mover, Right};
 
 /// The objects of one of the three classes.
 #[derive(Debug)]
@@ -156,6 +156,11 @@ impl Object for MotionObjects {
         };
         let settable = settable || Attribute::numbered(self.0, id).is_some_and(Attribute::is_settable);
         settable.then_some(4)
+    }
+
+    /// Each attribute is a command of the plant, which has a right of its own.
+    fn right_to_set(&self) -> Right {
+        Right::Look
     }
 
     fn set(&self, cx: &mut ObjectContext<'_, '_>, instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {

@@ -12,7 +12,7 @@ use super::values::no_attribute;
 use crate::eip::context::{Context, Memory};
 use crate::eip::device::Device;
 use crate::eip::status::{refusal, unknown};
-use crate::plant::{Command, Outcome};
+use crate::plant::{Command, Outcome, Right};
 
 /// A CIP object: a class and its instances.
 ///
@@ -89,6 +89,11 @@ pub(crate) trait Object: Debug + Sync {
         None
     }
 
+    /// The right that setting an attribute needs; what is a command of the plant is judged there too.
+    fn right_to_set(&self) -> Right {
+        Right::Administer
+    }
+
     /// Sets an attribute that [`Self::settable`] named, from as many bytes.
     fn set(&self, _cx: &mut ObjectContext<'_, '_>, _instance: u32, _id: u16, _value: &[u8]) -> Result<(), CipStatus> {
         Err(CipStatus::ATTRIBUTE_NOT_SETTABLE)
@@ -136,6 +141,8 @@ pub(crate) struct OwnService {
     pub(crate) on: On,
     /// What it needs; of an object that is late, late.
     pub(crate) access: Access,
+    /// The right that it needs; a command of the plant is judged there too.
+    pub(crate) right: Right,
 }
 
 /// Where a service is asked; elsewhere it is refused with 0x08.
@@ -198,6 +205,12 @@ impl<'a> ObjectContext<'a, '_> {
     /// The instance that is asked, 0: the class.
     pub(crate) fn instance(&self) -> u32 {
         self.target.instance.unwrap_or(0)
+    }
+
+    /// Refuses a client whose role does not have a right: 0x0F.
+    pub(crate) fn check(&self, right: Right) -> Result<(), CipStatus> {
+        let checked = self.device().plant.check(self.context.principal, right);
+        checked.map_err(|refused| refusal(&refused))
     }
 
     /// Refuses data: 0x15.

@@ -11,7 +11,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use crate::eip::status::unknown;
 use crate::eip::tags::scope;
-use crate::plant::{Command, Outcome};
+use crate::plant::{Command, Outcome, Right};
 
 /// External access: read and write.
 const READ_WRITE: u8 = 0;
@@ -39,18 +39,21 @@ impl Object for Symbols {
                 name: "Get Instance Attribute List",
                 on: On::Any,
                 access: Access::Read,
+                right: Right::Look,
             },
             OwnService {
                 code: service::CREATE,
                 name: "Create",
                 on: On::Class,
                 access: Access::Change,
+                right: Right::ChangeTags,
             },
             OwnService {
                 code: service::DELETE,
                 name: "Delete",
                 on: On::Instance,
                 access: Access::Change,
+                right: Right::ChangeTags,
             },
         ]
     }

@@ -9,6 +9,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use super::object::{Extent, Object, ObjectContext};
 use super::values::{long_string, no_attribute, u8_value, u16_value, u32_value};
 use crate::eip::adapter::Adapter;
+use crate::plant::Right;
 
 /// Status: the configuration is valid, by other means than this object.
 const CONFIGURED: u32 = 2;
@@ -72,6 +73,10 @@ impl Object for TcpIpInterface {
 
     fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
         (id == INACTIVITY).then_some(2)
+    }
+
+    fn right_to_set(&self) -> Right {
+        Right::SetInactivity
     }
 
     /// Seconds, 0: never.

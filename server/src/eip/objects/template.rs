@@ -10,6 +10,7 @@ use bytes::Bytes;
 
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use crate::eip::status::unknown;
+use crate::plant::Right;
 
 #[derive(Debug)]
 pub(super) struct Templates;
@@ -36,6 +37,7 @@ impl Object for Templates {
             name: "Read Template",
             on: On::Any,
             access: Access::Read,
+            right: Right::Look,
         }]
     }
 

@@ -13,7 +13,7 @@ use bytes::Bytes;
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use super::values::{no_attribute, u8_value, u16_value, u32_value, u64_value};
 use crate::eip::status::unknown;
-use crate::plant::Plant;
+use crate::plant::{Plant, Right};
 use crate::trace::{Config, Phase, TraceStatus, Trigger};
 
 #[derive(Debug)]
@@ -37,22 +37,23 @@ impl Object for Traces {
     }
 
     fn services(&self) -> &'static [OwnService] {
-        const fn row(code: u8, name: &'static str, on: On) -> OwnService {
+        const fn row(code: u8, name: &'static str, on: On, right: Right) -> OwnService {
             OwnService {
                 code,
                 name,
                 on,
                 access: Access::Late,
+                right,
             }
         }
         &const {
             [
-                row(LIST_SIGNALS, "List Signals", On::Class),
-                row(service::CREATE, "Create", On::Class),
-                row(READ, "Read", On::Instance),
-                row(START, "Start", On::Instance),
-                row(STOP, "Stop", On::Instance),
-                row(service::DELETE, "Delete", On::Instance),
+                row(LIST_SIGNALS, "List Signals", On::Class, Right::Look),
+                row(service::CREATE, "Create", On::Class, Right::SetUpTrace),
+                row(READ, "Read", On::Instance, Right::Look),
+                row(START, "Start", On::Instance, Right::SetUpTrace),
+                row(STOP, "Stop", On::Instance, Right::SetUpTrace),
+                row(service::DELETE, "Delete", On::Instance, Right::SetUpTrace),
             ]
         }
     }

@@ -8,6 +8,7 @@ use time::{Date, Month, OffsetDateTime, PrimitiveDateTime};
 
 use super::object::{Extent, Object, ObjectContext};
 use super::values::{no_attribute, u8_value, u64_value};
+use crate::plant::Right;
 
 /// Local date and time, DINT[7]: year, month, day, hour, minute, second, µs; can be set.
 const LOCAL_DATE: u16 = 0x05;
@@ -52,6 +53,10 @@ impl Object for WallClock {
             DAYLIGHT_SAVING => Some(1),
             _ => None,
         }
+    }
+
+    fn right_to_set(&self) -> Right {
+        Right::SetClock
     }
 
     fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {

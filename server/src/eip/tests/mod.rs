@@ -13,6 +13,7 @@ mod objects;
 mod pitfalls;
 mod published;
 mod race;
+mod roles;
 mod sessions;
 mod stock_clients;
 mod tag_face;

@@ -10,6 +10,7 @@ use crate::eip::action::ParsedRequest;
 use crate::eip::objects::{Access, Extent, Object, ObjectContext, Objects, On, OwnService};
 use crate::eip::pages;
 use crate::pages::compare_or_write_part;
+use crate::plant::Right;
 
 const CLASS: u16 = 0x0399;
 const ADD: u8 = 0x32;
@@ -35,12 +36,14 @@ impl Object for Counter {
                 name: "Add",
                 on: On::Instance,
                 access: Access::Read,
+                right: Right::Look,
             },
             OwnService {
                 code: CLEAR,
                 name: "Clear",
                 on: On::Class,
                 access: Access::Change,
+                right: Right::ChangeTags,
             },
         ]
     }

@@ -139,7 +139,8 @@ impl From<Refused> for Refusal {
     fn from(refused: Refused) -> Self {
         match refused {
             Refused::NoControl { object, holder } => Self::control(&object, holder.as_deref()),
-            Refused::MovedByAnother { .. }
+            Refused::Role { .. }
+            | Refused::MovedByAnother { .. }
             | Refused::Write(_)
             | Refused::Table(_)
             | Refused::Call(_)

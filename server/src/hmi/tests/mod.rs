@@ -362,3 +362,4 @@ mod faces;
 mod looking;
 mod previews;
 mod programs;
+mod roles;

@@ -4,7 +4,7 @@ use super::*;
 
 impl Viewer {
     /// The next push of the program in that state.
-    async fn program(&mut self, state: &str) -> Value {
+    pub(super) async fn program(&mut self, state: &str) -> Value {
         for _ in 0..200 {
             let push = self.push("program").await;
             if push["state"] == state {
@@ -15,7 +15,7 @@ impl Viewer {
         panic!("it was never {state}");
     }
 
-    async fn run(&mut self, text: &str) -> Result<Value, Value> {
+    pub(super) async fn run(&mut self, text: &str) -> Result<Value, Value> {
         self.ask(json!({"do": "run", "text": text})).await
     }
 }
@@ -157,6 +157,33 @@ async fn it_steps_pauses_and_ends() {
     viewer.ask(json!({"do": "pause"})).await.expect("it pauses");
     viewer.program("paused").await;
     viewer.ask(json!({"do": "end"})).await.expect("it ends");
+    viewer.program("ended").await;
+}
+
+/// A paused program moves with the control of the viewer that started it: others may pause and end it, not continue it.
+#[tokio::test]
+async fn another_viewer_does_not_continue_a_paused_program() {
+    let bench = Bench::start().await;
+    let (mut viewer, mut stranger) = (bench.viewer().await, bench.viewer().await);
+    viewer.take("CS1").await;
+    viewer
+        .ask(json!({"do": "run", "text": MOVES, "step": true}))
+        .await
+        .expect("it runs");
+    viewer.program("paused").await;
+    for request in ["step", "continue"] {
+        let error = stranger.ask(json!({"do": request})).await.expect_err(request);
+        assert!(
+            error["text"]
+                .as_str()
+                .is_some_and(|text| text.contains("alone steps and continues it")),
+            "{request}: {error}"
+        );
+    }
+    let line = viewer.ask(json!({"do": "read", "names": ["Move1.Speed"]})).await;
+    assert!(line.is_ok());
+    stranger.ask(json!({"do": "pause"})).await.expect("it stays paused");
+    stranger.ask(json!({"do": "end"})).await.expect("every viewer ends it");
     viewer.program("ended").await;
 }
 

@@ -7,6 +7,7 @@ mod hearing;
 mod watched;
 
 use std::io;
+use std::net::IpAddr;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,16 +40,20 @@ use super::status::Status;
 use super::{Shared, drive, events, frames, line, program, tags};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{ClientIdentity, Command, Plant, Principal};
+use crate::plant::{ClientIdentity, Command, Plant, Principal, Right};
 use crate::trace::history;
 
 /// The page of a viewer.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Page {
     /// Its IP address.
-    pub(super) address: Option<String>,
+    pub(super) peer: Option<IpAddr>,
     /// The browser that shows it, as its product.
     pub(super) told: Identification,
+    /// Its role.
+    pub(super) role: arcline_config::Role,
+    /// Is cancelled when the viewer is to be closed.
+    pub(super) close: CancellationToken,
 }
 
 /// Serves the viewer of a page until it goes; `begun` has come on its socket already.
@@ -57,7 +62,10 @@ pub(super) struct Page {
 /// The system has no descriptor left.
 pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, page: Page) -> io::Result<()> {
     let number = shared.viewers.fetch_add(1, Ordering::Relaxed) + 1;
-    let name = format!("{} #{number}", page.address.as_deref().unwrap_or("viewer"));
+    let name = format!(
+        "{} #{number}",
+        page.peer.map_or_else(|| "viewer".to_owned(), |peer| peer.to_string())
+    );
     // One descriptor is read on the thread of stops, the other is written here.
     let reading = socket.into_std()?;
     let writing = TcpStream::from_std(reading.try_clone()?)?;
@@ -70,7 +78,7 @@ pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, 
         address: name.clone(),
         told: page.told,
     };
-    let signs = shared.plant.guard().enter(VIEWERS | number, identity, weak);
+    let signs = shared.plant.enter(VIEWERS | number, identity, page.role, weak);
     let hello = Push::Hello {
         viewer: &name,
         trace_signals: history::signals(shared.plant.machine()),
@@ -105,6 +113,7 @@ pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, 
     tokio::select! {
         () = viewer.listen(asked) => {}
         () = send(sink, inbox, &shared) => {}
+        () = page.close.cancelled() => debug!(%name, "closed"),
     }
     drop(over);
     shared.program.end_of(number);
@@ -220,6 +229,9 @@ impl Viewer {
         if moves && stopped() {
             return Some(Err(Refusal::new("STOP came before this request began")));
         }
+        if let Err(refused) = self.shared.plant.check(Principal::Viewer(self.id), right(&request)) {
+            return Some(Err(refused.into()));
+        }
         let answer = self.answer(id, request, heard, simulations).await;
         if moves && stopped() {
             // Its instruction may have been sent after the stop.
@@ -284,9 +296,9 @@ impl Viewer {
                 .await
             }
             Request::Run(request) => request.answer(self.run(&request, heard).await),
-            Request::Step(request) => request.answer(shared.program.step()),
-            Request::Pause(request) => request.answer(shared.program.pause()),
-            Request::Continue(request) => request.answer(shared.program.go_on()),
+            Request::Step(request) => request.answer(shared.program.step(&shared.plant, viewer)),
+            Request::Pause(request) => request.answer(shared.program.pause(&shared.plant, viewer)),
+            Request::Continue(request) => request.answer(shared.program.go_on(&shared.plant, viewer)),
             Request::End(request) => {
                 shared.program.end();
                 request.answer(Ok(Done {}))
@@ -531,6 +543,36 @@ fn moves(request: &Request) -> bool {
         | Request::Trace(_)
         | Request::History(_)
         | Request::Events(_) => false,
+    }
+}
+
+/// The right that a request needs; what is a command of the plant is judged there too.
+fn right(request: &Request) -> Right {
+    match request {
+        Request::Ping(_)
+        | Request::Line(_)
+        | Request::Preview(_)
+        | Request::DryRun(_)
+        | Request::Check(_)
+        | Request::Tags(_)
+        | Request::Read(_)
+        | Request::Watch(_)
+        | Request::Trace(_)
+        | Request::History(_)
+        | Request::Events(_) => Right::Look,
+        Request::Keep(_)
+        | Request::JogEnd(_)
+        | Request::Stop(_)
+        | Request::Hold(_)
+        | Request::Pause(_)
+        | Request::End(_) => Right::Stop,
+        Request::Take(protocol::Take { force: true, .. }) => Right::TakeByForce,
+        Request::Take(_) | Request::Release(_) => Right::TakeControl,
+        Request::Jog(_) => Right::Move,
+        Request::ReleaseStop(_) => Right::ReleaseStop,
+        Request::Run(_) | Request::Step(_) | Request::Continue(_) => Right::RunProgram,
+        // They are commands of the plant: what each needs depends on what it does.
+        Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
     }
 }
 

@@ -1,0 +1,65 @@
+//! Viewers of every role.
+
+use arcline_config::Role;
+
+use super::*;
+use crate::guard::VIEWERS;
+use crate::plant::Right;
+
+#[tokio::test]
+async fn every_request_for_every_role() {
+    let bench = Bench::start().await;
+    #[rustfmt::skip]
+    let cases = [
+        (Right::Look,          json!({"do": "ping"})),
+        (Right::Look,          json!({"do": "read", "names": ["Move1.Speed"]})),
+        (Right::Look,          json!({"do": "check", "text": "MSO(X, C);"})),
+        (Right::TakeControl,   json!({"do": "take", "object": "CS1"})),
+        (Right::TakeByForce,   json!({"do": "take", "object": "CS1", "force": true})),
+        (Right::Move,          json!({"do": "execute", "text": "MSO(X, C);"})),
+        (Right::Stop,          json!({"do": "execute", "text": "MAS(X, Weak, All, Yes, 1000, Unitspersec2);"})),
+        (Right::Move,          json!({"do": "jog", "axis": "X", "speed": 1})),
+        (Right::WriteTag,      json!({"do": "write", "tag": "Move1.Speed", "value": 5})),
+        (Right::InjectFaults,  json!({"do": "write", "tag": "FaultInject[0]", "value": 0})),
+        (Right::Override,      json!({"do": "override", "coordinate_system": "CS1", "percent": 50})),
+        (Right::OverrideAbove, json!({"do": "override", "coordinate_system": "CS1", "percent": 120})),
+        (Right::Stop,          json!({"do": "hold", "coordinate_system": "CS1"})),
+        (Right::Override,      json!({"do": "resume", "coordinate_system": "CS1"})),
+        (Right::Stop,          json!({"do": "stop"})),
+        (Right::ReleaseStop,   json!({"do": "release_stop"})),
+        (Right::RunProgram,    json!({"do": "run", "text": "DELAY(0.001);"})),
+        (Right::RunProgram,    json!({"do": "continue"})),
+        (Right::RunProgram,    json!({"do": "step"})),
+        (Right::Stop,          json!({"do": "end"})),
+    ];
+    for (number, role) in (1_u64..).zip(Role::ALL) {
+        let mut viewer = bench.viewer().await;
+        bench.plant.roles().set(VIEWERS | number, role);
+        for (right, request) in &cases {
+            let answer = viewer.ask(request.clone()).await;
+            let text = answer
+                .as_ref()
+                .err()
+                .and_then(|error| error["text"].as_str())
+                .unwrap_or_default();
+            let refused = text.starts_with(&format!("the role {} may not", role.word()));
+            assert_eq!(refused, !right.is_of(role), "{request} as {}: {answer:?}", role.word());
+        }
+    }
+}
+
+/// The program that an engineer started ends with the right to run programs.
+#[tokio::test]
+async fn a_program_stops_when_its_viewer_may_no_longer_run_it() {
+    let bench = Bench::start().await;
+    let mut viewer = bench.viewer().await;
+    viewer
+        .run("WHILE TRUE DO Move1.Speed := 10; DELAY(0.005); END_WHILE;")
+        .await
+        .expect("it runs");
+    viewer.program("running").await;
+    bench.plant.roles().set(VIEWERS | 1, Role::Operator);
+    let failed = viewer.program("failed").await;
+    let text = failed["error"]["text"].as_str().unwrap_or_default();
+    assert!(text.contains("run programs"), "{failed}");
+}

@@ -1,0 +1,152 @@
+//! Rights: what a principal does to the machine or asks of the server, and the least role that may do it (spec/security.md §6).
+//!
+//! One table: [`Right`] and its `match`es. Every command of the plant needs one right ([`Right::of_command`], exhaustive), and so does every
+//! request of the page and every service of a CIP object that is no command. The table of docs/SECURITY.md and the matrix of the
+//! tests derive from it. Whose turn it is to move an axis is another question (`control`).
+
+use arcline_config::Role;
+use arcline_controller::image::{Image, TagId, TagKind};
+use arcline_instruction_set::Mnemonic;
+
+use super::command::{Call, Command};
+
+/// Makes [`Right`] with the least role and the description of each.
+macro_rules! rights {
+    ($( $name:ident: $least:ident, $code:literal, $may:literal; )*) => {
+        /// What a role may do.
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+        pub enum Right {
+            $( #[doc = $may] $name, )*
+        }
+
+        impl Right {
+            /// Every right, in the order of docs/SECURITY.md.
+            pub const ALL: &[Right] = &[$( Right::$name, )*];
+
+            /// The least role that has it.
+            pub const fn least(self) -> Role {
+                match self { $( Self::$name => Role::$least, )* }
+            }
+
+            /// Its name in logs, the audit and refusals.
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$name => $code, )* }
+            }
+
+            /// What it lets a client do.
+            pub const fn may(self) -> &'static str {
+                match self { $( Self::$name => $may, )* }
+            }
+        }
+    };
+}
+
+rights! {
+    Look:              Viewer,        "look",                "read tags, attributes, traces and the page; open class 3, input-only and listen-only connections; say what the client is; check and simulate programs";
+    Stop:              Viewer,        "stop",                "STOP, hold, MAS, MCS and MGS (as services, by `EnableIn` of their tags, on the page), end a jog, pause and end a program";
+    WriteTag:          Operator,      "write tags",          "write tags, in whole, in part, by masks or as members of structures, but for those that other rows name";
+    Move:              Operator,      "move",                "execute all other instructions: moves, jogs, servo on and off, shutdown and reset, clearing of faults";
+    Override:          Operator,      "override",            "set feed overrides up to 100 %; resume";
+    ReleaseStop:       Operator,      "release STOP",        "release a STOP";
+    OwnOutputs:        Operator,      "own the outputs",     "open the exclusive owner connection of implicit I/O; set the output assembly without a connection";
+    TakeControl:       Operator,      "take control",        "take and give back control of an axis or a coordinate system on the page";
+    SetLoss:           Operator,      "set loss reaction",   "choose what its own motion does when its connection is lost (attribute 100 of class 0x06)";
+    TakeByForce:       Engineer,      "take by force",       "take control that another viewer has";
+    OverrideAbove:     Engineer,      "override above 100",  "set feed overrides above 100 %";
+    RunProgram:        Engineer,      "run programs",        "run Structured Text and G-code on the page; step and continue";
+    ChangeTags:        Engineer,      "change tags",         "create and delete tags";
+    SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
+    InjectFaults:      Engineer,      "inject faults",       "inject faults";
+    SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
+    SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";
+    SetInactivity:     Engineer,      "set inactivity",      "set the inactivity time-out of all connections (attribute 13 of class 0xF5)";
+    Administer:        Administrator, "administer",          "users, certificates, and sessions of others; the services of the security objects 0x5D, 0x5E and 0x5F";
+    Serve:             Administrator, "serve",               "reload the configuration, stop the motion of lost clients: the server itself does it, no client";
+}
+
+impl Right {
+    /// Whether a role has it.
+    pub fn is_of(self, role: Role) -> bool {
+        role >= self.least()
+    }
+
+    /// The right that a command needs, on the tags as they are.
+    pub(super) fn of_command(command: &Command<'_>, image: &Image) -> Right {
+        match command {
+            Command::WriteTag { tag, offset, data } => written(image, *tag, *offset, data),
+            Command::WriteBit { tag, offset, bit, on } => match image.tag(*tag).map(|tag| tag.kind) {
+                Some(TagKind::Instruction(kind)) if image.is_enable_in(*tag, *offset, *bit) => executed(kind.mnemonic),
+                Some(TagKind::MotionInhibit) if *on => Right::Stop,
+                Some(TagKind::MotionInhibit) => Right::ReleaseStop,
+                Some(TagKind::FaultInject) => Right::InjectFaults,
+                // A bit of a number may make it any number.
+                Some(TagKind::FeedOverride) => Right::OverrideAbove,
+                _ => Right::WriteTag,
+            },
+            Command::SetAttribute { .. } => Right::SetAttribute,
+            Command::InjectFaults { .. } => Right::InjectFaults,
+            Command::SetFeedOverride { percent, .. } => overridden(*percent),
+            Command::Hold(_) | Command::StopAll | Command::Inhibit => Right::Stop,
+            Command::Resume(_) => Right::Override,
+            Command::Release => Right::ReleaseStop,
+            Command::Call(Call { mnemonic, .. }) => executed(*mnemonic),
+            Command::CreateTag(_) | Command::DeleteTag(_) => Right::ChangeTags,
+            Command::Reload { .. } | Command::Lose { .. } | Command::Disown(_) => Right::Serve,
+        }
+    }
+}
+
+/// Of an instruction, as a service or by the `EnableIn` of its tag.
+fn executed(mnemonic: Mnemonic) -> Right {
+    match mnemonic {
+        // They stop, and do nothing else; MSF and the shutdowns let go of hanging axes.
+        Mnemonic::Mas | Mnemonic::Mcs | Mnemonic::Mgs => Right::Stop,
+        _ => Right::Move,
+    }
+}
+
+/// Of an override; what is no number is refused elsewhere.
+fn overridden(percent: f32) -> Right {
+    if percent > 100.0 {
+        Right::OverrideAbove
+    } else {
+        Right::Override
+    }
+}
+
+/// Of bytes of a tag.
+fn written(image: &Image, tag: TagId, offset: usize, data: &[u8]) -> Right {
+    match image.tag(tag).map(|tag| tag.kind) {
+        Some(TagKind::MotionInhibit) if data.iter().any(|byte| *byte != 0) => Right::Stop,
+        Some(TagKind::MotionInhibit) => Right::ReleaseStop,
+        Some(TagKind::FaultInject) => Right::InjectFaults,
+        Some(TagKind::FeedOverride) => {
+            let mut bytes = image.bytes(tag).to_vec();
+            if let Some(part) = bytes.get_mut(offset..).and_then(|rest| rest.get_mut(..data.len())) {
+                part.copy_from_slice(data);
+            }
+            let first = offset / size_of::<f32>();
+            let end = offset.saturating_add(data.len()).div_ceil(size_of::<f32>());
+            let (elements, _) = bytes.as_chunks();
+            let elements = elements.get(first..end.min(elements.len())).unwrap_or_default();
+            let rights = elements.iter().map(|bytes| overridden(f32::from_le_bytes(*bytes)));
+            rights.max_by_key(|right| right.least()).unwrap_or(Right::WriteTag)
+        }
+        // An instruction's tag with all of its operands executes it; alone its EnableIn does.
+        _ => Right::WriteTag,
+    }
+}
+
+/// The table of docs/SECURITY.md.
+#[cfg(test)]
+pub(crate) fn page() -> String {
+    use std::fmt::Write as _;
+
+    let mut out = String::from("| may | viewer | operator | engineer | administrator |\n|---|---|---|---|---|\n");
+    for right in Right::ALL {
+        let marks = Role::ALL.map(|role| if right.is_of(role) { " ● |" } else { " |" });
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "| {} |{}", right.may(), marks.concat());
+    }
+    out
+}

@@ -1,0 +1,66 @@
+//! The role of each client, by its session: what the door looks up. A role that changes holds from the next command on.
+
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use arcline_config::{Role, Security};
+
+use super::Principal;
+
+/// The roles of the clients that are connected.
+#[derive(Debug, Default)]
+pub(crate) struct Roles(Mutex<Known>);
+
+#[derive(Debug, Default)]
+struct Known {
+    sessions: HashMap<u64, Role>,
+    /// Of the connection that owns the outputs of implicit I/O, or that set them last.
+    io: Option<Role>,
+}
+
+impl Roles {
+    /// A client has come in, or has another role.
+    pub(crate) fn set(&self, session: u64, role: Role) {
+        self.lock().sessions.insert(session, role);
+    }
+
+    /// A client has gone.
+    pub(crate) fn forget(&self, session: u64) {
+        self.lock().sessions.remove(&session);
+    }
+
+    /// The client that commands the outputs has this role.
+    pub(crate) fn set_io(&self, role: Role) {
+        self.lock().io = Some(role);
+    }
+
+    /// The role of a principal; of a client that is not known the least.
+    pub(crate) fn of(&self, principal: Principal) -> Role {
+        let known = self.lock();
+        let role = match principal {
+            Principal::Server => Some(Role::Administrator),
+            Principal::Io => known.io,
+            Principal::Client { .. } | Principal::Viewer(_) | Principal::Button(_) | Principal::Program { .. } => {
+                principal
+                    .session()
+                    .and_then(|session| known.sessions.get(&session).copied())
+            }
+        };
+        role.unwrap_or(Role::Viewer)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The role of a peer on a plain connection. A proxy, a tunnel's server side and a container's port map make all of their peers one
+/// address, so the role of loopback can be lowered.
+pub(crate) fn role_of_address(security: &Security, peer: IpAddr) -> Role {
+    if peer.to_canonical().is_loopback() {
+        security.loopback
+    } else {
+        security.remote_plain
+    }
+}
