@@ -19,6 +19,7 @@ pub mod plant;
 mod retained;
 mod run;
 mod simulate;
+pub mod stepped;
 pub mod trace;
 
 pub use cli::main;

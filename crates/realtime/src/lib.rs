@@ -14,6 +14,7 @@ mod rings;
 mod samples;
 mod schedule;
 mod stops;
+mod tap;
 mod thread;
 
 pub use commands::{COMMANDS, CommandSender, Full, STOPS};
@@ -23,4 +24,5 @@ pub use rings::{ACCEPTED, Answer, EVENTS, Link, Rings, link};
 pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use stops::Stops;
+pub use tap::step_seen;
 pub use thread::{Handle, Options, SpawnError, spawn, step};

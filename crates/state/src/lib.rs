@@ -18,8 +18,8 @@ mod disk;
 mod format;
 mod horizon;
 mod place;
-#[cfg(test)]
-mod recording;
+#[cfg(any(test, feature = "recording"))]
+pub mod recording;
 mod state;
 mod store;
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! rules of one kind of crash ([`Rules`]): the end of the process, the end of the system on a file system that keeps data in order, or on
 //! one that keeps no more than it promises (ALICE, OSDI 2014: the abstract persistence model).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,11 +13,11 @@ use crate::{Disk, OpenError};
 
 /// A file by its identity; a name points at it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Inode(usize);
+pub struct Inode(usize);
 
 /// A call that changed the disk, or synchronised it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Call {
+pub enum Call {
     /// A new, empty file has the name.
     Create(PathBuf, Inode),
     /// Bytes at the end of a file.
@@ -37,11 +37,11 @@ pub(crate) enum Call {
 }
 
 /// Decides by the number of a call, counted from 0, whether it fails.
-pub(crate) type Fails = Box<dyn Fn(usize, Kind) -> bool + Send>;
+pub type Fails = Box<dyn Fn(usize, Kind) -> bool + Send>;
 
 /// The kinds of calls that can fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// [`Disk::create`].
     Create,
     /// [`Disk::append`] and [`Disk::overwrite`].
@@ -56,7 +56,7 @@ pub(crate) enum Kind {
 
 /// A disk in memory.
 #[derive(Clone, Default)]
-pub(crate) struct Recording(Arc<Mutex<Recorded>>);
+pub struct Recording(Arc<Mutex<Recorded>>);
 
 #[derive(Default)]
 struct Recorded {
@@ -75,7 +75,7 @@ struct Files {
 
 impl Recording {
     /// A disk that has these files, all of them synchronised.
-    pub(crate) fn with(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
+    pub fn with(files: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) -> Self {
         let mut recorded = Recorded::default();
         for (name, content) in files {
             let inode = Inode(recorded.files.contents.len());
@@ -92,19 +92,42 @@ impl Recording {
     }
 
     /// From now on calls fail that this says.
-    pub(crate) fn fail(&self, fails: Fails) {
+    pub fn fail(&self, fails: Fails) {
         let mut recorded = self.lock_recorded();
         recorded.fails = Some(fails);
         recorded.asked = 0;
     }
 
     /// The calls so far.
-    pub(crate) fn calls(&self) -> Vec<Call> {
+    pub fn calls(&self) -> Vec<Call> {
         self.lock_recorded().calls.clone()
     }
 
+    /// The newest call.
+    pub fn last(&self) -> Option<Call> {
+        self.lock_recorded().calls.last().cloned()
+    }
+
+    /// The disk after the system has ended behind the newest call: under each name one of the contents that it may have then. `random`
+    /// draws below a number.
+    pub fn crashed(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Recording {
+        let calls = self.calls();
+        let mut names = BTreeSet::new();
+        for call in &calls {
+            if let Call::Create(name, _) | Call::Rename(_, name) = call {
+                names.insert(name.as_path());
+            }
+        }
+        let mut files = Vec::new();
+        for name in names {
+            let found = Crashes::behind(&calls, name).draw(rules, random);
+            files.extend(found.map(|content| (name.to_owned(), content)));
+        }
+        Recording::with(files)
+    }
+
     /// How many there are.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.lock_recorded().calls.len()
     }
 
@@ -224,7 +247,7 @@ impl Disk for Recording {
 
 /// What ends, and what a file system promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Rules {
+pub enum Rules {
     /// The process is killed: all calls that have returned are there, and a part of the one under way.
     Process,
     /// The system ends, on a file system that keeps the data of an append before its length and names in order (ext4, XFS, Btrfs): a prefix
@@ -237,20 +260,20 @@ pub(crate) enum Rules {
 }
 
 /// What may be found under one name after a crash.
-pub(crate) struct Crashes<'c> {
+pub struct Crashes<'c> {
     calls: &'c [Call],
     name: &'c Path,
 }
 
 impl<'c> Crashes<'c> {
     /// The crash comes behind the last of these calls. The disk was empty before the first.
-    pub(crate) fn behind(calls: &'c [Call], name: &'c Path) -> Self {
+    pub fn behind(calls: &'c [Call], name: &'c Path) -> Self {
         Crashes { calls, name }
     }
 
     /// Calls `found` with every content that the file may have, `None` where it does not exist: all of them when there are at most
     /// `most`, otherwise `most` that are drawn. Returns how many there were.
-    pub(crate) fn each(
+    pub fn each(
         &self,
         rules: Rules,
         most: usize,
@@ -268,6 +291,16 @@ impl<'c> Crashes<'c> {
             }
         };
         self.pointed_at(rules).into_iter().map(&mut every).sum()
+    }
+
+    /// One content that the file may have; `None`: it does not exist.
+    fn draw(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Option<Vec<u8>> {
+        let may = self.pointed_at(rules);
+        let inode = may[random(may.len())]?;
+        let mut drawn = None;
+        let file = PartlySynchronised::of(inode, self.calls, rules);
+        file.each(1, random, &mut |content| drawn = Some(content.to_vec()));
+        drawn
     }
 
     /// The files that the name may point at.

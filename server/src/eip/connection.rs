@@ -328,7 +328,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
 
     /// Gives the session its input, for a turn at most. Whether there may be more.
     async fn take_input(&mut self) -> Result<bool, Ended> {
-        let began = std::time::Instant::now();
+        let began = Instant::now();
         loop {
             self.session.handle_input(&mut self.input, self.now, &mut self.host);
             if let Some(slot) = &mut self.slot
@@ -403,7 +403,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             true => self.host.device.turns.take(self.host.session).await,
             false => None,
         };
-        let began = std::time::Instant::now();
+        let began = Instant::now();
         let mut handled = pin!(self.router.handle(request, budget, transport));
         let reply = at_once(handled.as_mut()).await;
         self.share.pay(self.now, began.elapsed());

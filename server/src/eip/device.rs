@@ -35,6 +35,8 @@ pub struct Settings {
     pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
+    /// Where session handles and connection ids come from; `None` where there are no random numbers.
+    pub random: fn() -> Option<u32>,
 }
 
 impl Settings {
@@ -55,8 +57,16 @@ impl Settings {
                 ..session::Settings::default()
             },
             config: config.clone(),
+            random: system_random,
         }
     }
+}
+
+/// From the system's generator.
+fn system_random() -> Option<u32> {
+    getrandom::u32()
+        .inspect_err(|error| error!(%error, "no random numbers: the server refuses sessions and connections"))
+        .ok()
 }
 
 /// FNV-1a over the name.
@@ -269,11 +279,8 @@ fn host_clock() -> u64 {
 
 /// The device as a session sees it.
 impl Host for &Device {
-    /// From the system's generator.
     fn random(&mut self) -> Option<u32> {
-        getrandom::u32()
-            .inspect_err(|error| error!(%error, "no random numbers: the server refuses sessions and connections"))
-            .ok()
+        (self.settings.random)()
     }
 
     fn acquire_connection(&mut self) -> bool {

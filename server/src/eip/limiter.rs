@@ -3,7 +3,7 @@
 //! with the most, if that address has at least two clients more than the newcomer's. So neither silent sockets nor sessions of one
 //! address keep a client of another address out (spec/ethernet-ip.md §18).
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -34,7 +34,7 @@ struct State {
     next: u64,
     /// By age, the oldest first.
     clients: BTreeMap<u64, Client>,
-    addresses: HashMap<IpAddr, Address>,
+    addresses: BTreeMap<IpAddr, Address>,
 }
 
 #[derive(Debug)]
@@ -107,6 +107,11 @@ impl ClientLimiter {
             stage: Stage::Silent,
             close,
         })
+    }
+
+    /// The number of clients that have a slot.
+    pub(crate) fn clients(&self) -> usize {
+        self.lock().clients.len()
     }
 
     /// Closes the oldest client without a session: the system has no more sockets.

@@ -12,6 +12,7 @@ use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::task::JoinSet;
 use tracing::{Instrument, debug, error, info_span};
 
+use super::accept::Accept;
 use super::connection::{self, Incoming};
 use super::datagram;
 use super::device::{Device, Settings};
@@ -104,31 +105,33 @@ impl Listener {
 
 impl Endpoint {
     async fn serve(&self, device: &Arc<Device>) {
-        let mut connections = JoinSet::new();
         let datagrams = datagram::serve(&self.udp, self.local, device);
-        let accept = async {
-            loop {
-                match self.tcp.accept().await {
-                    Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {
-                        Some(slot) => {
-                            let span = info_span!("connection", %peer);
-                            connections.spawn(serve_one(stream, slot, device.clone()).instrument(span));
-                        }
-                        None => device.plant.log_limit().warn("full", Some(peer.ip()), || {
-                            "a client was closed, since all places of EtherNet/IP are taken".to_owned()
-                        }),
-                    },
-                    Err(error) => {
-                        let text = || format!("cannot accept a connection: {error}");
-                        device.plant.log_limit().warn("accept", None, text);
-                        device.limiter.make_room();
-                        tokio::time::sleep(ACCEPT_PAUSE).await;
-                    }
+        tokio::join!(accept_clients(&self.tcp, device), datagrams);
+    }
+}
+
+/// Serves every client that comes in, until the future is dropped; that closes every connection.
+pub(super) async fn accept_clients<A: Accept>(listener: &A, device: &Arc<Device>) {
+    let mut connections = JoinSet::new();
+    loop {
+        match listener.accept().await {
+            Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {
+                Some(slot) => {
+                    let span = info_span!("connection", %peer);
+                    connections.spawn(serve_one::<A>(stream, slot, device.clone()).instrument(span));
                 }
-                while connections.try_join_next().is_some() {}
+                None => device.plant.log_limit().warn("full", Some(peer.ip()), || {
+                    "a client was closed, since all places of EtherNet/IP are taken".to_owned()
+                }),
+            },
+            Err(error) => {
+                let text = || format!("cannot accept a connection: {error}");
+                device.plant.log_limit().warn("accept", None, text);
+                device.limiter.make_room();
+                tokio::time::sleep(ACCEPT_PAUSE).await;
             }
-        };
-        tokio::join!(accept, datagrams);
+        }
+        while connections.try_join_next().is_some() {}
     }
 }
 
@@ -143,27 +146,42 @@ pub struct BindError {
     pub error: io::Error,
 }
 
-async fn serve_one(stream: TcpStream, slot: ClientSlot, device: Arc<Device>) {
-    if let Err(error) = stream.set_nodelay(true) {
-        debug!(%error, "cannot switch off Nagle's algorithm");
-    }
-    let (Ok(local), Ok(peer)) = (stream.local_addr(), stream.peer_addr()) else {
+async fn serve_one<A: Accept>(stream: A::Stream, slot: ClientSlot, device: Arc<Device>) {
+    let Some((local, peer)) = A::prepare(&stream, &device).await else {
         return;
     };
-    let local = reachable(local, peer).await;
-    device.adapters.prepare(*local.ip());
-    if let Err(error) = keep_alive(&stream) {
-        debug!(%error, "a pulled cable will be noticed late");
-    }
     debug!("connected");
     let incoming = Incoming {
         slot: Some(slot),
         local,
-        peer: peer.ip(),
-        role: role_of_address(&device.settings.config.security, peer.ip()),
+        peer,
+        role: role_of_address(&device.settings.config.security, peer),
     };
     let ended = connection::serve_in(incoming, stream, device).await;
     connection::report(&ended);
+}
+
+impl Accept for TcpListener {
+    type Stream = TcpStream;
+
+    async fn accept(&self) -> io::Result<(TcpStream, SocketAddr)> {
+        TcpListener::accept(self).await
+    }
+
+    async fn prepare(stream: &TcpStream, device: &Device) -> Option<(SocketAddrV4, IpAddr)> {
+        if let Err(error) = stream.set_nodelay(true) {
+            debug!(%error, "cannot switch off Nagle's algorithm");
+        }
+        let (Ok(local), Ok(peer)) = (stream.local_addr(), stream.peer_addr()) else {
+            return None;
+        };
+        let local = reachable(local, peer).await;
+        device.adapters.prepare(*local.ip());
+        if let Err(error) = keep_alive(stream) {
+            debug!(%error, "a pulled cable will be noticed late");
+        }
+        Some((local, peer.ip()))
+    }
 }
 
 /// Has the system ask a silent peer whether it is there, and give up what is not acknowledged: a pulled cable ends the connection within

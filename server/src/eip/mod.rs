@@ -9,6 +9,7 @@
 //! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
 //! first, then the rising edges of `EnableIn` are executed, then it is answered.
 
+mod accept;
 mod action;
 mod adapter;
 mod connection;
@@ -23,6 +24,7 @@ mod originator;
 mod router;
 mod session_host;
 mod status;
+pub(crate) mod stepped;
 mod tags;
 mod turns;
 

@@ -5,11 +5,12 @@
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arcline_proto::arcline::machine;
 use arcline_proto::cip::{self, CipStatus, MultipleReplies, REPLY_HEAD, Reply, Request, class, service};
 use arcline_proto::session::Transport;
+use tokio::time::Instant;
 use tracing::{debug, debug_span};
 
 use super::action::{Action, ParsedRequest};

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arcline_controller::Ticket;
 use arcline_controller::machine::Machine;
@@ -22,6 +22,7 @@ use arcline_instruction_set::{AxisId, JogEnd};
 use arcline_realtime::{Stops, prepare_beside_tick};
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::Notify;
+use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
@@ -274,7 +275,8 @@ impl Guard {
         self.0.wake.notify_one();
     }
 
-    async fn run(&self, plant: &Weak<crate::plant::Shared>) {
+    /// Looks at jogs until the plant has gone.
+    pub(crate) async fn run(&self, plant: &Weak<crate::plant::Shared>) {
         while !self.0.closed.load(Ordering::Acquire) {
             let idle = self.table().is_idle();
             if idle {

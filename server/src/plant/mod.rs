@@ -164,6 +164,15 @@ impl Plant {
         Ok((plant, handle))
     }
 
+    /// A plant on rings whose other ends the caller serves; the tasks beside it run on the caller's runtime, not on threads of their own.
+    pub(crate) fn start_stepped(project: &Project, link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
+        let plant = Plant::with(project, link, image, watch);
+        let (guard, shared) = (plant.guard().clone(), Arc::downgrade(&plant.0));
+        tokio::spawn(async move { guard.run(&shared).await });
+        tokio::spawn(pump(Arc::downgrade(&plant.0)));
+        plant
+    }
+
     /// A plant on rings whose other ends the caller serves. Only reads drain them.
     pub fn new(project: &Project, link: Link) -> Plant {
         Plant::with(project, link, image_of(project), None)

@@ -12,18 +12,20 @@ pub(crate) mod tests;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::time::Duration;
 
 use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
-use arcline_state::{Axis, AxisState, Damage, Kept, OpenError, Place, ReadError, State, Tag};
+use arcline_state::{Axis, AxisState, Damage, Disk, Kept, OpenError, Place, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
 use crate::plant::image_of;
 pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
 pub use state_writer::NotPersisted;
-pub(crate) use state_writer::StateWriter;
+pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
 
 /// A project's state, read and kept.
 pub(crate) struct Retained {
@@ -102,12 +104,39 @@ impl Retained {
     pub(crate) fn open(file: &Path, project: &mut Project) -> Result<Self, RetainError> {
         let at = |file: &Path| file.to_owned();
         let place = Place::lock(file).map_err(|error| RetainError::Open { file: at(file), error })?;
+        let Start {
+            place,
+            image,
+            state,
+            tags,
+        } = Start::from(place, project)?;
+        let axes = state.axes.clone();
+        let keeper = StateWriter::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
+        let watch = ChangeTracker::new(keeper.jobs(), axes, tags, project.machine.period_ns);
+        Ok(Retained { image, watch, keeper })
+    }
+}
+
+/// What a project starts with: the tags, and the state that is kept from then on.
+struct Start<D: Disk> {
+    place: Place<D>,
+    image: Image,
+    state: State,
+    /// The tags in the state, in order.
+    tags: Vec<TagId>,
+}
+
+impl<D: Disk> Start<D> {
+    /// Reads the file of a place and makes `project` start as it says.
+    fn from(place: Place<D>, project: &mut Project) -> Result<Self, RetainError> {
+        let file = place.file().to_owned();
+        let at = |file: &Path| file.to_owned();
         let mut image = image_of(project);
         let kept = match place.read() {
             Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
             Ok(kept) => Ok(kept),
             Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
-            Err(ReadError::Io(error)) => return Err(RetainError::Read { file: at(file), error }),
+            Err(ReadError::Io(error)) => return Err(RetainError::Read { file, error }),
         };
         let kept: Option<Kept> = match kept {
             Ok(kept) => kept,
@@ -119,10 +148,7 @@ impl Retained {
                         file.display(),
                         aside.display()
                     ),
-                    Err(error) => {
-                        let file = at(file);
-                        return Err(RetainError::SetAside { file, damage, error });
-                    }
+                    Err(error) => return Err(RetainError::SetAside { file, damage, error }),
                 }
                 None
             }
@@ -136,19 +162,50 @@ impl Retained {
                 );
             }
             let taken = take_over(&kept.state, project, &mut image);
-            taken.report(file);
+            taken.report(&file);
         }
         // Only from here on: what was taken over is not new.
         image.remember_written();
         let (state, tags) = state_of(project, &image);
         state.check().map_err(|damage| {
-            let file = at(file);
+            let file = at(&file);
             RetainError::TooLarge { file, damage }
         })?;
-        let axes = state.axes.clone();
-        let keeper = StateWriter::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
-        let watch = ChangeTracker::new(keeper.jobs(), axes, tags, project.machine.period_ns);
-        Ok(Retained { image, watch, keeper })
+        Ok(Start {
+            place,
+            image,
+            state,
+            tags,
+        })
+    }
+}
+
+/// A project's state, read and kept by turns that the caller makes.
+pub(crate) struct SteppedState<D: Disk> {
+    /// The tags, the plain ones with what they held.
+    pub(crate) image: Image,
+    /// Sees what changes.
+    pub(crate) watch: ChangeTracker,
+    /// Writes it.
+    pub(crate) keeper: Keeper<D>,
+}
+
+impl<D: Disk> SteppedState<D> {
+    /// As [`Retained::open`].
+    ///
+    /// # Errors
+    /// See [`RetainError`].
+    pub(crate) fn open(place: Place<D>, project: &mut Project) -> Result<Self, RetainError> {
+        let Start {
+            place,
+            image,
+            state,
+            tags,
+        } = Start::from(place, project)?;
+        let (jobs, next) = mpsc::channel();
+        let watch = ChangeTracker::new(jobs, state.axes.clone(), tags, project.machine.period_ns);
+        let keeper = Keeper::start(place, state, Duration::ZERO, next);
+        Ok(SteppedState { image, watch, keeper })
     }
 }
 

@@ -2,14 +2,16 @@
 //!
 //! Everything that waits when the first gets to it is one write, and it never waits for the disk itself: synchronisations run on the
 //! other. After a failure everything is answered with [`NotPersisted`], and every second the whole state is tried in a new file.
+//!
+//! [`Keeper`] is what the first thread does in one turn; a simulation makes the turns itself (`stepped`).
 
 use std::io;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use arcline_state::NotPersisted;
-use arcline_state::{Action, Ended, Failure, Pace, Place, Record, Report, State, System, Task, Writer};
+use arcline_state::{Action, Disk, Ended, Failure, Pace, Place, Record, Report, State, System, Task, Writer};
 use tokio::sync::oneshot;
 
 /// Carries the answer: the record is kept, or it is not.
@@ -17,7 +19,7 @@ type WhenPersisted = oneshot::Sender<Result<(), NotPersisted>>;
 
 /// A message to the thread that writes.
 #[derive(Debug)]
-pub(super) enum Job {
+pub(crate) enum Job {
     /// Keep this record and answer.
     Keep(Record, WhenPersisted),
     /// A synchronisation has ended.
@@ -40,9 +42,9 @@ impl StateWriter {
     /// # Errors
     /// When the system has no thread left.
     pub(super) fn start(place: Place, state: State) -> io::Result<Self> {
-        let (jobs, next) = mpsc::channel();
         // One task at a time, so none ever waits in there.
         let (disk, tasks) = mpsc::sync_channel::<Task<System>>(1);
+        let (jobs, next) = mpsc::channel();
         let done = jobs.clone();
         thread::Builder::new().name("arcline-sync".to_owned()).spawn(move || {
             for task in tasks {
@@ -52,11 +54,10 @@ impl StateWriter {
             }
         })?;
         let begun = Instant::now();
-        let mut writer = Writer::start(place, state, Pace::default(), begun.elapsed());
-        carry_out(&mut writer);
+        let keeper = Keeper::start(place, state, begun.elapsed(), next);
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
-            .spawn(move || run(writer, begun, &next, &disk))?;
+            .spawn(move || run(keeper, begun, &disk))?;
         Ok(StateWriter { jobs, thread })
     }
 
@@ -78,47 +79,89 @@ impl StateWriter {
     }
 }
 
-fn run(
-    mut writer: Writer<System, WhenPersisted>,
-    begun: Instant,
-    jobs: &mpsc::Receiver<Job>,
-    disk: &mpsc::SyncSender<Task<System>>,
-) -> io::Result<()> {
+fn run(mut keeper: Keeper<System>, begun: Instant, disk: &mpsc::SyncSender<Task<System>>) -> io::Result<()> {
     loop {
-        let first = match writer.due() {
-            Some(due) => jobs.recv_timeout(due.saturating_sub(begun.elapsed())),
-            None => jobs.recv().map_err(|_| RecvTimeoutError::Disconnected),
+        let first = match keeper.due() {
+            Some(due) => keeper.jobs.recv_timeout(due.saturating_sub(begun.elapsed())),
+            None => keeper.jobs.recv().map_err(|_| RecvTimeoutError::Disconnected),
         };
-        let mut next = match first {
+        let first = match first {
             Ok(job) => Some(job),
             Err(RecvTimeoutError::Timeout) => None,
             // The state writer was dropped, not closed.
             Err(RecvTimeoutError::Disconnected) => Some(Job::Close),
         };
-        let mut close = false;
-        while let Some(job) = next {
-            match job {
-                Job::Keep(record, kept) => writer.keep(record, kept),
-                Job::Ended(ended) => writer.ended(ended, begun.elapsed()),
-                Job::Close => close = true,
-            }
-            let more = !close && writer.waiting() < MAX_BATCH;
-            next = more.then(|| jobs.try_recv().ok()).flatten();
-        }
-        if close {
-            let closed = writer.close(begun.elapsed());
-            carry_out(&mut writer);
-            return closed;
-        }
-        if let Some(task) = writer.turn(begun.elapsed()) {
+        match keeper.turn(first, begun.elapsed()) {
+            Turn::Idle => {}
             // The thread that runs it is idle, so there is room.
-            let _ = disk.try_send(task);
+            Turn::Synchronise(task) => drop(disk.try_send(task)),
+            Turn::Closed(closed) => return closed,
         }
-        carry_out(&mut writer);
     }
 }
 
-fn carry_out(writer: &mut Writer<System, WhenPersisted>) {
+/// The writer and the jobs that wait for it.
+#[derive(Debug)]
+pub(crate) struct Keeper<D: Disk> {
+    writer: Writer<D, WhenPersisted>,
+    jobs: mpsc::Receiver<Job>,
+}
+
+/// The end of a turn.
+#[derive(Debug)]
+pub(crate) enum Turn<D: Disk> {
+    /// Nothing is to be synchronised.
+    Idle,
+    /// This is; its end comes back as [`Job::Ended`].
+    Synchronise(Task<D>),
+    /// The state was written once more, and the writer has ended.
+    Closed(io::Result<()>),
+}
+
+impl<D: Disk> Keeper<D> {
+    /// Writes a state to its file.
+    pub(crate) fn start(place: Place<D>, state: State, now: Duration, jobs: mpsc::Receiver<Job>) -> Self {
+        let mut writer = Writer::start(place, state, Pace::default(), now);
+        carry_out(&mut writer);
+        Keeper { writer, jobs }
+    }
+
+    /// When the next turn is due without a job.
+    pub(crate) fn due(&self) -> Option<Duration> {
+        self.writer.due()
+    }
+
+    /// Takes `first` and the jobs that wait behind it, writes their records in one piece and answers them.
+    pub(crate) fn turn(&mut self, first: Option<Job>, now: Duration) -> Turn<D> {
+        let mut next = first;
+        let mut close = false;
+        while let Some(job) = next {
+            match job {
+                Job::Keep(record, kept) => self.writer.keep(record, kept),
+                Job::Ended(ended) => self.writer.ended(ended, now),
+                Job::Close => close = true,
+            }
+            let more = !close && self.writer.waiting() < MAX_BATCH;
+            next = more.then(|| self.jobs.try_recv().ok()).flatten();
+        }
+        if close {
+            let closed = self.writer.close(now);
+            carry_out(&mut self.writer);
+            return Turn::Closed(closed);
+        }
+        let task = self.writer.turn(now);
+        carry_out(&mut self.writer);
+        task.map_or(Turn::Idle, Turn::Synchronise)
+    }
+
+    /// As [`Keeper::turn`] with the first job that waits, if one does.
+    pub(crate) fn step(&mut self, now: Duration) -> Turn<D> {
+        let first = self.jobs.try_recv().ok();
+        self.turn(first, now)
+    }
+}
+
+fn carry_out<D: Disk>(writer: &mut Writer<D, WhenPersisted>) {
     let file = writer.path().to_owned();
     let file = file.display();
     for action in writer.actions() {

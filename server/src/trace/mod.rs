@@ -137,6 +137,11 @@ impl Trace {
             .map(drop)
     }
 
+    /// One turn of that thread.
+    pub(crate) fn step(&self) {
+        lock(&self.0).refresh();
+    }
+
     /// What is kept.
     pub fn kept(&self) -> Kept {
         let mut inner = lock(&self.0);

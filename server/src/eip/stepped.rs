@@ -1,0 +1,137 @@
+//! The listener on a network of the caller's: clients come in through a channel, and everything behind them is the listener's.
+
+use std::fmt;
+use std::future::Future;
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::os::fd::OwnedFd;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::sync::{Mutex, mpsc};
+
+use super::accept::Accept;
+use super::connection::Socket;
+use super::device::{Device, Settings};
+use super::listener::accept_clients;
+use crate::plant::Plant;
+
+/// Both directions of a connection.
+pub trait Duplex: AsyncRead + AsyncWrite + Unpin + Send {}
+
+impl<S: AsyncRead + AsyncWrite + Unpin + Send> Duplex for S {}
+
+/// A client that comes in: its stream and its address; or the error of an accept.
+pub(crate) type Incoming = io::Result<(Box<dyn Duplex>, SocketAddr)>;
+
+/// The EtherNet/IP face on such a network.
+#[derive(Debug)]
+pub(crate) struct SteppedFace {
+    device: Arc<Device>,
+    incoming: mpsc::UnboundedSender<Incoming>,
+}
+
+/// What the face holds of its clients.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Held {
+    /// Connections of the network that are served.
+    pub clients: usize,
+    /// Class 3 connections that are open.
+    pub connections: usize,
+}
+
+impl SteppedFace {
+    /// Serves clients on the runtime of the caller.
+    ///
+    /// # Errors
+    /// The address of implicit I/O cannot be bound.
+    pub(crate) fn start(plant: Plant, settings: Settings) -> io::Result<Self> {
+        let device = Arc::new(Device::new(plant, settings)?);
+        let (incoming, clients) = mpsc::unbounded_channel();
+        let served = device.clone();
+        tokio::spawn(async move {
+            let network = Network(Mutex::new(clients));
+            accept_clients(&network, &served).await;
+        });
+        Ok(SteppedFace { device, incoming })
+    }
+
+    /// A client comes in.
+    pub(crate) fn connect(&self, client: Incoming) {
+        // The task that takes it lives as long as the runtime.
+        let _ = self.incoming.send(client);
+    }
+
+    /// What the face holds of its clients.
+    pub(crate) fn held(&self) -> Held {
+        Held {
+            clients: self.device.limiter.clients(),
+            connections: self.device.open_connections(),
+        }
+    }
+}
+
+/// The network's end at which clients come in.
+struct Network(Mutex<mpsc::UnboundedReceiver<Incoming>>);
+
+impl Accept for Network {
+    type Stream = Remote;
+
+    async fn accept(&self) -> io::Result<(Remote, SocketAddr)> {
+        match self.0.lock().await.recv().await {
+            Some(incoming) => incoming.map(|(stream, peer)| (Remote { stream, peer }, peer)),
+            None => std::future::pending().await,
+        }
+    }
+
+    fn prepare(stream: &Remote, _: &Device) -> impl Future<Output = Option<(SocketAddrV4, IpAddr)>> + Send {
+        std::future::ready(Some((LOCAL, stream.peer.ip())))
+    }
+}
+
+/// The server's end of a connection.
+struct Remote {
+    stream: Box<dyn Duplex>,
+    peer: SocketAddr,
+}
+
+impl fmt::Debug for Remote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Remote({})", self.peer)
+    }
+}
+
+impl Socket for Remote {
+    fn far_end(&self) -> Option<SocketAddr> {
+        Some(self.peer)
+    }
+
+    fn duplicate(&self) -> Option<OwnedFd> {
+        None
+    }
+}
+
+impl AsyncRead for Remote {
+    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut *self.stream).poll_read(cx, buf)
+    }
+}
+
+impl AsyncWrite for Remote {
+    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        Pin::new(&mut *self.stream).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut *self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut *self.stream).poll_shutdown(cx)
+    }
+}
+
+/// The device's address in that network.
+const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 1), 44818);
