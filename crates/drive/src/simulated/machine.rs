@@ -3,14 +3,14 @@
 //! A latch closes where the axis, as its encoder sees it, passes the trigger; the instant is found by bisection of what the drive
 //! does within the update. The mechanical stop holds an axis while its latch is armed.
 
-use arcline_instruction_set::AxisId;
+use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_profile::KinematicState;
 use arcline_profile::numeric::bisect;
 
 use super::{Drive, Sensor, Settings, Settling};
 use crate::{
-    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, Inputs, LATCHES, Latch,
-    REGISTRATION_LATCHES, SetPoint, Settled, Trigger, WrittenInput,
+    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, LATCHES, Latch, REGISTRATION_LATCHES,
+    SetPoint, Settled, Trigger, WrittenInput,
 };
 
 /// Halvings of the instant of a latch: to the last bit of an update.
@@ -80,27 +80,23 @@ impl SimulatedAxis {
         let mut latches = [None; LATCHES];
         latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, period));
         let motion = self.drive.actual();
-        *feedback = Feedback {
-            state: if set_point.enable {
-                DriveState::Enabled
-            } else {
-                DriveState::Off
-            },
-            following: if self.drive.is_exact() {
-                Following::Exact
-            } else {
-                Following::Measured
-            },
-            motion,
-            error: self.drive.error(),
-            saturation: self.drive.saturation(),
-            inputs: Inputs {
-                home: self.sensor.is_active(motion.position),
-                ..feedback.inputs
-            },
-            latches,
-            ..Feedback::default()
+        // Member by member: all of it would be copied once more in every update. A simulated drive has no faults of its own.
+        feedback.state = if set_point.enable {
+            DriveState::Enabled
+        } else {
+            DriveState::Off
         };
+        feedback.following = if self.drive.is_exact() {
+            Following::Exact
+        } else {
+            Following::Measured
+        };
+        feedback.motion = motion;
+        feedback.error = self.drive.error();
+        feedback.saturation = self.drive.saturation();
+        feedback.faults = FaultSet::default();
+        feedback.inputs.home = self.sensor.is_active(motion.position);
+        feedback.latches = latches;
     }
 
     /// Looks whether a latch has closed in the update. A mechanical stop holds the axis from then on.

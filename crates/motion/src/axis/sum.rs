@@ -23,6 +23,8 @@ pub(crate) struct Sum {
     active: u16,
     /// What generators that are over have displaced the axis.
     displaced: Displacements,
+    /// The one generator under way began where nothing else was, and nothing has begun since: nothing has displaced the axis beside it.
+    alone: bool,
     /// Where the axis stands while nothing is active.
     rest: f64,
 }
@@ -33,6 +35,7 @@ impl Sum {
             generators: [const { None }; GENERATOR_KINDS],
             active: 0,
             displaced: [0.0; GENERATOR_KINDS],
+            alone: false,
             rest: position,
         }
     }
@@ -87,11 +90,13 @@ impl Sum {
         if kind == GeneratorKind::MasterOffset {
             self.generators[kind as usize] = Some(generator);
             self.active |= kind.bit();
+            self.alone = false;
             return;
         }
         let present = self.command().position;
         self.end(kind);
-        if self.is_idle() {
+        self.alone = self.is_idle();
+        if self.alone {
             self.displaced = [0.0; GENERATOR_KINDS];
         }
         generator.now.position = present;
@@ -219,6 +224,10 @@ impl Sum {
     /// A position in a generator's frame, or its present one, as a position of the axis at this tick.
     pub(crate) fn seen_from(&self, kind: GeneratorKind, position: Option<f64>) -> Option<f64> {
         let generator = self.get(kind)?;
+        let position = position.unwrap_or(generator.now.position);
+        if self.alone {
+            return Some(position + generator.shift);
+        }
         let mut others = generator.shift;
         // Most axes have one generator, and only generators that have ended displace it.
         let now = if self.active == kind.bit() {
@@ -231,7 +240,7 @@ impl Sum {
                 others += now - then;
             }
         }
-        Some(position.unwrap_or(generator.now.position) + others)
+        Some(position + others)
     }
 
     fn displacements(&self) -> Displacements {
