@@ -42,7 +42,7 @@ enum Command {
         #[command(subcommand)]
         command: ConfigCommand,
     },
-    /// Run a Structured Text program on a virtual clock, as fast as the computer can.
+    /// Run a Structured Text program or the tasks of a project on a virtual clock, as fast as the computer can.
     Simulate(SimulateArgs),
     /// Print the embedded default configuration.
     DefaultConfig,
@@ -81,8 +81,8 @@ pub(crate) struct RunArgs {
 /// Flags of `simulate`.
 #[derive(Args, Debug)]
 pub(crate) struct SimulateArgs {
-    /// The program.
-    #[arg(value_name = "PROGRAM.st")]
+    /// The program: Structured Text, or a project of a controller (.L5X) with its tasks.
+    #[arg(value_name = "PROGRAM.st|PROJECT.L5X")]
     pub(crate) program: PathBuf,
     /// Read the program line by line, as it runs: each line has whole statements, `-` is standard input, and memory does not
     /// grow with its length.
@@ -100,9 +100,24 @@ pub(crate) struct SimulateArgs {
     /// Write every change of the faults of an axis to this file, as JSON lines; `-` is standard output.
     #[arg(long, value_name = "OUT.jsonl")]
     pub(crate) faults: Option<PathBuf>,
-    /// Longest simulated time.
-    #[arg(long, value_name = "SECONDS", default_value_t = 3600.0, value_parser = seconds)]
-    pub(crate) until: f64,
+    /// Of Structured Text the longest simulated time, s (default 3600); of a project the expression of tags that ends the run.
+    #[arg(long, value_name = "SECONDS|EXPRESSION")]
+    pub(crate) until: Option<String>,
+    /// Longest simulated time of a project, s (default 60).
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) max: Option<f64>,
+    /// Write a value to a tag of a project before the first scan.
+    #[arg(long, value_name = "TAG=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Write all tags of a project to this file at the end, as JSON; `-` is standard output.
+    #[arg(long, value_name = "OUT.json")]
+    pub(crate) tags: Option<PathBuf>,
+    /// Let the scans of a project's continuous task fall in other ticks, to find races: same seed, same run.
+    #[arg(long, value_name = "SEED")]
+    pub(crate) scan_phase: Option<u64>,
+    /// Run a project whose unsupported instructions are named and passed over.
+    #[arg(long)]
+    pub(crate) allow_missing: bool,
     /// Continue after an instruction has erred.
     #[arg(long)]
     pub(crate) keep_going: bool,
@@ -110,6 +125,30 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_enum, default_value_t = QueueFullWord::Wait)]
     pub(crate) queue_full: QueueFullWord,
 }
+
+impl SimulateArgs {
+    /// The longest simulated time of Structured Text, s.
+    pub(crate) fn seconds(&self) -> Result<f64, Failure> {
+        self.until.as_deref().map_or(Ok(LONGEST), |text| {
+            seconds(text).map_err(|expected| Failure::usage(format!("--until {text}: {expected}")))
+        })
+    }
+
+    /// The first flag that only projects have.
+    pub(crate) fn of_projects(&self) -> Option<&'static str> {
+        let given = [
+            (self.max.is_some(), "--max"),
+            (!self.set.is_empty(), "--set"),
+            (self.tags.is_some(), "--tags"),
+            (self.scan_phase.is_some(), "--scan-phase"),
+            (self.allow_missing, "--allow-missing"),
+        ];
+        given.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
+    }
+}
+
+/// The longest simulated time of Structured Text, s.
+const LONGEST: f64 = 3600.0;
 
 /// Flags of `import`.
 #[derive(Args, Debug)]
@@ -123,6 +162,12 @@ pub(crate) struct ImportArgs {
     /// Exit with 1 when an element of the file was left out or changed.
     #[arg(long)]
     pub(crate) strict: bool,
+    /// List what of the project's program would not run, and write no configuration.
+    #[arg(long, conflicts_with_all = ["output", "strict"])]
+    pub(crate) report: bool,
+    /// List it as JSON lines.
+    #[arg(long, requires = "report")]
+    pub(crate) json: bool,
 }
 
 /// Flags of `export`.

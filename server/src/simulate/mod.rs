@@ -1,10 +1,13 @@
-//! `simulate`: a program on the controller with a virtual clock, in one thread, as fast as it goes.
+//! `simulate`: a program, or the tasks of a project (`cell`), on the controller with a virtual clock, in one thread, as fast as it goes.
 //!
 //! No network, no real clock: the tick is the only time, so two runs give the same bytes. A tick does nothing but
 //! tick the controller, unless something happened or the program has something to do.
 
+mod cell;
+mod cell_tags;
 mod output;
 mod pieces;
+mod plant;
 mod runner;
 mod summary;
 
@@ -15,6 +18,7 @@ use arcline_structured_text::{Interpreter, OnError, Policy, RunError};
 
 use crate::cli::{Failure, SimulateArgs, project};
 use crate::plant::image_of;
+pub(crate) use cell::findings;
 use output::{Files, Output, is_standard_output};
 use pieces::Pieces;
 pub(crate) use runner::{End, Observer, Options, Refused, Runner};
@@ -22,6 +26,12 @@ use summary::Summary;
 
 /// Runs a program to its end.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
+    if is_l5x(&args.program) {
+        return cell::simulate(args);
+    }
+    if let Some(flag) = args.of_projects() {
+        return Err(Failure::usage(format!("{flag} is for projects (.L5X)")));
+    }
     let project = project(args.config.as_deref())?;
     let file = args.program.display();
     let image = image_of(&project);
@@ -45,7 +55,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let faults = args.faults.as_deref().map(create).transpose()?;
 
     let options = Options {
-        until: args.until,
+        until: args.seconds()?,
         policy: Policy {
             queue_full: args.queue_full.into(),
             on_error: if args.keep_going {
@@ -98,6 +108,13 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         // Files take everything.
         End::Left => Ok(ExitCode::SUCCESS),
     }
+}
+
+/// Whether a program is a project of a controller.
+fn is_l5x(program: &Path) -> bool {
+    program
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("l5x"))
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {

@@ -23,14 +23,15 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-controller",      &["arcline-motion"]),
     ("arcline-realtime",        &["arcline-controller"]),
     ("arcline-config",          &["arcline-controller"]),
-    ("arcline-l5x",             &["arcline-config"]),
+    ("arcline-routine",         &["arcline-instruction-set", "arcline-tag"]),
+    ("arcline-l5x",             &["arcline-config", "arcline-routine"]),
     ("arcline-state",           &[]),
     ("arcline-gcode",           &[]),
     ("arcline-plot",            &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
                                   "arcline-gcode", "arcline-plot"]),
     ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-l5x", "arcline-state",
-                                  "arcline-proto", "arcline-structured-text"]),
+                                  "arcline-proto", "arcline-structured-text", "arcline-routine"]),
 ];
 
 /// Packages below the real-time thread: no thread, clock, file, socket or log.
@@ -38,6 +39,7 @@ const BEFORE_REALTIME: &[&str] = &[
     "arcline-tag",
     "arcline-instruction-set",
     "arcline-structured-text",
+    "arcline-routine",
     "arcline-geometry",
     "arcline-kinematics",
     "arcline-profile",

@@ -1,0 +1,391 @@
+//! A project that runs: its memory, its tasks, and what is due in a tick (spec/programs.md §8, §14).
+
+use arcline_instruction_set::{ControlSlot, MotionControl, Object};
+use arcline_tag::{DataType, Elementary};
+
+use crate::code::{Code, When};
+use crate::compile::{Compiler, Directory};
+use crate::error::Finding;
+use crate::expression::Expression;
+use crate::memory::Tag;
+use crate::run::{BUDGET, Exit, Fault, FaultAt, Host, Scan, State};
+use crate::source::Project;
+
+/// A project in the memory of a controller.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    code: Code,
+    state: State,
+    tags: Vec<Tag>,
+    /// The next release of each periodic task, ns.
+    releases: Vec<u64>,
+    /// Whether each program has been scanned.
+    scanned: Vec<bool>,
+    /// Tasks by priority: those of events, then periodic ones.
+    order: Vec<usize>,
+    /// The tick of the next continuous scan, and the state of the phase's numbers.
+    next_scan: u64,
+    phase: Option<u64>,
+}
+
+/// A project that was read.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What runs.
+    pub cell: Cell,
+    /// What does not.
+    pub findings: Vec<Finding>,
+}
+
+/// Parts that a project may do without.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Missing {
+    /// Named, and the project is refused.
+    Refused,
+    /// Named, and passed over.
+    Allowed,
+}
+
+/// Compiles a project for a machine.
+pub fn load(project: &Project, directory: &mut dyn Directory, missing: Missing) -> Loaded {
+    let mut compiler = Compiler::new(project, directory, missing == Missing::Allowed);
+    compiler.compile();
+    let shared = compiler.shared.iter().filter_map(|(number, id)| {
+        let tag = compiler.tags.list.get(*number)?;
+        Some((tag.at, tag.at + tag.tag_type.size() as u32, *id))
+    });
+    let shared = shared.collect();
+    let mut state = State::new(compiler.tags.bytes, &compiler.code);
+    (state.objects, state.controls, state.shared) = (compiler.objects, compiler.controls, shared);
+    let code = compiler.code;
+    let mut order: Vec<usize> = (0..code.tasks.len()).collect();
+    order.sort_by_key(|place| {
+        code.tasks.get(*place).map(|task| {
+            (
+                !matches!(task.when, When::Motion),
+                task.priority,
+                code.text(task.name).to_owned(),
+            )
+        })
+    });
+    let cell = Cell {
+        releases: vec![0; code.tasks.len()],
+        scanned: vec![false; code.programs.len()],
+        order,
+        code,
+        state,
+        tags: compiler.tags.list,
+        next_scan: 0,
+        phase: None,
+    };
+    Loaded {
+        cell,
+        findings: compiler.findings,
+    }
+}
+
+impl Cell {
+    /// The tags, in the order of the file.
+    pub fn tags(&self) -> &[Tag] {
+        &self.tags
+    }
+
+    /// The bytes of all tags; a tag begins at [`Tag::at`].
+    pub fn memory(&self) -> &[u8] {
+        &self.state.memory
+    }
+
+    /// The bytes of all tags, to bring the machine's state to them.
+    pub fn memory_mut(&mut self) -> &mut [u8] {
+        &mut self.state.memory
+    }
+
+    /// The motion objects among the tags: first byte, kind and index.
+    pub fn objects(&self) -> &[(u32, Object, u16)] {
+        &self.state.objects
+    }
+
+    /// Tags that the host has too: first byte, end, and the host's id.
+    pub fn shared(&self) -> &[(u32, u32, u32)] {
+        &self.state.shared
+    }
+
+    /// Brings what happened to an instruction to its motion control tag.
+    pub fn change_control(&mut self, slot: ControlSlot, change: impl FnOnce(&mut MotionControl)) {
+        let Some((at, _)) = self.state.controls.iter().find(|(_, of)| *of == slot).copied() else {
+            return;
+        };
+        if let Some(place) = self
+            .state
+            .memory
+            .get_mut(at as usize..)
+            .and_then(<[u8]>::first_chunk_mut)
+        {
+            let mut control = MotionControl::from_bytes(*place);
+            change(&mut control);
+            *place = control.to_bytes();
+        }
+    }
+
+    /// Scans of the continuous task fall in every second to ninth tick, by this seed.
+    pub fn set_phase(&mut self, seed: u64) {
+        self.phase = Some(seed | 1);
+    }
+
+    /// The faults so far, those that were cleared among them.
+    pub fn faults(&self) -> impl Iterator<Item = Fault> {
+        self.state.faults.iter().map(|fault| fault.told(&self.code))
+    }
+
+    /// Enters Run: prescan of every scheduled program.
+    ///
+    /// # Errors
+    /// A major fault.
+    pub fn start(&mut self, host: &mut dyn Host) -> Result<(), Fault> {
+        let Cell { code, state, .. } = self;
+        for task in &code.tasks {
+            for program in &task.programs {
+                let Some(main) = code.programs.get(*program as usize).and_then(|one| one.main) else {
+                    continue;
+                };
+                state.program = *program;
+                state.budget = BUDGET;
+                state.prescan = true;
+                let mut scan = Scan {
+                    code,
+                    s: &mut *state,
+                    host: &mut *host,
+                    caller: None,
+                };
+                let ran = scan.prescan(main);
+                let fault = scan.take_fault();
+                state.prescan = false;
+                if let (Err(Exit::Fault), Some(fault)) = (ran, fault) {
+                    return Err(self.told(fault));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Scans the tasks that are due in a tick.
+    ///
+    /// # Errors
+    /// A major fault that no routine cleared: the tasks stop.
+    pub fn tick(&mut self, tick: u64, period: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        let now = tick * period;
+        self.state.executions = 0;
+        self.state.now = now;
+        Scan {
+            code: &self.code,
+            s: &mut self.state,
+            host: &mut *host,
+            caller: None,
+        }
+        .messages();
+        for number in 0..self.order.len() {
+            let Some(task) = self.order.get(number).copied() else {
+                continue;
+            };
+            match self.code.tasks.get(task).map(|task| task.when) {
+                Some(When::Motion) => self.run(task, now, host)?,
+                Some(When::Periodic(rate)) => self.periodic(task, rate, now, host)?,
+                _ => {}
+            }
+        }
+        if tick < self.next_scan {
+            return Ok(());
+        }
+        self.next_scan = tick + 1;
+        if let Some(seed) = &mut self.phase {
+            // Marsaglia's xorshift.
+            *seed ^= *seed << 13;
+            *seed ^= *seed >> 7;
+            *seed ^= *seed << 17;
+            self.next_scan = tick + 2 + *seed % 8;
+        }
+        for number in 0..self.order.len() {
+            let Some(task) = self.order.get(number).copied() else {
+                continue;
+            };
+            if self
+                .code
+                .tasks
+                .get(task)
+                .is_some_and(|task| task.when == When::Continuous)
+            {
+                self.run(task, now, host)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn periodic(&mut self, task: usize, rate: u64, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        for _ in 0..MAX_RELEASES {
+            let Some(release) = self.releases.get_mut(task) else {
+                return Ok(());
+            };
+            if *release > now {
+                return Ok(());
+            }
+            let nominal = *release;
+            *release += rate;
+            self.run(task, nominal, host)?;
+        }
+        // Releases that no tick can take are lost.
+        if let Some(release) = self.releases.get_mut(task) {
+            let lost = now.saturating_sub(*release) / rate;
+            *release += lost * rate;
+            if let Some(count) = self.state.overlaps.get_mut(task) {
+                *count = count.saturating_add(lost as i32);
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a task, then those that it triggered.
+    fn run(&mut self, task: usize, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        self.run_alone(task, now, host)?;
+        for _ in 0..MAX_TRIGGERED {
+            let triggered = self
+                .order
+                .iter()
+                .copied()
+                .find(|place| self.state.triggered.get(*place) == Some(&true));
+            let Some(next) = triggered else { return Ok(()) };
+            if let Some(flag) = self.state.triggered.get_mut(next) {
+                *flag = false;
+            }
+            self.run_alone(next, now, host)?;
+        }
+        Ok(())
+    }
+
+    fn run_alone(&mut self, task: usize, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        let Cell {
+            code, state, scanned, ..
+        } = self;
+        let Some(of) = code.tasks.get(task) else { return Ok(()) };
+        if state.inhibited.get(task) == Some(&true) {
+            return Ok(());
+        }
+        (state.now, state.now_ms, state.budget) = (now, (now / 1_000_000) as i64, BUDGET);
+        for program in &of.programs {
+            let place = *program as usize;
+            let main = code.programs.get(place).and_then(|one| one.main);
+            let Some(main) = main.filter(|_| state.disabled.get(place) == Some(&false)) else {
+                continue;
+            };
+            state.program = *program;
+            state.first_scan = scanned.get(place) == Some(&false);
+            state.begin();
+            let mut scan = Scan {
+                code,
+                s: &mut *state,
+                host: &mut *host,
+                caller: None,
+            };
+            let ran = scan.routine(main);
+            let fault = scan.take_fault();
+            if let Some(flag) = scanned.get_mut(place) {
+                *flag = true;
+            }
+            if let (Err(Exit::Fault), Some(fault)) = (ran, fault) {
+                return Err(self.told(fault));
+            }
+        }
+        Ok(())
+    }
+
+    fn told(&mut self, fault: FaultAt) -> Fault {
+        if !self.state.faults.contains(&fault) {
+            self.state.faults.push(fault);
+        }
+        fault.told(&self.code)
+    }
+
+    /// An expression of tags in the controller's scope, to be looked at after each tick: `Done`, `C1.ACC >= 5`.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn condition(&self, project: &Project, directory: &mut dyn Directory, text: &str) -> Result<Condition, String> {
+        let mut compiler = Compiler::new(project, directory, false);
+        let text = program_scopes(text);
+        let expression = Expression::parse(&text).map_err(|error| error.to_string())?;
+        compiler.owner = crate::compile::Owner::Program(usize::MAX);
+        let value = compiler.truth(&expression)?;
+        let mut code = Code::default();
+        std::mem::swap(&mut code, &mut compiler.code);
+        Ok(Condition { value, code })
+    }
+
+    /// Whether a condition holds.
+    pub fn holds(&mut self, condition: &Condition, host: &mut dyn Host) -> bool {
+        let mut scan = Scan {
+            code: &condition.code,
+            s: &mut self.state,
+            host,
+            caller: None,
+        };
+        let value = scan.whole(&condition.value);
+        let _ = scan.take_fault();
+        value.is_ok_and(|value| value != 0)
+    }
+
+    /// Writes a number to a tag: `Go`, `Program:Main.T1.PRE`.
+    ///
+    /// # Errors
+    /// What is wrong with the tag or the number, in words.
+    pub fn write(
+        &mut self,
+        project: &Project,
+        directory: &mut dyn Directory,
+        host: &mut dyn Host,
+        (tag, value): (&str, &str),
+    ) -> Result<(), String> {
+        let mut compiler = Compiler::new(project, directory, false);
+        compiler.owner = crate::compile::Owner::Program(usize::MAX);
+        let target = Expression::parse(&program_scopes(tag)).map_err(|error| error.to_string())?;
+        let (to, from) = compiler.value_for(&target, value)?;
+        let code = std::mem::take(&mut compiler.code);
+        let mut scan = Scan {
+            code: &code,
+            s: &mut self.state,
+            host,
+            caller: None,
+        };
+        scan.copy_value(&from, &to)
+            .map_err(|_| format!("{tag} cannot be written"))
+    }
+}
+
+/// An expression of tags.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    value: crate::code::Ex,
+    code: Code,
+}
+
+/// `Program:Main.Done` as routines write it: `\Main.Done`.
+fn program_scopes(text: &str) -> String {
+    let mut result = String::new();
+    let mut rest = text;
+    while let Some(place) = rest.to_ascii_lowercase().find("program:") {
+        let (before, behind) = rest.split_at(place);
+        result.push_str(before);
+        result.push('\\');
+        rest = behind.get("program:".len()..).unwrap_or_default();
+    }
+    result.push_str(rest);
+    result
+}
+
+/// Whether the type of a tag is a number or a bit.
+pub fn is_number(data_type: &DataType) -> bool {
+    matches!(data_type, DataType::Elementary(kind) if *kind != Elementary::Dword)
+}
+
+/// Releases of a task in one tick.
+const MAX_RELEASES: usize = 64;
+/// Triggered tasks that run behind one task.
+const MAX_TRIGGERED: usize = 16;

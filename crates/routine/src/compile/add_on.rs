@@ -1,0 +1,151 @@
+//! Add-on instructions (spec/programs.md §13): compiled once, called with the instance and references as bases.
+
+use arcline_tag::DataType;
+
+use super::operand::parse;
+use super::{Compiler, Owner, Wrong};
+use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Select};
+use crate::source::Usage;
+
+impl Compiler<'_> {
+    pub(crate) fn add_on(&mut self, number: usize) -> AddOn {
+        let Some(definition) = self.project.instructions.get(number) else {
+            return AddOn::default();
+        };
+        let id = |name: &str| self.routines.get(&(Owner::AddOn(number), name.to_owned())).copied();
+        let mut add_on = AddOn {
+            logic: id("logic"),
+            prescan: id("prescan").filter(|_| definition.has_prescan),
+            enable_in_false: id("enableinfalse").filter(|_| definition.has_enable_in_false),
+            ..AddOn::default()
+        };
+        if let Some(DataType::Structure(template)) = self.types.data_type(&definition.name) {
+            let bit = |name: &str| {
+                template
+                    .member(name)
+                    .and_then(|member| Some((member.offset, 1 << member.bit?)))
+            };
+            add_on.enable_in = bit("EnableIn").unwrap_or_default();
+            add_on.enable_out = bit("EnableOut").unwrap_or_default();
+        }
+        add_on
+    }
+
+    /// A call of an add-on instruction; `None`: it is none.
+    pub(crate) fn add_on_call(&mut self, name: &str, operands: &[&str]) -> Result<Option<AddOnCall>, Wrong> {
+        let project = self.project;
+        let Some(number) = project
+            .instructions
+            .iter()
+            .position(|one| one.name.eq_ignore_ascii_case(name))
+        else {
+            return Ok(None);
+        };
+        let definition = project.instructions.get(number).ok_or("there is no such instruction")?;
+        let (instance, rest) = operands.split_first().ok_or("expected the instance")?;
+        let area = self
+            .area_of(instance)
+            .map_err(|reason| format!("{instance}: {reason}"))?;
+        if !area.data_type.name().eq_ignore_ascii_case(&definition.name) || area.is_whole {
+            return Err(format!(
+                "{instance} is {}, expected {}",
+                area.data_type.name(),
+                definition.name
+            ));
+        }
+        let required = definition
+            .parameters
+            .iter()
+            .filter(|one| one.is_required || one.usage == Usage::InOut);
+        let required: Vec<_> = required.collect();
+        if rest.len() != required.len() {
+            return Err(format!("{} parameters, expected {}", rest.len(), required.len()));
+        }
+        let DataType::Structure(template) = area.data_type.clone() else {
+            return Ok(None);
+        };
+        let (mut inputs, mut outputs, mut references) = (Vec::new(), Vec::new(), Vec::new());
+        for (parameter, text) in required.into_iter().zip(rest) {
+            let wrong = |reason: Wrong| format!("{} {text}: {reason}", parameter.member.name);
+            if parameter.usage == Usage::InOut {
+                let found = self.area_of(text).map_err(wrong)?;
+                self.check_reference(&parameter.member.data_type, &found.data_type)
+                    .map_err(wrong)?;
+                if found.place.base == 0
+                    && matches!(found.data_type, DataType::Structure(_))
+                    && found.place.index.is_empty()
+                {
+                    self.share_if_motion(&found.data_type, found.place.at);
+                }
+                references.push(found.place);
+                continue;
+            }
+            let Some(member) = template.member(&parameter.member.name) else {
+                return Err(wrong("has no place in the instance".to_owned()));
+            };
+            let place = Place {
+                base: 1,
+                at: member.offset,
+                index: Box::default(),
+            };
+            let inner = match (member.bit, &member.data_type) {
+                (Some(bit), _) => Argument::Bit(crate::code::Bit {
+                    place,
+                    select: Select::Mask(1 << bit),
+                }),
+                (None, DataType::Elementary(kind)) => Argument::Target(Cellular { place, kind: *kind }),
+                (None, DataType::Structure(_)) => return Err(wrong("structures are passed by reference".to_owned())),
+            };
+            // An operand that is left out keeps the parameter's value.
+            if text.is_empty() || *text == "?" {
+                continue;
+            }
+            match parameter.usage {
+                Usage::Input => {
+                    let from = self.value(&parse(text)?).map_err(wrong)?;
+                    inputs.push(Copy { from, to: inner });
+                }
+                _ => {
+                    let to = self.target(&parse(text)?).map_err(wrong)?;
+                    let from = match inner {
+                        Argument::Bit(bit) => Argument::Integer(Ex::Bit(Box::new(bit))),
+                        Argument::Target(cell) if cell.kind.is_real() => Argument::Real(Ex::Load(Box::new(cell))),
+                        Argument::Target(cell) => Argument::Integer(Ex::Load(Box::new(cell))),
+                        other => other,
+                    };
+                    outputs.push(Copy { from, to });
+                }
+            }
+        }
+        Ok(Some(AddOnCall {
+            definition: number as u32,
+            instance: area.place,
+            inputs: inputs.into(),
+            outputs: outputs.into(),
+            references: references.into(),
+        }))
+    }
+
+    /// A parameter by reference takes data of its own type; any axis for any type of axis.
+    fn check_reference(&self, expected: &str, found: &DataType) -> Result<(), Wrong> {
+        let is_axis = |name: &str| name.to_ascii_uppercase().starts_with("AXIS_");
+        let name = found.name();
+        let same = name.eq_ignore_ascii_case(expected)
+            || (is_axis(name) && is_axis(expected))
+            || (name == "DWORD" && expected.eq_ignore_ascii_case("BOOL"));
+        if same {
+            Ok(())
+        } else {
+            Err(format!("is {name}, expected {expected}"))
+        }
+    }
+
+    fn share_if_motion(&mut self, data_type: &DataType, at: u32) {
+        if matches!(
+            data_type.name(),
+            "PATH_DATA" | "DYNAMICS_DATA" | "POSITION_DATA" | "CAM" | "CAM_PROFILE"
+        ) {
+            self.share_at(at);
+        }
+    }
+}

@@ -1,0 +1,379 @@
+//! Rungs and instructions: the table's row, the operands by their kinds.
+
+use super::expression::{Sort, arithmetic, cast, compared};
+use super::{Compiler, Wrong};
+use crate::code::{Argument, Compare, Ex, Instruction, Node, Place, Select, Transfer};
+use crate::error::FindingKind;
+use crate::expression::{Binary, Expression};
+use crate::rll::Element;
+use crate::table::{self, Form, Op, Relation, Row};
+
+impl Compiler<'_> {
+    /// The elements of a rung or a leg.
+    pub(crate) fn nodes(&mut self, elements: &[Element]) -> Box<[Node]> {
+        let mut nodes = Vec::with_capacity(elements.len());
+        for element in elements {
+            match element {
+                Element::Branch(legs) => {
+                    let legs = legs.iter().map(|leg| self.nodes(leg)).collect();
+                    nodes.push(Node::Branch(legs));
+                }
+                Element::Instruction(instruction) => {
+                    let operands: Vec<&str> = instruction.operands().iter().map(|one| one.text.as_str()).collect();
+                    if let Some(compiled) = self.instruction(&instruction.name, &operands) {
+                        nodes.push(simple(compiled));
+                    }
+                }
+            }
+        }
+        nodes.into()
+    }
+
+    /// An instruction; `None`: a finding says why not.
+    pub(crate) fn instruction(&mut self, name: &str, operands: &[&str]) -> Option<Instruction> {
+        match self.try_instruction(name, operands) {
+            Ok(Some(instruction)) => Some(instruction),
+            Ok(None) => {
+                self.find(FindingKind::Instruction, name, "");
+                let name = self.text(name);
+                Some(Instruction {
+                    op: Op::Missing,
+                    name,
+                    arguments: Box::default(),
+                    is_edge: false,
+                })
+            }
+            Err(reason) => {
+                let written = format!("{name}({})", operands.join(","));
+                self.find(FindingKind::Error, &written, &reason);
+                None
+            }
+        }
+    }
+
+    fn try_instruction(&mut self, name: &str, operands: &[&str]) -> Result<Option<Instruction>, Wrong> {
+        if let Some(call) = self.add_on_call(name, operands)? {
+            let name = self.text(name);
+            let arguments = Box::new([Argument::AddOn(Box::new(call))]);
+            return Ok(Some(Instruction {
+                op: Op::AddOn,
+                name,
+                arguments,
+                is_edge: false,
+            }));
+        }
+        if let Some(call) = self.motion_call(name, operands)? {
+            let name = self.text(name);
+            let arguments = Box::new([Argument::Motion(Box::new(call))]);
+            return Ok(Some(Instruction {
+                op: Op::Motion,
+                name,
+                arguments,
+                is_edge: true,
+            }));
+        }
+        let Some(row) = table::row(name) else { return Ok(None) };
+        // Ladder may name the operand of an instruction without one: MCR() and NOP() have none.
+        let operands = if row.operands.is_empty() && !row.takes_more() && operands == [""] {
+            &[]
+        } else {
+            operands
+        };
+        let shown = self.without_shown(row, operands);
+        let operands = shown.as_deref().unwrap_or(operands);
+        let expected = row.operands.len();
+        if operands.len() < expected || (operands.len() > expected && !row.takes_more()) {
+            return Err(format!("{} operands, expected {expected}", operands.len()));
+        }
+        let arguments = match row.op {
+            Op::Compute => self.compute(row, operands)?,
+            Op::Compare(relation) => vec![Argument::Integer(self.compare(relation, operands)?)],
+            Op::Jsr => vec![Argument::Transfer(Box::new(self.transfer(operands)?))],
+            Op::Ret => operands
+                .iter()
+                .map(|text| self.data_or_number(text))
+                .collect::<Result<_, _>>()?,
+            Op::Sbr | Op::Lbl => Vec::new(),
+            Op::Gsv | Op::Ssv => match self.system(row.op, operands)? {
+                Some(system) => vec![Argument::System(Box::new(system))],
+                None if self.allow_missing => {
+                    self.find(FindingKind::Instruction, &format!("{name} {}", operands.join(" ")), "");
+                    return Ok(Some(self.missing(name)));
+                }
+                None => {
+                    let described = operands.iter().take(3).copied().collect::<Vec<_>>().join(" ");
+                    self.find(FindingKind::Instruction, &format!("{name} {described}"), "");
+                    return Ok(Some(self.missing(name)));
+                }
+            },
+            _ => {
+                let mut arguments = Vec::with_capacity(expected);
+                for ((what, kind), text) in row.operands.iter().zip(operands) {
+                    let argument = self
+                        .operand(*kind, text)
+                        .map_err(|reason| format!("{what} {text}: {reason}"))?;
+                    arguments.push(argument);
+                }
+                self.promote(row.op, operands, &mut arguments)?;
+                arguments
+            }
+        };
+        let name = self.text(name);
+        let is_edge = row.form == Form::Edge;
+        Ok(Some(Instruction {
+            op: row.op,
+            name,
+            arguments: arguments.into(),
+            is_edge,
+        }))
+    }
+
+    fn missing(&mut self, name: &str) -> Instruction {
+        let name = self.text(name);
+        Instruction {
+            op: Op::Missing,
+            name,
+            arguments: Box::default(),
+            is_edge: false,
+        }
+    }
+
+    /// In Structured Text the operands that only show a structure's members may be left out.
+    fn without_shown<'o>(&self, row: &Row, operands: &[&'o str]) -> Option<Vec<&'o str>> {
+        let shown = row
+            .operands
+            .iter()
+            .filter(|(_, kind)| *kind == table::Kind::Shown)
+            .count();
+        if shown == 0 || operands.len() + shown != row.operands.len() {
+            return None;
+        }
+        let mut given = operands.iter();
+        let all = row.operands.iter().map(|(_, kind)| {
+            if *kind == table::Kind::Shown {
+                "?"
+            } else {
+                given.next().copied().unwrap_or_default()
+            }
+        });
+        Some(all.collect())
+    }
+
+    /// Arithmetic and functions: an expression of the type of the highest operand, the destination among them.
+    fn compute(&mut self, row: &Row, operands: &[&str]) -> Result<Vec<Argument>, Wrong> {
+        let (dest, sources) = operands.split_last().ok_or("expected operands")?;
+        let target = self.operand(table::Kind::Target, dest)?;
+        let least = sort_of(&target);
+        let mut values = Vec::new();
+        for source in sources {
+            let expression = Expression::parse(source).map_err(|error| format!("{source}: {error}"))?;
+            let value = self
+                .number(&expression, least)
+                .map_err(|reason| format!("{source}: {reason}"))?;
+            values.push(value);
+        }
+        let name = row.name();
+        let (value, sort) = match (name, values.as_slice()) {
+            ("AND" | "OR" | "XOR", [a, b]) => {
+                let [a, b] = [a, b].map(|(value, sort)| unsigned(cast(value.clone(), *sort, Sort::Whole)));
+                let operation = match name {
+                    "AND" => crate::code::Whole::And,
+                    "OR" => crate::code::Whole::Or,
+                    _ => crate::code::Whole::Xor,
+                };
+                (Ex::Whole(operation, Box::new((a, b))), Sort::Whole)
+            }
+            ("NOT", [(value, sort)]) => (
+                Ex::Invert(Box::new(unsigned(cast(value.clone(), *sort, Sort::Whole)))),
+                Sort::Whole,
+            ),
+            ("NEG", [(value, sort)]) => {
+                let to = (*sort).max(least).max(Sort::Whole);
+                let value = cast(value.clone(), *sort, to);
+                (
+                    arithmetic(Binary::Subtract, cast(Ex::Integer(0), Sort::Whole, to), value, to),
+                    to,
+                )
+            }
+            ("ADD" | "SUB" | "MUL" | "DIV" | "MOD" | "XPY", [(a, from_a), (b, from_b)]) => {
+                let to = (*from_a).max(*from_b).max(least).max(Sort::Whole);
+                let operator = match name {
+                    "ADD" => Binary::Add,
+                    "SUB" => Binary::Subtract,
+                    "MUL" => Binary::Multiply,
+                    "DIV" => Binary::Divide,
+                    "MOD" => Binary::Modulo,
+                    _ => Binary::Power,
+                };
+                (
+                    arithmetic(operator, cast(a.clone(), *from_a, to), cast(b.clone(), *from_b, to), to),
+                    to,
+                )
+            }
+            (_, [value]) => self.apply(name, value.clone(), least).ok_or("no such function")?,
+            _ => return Err("wrong operands".to_owned()),
+        };
+        let value = if sort.is_real() {
+            Argument::Real(value)
+        } else {
+            Argument::Integer(value)
+        };
+        let mut arguments = vec![value, target];
+        // The carry is that of 32 bits.
+        if let ("ADD" | "SUB", [(a, Sort::Whole), (b, Sort::Whole)], false) = (name, values.as_slice(), sort.is_real())
+            && self.uses_carry()
+        {
+            arguments.extend([
+                Argument::Integer(a.clone()),
+                Argument::Integer(b.clone()),
+                Argument::Word(i32::from(name == "SUB")),
+            ]);
+        }
+        Ok(arguments)
+    }
+
+    /// Expressions whose destination decides the type of the arithmetic.
+    fn promote(&mut self, op: Op, operands: &[&str], arguments: &mut [Argument]) -> Result<(), Wrong> {
+        let (target, value) = match op {
+            Op::Cpt => (0, 1),
+            Op::Fal => (4, 5),
+            _ => return Ok(()),
+        };
+        let (Some(of), Some(text)) = (arguments.get(target), operands.get(value)) else {
+            return Ok(());
+        };
+        let least = sort_of(of);
+        if least.is_real()
+            && let Some(place) = arguments.get_mut(value)
+        {
+            let expression = Expression::parse(text).map_err(|error| error.to_string())?;
+            let (value, sort) = self.number(&expression, least)?;
+            *place = Argument::Real(cast(value, sort, sort.max(Sort::Single)));
+        }
+        Ok(())
+    }
+
+    fn compare(&mut self, relation: Relation, operands: &[&str]) -> Result<Ex, Wrong> {
+        let [a, b] = operands else {
+            return Err("expected 2 operands".to_owned());
+        };
+        let parse = |text: &str| Expression::parse(text).map_err(|error| format!("{text}: {error}"));
+        let (left, right) = (parse(a)?, parse(b)?);
+        let compare = match relation {
+            Relation::Equal => Compare::Equal,
+            Relation::NotEqual => Compare::NotEqual,
+            Relation::Greater => Compare::Greater,
+            Relation::GreaterEqual => Compare::GreaterEqual,
+            Relation::Less => Compare::Less,
+            Relation::LessEqual => Compare::LessEqual,
+        };
+        if let Some(texts) = self.texts(compare, &left, &right)? {
+            return Ok(texts);
+        }
+        let a = self
+            .number(&left, Sort::Whole)
+            .map_err(|reason| format!("{a}: {reason}"))?;
+        let b = self
+            .number(&right, Sort::Whole)
+            .map_err(|reason| format!("{b}: {reason}"))?;
+        Ok(compared(compare, a, b))
+    }
+
+    /// JSR: the routine, the number of inputs, inputs, returns.
+    fn transfer(&mut self, operands: &[&str]) -> Result<Transfer, Wrong> {
+        let (name, rest) = operands.split_first().ok_or("expected a routine")?;
+        let routine = self
+            .routine_id(name)
+            .ok_or_else(|| format!("there is no routine {name}"))?;
+        let (count, rest) = match rest.split_first() {
+            None => (0, rest),
+            Some((count, rest)) => {
+                let count = count
+                    .parse::<usize>()
+                    .map_err(|_| format!("{count}, expected the number of inputs"))?;
+                (count, rest)
+            }
+        };
+        if count > rest.len() {
+            return Err(format!("{count} inputs, but {} operands follow", rest.len()));
+        }
+        let (inputs, returns) = rest.split_at(count);
+        let inputs = inputs
+            .iter()
+            .map(|text| self.data_or_number(text))
+            .collect::<Result<_, _>>()?;
+        let returns = returns
+            .iter()
+            .map(|text| self.written(text))
+            .collect::<Result<_, _>>()?;
+        let parameters = self.operands_of(routine, "SBR").unwrap_or_default();
+        let parameters = parameters.iter().filter(|text| !text.is_empty());
+        let parameters = parameters.map(|text| self.written(text)).collect::<Result<_, _>>()?;
+        Ok(Transfer {
+            routine,
+            inputs,
+            parameters,
+            returns,
+        })
+    }
+
+    /// Whether the project looks at the carry, which costs time.
+    fn uses_carry(&self) -> bool {
+        use crate::source::Content;
+        let reads = |content: &Content| match content {
+            Content::Ladder(rungs) => rungs.iter().any(|rung| has_carry(&rung.text)),
+            Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
+            Content::Other(_) => false,
+        };
+        self.project
+            .programs
+            .iter()
+            .flat_map(|one| &one.routines)
+            .any(|routine| reads(&routine.content))
+    }
+}
+
+fn has_carry(text: &str) -> bool {
+    text.to_ascii_uppercase().contains("S:C")
+}
+
+/// The type of a destination.
+pub(crate) fn sort_of(target: &Argument) -> Sort {
+    match target {
+        Argument::Target(cell) => Sort::of(cell.kind),
+        _ => Sort::Whole,
+    }
+}
+
+/// A source of a logical instruction is not sign-extended.
+pub(crate) fn unsigned(value: Ex) -> Ex {
+    let size = match &value {
+        Ex::Load(cell) => cell.kind.size(),
+        Ex::Dint(_) => 4,
+        _ => return value,
+    };
+    if size >= 8 {
+        value
+    } else {
+        Ex::Unsigned(Box::new(value), size as u8)
+    }
+}
+
+/// The short form of an instruction of one bit whose byte is known.
+fn simple(instruction: Instruction) -> Node {
+    let fixed = match instruction.arguments.first() {
+        Some(Argument::Bit(bit)) => match (&bit.place, &bit.select) {
+            (Place { base: 0, at, index }, Select::Mask(mask)) if index.is_empty() => Some((*at, *mask)),
+            _ => None,
+        },
+        _ => None,
+    };
+    match (instruction.op, fixed) {
+        (Op::Xic, Some((at, mask))) => Node::Xic(at, mask),
+        (Op::Xio, Some((at, mask))) => Node::Xio(at, mask),
+        (Op::Ote, Some((at, mask))) => Node::Ote(at, mask),
+        (Op::Otl, Some((at, mask))) => Node::Otl(at, mask),
+        (Op::Otu, Some((at, mask))) => Node::Otu(at, mask),
+        _ => Node::Instruction(Box::new(instruction)),
+    }
+}

@@ -1,0 +1,117 @@
+//! GSV and SSV (spec/programs.md §10.8): the attributes that projects read.
+
+use arcline_instruction_set::Object;
+
+use super::{Compiler, Owner, Wrong};
+use crate::code::{Attribute, System, TaskAttribute, WallClock};
+use crate::table::Op;
+
+impl Compiler<'_> {
+    /// The attribute and the tag; `None`: Arcline does not have it.
+    pub(crate) fn system(&mut self, op: Op, operands: &[&str]) -> Result<Option<System>, Wrong> {
+        let [class, instance, attribute, tag] = operands else {
+            return Err(format!("{} operands, expected 4", operands.len()));
+        };
+        let area = self.area_of(tag).map_err(|reason| format!("{tag}: {reason}"))?;
+        let (class, attribute) = (class.to_ascii_lowercase(), attribute.to_ascii_lowercase());
+        let found = match class.as_str() {
+            "wallclocktime" => match attribute.as_str() {
+                "localdatetime" | "datetime" => Some(Attribute::WallClock(WallClock::DateTime)),
+                "currentvalue" => Some(Attribute::WallClock(WallClock::Microseconds)),
+                _ => None,
+            },
+            "task" => self.task_attribute(instance, &attribute),
+            "program" => self.program_attribute(instance, &attribute),
+            "faultlog" => match attribute.as_str() {
+                "minorfaultbits" => Some(Attribute::MinorFaults),
+                "minorevents" | "majorevents" => Some(Attribute::Constant(Box::new([0; 2]))),
+                "majorfaultbits" => Some(Attribute::Constant(Box::new([0; 4]))),
+                _ => None,
+            },
+            "module" => match attribute.as_str() {
+                // Running, and no fault.
+                "entrystatus" => Some(Attribute::Constant(Box::new(0x4000_i16.to_le_bytes()))),
+                "faultcode" | "faultinfo" | "mode" | "ledstatus" | "forcestatus" | "instance" => {
+                    Some(Attribute::Constant(Box::new([0; 2])))
+                }
+                _ => None,
+            },
+            "controllerdevice" => match attribute.as_str() {
+                "status" => Some(Attribute::Constant(Box::new(0x0060_i16.to_le_bytes()))),
+                "vendor" => Some(Attribute::Constant(Box::new(1_i16.to_le_bytes()))),
+                "type" => Some(Attribute::Constant(Box::new(14_i16.to_le_bytes()))),
+                _ => None,
+            },
+            "axis" | "coordinatesystem" | "motiongroup" => self.object_attribute(&class, instance, &attribute),
+            _ => None,
+        };
+        let is_settable = op == Op::Gsv
+            || matches!(
+                found,
+                Some(Attribute::Record(_) | Attribute::Host(_) | Attribute::DisableFlag(_) | Attribute::WallClock(_))
+            )
+            || matches!(
+                found,
+                Some(Attribute::MinorFaults | Attribute::Task(_, TaskAttribute::InhibitTask))
+            );
+        Ok(found
+            .filter(|_| is_settable)
+            .map(|attribute| System { attribute, area }))
+    }
+
+    fn task_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {
+        let tasks = &self.project.tasks;
+        let place = if instance.eq_ignore_ascii_case("THIS") {
+            let Owner::Program(program) = self.owner else {
+                return None;
+            };
+            let name = &self.project.programs.get(program)?.name;
+            tasks
+                .iter()
+                .position(|task| task.programs.iter().any(|one| one.eq_ignore_ascii_case(name)))
+        } else {
+            tasks.iter().position(|task| task.name.eq_ignore_ascii_case(instance))
+        };
+        let attribute = match attribute {
+            "rate" => TaskAttribute::Rate,
+            "watchdog" => TaskAttribute::Watchdog,
+            "priority" => TaskAttribute::Priority,
+            "instance" => TaskAttribute::Instance,
+            "overlapcount" => TaskAttribute::OverlapCount,
+            "inhibittask" => TaskAttribute::InhibitTask,
+            "status" => TaskAttribute::Status,
+            "lastscantime" => TaskAttribute::LastScanTime,
+            "maxscantime" => TaskAttribute::MaxScanTime,
+            _ => return None,
+        };
+        Some(Attribute::Task(place? as u32, attribute))
+    }
+
+    fn program_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {
+        let place = match self.owner {
+            Owner::Program(program) if instance.eq_ignore_ascii_case("THIS") => Some(program),
+            _ => self
+                .project
+                .programs
+                .iter()
+                .position(|one| one.name.eq_ignore_ascii_case(instance)),
+        }? as u32;
+        Some(match attribute {
+            "majorfaultrecord" => Attribute::Record(place),
+            "disableflag" => Attribute::DisableFlag(place),
+            "lastscantime" | "maxscantime" => Attribute::Constant(Box::new([0; 4])),
+            _ => return None,
+        })
+    }
+
+    fn object_attribute(&mut self, class: &str, instance: &str, attribute: &str) -> Option<Attribute> {
+        let object = match class {
+            "axis" => Object::Axis,
+            "coordinatesystem" => Object::CoordinateSystem,
+            _ => Object::MotionGroup,
+        };
+        let index = self.directory.object(object, instance)?;
+        let (number, _) = self.directory.attribute(object, index, attribute)?;
+        Some(Attribute::Host(number))
+    }
+}

@@ -1,0 +1,143 @@
+//! What can be wrong with a text, and with a project that is loaded.
+
+use std::fmt;
+
+/// Why a text is no rung, expression or statement. Places are byte offsets in it.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum SyntaxError {
+    /// Something else stands there.
+    #[error("found {found:?}, expected {expected}")]
+    Unexpected {
+        /// Byte in the text.
+        at: usize,
+        /// The beginning of the text there.
+        found: String,
+        /// What could stand there.
+        expected: &'static str,
+    },
+    /// A text in quotes or a comment has no end.
+    #[error("a text or comment that begins here has no end")]
+    Unended {
+        /// Its first byte.
+        at: usize,
+    },
+    /// A number that no type holds.
+    #[error("a number that no type holds, expected at most 64 bits")]
+    NumberTooLarge {
+        /// Its first byte.
+        at: usize,
+    },
+    /// Brackets, branches or statements within one another.
+    #[error("nested deeper than {limit}")]
+    TooDeep {
+        /// Byte in the text.
+        at: usize,
+        /// The limit.
+        limit: usize,
+    },
+    /// The text is longer than any real one.
+    #[error("longer than {limit}")]
+    TooLong {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+impl SyntaxError {
+    /// Byte in the text.
+    pub fn at(&self) -> usize {
+        match self {
+            Self::Unexpected { at, .. }
+            | Self::Unended { at }
+            | Self::NumberTooLarge { at }
+            | Self::TooDeep { at, .. } => *at,
+            Self::TooLong { .. } => 0,
+        }
+    }
+}
+
+/// A part of a project that does not run, and where it stands.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Finding {
+    /// What kind of part.
+    pub kind: FindingKind,
+    /// Its name: the mnemonic, the type, the routine.
+    pub name: String,
+    /// Why it does not run; empty: it is not implemented.
+    pub reason: String,
+    /// The program, or the add-on instruction.
+    pub program: Option<String>,
+    /// The routine.
+    pub routine: Option<String>,
+    /// Rung or line.
+    pub place: Option<Line>,
+}
+
+/// A rung of ladder or a line of Structured Text, as the file numbers them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Line {
+    /// Number of a rung.
+    Rung(u32),
+    /// Number of a line.
+    Text(u32),
+}
+
+/// What kind of part does not run.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum FindingKind {
+    /// An instruction that Arcline does not have.
+    Instruction,
+    /// A routine in another language, or encoded.
+    Routine,
+    /// A data type.
+    Type,
+    /// A module.
+    Module,
+    /// A task.
+    Task,
+    /// An operand, a tag or a text that does not fit.
+    Error,
+}
+
+impl FindingKind {
+    /// In a word.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Instruction => "instruction",
+            Self::Routine => "routine",
+            Self::Type => "type",
+            Self::Module => "module",
+            Self::Task => "task",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl fmt::Display for Line {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rung(number) => write!(f, "rung {number}"),
+            Self::Text(number) => write!(f, "line {number}"),
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(program) = &self.program {
+            write!(f, "{program}")?;
+            if let Some(routine) = &self.routine {
+                write!(f, "/{routine}")?;
+            }
+            if let Some(place) = &self.place {
+                write!(f, " {place}")?;
+            }
+            f.write_str(": ")?;
+        }
+        match (self.kind, self.reason.as_str()) {
+            (kind, "") => write!(f, "{} {} is not supported", kind.name(), self.name),
+            (FindingKind::Error, reason) => write!(f, "{}: {reason}", self.name),
+            (kind, reason) => write!(f, "{} {}: {reason}", kind.name(), self.name),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Routines of a Logix project (spec/programs.md): ladder, Structured Text and add-on instructions.
+//!
+//! Text in: [`Rung`], [`Text`] and [`Expression`] are parsed with their places and print as they were. [`load`] compiles a
+//! [`source::Project`] to a [`Cell`]: every name is resolved to bytes of one memory, and all that does not run is a
+//! [`Finding`]. [`Cell::tick`] scans the tasks that are due; instructions of motion go to a [`Host`].
+//!
+//! Not here: files, XML, clocks, motion itself, the network. Scans allocate nothing. Times are in ns of virtual time.
+#![forbid(unsafe_code)]
+#![warn(clippy::disallowed_methods)]
+
+mod cell;
+mod code;
+mod compile;
+mod docs;
+mod error;
+mod expression;
+mod lexer;
+mod memory;
+pub mod rll;
+mod run;
+pub mod source;
+pub mod st;
+mod table;
+mod types;
+
+pub use cell::{Cell, Condition, Loaded, Missing, is_number, load};
+pub use compile::Directory;
+pub use docs::ladder_page;
+pub use error::{Finding, FindingKind, Line, SyntaxError};
+pub use expression::{Binary, Expression, MAX_DEPTH, MAX_TEXT, Reference, Step, Unary};
+pub use memory::Tag;
+pub use rll::Rung;
+pub use run::{Fault, Host};
+pub use st::Text;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+//! The scan: compiled routines on their memory. It allocates nothing.
+
+mod add_on;
+mod compute;
+mod counters;
+mod edges;
+mod fault;
+mod files;
+mod ladder;
+mod motion;
+mod queues;
+mod statements;
+mod system;
+mod text;
+mod value;
+
+use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
+
+pub use fault::Fault;
+pub(crate) use fault::{FaultAt, MAX_FAULTS};
+
+use crate::code::{Code, TextId, Transfer};
+
+/// The machine and the controller around routines.
+pub trait Host {
+    /// Executes an instruction of motion; brings what its acceptance changes of axes and coordinate systems to the memory.
+    fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl;
+    /// The rung condition of the instruction with this motion control tag is false.
+    fn rung_false(&mut self, slot: ControlSlot);
+    /// Reads an attribute of a motion object.
+    fn attribute(&mut self, number: u32) -> f64;
+    /// Sets one; false: it cannot be set.
+    fn set_attribute(&mut self, number: u32, value: f64) -> bool;
+    /// Year, month, day, hour, minute, second, microsecond at a virtual time, ns.
+    fn date(&self, now: u64) -> [i32; 7];
+}
+
+/// Where execution goes on, other than at the next instruction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Exit {
+    /// At a rung of the routine.
+    Jump(u32),
+    /// Behind the call of the routine.
+    Return,
+    /// Behind the FOR that called the routine.
+    Break,
+    /// Behind the loop of Structured Text.
+    Loop,
+    /// Nowhere: a major fault.
+    Fault,
+}
+
+pub(crate) type Run<T> = Result<T, Exit>;
+
+/// What a task of execution has: flags, time, the call stack.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct State {
+    pub(crate) memory: Vec<u8>,
+    /// Bases of add-on instructions that run, and where those of the innermost begin.
+    bases: Vec<u32>,
+    frame: usize,
+    overflow: bool,
+    zero: bool,
+    negative: bool,
+    carry: bool,
+    pub(crate) minor: bool,
+    pub(crate) minor_bits: u32,
+    pub(crate) first_scan: bool,
+    pub(crate) prescan: bool,
+    /// Whether a zone of MCR is off.
+    zone: bool,
+    /// The task's time, ms and ns.
+    pub(crate) now_ms: i64,
+    pub(crate) now: u64,
+    /// Instructions that the run of the task may still execute.
+    pub(crate) budget: i64,
+    depth: usize,
+    add_ons: usize,
+    /// Routines that are prescanned now.
+    path: Vec<u32>,
+    fault: Option<FaultAt>,
+    pub(crate) faults: Vec<FaultAt>,
+    in_fault: bool,
+    pub(crate) records: Vec<[i32; 11]>,
+    pub(crate) program: u32,
+    pub(crate) routine: u32,
+    pub(crate) line: u32,
+    instruction: TextId,
+    /// Instructions of motion that this tick executed.
+    pub(crate) executions: u32,
+    pub(crate) triggered: Vec<bool>,
+    pub(crate) inhibited: Vec<bool>,
+    pub(crate) disabled: Vec<bool>,
+    pub(crate) overlaps: Vec<i32>,
+    pub(crate) objects: Vec<(u32, Object, u16)>,
+    pub(crate) controls: Vec<(u32, ControlSlot)>,
+    /// Tags that the host has too: first byte, end, id.
+    pub(crate) shared: Vec<(u32, u32, u32)>,
+    /// Messages on their way: first byte of the tag, ns of the answer.
+    messages: Vec<(u32, u64)>,
+}
+
+impl State {
+    pub(crate) fn new(memory: Vec<u8>, code: &Code) -> Self {
+        State {
+            memory,
+            bases: Vec::with_capacity(MAX_BASES),
+            path: Vec::with_capacity(MAX_CALLS + 1),
+            faults: Vec::with_capacity(MAX_FAULTS),
+            records: vec![[0; 11]; code.programs.len()],
+            triggered: vec![false; code.tasks.len()],
+            inhibited: code.tasks.iter().map(|task| task.is_inhibited).collect(),
+            disabled: code.programs.iter().map(|program| program.is_disabled).collect(),
+            overlaps: vec![0; code.tasks.len()],
+            messages: Vec::with_capacity(MAX_MESSAGES),
+            ..State::default()
+        }
+    }
+}
+
+impl State {
+    /// The beginning of a program's scan.
+    pub(crate) fn begin(&mut self) {
+        (self.overflow, self.zero, self.negative, self.carry, self.minor) = (false, false, false, false, false);
+        self.zone = false;
+        (self.depth, self.add_ons, self.frame) = (0, 0, 0);
+        self.bases.clear();
+        self.path.clear();
+    }
+}
+
+/// A scan.
+pub(crate) struct Scan<'s> {
+    pub(crate) code: &'s Code,
+    pub(crate) s: &'s mut State,
+    pub(crate) host: &'s mut dyn Host,
+    /// The call of the routine that runs.
+    pub(crate) caller: Option<&'s Transfer>,
+}
+
+/// Routines within one another.
+const MAX_CALLS: usize = 48;
+/// Add-on instructions within one another.
+const MAX_ADD_ONS: usize = 16;
+/// Bases of add-on instructions that run.
+const MAX_BASES: usize = 1024;
+/// Instructions of motion in one tick.
+const MAX_EXECUTIONS: u32 = 1024;
+/// Messages on their way.
+const MAX_MESSAGES: usize = 256;
+/// Instructions of one run of a task: stands for the watchdog.
+pub(crate) const BUDGET: i64 = 5_000_000;

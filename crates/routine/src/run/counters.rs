@@ -1,0 +1,300 @@
+//! Timers and counters (spec/programs.md §10.2).
+//!
+//! The low 22 bits of a timer's control word hold the time of its last scan, ms, as a controller does it: so the state travels
+//! with the tag, and a timer must be scanned within 69 minutes.
+
+use super::{Run, Scan};
+use crate::code::{ACC, Area, PRE};
+use crate::table::Op;
+
+const EN: u8 = 0x80;
+const TT: u8 = 0x40;
+const DN: u8 = 0x20;
+const OV: u8 = 0x10;
+const UN: u8 = 0x08;
+/// Bits of the time of the last scan.
+const LAST: i32 = (1 << 22) - 1;
+
+impl Scan<'_> {
+    pub(crate) fn timer(&mut self, op: Op, area: &Area, power: bool) -> Run<()> {
+        let at = self.address(&area.place)?;
+        if matches!(op, Op::Tonr | Op::Tofr | Op::Rtor) {
+            self.timer_with_reset(op, area, at);
+            return Ok(());
+        }
+        let (preset, accumulated) = (self.dint(at + 4), self.dint(at + 8));
+        let bits = at + 3;
+        if self.s.prescan {
+            match op {
+                Op::Ton => {
+                    self.set(bits, EN | TT | DN, false);
+                    self.put_dint(at + 8, 0);
+                }
+                Op::Tof => {
+                    self.set(bits, EN | TT | DN, false);
+                    self.put_dint(at + 8, preset);
+                }
+                _ => self.set(bits, EN | TT, false),
+            }
+            return Ok(());
+        }
+        if preset < 0 || accumulated < 0 {
+            let operand = if preset < 0 {
+                (PRE, preset.into())
+            } else {
+                (ACC, accumulated.into())
+            };
+            return Err(self.fault(4, 34, Some(operand)));
+        }
+        match (op, power) {
+            (Op::Ton, false) => {
+                self.set(bits, EN | TT | DN, false);
+                self.put_dint(at + 8, 0);
+            }
+            (Op::Rto, false) => self.set(bits, EN | TT, false),
+            (Op::Ton | Op::Rto, true) => {
+                if !self.has(bits, EN) {
+                    self.set(bits, EN, true);
+                    self.stamp(at);
+                }
+                if self.has(bits, DN) {
+                    self.stamp(at);
+                    return Ok(());
+                }
+                let sum = self.accumulate(at);
+                self.set(bits, DN, sum >= preset);
+                self.set(bits, TT, sum < preset);
+            }
+            (_, true) => {
+                self.set(bits, EN | DN, true);
+                self.set(bits, TT, false);
+                self.put_dint(at + 8, 0);
+            }
+            (_, false) => {
+                if self.has(bits, EN) {
+                    self.set(bits, EN, false);
+                    self.stamp(at);
+                }
+                if self.has(bits, DN) {
+                    let sum = self.accumulate(at);
+                    self.set(bits, DN, sum < preset);
+                    self.set(bits, TT, sum < preset);
+                } else {
+                    self.stamp(at);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes the time of this scan in a timer.
+    fn stamp(&mut self, at: u32) {
+        let word = self.dint(at) & !LAST;
+        self.put_dint(at, word | (self.s.now_ms as i32 & LAST));
+    }
+
+    /// Adds the time since the last scan of a timer.
+    fn accumulate(&mut self, at: u32) -> i32 {
+        let passed = (self.s.now_ms as i32 & LAST).wrapping_sub(self.dint(at) & LAST) & LAST;
+        let sum = self.dint(at + 8).saturating_add(passed);
+        self.put_dint(at + 8, sum);
+        self.stamp(at);
+        sum
+    }
+
+    fn timer_with_reset(&mut self, op: Op, area: &Area, at: u32) {
+        let Some(l) = Layout::of(area, at) else { return };
+        let clear = |scan: &mut Self, keep: bool| {
+            for bit in [l.en, l.tt, l.dn] {
+                scan.set(bit.0, bit.1, false);
+            }
+            if !keep {
+                scan.put_dint(l.acc, 0);
+            }
+        };
+        let now = self.s.now_ms as i32;
+        if self.s.prescan {
+            if op == Op::Rtor {
+                self.set(l.en.0, l.en.1, false);
+                self.set(l.tt.0, l.tt.1, false);
+            } else {
+                clear(self, false);
+            }
+            return;
+        }
+        let preset = self.dint(l.pre);
+        self.put_dint(l.status, if preset < 0 { 2 } else { 0 });
+        if preset < 0 {
+            return;
+        }
+        if self.has(l.reset.0, l.reset.1) {
+            clear(self, false);
+            self.put_dint(l.last, now);
+            return;
+        }
+        let enable = self.has(l.enable.0, l.enable.1);
+        let was = self.has(l.en.0, l.en.1);
+        self.set(l.en.0, l.en.1, enable);
+        let on = enable == (op != Op::Tofr);
+        if op == Op::Tofr && enable {
+            self.set(l.dn.0, l.dn.1, true);
+            self.set(l.tt.0, l.tt.1, false);
+            self.put_dint(l.acc, 0);
+            return;
+        }
+        if !on {
+            if op == Op::Tonr {
+                clear(self, false);
+            } else {
+                self.set(l.tt.0, l.tt.1, false);
+            }
+            return;
+        }
+        if enable != was {
+            self.put_dint(l.last, now);
+        }
+        let timing = if op == Op::Tofr {
+            self.has(l.dn.0, l.dn.1)
+        } else {
+            !self.has(l.dn.0, l.dn.1)
+        };
+        if timing {
+            let sum = self
+                .dint(l.acc)
+                .saturating_add(now.wrapping_sub(self.dint(l.last)).max(0));
+            let done = sum >= preset;
+            self.put_dint(l.acc, if done { preset } else { sum });
+            self.set(l.dn.0, l.dn.1, done == (op != Op::Tofr));
+            self.set(l.tt.0, l.tt.1, !done);
+        }
+        self.put_dint(l.last, now);
+    }
+
+    pub(crate) fn counter(&mut self, op: Op, area: &Area, power: bool) -> Run<()> {
+        let at = self.address(&area.place)?;
+        if op == Op::Ctud {
+            self.counter_up_down(area, at);
+            return Ok(());
+        }
+        // CU is bit 31, CD bit 30.
+        let edge = if op == Op::Ctu { EN } else { TT };
+        let bits = at + 3;
+        if self.s.prescan {
+            self.set(bits, edge, true);
+            return Ok(());
+        }
+        if !power {
+            self.set(bits, edge, false);
+        } else if !self.has(bits, edge) {
+            self.set(bits, edge, true);
+            let accumulated = self.dint(at + 8);
+            let next = if op == Op::Ctu {
+                accumulated.wrapping_add(1)
+            } else {
+                accumulated.wrapping_sub(1)
+            };
+            self.put_dint(at + 8, next);
+            let (wraps, over, under) = if op == Op::Ctu {
+                (accumulated == i32::MAX, OV, UN)
+            } else {
+                (accumulated == i32::MIN, UN, OV)
+            };
+            if wraps && self.has(bits, under) {
+                self.set(bits, under, false);
+            } else if wraps {
+                self.set(bits, over, true);
+            }
+        }
+        if !self.has(bits, OV | UN) {
+            let done = self.dint(at + 8) >= self.dint(at + 4);
+            self.set(bits, DN, done);
+        }
+        Ok(())
+    }
+
+    fn counter_up_down(&mut self, area: &Area, at: u32) {
+        let bit = |name: &str| member_bit(area, at, name);
+        let number = |name: &str| member(area, at, name);
+        let (Some(up), Some(down), Some(cu), Some(cd), Some(dn)) =
+            (bit("CUEnable"), bit("CDEnable"), bit("CU"), bit("CD"), bit("DN"))
+        else {
+            return;
+        };
+        let (Some(pre), Some(acc), Some(reset)) = (number("PRE"), number("ACC"), bit("Reset")) else {
+            return;
+        };
+        if self.s.prescan {
+            self.set(cu.0, cu.1, true);
+            self.set(cd.0, cd.1, true);
+            return;
+        }
+        if self.has(reset.0, reset.1) {
+            self.put_dint(acc, 0);
+            self.set(dn.0, dn.1, false);
+        }
+        for (enable, last, step) in [(up, cu, 1), (down, cd, -1)] {
+            let on = self.has(enable.0, enable.1);
+            if on && !self.has(last.0, last.1) && !self.has(reset.0, reset.1) {
+                let next = self.dint(acc).wrapping_add(step);
+                self.put_dint(acc, next);
+            }
+            self.set(last.0, last.1, on);
+        }
+        let done = self.dint(acc) >= self.dint(pre);
+        self.set(dn.0, dn.1, done);
+    }
+
+    /// RES
+    pub(crate) fn reset(&mut self, area: &Area) -> Run<()> {
+        let at = self.address(&area.place)?;
+        self.put_dint(at, 0);
+        self.put_dint(at + 8, 0);
+        Ok(())
+    }
+}
+
+/// Members of FBD_TIMER in the memory.
+struct Layout {
+    enable: (u32, u8),
+    reset: (u32, u8),
+    en: (u32, u8),
+    tt: (u32, u8),
+    dn: (u32, u8),
+    pre: u32,
+    acc: u32,
+    status: u32,
+    last: u32,
+}
+
+impl Layout {
+    fn of(area: &Area, at: u32) -> Option<Self> {
+        Some(Layout {
+            enable: member_bit(area, at, "TimerEnable")?,
+            reset: member_bit(area, at, "Reset")?,
+            en: member_bit(area, at, "EN")?,
+            tt: member_bit(area, at, "TT")?,
+            dn: member_bit(area, at, "DN")?,
+            pre: member(area, at, "PRE")?,
+            acc: member(area, at, "ACC")?,
+            status: member(area, at, "Status")?,
+            last: member(area, at, "__Last")?,
+        })
+    }
+}
+
+/// Byte and mask of a BOOL of a structure.
+pub(crate) fn member_bit(area: &Area, at: u32, name: &str) -> Option<(u32, u8)> {
+    let arcline_tag::DataType::Structure(template) = &area.data_type else {
+        return None;
+    };
+    let member = template.member(name)?;
+    Some((at + member.offset, 1 << member.bit?))
+}
+
+/// Byte of a member of a structure.
+pub(crate) fn member(area: &Area, at: u32, name: &str) -> Option<u32> {
+    let arcline_tag::DataType::Structure(template) = &area.data_type else {
+        return None;
+    };
+    Some(at + template.member(name)?.offset)
+}

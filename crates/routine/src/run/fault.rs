@@ -1,0 +1,198 @@
+//! Faults (spec/programs.md §16): where they happened, fault routines.
+
+use std::fmt;
+
+use super::{Exit, Run, Scan};
+use crate::code::{Code, TextId};
+use crate::error::Line;
+
+/// A major fault, where it happened.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct FaultAt {
+    pub(crate) kind: u16,
+    pub(crate) code: u16,
+    pub(crate) program: u32,
+    pub(crate) routine: u32,
+    pub(crate) line: u32,
+    pub(crate) instruction: TextId,
+    /// The operand at fault and its value.
+    pub(crate) operand: Option<(TextId, i64)>,
+}
+
+/// A major fault in words.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Fault {
+    /// Type and code.
+    pub kind: u16,
+    /// Code.
+    pub code: u16,
+    /// The program.
+    pub program: String,
+    /// The routine; of an add-on instruction its name and routine.
+    pub routine: String,
+    /// Rung or line.
+    pub place: Line,
+    /// The instruction.
+    pub instruction: String,
+    /// The operand at fault and its value.
+    pub operand: Option<(String, i64)>,
+}
+
+impl FaultAt {
+    pub(crate) fn told(&self, code: &Code) -> Fault {
+        let routine = code.routines.get(self.routine as usize);
+        let program = code
+            .programs
+            .get(self.program as usize)
+            .map_or("", |program| code.text(program.name));
+        let name = routine.map_or("", |routine| code.text(routine.name));
+        let owner = routine.map_or("", |routine| code.text(routine.program));
+        Fault {
+            kind: self.kind,
+            code: self.code,
+            program: program.to_owned(),
+            routine: if owner == program {
+                name.to_owned()
+            } else {
+                format!("{owner}.{name}")
+            },
+            place: code.line(self.routine, self.line),
+            instruction: code.text(self.instruction).to_owned(),
+            operand: self.operand.map(|(text, value)| (code.text(text).to_owned(), value)),
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            kind,
+            code,
+            program,
+            routine,
+            place,
+            instruction,
+            operand,
+        } = self;
+        write!(
+            f,
+            "major fault {kind}/{code} ({}) in {program}/{routine} {place}",
+            meaning(*kind, *code)
+        )?;
+        if !instruction.is_empty() {
+            write!(f, ", {instruction}")?;
+        }
+        match operand {
+            Some((operand, value)) => write!(f, ": {operand} is {value}"),
+            None => Ok(()),
+        }
+    }
+}
+
+fn meaning(kind: u16, code: u16) -> &'static str {
+    match (kind, code) {
+        (4, 16) => "unknown instruction",
+        (4, 20) => "subscript out of range",
+        (4, 21) => "LEN or POS of a CONTROL out of range",
+        (4, 31) => "parameters of a subroutine do not fit",
+        (4, 34) => "negative PRE or ACC of a timer",
+        (4, 42) => "jump to a missing label",
+        (4, 83) => "value out of range",
+        (4, 84) => "too many calls within one another",
+        (4, 990..=999) => "of the program",
+        (6, 1) => "watchdog",
+        _ => "fault",
+    }
+}
+
+impl Scan<'_> {
+    /// A major fault with an operand at fault.
+    pub(crate) fn fault(&mut self, kind: u16, code: u16, operand: Option<(TextId, i64)>) -> Exit {
+        self.s.fault = Some(FaultAt {
+            kind,
+            code,
+            program: self.s.program,
+            routine: self.s.routine,
+            line: self.s.line,
+            instruction: self.s.instruction,
+            operand,
+        });
+        Exit::Fault
+    }
+
+    /// A minor fault of type 4: its bit, and S:MINOR.
+    pub(crate) fn minor(&mut self) {
+        self.s.minor = true;
+        self.s.minor_bits |= 1 << 4;
+    }
+
+    pub(crate) fn set_instruction(&mut self, name: TextId) {
+        self.s.instruction = name;
+    }
+
+    /// Counts instructions against the budget that stands for the watchdog.
+    pub(crate) fn spend(&mut self, count: usize) -> Run<()> {
+        self.s.budget -= count as i64;
+        if self.s.budget < 0 {
+            // What runs after the fault may run.
+            self.s.budget = super::BUDGET;
+            return Err(self.fault(6, 1, None));
+        }
+        Ok(())
+    }
+
+    /// Runs the fault routine of the program, then the controller's fault handler: true, when one of them cleared the fault,
+    /// so that the scan goes on behind the instruction.
+    pub(crate) fn recovers(&mut self) -> bool {
+        let Some(fault) = self.s.fault else { return false };
+        if self.s.prescan && fault.kind == 4 && (fault.code == 20 || fault.code == 83) {
+            self.s.fault = None;
+            return true;
+        }
+        if self.s.in_fault || self.s.add_ons > 0 {
+            return false;
+        }
+        if self.s.faults.len() < MAX_FAULTS {
+            self.s.faults.push(fault);
+        }
+        let program = self.s.program;
+        let own = self.code.programs.get(program as usize).and_then(|one| one.fault);
+        let handler = self.code.fault_handler;
+        let handler_main = handler.and_then(|place| self.code.programs.get(place as usize)?.main);
+        let attempts = [(program, own), (handler.unwrap_or_default(), handler_main)];
+        let (routine, line, instruction) = (self.s.routine, self.s.line, self.s.instruction);
+        let (prescan, zone) = (self.s.prescan, self.s.zone);
+        for (of, routine) in attempts {
+            let Some(routine) = routine else { continue };
+            if let Some(record) = self.s.records.get_mut(of as usize) {
+                let [_, _, kind_code, ..] = record;
+                *kind_code = i32::from(fault.kind) | i32::from(fault.code) << 16;
+            }
+            (self.s.in_fault, self.s.prescan, self.s.zone, self.s.program) = (true, false, false, of);
+            let _ = self.routine(routine);
+            self.s.in_fault = false;
+            let cleared = self.s.records.get(of as usize).is_some_and(|record| record[2] == 0);
+            (self.s.prescan, self.s.zone, self.s.program) = (prescan, zone, program);
+            (self.s.routine, self.s.line, self.s.instruction) = (routine_of(fault), line, instruction);
+            if cleared {
+                self.s.fault = None;
+                self.s.routine = routine_of(fault);
+                return true;
+            }
+        }
+        self.s.routine = routine;
+        self.s.fault = Some(fault);
+        false
+    }
+
+    pub(crate) fn take_fault(&mut self) -> Option<FaultAt> {
+        self.s.fault.take()
+    }
+}
+
+fn routine_of(fault: FaultAt) -> u32 {
+    fault.routine
+}
+
+/// Faults that are listed.
+pub(crate) const MAX_FAULTS: usize = 256;

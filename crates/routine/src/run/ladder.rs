@@ -1,0 +1,284 @@
+//! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
+
+use super::{Exit, MAX_CALLS, Run, Scan};
+use crate::code::{Argument, Body, Instruction, Node, Transfer};
+use crate::run::value::Number;
+use crate::table::Op;
+
+impl<'s> Scan<'s> {
+    /// Runs a routine to its end.
+    pub(crate) fn routine(&mut self, number: u32) -> Run<()> {
+        let code = self.code;
+        let Some(routine) = code.routines.get(number as usize) else {
+            return Ok(());
+        };
+        if self.s.depth >= MAX_CALLS {
+            return Err(self.fault(4, 84, None));
+        }
+        let (before, line) = (self.s.routine, self.s.line);
+        self.s.routine = number;
+        self.s.depth += 1;
+        let ran = match &routine.body {
+            Body::Ladder(rungs) => self.rungs(rungs),
+            Body::Text(statements) => self.statements(statements),
+        };
+        self.s.depth -= 1;
+        match ran {
+            Err(Exit::Fault) => return Err(Exit::Fault),
+            Err(Exit::Break) => {
+                (self.s.routine, self.s.line) = (before, line);
+                return Err(Exit::Break);
+            }
+            _ => {}
+        }
+        (self.s.routine, self.s.line) = (before, line);
+        Ok(())
+    }
+
+    fn rungs(&mut self, rungs: &'s [crate::code::Rung]) -> Run<()> {
+        let mut next = 0;
+        while let Some(rung) = rungs.get(next) {
+            self.s.line = rung.number;
+            self.spend(rung.nodes.len() + 1)?;
+            let power = !self.s.prescan && !self.s.zone;
+            match self.nodes(&rung.nodes, power) {
+                Ok(_) => next += 1,
+                Err(Exit::Jump(rung)) => next = rung as usize,
+                Err(Exit::Return) => return Ok(()),
+                Err(exit) => return Err(exit),
+            }
+        }
+        Ok(())
+    }
+
+    fn nodes(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
+        for node in nodes {
+            power = match node {
+                Node::Xic(at, mask) => power && self.has(*at, *mask),
+                Node::Xio(at, mask) => power && !self.has(*at, *mask),
+                Node::Ote(at, mask) => {
+                    self.set(*at, *mask, power);
+                    power
+                }
+                Node::Otl(at, mask) => {
+                    if power {
+                        self.set(*at, *mask, true);
+                    }
+                    power
+                }
+                Node::Otu(at, mask) => {
+                    if power {
+                        self.set(*at, *mask, false);
+                    }
+                    power
+                }
+                Node::Branch(legs) => {
+                    let mut out = false;
+                    for leg in legs {
+                        self.s.budget -= leg.len() as i64;
+                        out |= self.nodes(leg, power)?;
+                    }
+                    out
+                }
+                Node::Instruction(instruction) => self.instruction(instruction, power)?,
+            };
+        }
+        Ok(power)
+    }
+
+    /// An instruction, and what follows a fault of it.
+    pub(crate) fn instruction(&mut self, instruction: &'s Instruction, power: bool) -> Run<bool> {
+        self.set_instruction(instruction.name);
+        match self.act(instruction, power) {
+            Err(Exit::Fault) if self.recovers() => Ok(power),
+            done => done,
+        }
+    }
+
+    fn act(&mut self, i: &'s Instruction, power: bool) -> Run<bool> {
+        let a = &*i.arguments;
+        let prescan = self.s.prescan;
+        // The elements of FAL and FSC are behind the end when the file is done.
+        if i.is_edge && !power && !prescan && !matches!(i.op, Op::Fal | Op::Fsc) {
+            self.touch(a)?;
+        }
+        match (i.op, a) {
+            (Op::Xic, [one]) => Ok(power && self.argument_whole(one)? != 0),
+            (Op::Xio, [one]) => Ok(power && self.argument_whole(one)? == 0),
+            (Op::Ote, [one]) => self.assign(one, Number::Whole(i64::from(power))).map(|()| power),
+            (Op::Otl, [one]) if power => self.assign(one, Number::Whole(1)).map(|()| power),
+            (Op::Otu, [one]) if power => self.assign(one, Number::Whole(0)).map(|()| power),
+            (Op::Ons | Op::Osr | Op::Osf | Op::Osri | Op::Osfi, _) => self.one_shot(i.op, a, power),
+            (Op::Ton | Op::Tof | Op::Rto | Op::Tonr | Op::Tofr | Op::Rtor, [Argument::Area(timer), ..]) => {
+                self.timer(i.op, timer, power).map(|()| power)
+            }
+            (Op::Ctu | Op::Ctd | Op::Ctud, [Argument::Area(counter), ..]) => {
+                self.counter(i.op, counter, power).map(|()| power)
+            }
+            (Op::Res, [Argument::Area(area)]) if power => self.reset(area).map(|()| power),
+            (Op::Compare(_) | Op::Cmp, [Argument::Integer(value)]) => Ok(power && self.whole(value)? != 0),
+            (Op::Cmp, [value]) => Ok(power && self.argument(value)? != Number::Real(0.0)),
+            (Op::Lim | Op::Meq, _) => Ok(power && self.limit(i.op, a)?),
+            (Op::Compute, [value, target, rest @ ..]) if power => self.compute(value, target, rest).map(|()| true),
+            (Op::Cpt, [target, value]) if power => self.compute(value, target, &[]).map(|()| true),
+            (
+                Op::Mov | Op::Mvm | Op::Btd | Op::Clr | Op::Swpb | Op::Cop | Op::Fll | Op::Size | Op::Mvmt | Op::Btdt,
+                _,
+            ) if power => self.move_data(i.op, a).map(|()| true),
+            (Op::Jsr, [Argument::Transfer(transfer)]) => self.call(transfer, power).map(|()| power),
+            (Op::For, [Argument::Routine(routine), index, from, to, by]) => {
+                self.repeat(*routine, [index, from, to, by], power).map(|()| power)
+            }
+            (Op::Ret, values) if power => {
+                self.give(values)?;
+                Err(Exit::Return)
+            }
+            (Op::Tnd, _) if power => Err(Exit::Return),
+            (Op::Brk, _) if power => Err(Exit::Break),
+            (Op::Jmp, [Argument::Label(rung)]) if power => Err(Exit::Jump(*rung)),
+            (Op::Mcr, _) => {
+                // Its own rung is false in a zone, which ends there.
+                if !prescan && !power {
+                    self.s.zone = !self.s.zone;
+                }
+                Ok(power)
+            }
+            (Op::Afi, _) => Ok(false),
+            (Op::Event, [Argument::Task(task)]) if power => {
+                if let Some(triggered) = self.s.triggered.get_mut(*task as usize) {
+                    *triggered = true;
+                }
+                Ok(true)
+            }
+            (Op::Fal | Op::Fsc, _) => self.file(i.op, a, power).map(|()| power),
+            (Op::Ave | Op::Std | Op::Srt, _) => self.statistics(i.op, a, power).map(|()| power),
+            (Op::Bsl | Op::Bsr, _) => self.shift(i.op, a, power).map(|()| power),
+            (Op::Ffl | Op::Ffu | Op::Lfl | Op::Lfu, _) => self.queue(i.op, a, power).map(|()| power),
+            (Op::Sqi, _) => Ok(power && self.sequencer_input(a)?),
+            (Op::Sqo | Op::Sql, _) => self.sequencer(i.op, a, power).map(|()| power),
+            (
+                Op::Concat
+                | Op::Mid
+                | Op::Delete
+                | Op::Insert
+                | Op::Find
+                | Op::Dtos
+                | Op::Stod
+                | Op::Rtos
+                | Op::Stor
+                | Op::Upper
+                | Op::Lower,
+                _,
+            ) if power => self.text(i.op, a).map(|()| true),
+            (Op::Gsv | Op::Ssv, [Argument::System(system)]) if power => self.system(i.op, system).map(|()| true),
+            (Op::Msg, [Argument::Area(area)]) => self.message(area, power).map(|()| power),
+            (Op::Motion, [Argument::Motion(call)]) => self.motion(call, power).map(|()| power),
+            (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call, power),
+            _ => Ok(power),
+        }
+    }
+
+    /// Looks at the operands of an instruction whose rung is false: its subscripts must be in range all the same.
+    fn touch(&mut self, arguments: &[Argument]) -> Run<()> {
+        for argument in arguments {
+            match argument {
+                Argument::Bit(bit) => {
+                    self.bit_at(bit)?;
+                }
+                Argument::Target(cell) if !cell.place.index.is_empty() => {
+                    self.address(&cell.place)?;
+                }
+                Argument::Area(area) if !area.place.index.is_empty() => {
+                    self.address(&area.place)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// JSR: parameters by value, the routine, values back.
+    fn call(&mut self, transfer: &'s Transfer, power: bool) -> Run<()> {
+        if self.s.prescan {
+            return self.prescan(transfer.routine);
+        }
+        if !power {
+            return Ok(());
+        }
+        if transfer.parameters.len() > transfer.inputs.len() {
+            return Err(self.fault(4, 31, None));
+        }
+        for (from, to) in transfer.inputs.iter().zip(&transfer.parameters) {
+            self.copy_value(from, to)?;
+        }
+        let outer = self.caller.replace(transfer);
+        let ran = self.routine(transfer.routine);
+        self.caller = outer;
+        ran
+    }
+
+    fn repeat(&mut self, routine: u32, [index, from, to, by]: [&Argument; 4], power: bool) -> Run<()> {
+        if self.s.prescan {
+            return self.prescan(routine);
+        }
+        if !power {
+            return Ok(());
+        }
+        let (mut value, to, by) = (
+            self.argument_whole(from)?,
+            self.argument_whole(to)?,
+            self.argument_whole(by)?,
+        );
+        self.assign(index, Number::Whole(value))?;
+        while if by >= 0 { value <= to } else { value >= to } {
+            self.spend(1)?;
+            match self.routine(routine) {
+                Ok(()) => {}
+                Err(Exit::Break) => return Ok(()),
+                Err(exit) => return Err(exit),
+            }
+            value = self.argument_whole(index)?.wrapping_add(by);
+            self.assign(index, Number::Whole(value))?;
+        }
+        Ok(())
+    }
+
+    /// Prescans a routine, once on each path of calls.
+    pub(crate) fn prescan(&mut self, routine: u32) -> Run<()> {
+        if self.s.path.contains(&routine) || self.s.path.len() >= MAX_CALLS {
+            return Ok(());
+        }
+        self.s.path.push(routine);
+        let ran = self.routine(routine);
+        self.s.path.pop();
+        ran
+    }
+
+    /// Copies a value by its type: numbers converted, structures and arrays by their bytes.
+    pub(crate) fn copy_value(&mut self, from: &Argument, to: &Argument) -> Run<()> {
+        if let (Argument::Area(from), Argument::Area(to)) = (from, to) {
+            let (source, target) = (self.range(from)?, self.range(to)?);
+            let length = |range: super::value::Range, area: &crate::code::Area| {
+                if area.is_whole {
+                    range.array_end - range.at
+                } else {
+                    area.size
+                }
+            };
+            let count = length(source, from).min(length(target, to));
+            return self.copy_bytes(source.at, target.at, count);
+        }
+        let value = self.argument(from)?;
+        self.assign(to, value)
+    }
+
+    pub(crate) fn copy_bytes(&mut self, from: u32, to: u32, count: u32) -> Run<()> {
+        let (from, to, count) = (from as usize, to as usize, count as usize);
+        let length = self.s.memory.len();
+        if from + count > length || to + count > length {
+            return Err(self.outside());
+        }
+        self.s.memory.copy_within(from..from + count, to);
+        Ok(())
+    }
+}

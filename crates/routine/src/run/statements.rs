@@ -1,0 +1,134 @@
+//! Structured Text (spec/programs.md §12): from top to end in each scan.
+
+use super::value::Number;
+use super::{Exit, Run, Scan};
+use crate::code::{Action, Argument, Instruction, Loop, Statement};
+use crate::table::Op;
+
+impl<'s> Scan<'s> {
+    pub(crate) fn statements(&mut self, statements: &'s [Statement]) -> Run<()> {
+        for statement in statements {
+            self.s.line = statement.line;
+            self.spend(1)?;
+            match self.statement(statement) {
+                Err(Exit::Fault) if self.recovers() => {}
+                done => done?,
+            }
+        }
+        Ok(())
+    }
+
+    fn statement(&mut self, statement: &'s Statement) -> Run<()> {
+        self.set_instruction(0);
+        if self.s.prescan {
+            return self.prescan_statement(statement);
+        }
+        match &statement.action {
+            Action::Assign(to, from, _) => self.assignment(to, from),
+            Action::If(branches, otherwise) => {
+                for (condition, body) in branches {
+                    if self.whole(condition)? != 0 {
+                        return self.statements(body);
+                    }
+                }
+                self.statements(otherwise)
+            }
+            Action::Case(selector, arms, otherwise) => {
+                let value = self.whole(selector)?;
+                for arm in arms {
+                    for (first, last) in &arm.ranges {
+                        if self.whole(first)? <= value && value <= self.whole(last)? {
+                            return self.statements(&arm.body);
+                        }
+                    }
+                }
+                self.statements(otherwise)
+            }
+            Action::For(of) => self.for_(of),
+            Action::While(condition, body) => {
+                while self.whole(condition)? != 0 {
+                    self.spend(1)?;
+                    if self.turn(body)? {
+                        break;
+                    }
+                }
+                Ok(())
+            }
+            Action::Repeat(body, condition) => loop {
+                self.spend(1)?;
+                if self.turn(body)? || self.whole(condition)? != 0 {
+                    return Ok(());
+                }
+            },
+            Action::Exit => Err(Exit::Loop),
+            Action::Return => Err(Exit::Return),
+            Action::Call(instruction) => self.call_instruction(instruction),
+        }
+    }
+
+    /// The body of a loop; true: EXIT ended it.
+    fn turn(&mut self, body: &'s [Statement]) -> Run<bool> {
+        match self.statements(body) {
+            Ok(()) => Ok(false),
+            Err(Exit::Loop) => Ok(true),
+            Err(exit) => Err(exit),
+        }
+    }
+
+    fn for_(&mut self, of: &'s Loop) -> Run<()> {
+        let (mut value, to, by) = (self.whole(&of.from)?, self.whole(&of.to)?, self.whole(&of.by)?);
+        self.store(&of.variable, Number::Whole(value))?;
+        while if by >= 0 { value <= to } else { value >= to } {
+            self.spend(1)?;
+            if self.turn(&of.body)? {
+                return Ok(());
+            }
+            let at = self.address(&of.variable.place)?;
+            value = self.read_whole(at, of.variable.kind).wrapping_add(by);
+            self.store(&of.variable, Number::Whole(value))?;
+        }
+        Ok(())
+    }
+
+    fn assignment(&mut self, to: &'s Argument, from: &'s Argument) -> Run<()> {
+        match (to, from) {
+            (Argument::Text(to), Argument::Text(from)) => self.copy_text(from, to),
+            (Argument::Area(_), Argument::Area(_)) => self.copy_value(from, to),
+            (to, from) => {
+                let value = self.argument(from)?;
+                self.assign(to, value)
+            }
+        }
+    }
+
+    fn call_instruction(&mut self, instruction: &'s Instruction) -> Run<()> {
+        // Instructions of edges see a false rung before the true one.
+        if instruction.is_edge && instruction.op != Op::Motion {
+            self.instruction(instruction, false)?;
+        }
+        self.instruction(instruction, true).map(|_| ())
+    }
+
+    /// Instructions in their form for prescan; tags that are not retentive become 0.
+    fn prescan_statement(&mut self, statement: &'s Statement) -> Run<()> {
+        match &statement.action {
+            Action::Assign(to, _, false) => self.assign(to, Number::Whole(0)),
+            Action::Assign(..) | Action::Exit | Action::Return => Ok(()),
+            Action::If(branches, otherwise) => {
+                for (_, body) in branches {
+                    self.statements(body)?;
+                }
+                self.statements(otherwise)
+            }
+            Action::Case(_, arms, otherwise) => {
+                for arm in arms {
+                    self.statements(&arm.body)?;
+                }
+                self.statements(otherwise)
+            }
+            Action::For(of) => self.statements(&of.body),
+            Action::While(_, body) | Action::Repeat(body, _) => self.statements(body),
+            Action::Call(instruction) => self.instruction(instruction, false).map(|_| ()),
+        }
+    }
+}

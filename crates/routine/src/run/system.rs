@@ -1,0 +1,196 @@
+//! GSV, SSV and MSG (spec/programs.md §10.8).
+
+use super::{MAX_MESSAGES, Run, Scan};
+use crate::code::{Area, Attribute, System, TaskAttribute, WallClock, When};
+use crate::table::Op;
+use arcline_tag::DataType;
+
+/// Flags of a MESSAGE in the byte at 4, EN and EW TO in that at 4 and 5.
+const EW: u8 = 0x04;
+const ER: u8 = 0x10;
+const DN: u8 = 0x20;
+const ST: u8 = 0x40;
+const EN: u8 = 0x80;
+/// A message without answer: the error of a timeout.
+const EXERR_TIMEOUT: i32 = 0x0204;
+/// The timeout of a message that has none, ns.
+const TIMEOUT: u64 = 30_000_000_000;
+
+impl Scan<'_> {
+    pub(crate) fn system(&mut self, op: Op, system: &System) -> Run<()> {
+        let range = self.range(&system.area)?;
+        // An attribute goes into the destination, and beyond it in its array.
+        let end = if system.area.length > 1 {
+            range.array_end
+        } else {
+            range.end
+        };
+        let room = (end - range.at) as usize;
+        if op == Op::Ssv {
+            self.set_system(&system.attribute, &system.area, range.at, room);
+            return Ok(());
+        }
+        let mut value = [0_u8; 44];
+        let size = match &system.attribute {
+            Attribute::WallClock(WallClock::DateTime) => {
+                let date = self.host.date(self.s.now);
+                for (place, part) in value.chunks_exact_mut(4).zip(date) {
+                    place.copy_from_slice(&part.to_le_bytes());
+                }
+                28
+            }
+            Attribute::WallClock(WallClock::Microseconds) => put(&mut value, &(self.s.now / 1000).to_le_bytes()),
+            Attribute::Task(task, attribute) => {
+                let number = self.task_attribute(*task as usize, *attribute);
+                if *attribute == TaskAttribute::Priority {
+                    put(&mut value, &(number as i16).to_le_bytes())
+                } else {
+                    put(&mut value, &number.to_le_bytes())
+                }
+            }
+            Attribute::Record(program) => {
+                let record = self.s.records.get(*program as usize).copied().unwrap_or_default();
+                for (place, part) in value.chunks_exact_mut(4).zip(record) {
+                    place.copy_from_slice(&part.to_le_bytes());
+                }
+                44
+            }
+            Attribute::DisableFlag(program) => {
+                let flag = self.s.disabled.get(*program as usize).copied().unwrap_or_default();
+                put(&mut value, &[u8::from(flag)])
+            }
+            Attribute::Constant(bytes) => put(&mut value, bytes),
+            Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
+            Attribute::Host(number) => {
+                let number = self.host.attribute(*number);
+                return self.put_host(&system.area, range.at, number);
+            }
+        };
+        let size = size.min(room);
+        let (from, to) = (range.at as usize, range.at as usize + size);
+        if let (Some(place), Some(bytes)) = (self.s.memory.get_mut(from..to), value.get(..size)) {
+            place.copy_from_slice(bytes);
+        }
+        Ok(())
+    }
+
+    fn put_host(&mut self, area: &Area, at: u32, number: f64) -> Run<()> {
+        if let DataType::Elementary(kind) = area.data_type {
+            let value = if kind.is_real() {
+                super::value::Number::Real(number)
+            } else {
+                super::value::Number::Whole(number as i64)
+            };
+            self.write(at, kind, value);
+        }
+        Ok(())
+    }
+
+    fn set_system(&mut self, attribute: &Attribute, area: &Area, at: u32, room: usize) {
+        match attribute {
+            Attribute::Record(program) => {
+                let mut record = [0; 11];
+                for (place, part) in record.iter_mut().zip((at..).step_by(4)).take(room / 4) {
+                    *place = self.dint(part);
+                }
+                if let Some(place) = self.s.records.get_mut(*program as usize) {
+                    *place = record;
+                }
+            }
+            Attribute::DisableFlag(program) => {
+                let on = self.has(at, 1);
+                if let Some(flag) = self.s.disabled.get_mut(*program as usize) {
+                    *flag = on;
+                }
+            }
+            Attribute::Task(task, TaskAttribute::InhibitTask) => {
+                let on = self.dint(at) != 0;
+                if let Some(flag) = self.s.inhibited.get_mut(*task as usize) {
+                    *flag = on;
+                }
+            }
+            Attribute::MinorFaults => {
+                self.s.minor_bits = self.dint(at) as u32;
+                self.s.minor = self.s.minor_bits != 0;
+            }
+            Attribute::Host(number) => {
+                if let DataType::Elementary(kind) = area.data_type {
+                    let value = self.read_real(at, kind);
+                    if !self.host.set_attribute(*number, value) {
+                        self.minor();
+                    }
+                }
+            }
+            // The clock is that of the run.
+            _ => {}
+        }
+    }
+
+    fn task_attribute(&self, task: usize, attribute: TaskAttribute) -> i32 {
+        let Some(of) = self.code.tasks.get(task) else { return 0 };
+        match attribute {
+            TaskAttribute::Rate => match of.when {
+                When::Periodic(ns) => (ns / 1000) as i32,
+                _ => 0,
+            },
+            TaskAttribute::Watchdog => of.watchdog_us,
+            TaskAttribute::Priority => of.priority as i32,
+            TaskAttribute::Instance => task as i32 + 1,
+            TaskAttribute::OverlapCount => self.s.overlaps.get(task).copied().unwrap_or_default(),
+            TaskAttribute::InhibitTask => i32::from(self.s.inhibited.get(task).copied().unwrap_or_default()),
+            // Scans cost no virtual time.
+            TaskAttribute::Status | TaskAttribute::LastScanTime | TaskAttribute::MaxScanTime => 0,
+        }
+    }
+
+    /// MSG: without a network it is never answered, and errs after its timeout.
+    pub(crate) fn message(&mut self, area: &Area, power: bool) -> Run<()> {
+        let at = self.address(&area.place)?;
+        let flags = at + 4;
+        if self.s.prescan {
+            self.set(flags, EN, false);
+            return Ok(());
+        }
+        if !power {
+            if self.has(flags, DN | ER) {
+                self.set(flags, EN, false);
+            }
+            return Ok(());
+        }
+        if self.has(flags, EN) {
+            return Ok(());
+        }
+        self.set(flags, DN | ER | ST, false);
+        self.set(flags, EN | EW, true);
+        let timeout = u64::try_from(self.dint(at + 40)).unwrap_or(0) * 1000;
+        let deadline = self.s.now + if timeout == 0 { TIMEOUT } else { timeout };
+        if self.s.messages.len() < MAX_MESSAGES {
+            self.s.messages.push((at, deadline));
+        }
+        Ok(())
+    }
+
+    /// Ends messages whose time is over.
+    pub(crate) fn messages(&mut self) {
+        let mut next = 0;
+        while let Some((at, deadline)) = self.s.messages.get(next).copied() {
+            if deadline > self.s.now {
+                next += 1;
+                continue;
+            }
+            self.s.messages.remove(next);
+            self.set(at + 4, EW | ST, false);
+            self.set(at + 4, ER, true);
+            self.put(at + 6, 1_i16.to_le_bytes());
+            self.put_dint(at + 8, EXERR_TIMEOUT);
+        }
+    }
+}
+
+fn put(value: &mut [u8; 44], bytes: &[u8]) -> usize {
+    let count = bytes.len().min(value.len());
+    if let (Some(place), Some(bytes)) = (value.get_mut(..count), bytes.get(..count)) {
+        place.copy_from_slice(bytes);
+    }
+    count
+}

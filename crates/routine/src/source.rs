@@ -1,0 +1,201 @@
+//! A project as its file has it: types, tags with first values, add-on instructions, programs, routines and tasks.
+//!
+//! Nothing is resolved here; names are as they are written. Times are in ms as in the file.
+
+use std::collections::BTreeMap;
+
+/// A project.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Project {
+    /// Structure types of the project.
+    pub types: Vec<TypeSource>,
+    /// Add-on instructions.
+    pub instructions: Vec<InstructionSource>,
+    /// Tags of the controller, those of modules among them.
+    pub tags: Vec<TagSource>,
+    /// Programs.
+    pub programs: Vec<ProgramSource>,
+    /// Tasks.
+    pub tasks: Vec<TaskSource>,
+    /// Modules: name and catalogue number.
+    pub modules: Vec<(String, String)>,
+    /// The program of the controller's fault handler.
+    pub fault_handler: Option<String>,
+}
+
+/// A structure type.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TypeSource {
+    /// Its name.
+    pub name: String,
+    /// Whether it is a type of texts.
+    pub is_string: bool,
+    /// Its members, without the hidden hosts of BOOLs.
+    pub members: Vec<MemberSource>,
+}
+
+/// A member of a structure type, a parameter or a local tag of an add-on instruction.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MemberSource {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub data_type: String,
+    /// Elements of each dimension; empty: no array.
+    pub dimensions: Vec<u32>,
+}
+
+/// An add-on instruction.
+#[derive(Clone, PartialEq, Debug)]
+pub struct InstructionSource {
+    /// Its name.
+    pub name: String,
+    /// Its parameters in the order of definition.
+    pub parameters: Vec<ParameterSource>,
+    /// Its local tags with their first values.
+    pub locals: Vec<(MemberSource, Option<Datum>)>,
+    /// `Logic`, `Prescan`, `EnableInFalse`, `Postscan`.
+    pub routines: Vec<RoutineSource>,
+    /// Whether the routine `Prescan` runs.
+    pub has_prescan: bool,
+    /// Whether the routine `EnableInFalse` runs.
+    pub has_enable_in_false: bool,
+    /// Whether its content is encoded.
+    pub is_encoded: bool,
+}
+
+/// A parameter of an add-on instruction.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ParameterSource {
+    /// Name and type.
+    pub member: MemberSource,
+    /// Its direction.
+    pub usage: Usage,
+    /// Whether a call has an operand for it.
+    pub is_required: bool,
+    /// The local tag or member that it stands for.
+    pub alias: Option<String>,
+    /// Its first value.
+    pub value: Option<Datum>,
+}
+
+/// The direction of a parameter.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Usage {
+    /// Copied in.
+    Input,
+    /// Copied out.
+    Output,
+    /// By reference.
+    InOut,
+}
+
+/// A tag.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TagSource {
+    /// Its name.
+    pub name: String,
+    /// Its type; empty for an alias.
+    pub data_type: String,
+    /// Elements of each dimension; empty: no array.
+    pub dimensions: Vec<u32>,
+    /// The tag or part of one that an alias stands for.
+    pub alias: Option<String>,
+    /// Its first value; `None`: zeros.
+    pub value: Option<Datum>,
+    /// The type of a module's tag, whose members are those of its value.
+    pub is_module: bool,
+    /// Further data of the tag: parameters of a message.
+    pub attributes: BTreeMap<String, String>,
+}
+
+/// A first value.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Datum {
+    /// A number, `true`, `false`, or a literal in a radix.
+    Number(String),
+    /// A text, its bytes.
+    Text(Vec<u8>),
+    /// Elements, the last subscript fastest.
+    Array(Vec<Datum>),
+    /// Members by name; the second text is the member's type.
+    Structure(String, Vec<(String, Datum)>),
+    /// A number with its type: only in the tags of modules.
+    Typed(String, Box<Datum>),
+}
+
+/// A program.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ProgramSource {
+    /// Its name.
+    pub name: String,
+    /// The routine that its task runs.
+    pub main: Option<String>,
+    /// The routine that runs after a major fault.
+    pub fault: Option<String>,
+    /// Whether its task passes over it.
+    pub is_disabled: bool,
+    /// Its tags.
+    pub tags: Vec<TagSource>,
+    /// Its routines.
+    pub routines: Vec<RoutineSource>,
+}
+
+/// A routine.
+#[derive(Clone, PartialEq, Debug)]
+pub struct RoutineSource {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub content: Content,
+}
+
+/// The content of a routine.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Content {
+    /// Rungs: number, type and text.
+    Ladder(Vec<RungSource>),
+    /// Lines: number and text.
+    Text(Vec<(u32, String)>),
+    /// A language that does not run: FBD, SFC, or encoded content.
+    Other(String),
+}
+
+/// A rung.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RungSource {
+    /// Its number in the file.
+    pub number: u32,
+    /// `N`, or a pending edit.
+    pub kind: String,
+    /// Neutral text.
+    pub text: String,
+}
+
+/// A task.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TaskSource {
+    /// Its name.
+    pub name: String,
+    /// When it runs.
+    pub trigger: Trigger,
+    /// 1, the highest, to 15.
+    pub priority: u32,
+    /// Longest time of a run, ms.
+    pub watchdog_ms: f64,
+    /// Whether it never runs.
+    pub is_inhibited: bool,
+    /// Its programs in their order.
+    pub programs: Vec<String>,
+}
+
+/// When a task runs.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Trigger {
+    /// Again and again.
+    Continuous,
+    /// Each so many ms.
+    Periodic(f64),
+    /// At an event, and after so many ms without one.
+    Event(String, Option<f64>),
+}

@@ -1,0 +1,286 @@
+//! The data types of a project: elementary, predefined, of the project, and those of add-on instructions' instances.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use arcline_instruction_set::predefined;
+use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder};
+
+use crate::source::{MemberSource, Project, Usage};
+
+/// The types by name in lower case.
+#[derive(Debug, Default)]
+pub(crate) struct Types {
+    known: BTreeMap<String, DataType>,
+    /// Types that cannot be made, which are named once.
+    pub(crate) missing: BTreeSet<String>,
+    next: u16,
+}
+
+/// What a type is made of.
+struct Pending<'p> {
+    name: &'p str,
+    members: Vec<&'p MemberSource>,
+}
+
+impl Types {
+    pub(crate) fn new(project: &Project) -> Self {
+        let mut types = Types {
+            next: 0x200,
+            ..Types::default()
+        };
+        for template in predefined::all().into_iter().chain(own()) {
+            // The template of STRING has another name than the type.
+            let data_type = DataType::Structure(template);
+            types.known.insert(data_type.name().to_ascii_lowercase(), data_type);
+        }
+        let mut pending: BTreeMap<String, Pending<'_>> = BTreeMap::new();
+        for source in &project.types {
+            let members = source.members.iter().collect();
+            pending.insert(
+                source.name.to_ascii_lowercase(),
+                Pending {
+                    name: &source.name,
+                    members,
+                },
+            );
+        }
+        for source in &project.instructions {
+            let parameters = source
+                .parameters
+                .iter()
+                .filter(|one| one.usage != Usage::InOut && one.alias.is_none());
+            let members = parameters
+                .map(|one| &one.member)
+                .chain(source.locals.iter().map(|(local, _)| local));
+            let members = members.collect();
+            pending.insert(
+                source.name.to_ascii_lowercase(),
+                Pending {
+                    name: &source.name,
+                    members,
+                },
+            );
+        }
+        while let Some(name) = pending.keys().next().cloned() {
+            types.make(&name, &mut pending, 0);
+        }
+        types
+    }
+
+    /// Makes a type, those it uses first. A type that is being made no longer waits, so a circle ends.
+    fn make(&mut self, name: &str, pending: &mut BTreeMap<String, Pending<'_>>, depth: usize) {
+        let Some(source) = pending.remove(name) else { return };
+        if depth > MAX_NESTING || self.known.contains_key(name) {
+            return;
+        }
+        let mut builder = TemplateBuilder::new(source.name, self.next);
+        for member in &source.members {
+            let word = member.data_type.to_ascii_lowercase();
+            self.make(&word, pending, depth + 1);
+            let Some(data_type) = self.data_type(&word) else {
+                self.missing.insert(member.data_type.clone());
+                continue;
+            };
+            let count = member
+                .dimensions
+                .iter()
+                .fold(1_u32, |all, size| all.saturating_mul(*size));
+            builder = match (&data_type, member.dimensions.is_empty()) {
+                (_, true) => builder.member(&member.name, data_type),
+                (DataType::Elementary(Elementary::Bool), false) => {
+                    let words = u16::try_from(count.div_ceil(32)).unwrap_or(u16::MAX);
+                    builder.array(&member.name, Elementary::Dword, words)
+                }
+                _ => builder.array(&member.name, data_type, u16::try_from(count).unwrap_or(u16::MAX)),
+            };
+        }
+        self.next = self.next.saturating_add(1);
+        self.known.insert(name.to_owned(), DataType::Structure(builder.build()));
+    }
+
+    /// A type by its name.
+    pub(crate) fn data_type(&self, name: &str) -> Option<DataType> {
+        let name = name.to_ascii_lowercase();
+        if name == "bit" {
+            return Some(Elementary::Bool.into());
+        }
+        let elementary = Elementary::from_name(&name.to_ascii_uppercase()).map(DataType::Elementary);
+        elementary.or_else(|| self.known.get(&name).cloned())
+    }
+
+    /// The type of a tag; arrays of BOOL are packed.
+    pub(crate) fn tag_type(&self, name: &str, dimensions: &[u32]) -> Option<TagType> {
+        let data_type = self.data_type(name)?;
+        let mut sizes = [0; 3];
+        for (size, dimension) in sizes.iter_mut().zip(dimensions) {
+            *size = *dimension;
+        }
+        if data_type == DataType::Elementary(Elementary::Bool) && !dimensions.is_empty() {
+            return Some(TagType::bool_array(sizes[0]));
+        }
+        Some(TagType {
+            data_type,
+            dimensions: sizes,
+        })
+    }
+
+    /// Adds a type that a tag of a module has.
+    pub(crate) fn add(&mut self, template: Arc<Template>) {
+        self.next = self.next.saturating_add(1);
+        self.known
+            .insert(template.name.to_ascii_lowercase(), DataType::Structure(template));
+    }
+
+    /// An instance for a type that is added.
+    pub(crate) fn instance(&self) -> u16 {
+        self.next
+    }
+}
+
+/// LEN and DATA of a type of texts: the offset of DATA and its elements.
+pub(crate) fn text_layout(data_type: &DataType) -> Option<(u32, u32)> {
+    let DataType::Structure(template) = data_type else {
+        return None;
+    };
+    let length = template.member("LEN")?;
+    let data = template.member("DATA")?;
+    let visible = template.members.iter().filter(|member| !member.hidden).count();
+    let fits = visible == 2
+        && length.offset == 0
+        && length.data_type == DataType::Elementary(Elementary::Dint)
+        && matches!(
+            data.data_type,
+            DataType::Elementary(Elementary::Sint | Elementary::Usint | Elementary::Byte)
+        )
+        && data.dimension > 0;
+    fits.then_some((data.offset, u32::from(data.dimension)))
+}
+
+/// Predefined types that only routines use (RM003, the structures of each instruction).
+fn own() -> Vec<Arc<Template>> {
+    use Elementary::{Bool, Dint, Int, Sint};
+    let plain = |name: &str, instance: u16, members: &[(&str, Elementary)]| {
+        let builder = TemplateBuilder::new(name, instance);
+        members
+            .iter()
+            .fold(builder, |builder, (name, kind)| builder.member(*name, *kind))
+            .build()
+    };
+    let message = TemplateBuilder::new("MESSAGE", 0xF90)
+        .member_at("(Link)", Dint, 0, 0)
+        .hide()
+        .member_at("FLAGS", Int, 0, 4);
+    let flags = [
+        ("EW", 2),
+        ("ER", 4),
+        ("DN", 5),
+        ("ST", 6),
+        ("EN", 7),
+        ("TO", 8),
+        ("EN_CC", 9),
+    ];
+    let message = flags
+        .into_iter()
+        .fold(message, |builder, (name, bit)| builder.bit_at(name, 4, bit));
+    let message = message
+        .member_at("ERR", Int, 0, 6)
+        .member_at("EXERR", Dint, 0, 8)
+        .member_at("ERR_SRC", Sint, 0, 12)
+        .member_at("DN_LEN", Int, 0, 14)
+        .member_at("REQ_LEN", Int, 0, 16)
+        .member_at("DestinationLink", Int, 0, 18)
+        .member_at("DestinationNode", Int, 0, 20)
+        .member_at("SourceLink", Int, 0, 22)
+        .member_at("Class", Int, 0, 24)
+        .member_at("Attribute", Int, 0, 26)
+        .member_at("Instance", Dint, 0, 28)
+        .member_at("LocalIndex", Dint, 0, 32)
+        .member_at("Channel", Sint, 0, 36)
+        .member_at("Rack", Sint, 0, 37)
+        .member_at("Group", Sint, 0, 38)
+        .member_at("Slot", Sint, 0, 39)
+        .member_at("UnconnectedTimeout", Dint, 0, 40)
+        .member_at("ConnectionRate", Dint, 0, 44)
+        .member_at("TimeoutMultiplier", Sint, 0, 48)
+        .size(52)
+        .build();
+    vec![
+        message,
+        plain(
+            "FBD_ONESHOT",
+            0xF91,
+            &[
+                ("EnableIn", Bool),
+                ("InputBit", Bool),
+                ("EnableOut", Bool),
+                ("OutputBit", Bool),
+                ("(Last)", Bool),
+            ],
+        ),
+        plain(
+            "FBD_TIMER",
+            0xF92,
+            &[
+                ("EnableIn", Bool),
+                ("TimerEnable", Bool),
+                ("PRE", Dint),
+                ("Reset", Bool),
+                ("EnableOut", Bool),
+                ("ACC", Dint),
+                ("EN", Bool),
+                ("TT", Bool),
+                ("DN", Bool),
+                ("Status", Dint),
+                ("__Last", Dint),
+            ],
+        ),
+        plain(
+            "FBD_COUNTER",
+            0xF93,
+            &[
+                ("EnableIn", Bool),
+                ("CUEnable", Bool),
+                ("CDEnable", Bool),
+                ("PRE", Dint),
+                ("Reset", Bool),
+                ("EnableOut", Bool),
+                ("ACC", Dint),
+                ("CU", Bool),
+                ("CD", Bool),
+                ("DN", Bool),
+                ("OV", Bool),
+                ("UN", Bool),
+            ],
+        ),
+        plain(
+            "FBD_BIT_FIELD_DISTRIBUTE",
+            0xF94,
+            &[
+                ("EnableIn", Bool),
+                ("Source", Dint),
+                ("SourceBit", Dint),
+                ("Length", Dint),
+                ("DestBit", Dint),
+                ("Target", Dint),
+                ("EnableOut", Bool),
+                ("Dest", Dint),
+            ],
+        ),
+        plain(
+            "FBD_MASKED_MOVE",
+            0xF95,
+            &[
+                ("EnableIn", Bool),
+                ("Source", Dint),
+                ("Mask", Dint),
+                ("Target", Dint),
+                ("EnableOut", Bool),
+                ("Dest", Dint),
+            ],
+        ),
+    ]
+}
+
+/// Most structures within one another.
+const MAX_NESTING: usize = 32;

@@ -1,0 +1,203 @@
+//! `simulate Cell.L5X`: the project's own tasks beside its machine, tick by tick (spec/programs.md §14).
+//!
+//! In a tick the machine begins, then the tasks that are due run and call instructions of motion at this instant, then the
+//! machine ends the tick. Nothing else happens, so two runs give the same bytes.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use arcline_routine::source::Project;
+use arcline_routine::{Cell, Condition, Fault, Finding, FindingKind, Loaded, Missing};
+
+use super::cell_tags;
+use super::output::{Files, Output, is_standard_output};
+use super::plant::Plant;
+use super::summary::Summary;
+use super::{Observer, cannot_write};
+use crate::cli::{Failure, SimulateArgs};
+
+/// Longest simulated time of a project, s.
+const LONGEST: f64 = 60.0;
+
+/// Runs a project until its condition holds.
+pub(super) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
+    // Deep projects need more stack than a thread has.
+    std::thread::scope(|scope| {
+        let run = std::thread::Builder::new().name("scan".to_owned()).stack_size(STACK);
+        let run = run.spawn_scoped(scope, || run_project(args));
+        match run.map(std::thread::ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(_)) => Err(Failure::new(1, "the simulation ended unexpectedly")),
+            Err(error) => Err(Failure::new(1, format!("no thread for the simulation: {error}"))),
+        }
+    })
+}
+
+fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
+    let file = args.program.display().to_string();
+    let text = crate::l5x::read(&args.program)?;
+    let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
+    let import = arcline_l5x::import(&text, &file).map_err(wrong)?;
+    let source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
+    let machine = &import.project.machine;
+    let mut plant = Plant::new(machine, crate::plant::image_of(&import.project));
+    let missing = if args.allow_missing {
+        Missing::Allowed
+    } else {
+        Missing::Refused
+    };
+    let Loaded { mut cell, findings } = arcline_routine::load(&source, &mut plant, missing);
+    refuse(&file, &findings, missing)?;
+    plant.show_tags(&cell);
+    let until = args.until.as_deref().map(|text| {
+        let condition = cell.condition(&source, &mut plant, text);
+        condition.map_err(|reason| Failure::usage(format!("--until {text}: {reason}")))
+    });
+    let until = until.transpose()?;
+    if let Some(seed) = args.scan_phase {
+        cell.set_phase(seed);
+    }
+    let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
+    let outputs = [&args.trace, &args.events, &args.faults, &args.tags];
+    if outputs
+        .into_iter()
+        .flatten()
+        .filter(|path| is_standard_output(path))
+        .count()
+        > 1
+    {
+        return Err(Failure::usage(
+            "only one of --trace, --events, --faults and --tags can be written to standard output",
+        ));
+    }
+    let mut files = Files {
+        trace: args.trace.as_deref().map(create).transpose()?,
+        events: args.events.as_deref().map(create).transpose()?,
+        faults: args.faults.as_deref().map(create).transpose()?,
+        summary: Summary::default(),
+    };
+    let longest = args.max.unwrap_or(LONGEST);
+    let setup = Setup {
+        source: &source,
+        sets: &args.set,
+        until: until.as_ref(),
+        longest,
+    };
+    let end = run(&mut cell, &mut plant, &setup, &mut files)?;
+    if let Some(path) = &args.tags {
+        let mut text = cell_tags::json(&cell, plant.time());
+        text.push('\n');
+        if is_standard_output(path) {
+            crate::cli::print(&text)?;
+        } else {
+            std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
+        }
+    }
+    let Files {
+        trace,
+        events,
+        faults,
+        mut summary,
+    } = files;
+    for (output, path) in [(trace, &args.trace), (events, &args.events), (faults, &args.faults)] {
+        if let (Some(output), Some(path)) = (output, path) {
+            output.finish().map_err(|error| cannot_write(path, &error))?;
+        }
+    }
+    summary.executed = plant.executed();
+    let is_done = matches!(end, End::Reached) || matches!(end, End::Time) && until.is_none();
+    eprint!("{}", summary.text(&file, machine, is_done));
+    match end {
+        End::Reached => Ok(ExitCode::SUCCESS),
+        End::Time if until.is_none() => Ok(ExitCode::SUCCESS),
+        End::Time => {
+            let condition = args.until.as_deref().unwrap_or_default();
+            Err(Failure::new(
+                3,
+                format!("{file}: {condition} did not become true in {longest} s of simulated time (--max)"),
+            ))
+        }
+        End::Fault(fault) => Err(Failure::new(1, format!("{file}: {fault}, after {} s", plant.time()))),
+    }
+}
+
+/// What of a project does not run.
+pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> {
+    let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
+    let import = arcline_l5x::import(text, file).map_err(wrong)?;
+    let source = arcline_l5x::logic(text, file).map_err(wrong)?;
+    let mut plant = Plant::new(&import.project.machine, crate::plant::image_of(&import.project));
+    Ok(arcline_routine::load(&source, &mut plant, Missing::Refused).findings)
+}
+
+/// How to run.
+struct Setup<'a> {
+    source: &'a Project,
+    /// TAG=VALUE, written before the first scan.
+    sets: &'a [String],
+    until: Option<&'a Condition>,
+    /// Longest simulated time, s.
+    longest: f64,
+}
+
+/// How a run ended.
+enum End {
+    /// The condition became true.
+    Reached,
+    /// The time passed.
+    Time,
+    /// A major fault that no routine cleared.
+    Fault(Fault),
+}
+
+fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Files) -> Result<End, Failure> {
+    files.begin(plant.machine());
+    plant.begin_tick(cell);
+    if let Err(fault) = cell.start(plant) {
+        return Ok(End::Fault(fault));
+    }
+    for set in setup.sets {
+        let (tag, value) = set
+            .split_once('=')
+            .ok_or_else(|| Failure::usage(format!("--set {set}: expected TAG=VALUE")))?;
+        // The directory and the host of this write are of a machine that is not yet running.
+        let mut directory = plant.twin();
+        cell.write(setup.source, &mut directory, plant, (tag.trim(), value.trim()))
+            .map_err(|reason| Failure::usage(format!("--set {set}: {reason}")))?;
+    }
+    let period = plant.machine().period_ns;
+    loop {
+        let scanned = cell.tick(plant.tick(), period, plant);
+        plant.end_tick(cell, files);
+        if let Err(fault) = scanned {
+            return Ok(End::Fault(fault));
+        }
+        if setup.until.is_some_and(|condition| cell.holds(condition, plant)) {
+            return Ok(End::Reached);
+        }
+        if plant.time() >= setup.longest {
+            return Ok(End::Time);
+        }
+        plant.begin_tick(cell);
+    }
+}
+
+/// Refuses a project whose parts do not all run.
+fn refuse(file: &str, findings: &[Finding], missing: Missing) -> Result<(), Failure> {
+    let blocks = |finding: &&Finding| missing == Missing::Refused || finding.kind == FindingKind::Error;
+    let count = findings.iter().filter(blocks).count();
+    for finding in findings.iter().take(SHOWN) {
+        eprintln!("{file}: {finding}");
+    }
+    match findings.iter().find(blocks) {
+        None => Ok(()),
+        Some(first) => Err(Failure::usage(format!(
+            "{file}: {first}; {count} parts of the project do not run"
+        ))),
+    }
+}
+
+/// Findings that are printed.
+const SHOWN: usize = 50;
+/// Stack of the thread that scans, bytes.
+const STACK: usize = 256 << 20;
