@@ -70,6 +70,7 @@ mod program;
 mod progress;
 mod read;
 mod refusal;
+mod series;
 mod tags;
 mod trace;
 mod write;

@@ -7,7 +7,7 @@ use tokio::time::Instant;
 
 use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, Operand, OperandIndex};
 use arcline_proto::arcline::{execution, motion::Accepted};
-use arcline_proto::cip::{CipStatus, Reply, service};
+use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{Typed, encode_operands};
 use arcline_proto::wire::Reader;
@@ -133,19 +133,8 @@ impl Client {
         control: &str,
         given: &[Given],
     ) -> Result<Execution, ClientError> {
-        let instruction = mnemonic.instruction();
-        // The service of one instruction on axes is that of another instruction on coordinate systems, so the kind of the target is
-        // looked up before the request leaves.
-        if let Some(is) = self.tag(target).await.ok().and_then(|tag| tag.object())
-            && is != instruction.object
-        {
-            let name = target.to_owned();
-            return Err(ClientError::WrongObject { mnemonic, name, is });
-        }
-        let (_, service) = instruction.service();
-        let data = encode(mnemonic, control, given)?;
-        let request = arcline_proto::cip::Request::new(service, Epath::symbol(target), data);
-        let reply = self.request(request).await?;
+        self.check_target(mnemonic, target).await?;
+        let reply = self.request(request_of(mnemonic, target, control, given)?).await?;
         if !reply.status.is_success() {
             let refusal = self.refusal(mnemonic, target, &reply).await;
             return Err(not_given(refusal, mnemonic, given));
@@ -209,8 +198,20 @@ impl Client {
         }
     }
 
+    /// Refuses a target of another kind than the instruction acts on: the service of one instruction on axes is that of another
+    /// instruction on coordinate systems, so the kind is looked up before the request leaves.
+    pub(crate) async fn check_target(&self, mnemonic: Mnemonic, target: &str) -> Result<(), ClientError> {
+        match self.tag(target).await.ok().and_then(|tag| tag.object()) {
+            Some(is) if is != mnemonic.instruction().object => {
+                let name = target.to_owned();
+                Err(ClientError::WrongObject { mnemonic, name, is })
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+
     /// The error that a refusal of an instruction means.
-    async fn refusal(&self, mnemonic: Mnemonic, target: &str, reply: &Reply) -> ClientError {
+    pub(crate) async fn refusal(&self, mnemonic: Mnemonic, target: &str, reply: &Reply) -> ClientError {
         let object = mnemonic.instruction().object;
         match (reply.status.general(), reply.status.additional()) {
             (general, [err, exerr, ..]) if general == CipStatus::VENDOR_SPECIFIC.general() => ClientError::Motion {
@@ -256,7 +257,7 @@ pub(crate) fn outcome(
 }
 
 /// Says so where the operand at fault was left out.
-fn not_given(error: ClientError, mnemonic: Mnemonic, given: &[Given]) -> ClientError {
+pub(crate) fn not_given(error: ClientError, mnemonic: Mnemonic, given: &[Given]) -> ClientError {
     let Some((err, exerr)) = error.motion() else {
         return error;
     };
@@ -282,6 +283,18 @@ fn check(control: &MotionControl, mnemonic: Option<Mnemonic>) -> Result<(), Clie
     } else {
         Ok(())
     }
+}
+
+/// The request to execute an instruction.
+pub(crate) fn request_of(
+    mnemonic: Mnemonic,
+    target: &str,
+    control: &str,
+    given: &[Given],
+) -> Result<Request, ClientError> {
+    let (_, service) = mnemonic.instruction().service();
+    let data = encode(mnemonic, control, given)?;
+    Ok(Request::new(service, Epath::symbol(target), data))
 }
 
 /// The request data of an instruction.

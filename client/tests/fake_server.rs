@@ -589,3 +589,55 @@ async fn instructions_execute_err_and_are_waited_for() {
         "no such instance"
     );
 }
+
+/// A server of another make has no series: a program executes its moves one by one.
+#[tokio::test]
+async fn moves_are_executed_one_by_one_where_there_are_no_series() {
+    let mut memory = Memory::new();
+    let system = arcline_instruction_set::predefined::coordinate_system();
+    let tag_type = TagType::scalar(system.clone());
+    let symbol = Symbol {
+        instance: memory.tags.len() as u32 + 1,
+        name: "CS1".to_owned(),
+        symbol_type: tag_type.symbol_type(),
+        ..Symbol::default()
+    };
+    let bytes = vec![0; tag_type.size()];
+    memory.tags.push((symbol, tag_type, bytes));
+    memory.templates.push(system);
+    let (_, line) = Mnemonic::Mclm.instruction().service();
+    let seen: Arc<Mutex<Vec<u8>>> = Arc::default();
+    let noted = seen.clone();
+    let handler = move |request: &Request, budget| {
+        if request.path == Epath::object(0x0305, 1) {
+            noted.lock().unwrap().push(request.service);
+            return Some(Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED));
+        }
+        if (request.service, &request.path) != (line, &Epath::symbol("CS1")) {
+            return Some(memory.handle(request, budget));
+        }
+        noted.lock().unwrap().push(request.service);
+        let control = arcline_client::MotionControl {
+            flags: Flag::Dn.mask() | Flag::Pc.mask(),
+            ..Default::default()
+        };
+        let data = [&7_u32.to_le_bytes()[..], &control.to_bytes()].concat();
+        Some(Reply::success(request.service, data))
+    };
+    let client = connect_with(Settings::default(), Box::new(handler)).await.unwrap();
+    let text = "MCLM(CS1, M, 0, [1], 5, 0);\n".repeat(3);
+    let mut runner = arcline_client::Runner::program(&client, &text).await.unwrap();
+    let mut lines = Vec::new();
+    let mut note = |event: arcline_client::Event<'_>| {
+        if let arcline_client::Event::Executed { line, .. } = event {
+            lines.push(line);
+        }
+    };
+    runner.run(&mut note).await.unwrap();
+    assert_eq!(lines, [1, 2, 3]);
+    assert_eq!(
+        *seen.lock().unwrap(),
+        [0x35, line, line, line],
+        "a series is tried once"
+    );
+}

@@ -5,7 +5,8 @@ use std::time::Duration;
 use arcline_instruction_set::{Flag, MotionControl};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
-    BoundCall, Called, Calls, Driver, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped, unmade_control,
+    BoundCall, Called, Calls, Driver, Moves, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped,
+    pause_of_queue, unmade_control,
 };
 use arcline_tag::{PathSegment, TagPath, Value};
 
@@ -14,6 +15,8 @@ use crate::{Client, ClientError, Execution, TagValue, WriteValue};
 
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
+/// Moves of a program that are executed together.
+const LONGEST_SERIES: usize = 64;
 /// Longest silence towards the server.
 const SILENCE: Duration = Duration::from_secs(30);
 
@@ -22,12 +25,24 @@ pub(super) struct Live<'r> {
     client: &'r Client,
     /// Time between two looks at a WAIT or a full queue.
     tick: Duration,
+    /// Whether the server executes series of moves, as far as is known.
+    has_series: &'r mut bool,
     on_event: &'r mut (dyn FnMut(Event<'_>) + Send),
 }
 
 impl<'r> Live<'r> {
-    pub(super) fn new(client: &'r Client, tick: Duration, on_event: &'r mut (dyn FnMut(Event<'_>) + Send)) -> Self {
-        Self { client, tick, on_event }
+    pub(super) fn new(
+        client: &'r Client,
+        tick: Duration,
+        has_series: &'r mut bool,
+        on_event: &'r mut (dyn FnMut(Event<'_>) + Send),
+    ) -> Self {
+        Self {
+            client,
+            tick,
+            has_series,
+            on_event,
+        }
     }
 }
 
@@ -83,6 +98,26 @@ impl Driver for Live<'_> {
         }
     }
 
+    fn longest_series(&self) -> usize {
+        if *self.has_series { LONGEST_SERIES } else { 1 }
+    }
+
+    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Execution, ClientError>, ClientError> {
+        if *self.has_series
+            && let Some(moves) = self.client.execute_series(series).await?
+        {
+            for (call, execution) in series.iter().zip(&moves.executed) {
+                (self.on_event)(Event::Executed {
+                    line: call.line,
+                    execution,
+                });
+            }
+            return Ok(moves);
+        }
+        *self.has_series = false;
+        self.first_move(series).await
+    }
+
     async fn call(&mut self, call: &BoundCall) -> Result<Execution, ClientError> {
         let control = call.control.as_deref().unwrap_or_default();
         let executed = self.client.execute(call.mnemonic, &call.target, control, &call.given);
@@ -97,6 +132,7 @@ impl Driver for Live<'_> {
     async fn pause(&mut self, pause: Pause<'_>) -> Result<(), ClientError> {
         match pause {
             Pause::Tick | Pause::Condition | Pause::Room(_) => tokio::time::sleep(self.tick).await,
+            Pause::Queue { depth } => tokio::time::sleep(pause_of_queue(self.tick, depth)).await,
             Pause::Motion => tokio::time::sleep(POLL).await,
             Pause::Seconds(seconds) => delay(self.client, seconds).await?,
         }

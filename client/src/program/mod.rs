@@ -108,6 +108,8 @@ pub struct Runner<'c> {
     run: ProgramRun<Execution>,
     /// Time between two looks at a WAIT or a full queue.
     tick: Duration,
+    /// Whether the server executes series of moves, as far as is known.
+    has_series: bool,
 }
 
 impl<'c> Runner<'c> {
@@ -133,7 +135,12 @@ impl<'c> Runner<'c> {
         let tick = update_period(client).await.map_err(fail)?.unwrap_or(TICK);
         program.check(&Known(&client.table()))?;
         let run = ProgramRun::new(Interpreter::new(program), Policy::default());
-        Ok(Self { client, run, tick })
+        Ok(Self {
+            client,
+            run,
+            tick,
+            has_series: true,
+        })
     }
 
     /// Continues with the next piece of a program that is read in pieces, its lines counted on from `lines_before`. The piece
@@ -199,7 +206,7 @@ impl<'c> Runner<'c> {
     /// # Errors
     /// See [`ProgramError`].
     pub async fn run(&mut self, on_event: &mut (dyn FnMut(Event<'_>) + Send)) -> Result<(), ProgramError> {
-        let mut live = Live::new(self.client, self.tick, on_event);
+        let mut live = Live::new(self.client, self.tick, &mut self.has_series, on_event);
         Ok(self.run.run(&mut live).await?)
     }
 
@@ -208,7 +215,7 @@ impl<'c> Runner<'c> {
     /// # Errors
     /// [`ProgramError::Client`] when an instruction errs while it runs, or the server is gone.
     pub async fn finish(&mut self, on_event: &mut (dyn FnMut(Event<'_>) + Send)) -> Result<(), ProgramError> {
-        let mut live = Live::new(self.client, self.tick, on_event);
+        let mut live = Live::new(self.client, self.tick, &mut self.has_series, on_event);
         Ok(self.run.finish(&mut live).await?)
     }
 }

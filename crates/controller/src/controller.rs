@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use arcline_drive::Drives;
 use arcline_instruction_set::{
-    AxisId, Call, ControlSlot, FaultSet, JogEnd, MotionControl, MotionError, Object, SystemId,
+    AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Object, SystemId,
 };
 use arcline_motion::{
     AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
@@ -22,6 +22,9 @@ pub enum Command {
     Call(Ticket, Call),
     /// The same with what the instruction has from tags.
     CallWith(Ticket, Call, CallData),
+    /// Execute a move of a series: it is refused, and its motion control tag stays as it is, when its queue has no room or a move of the
+    /// same series before it has failed.
+    CallOfSeries(Ticket, Call, Series),
     /// The rung condition of the instruction with this motion control tag is false.
     RungFalse(ControlSlot),
     /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
@@ -52,6 +55,10 @@ pub enum Command {
     /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
     StopAll,
 }
+
+/// Identifies moves that one client has sent together: the ticket of the first one. Other commands do not come between them, stops aside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Series(pub Ticket);
 
 /// A request to stop, which no command is ahead of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,6 +163,8 @@ pub struct Controller {
     drives: Box<dyn Drives>,
     next_tick: u64,
     overtaken: Overtaken,
+    /// The newest series of which a move has failed.
+    failed: Option<Series>,
 }
 
 /// Planned contours that one tick takes.
@@ -180,6 +189,7 @@ impl Controller {
             drives,
             next_tick: 0,
             overtaken: Overtaken::default(),
+            failed: None,
         }
     }
 
@@ -263,6 +273,10 @@ impl Controller {
                 let control = self.execute_with(ticket, &call, Some(data));
                 port.answer(ticket, control);
             }
+            Command::CallOfSeries(ticket, call, series) => {
+                let control = self.execute_of_series(ticket, &call, series, taken_before);
+                port.answer(ticket, control);
+            }
             Command::RungFalse(control) => self.rung_false(control),
             Command::Override { system, rate } => self.set_override(system, rate),
             Command::DynamicsBits { object, index, bits } => self.set_dynamics_bits(object, index, bits),
@@ -286,6 +300,24 @@ impl Controller {
     /// The same with what the instruction has from tags. Real-time.
     pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         self.motion.execute_with(ticket, call, data)
+    }
+
+    /// Executes a move of a series before which so many commands were taken. Real-time.
+    fn execute_of_series(&mut self, ticket: Ticket, call: &Call, series: Series, taken_before: u64) -> MotionControl {
+        if self.failed == Some(series) {
+            return MotionControl::refused(MotionError::ExecutionCollision);
+        }
+        let control = if !self.has_room(call) {
+            MotionControl::refused(MotionError::CoordinateSystemQueueFull)
+        } else if self.overtaken.refuses(call, taken_before, || self.motion.axes_of(call)) {
+            self.motion.refuse_call(ticket, call, MotionError::ExecutionCollision)
+        } else {
+            self.execute(ticket, call)
+        };
+        if control.has(Flag::Er) {
+            self.failed = Some(series);
+        }
+        control
     }
 
     /// A false rung condition. Real-time.

@@ -19,6 +19,8 @@ pub use arcline_motion::{
     AcceptedMove, ArrayWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, Event, FaultChange, Input,
     Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, Written,
 };
-pub use controller::{Command, Controller, MAX_COMMANDS_PER_TICK, Overtaking, PlannedContour, Port, StopRequest};
+pub use controller::{
+    Command, Controller, MAX_COMMANDS_PER_TICK, Overtaking, PlannedContour, Port, Series, StopRequest,
+};
 pub use drives::simulated;
 pub use snapshot::Snapshot;

@@ -207,7 +207,7 @@ impl Motion {
             return true;
         }
         let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
-        system.is_none_or(|system| !system.is_busy() || !system.travel.is_full())
+        system.is_none_or(|system| system.room() > 0)
     }
 
     /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.

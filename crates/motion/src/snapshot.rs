@@ -97,6 +97,8 @@ pub struct SystemSnapshot {
     pub time_left: Option<f64>,
     /// Share of the programmed speeds, 0 to 2.
     pub feed_override: f64,
+    /// How many moves its queue takes.
+    pub queue_room: u32,
     /// Rests of planned contours between moves that go on, since the start.
     pub contour_rests: ContourRests,
 }
@@ -121,6 +123,7 @@ impl Default for SystemSnapshot {
             path_length: 0.0,
             time_left: None,
             feed_override: 1.0,
+            queue_room: 0,
             contour_rests: ContourRests::default(),
         }
     }

@@ -232,6 +232,7 @@ pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot
         path_position: system.shown.distance,
         path_length: system.shown.length,
         feed_override: system.travel.rate(),
+        queue_room: u32::try_from(system.room()).unwrap_or(u32::MAX),
         contour_rests: system.travel.contour_rests(),
         frames: role.robot.frames,
         turns: {

@@ -322,6 +322,11 @@ impl System {
         self.activity != Activity::Idle
     }
 
+    /// How many moves it takes: one at least while it is idle.
+    pub(crate) fn room(&self) -> usize {
+        self.travel.room().max(usize::from(!self.is_busy()))
+    }
+
     /// Whether its axes turn a tool besides moving it: MCTO links it, not MCT.
     pub(crate) fn is_oriented(&self) -> bool {
         self.description.orientation.is_some() || self.wrist.is_some()

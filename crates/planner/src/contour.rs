@@ -145,12 +145,12 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Whether every pending place is taken.
     pub fn is_full(&self) -> bool {
-        self.moves.len() > self.depth
+        self.room(0) == 0
     }
 
-    /// Whether so many moves wait behind one that is not in this queue.
-    pub(crate) fn is_full_behind(&self) -> bool {
-        self.moves.len() >= self.depth
+    /// How many moves it takes until `depth` of them wait; `others`: the moves in front of it that are not in this queue.
+    pub(crate) fn room(&self, others: usize) -> usize {
+        (self.depth + 1).saturating_sub(self.moves.len() + others)
     }
 
     /// The active move of the trajectory in execution.

@@ -119,7 +119,12 @@ impl<T: Copy> Planner<T> {
 
     /// Whether every pending place is taken.
     pub fn is_full(&self) -> bool {
-        self.queue.len() >= self.depth
+        self.room() == 0
+    }
+
+    /// How many moves it takes until `depth` of them wait behind the active one.
+    pub fn room(&self) -> usize {
+        self.depth.saturating_sub(self.queue.len())
     }
 
     /// Programmed end point of the last move in the queue: where the next one begins.

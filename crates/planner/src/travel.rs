@@ -119,10 +119,14 @@ impl<T: Copy> Travel<T> {
 
     /// Whether `depth` moves wait.
     pub fn is_full(&self) -> bool {
+        self.room() == 0
+    }
+
+    /// How many moves it takes until `depth` of them wait.
+    pub fn room(&self) -> usize {
         match &self.contour {
-            Some(contour) if self.planner.active().is_some() => contour.is_full_behind(),
-            Some(contour) => contour.is_full(),
-            None => self.planner.is_full(),
+            Some(contour) => contour.room(usize::from(self.planner.active().is_some())),
+            None => self.planner.room(),
         }
     }
 

@@ -1,17 +1,15 @@
-//! Runs a program on a machine: the one loop over the [`Interpreter`]. A [`Driver`] answers its requests; the simulator, the
-//! page and the network client have one each.
-//!
-//! Everything that must be the same on all of them is here: the order of the requests, the wait for room in a queue, the
-//! reaction to errors, the end of a WAIT that cannot come true, the wait for all motion at the end. Times are in seconds.
+//! The machine on which a program runs, as the program sees it: a [`Driver`] answers the requests of a
+//! [`ProgramRun`](crate::ProgramRun). The simulator, the page and the network client have one each. Times are in seconds.
 
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
 use arcline_instruction_set::{Ending, Flag, Mnemonic, MotionControl, MotionError};
 use arcline_tag::{TagPath, Value};
 
-use crate::calls::{Called, Calls, State};
-use crate::{Answer, BoundCall, Hopeless, Interpreter, ObjectAttribute, Request, RuntimeError};
+use crate::calls::{Called, Calls};
+use crate::{BoundCall, Hopeless, ObjectAttribute, RuntimeError};
 
 /// The reaction of a coordinated move to a full queue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -79,11 +77,25 @@ pub enum Pause<'p> {
     Condition,
     /// The next tick in which there may be room for a move.
     Room(&'p BoundCall),
+    /// A part of the time in which moves of a full queue end.
+    Queue {
+        /// Moves that can wait in it.
+        depth: u32,
+    },
     /// So many seconds, 0 or more.
     Seconds(f64),
     /// A while: all statements have run, and motion of the program is still under way.
     Motion,
 }
+
+/// The pause before a program looks again for room in a full queue of so many moves, on a machine with that coarse update period: most of the
+/// queue is still full then, though its moves may be as short as a period.
+pub fn pause_of_queue(period: Duration, depth: u32) -> Duration {
+    (period * (depth / 16)).min(LONGEST_QUEUE_PAUSE).max(period)
+}
+
+/// Longest pause before a program looks again for room in a queue.
+const LONGEST_QUEUE_PAUSE: Duration = Duration::from_millis(20);
 
 /// The progress of an executed instruction.
 #[derive(Clone, PartialEq, Debug)]
@@ -133,6 +145,29 @@ pub struct Outcome {
     pub ending: Option<Ending>,
 }
 
+/// The moves of a series that were executed.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Moves<X, E> {
+    /// The executions of the first moves, in their order.
+    pub executed: Vec<X>,
+    /// Why the next one was not executed.
+    pub end: MovesEnd<E>,
+}
+
+/// Why no more moves of a series were executed.
+#[derive(Clone, PartialEq, Debug)]
+pub enum MovesEnd<E> {
+    /// The others were not sent: they are a series of their own.
+    Sent,
+    /// The queue of the next move has no room.
+    NoRoom {
+        /// Moves that can wait in it.
+        depth: u32,
+    },
+    /// The next move has failed.
+    Failed(E),
+}
+
 /// A machine on which programs run. Each method answers one [`Request`]; a driver that cannot be interrupted returns futures that
 /// are ready at once ([`immediately`]).
 // Whether the futures can go to another thread follows from the driver.
@@ -148,6 +183,18 @@ pub trait Driver {
 
     /// A statement of that line is about to make a request.
     async fn turn(&mut self, line: usize) -> Result<(), Self::Error>;
+
+    /// The same without a wait: `false` where [`Driver::turn`] would wait.
+    fn try_turn(&mut self, line: usize) -> bool {
+        let _ = line;
+        true
+    }
+
+    /// How many moves in a row, between which the program makes no other request, are executed together by [`Driver::moves`]; 1: each is
+    /// executed by [`Driver::call`] before the program continues.
+    fn longest_series(&self) -> usize {
+        1
+    }
 
     /// The value of a tag. A motion control tag that has not been made yet reads as zeros.
     async fn read(&mut self, path: &TagPath, calls: &Calls<Self::Execution>) -> Result<Reading, Self::Error>;
@@ -170,6 +217,32 @@ pub trait Driver {
     /// Executes an instruction.
     async fn call(&mut self, call: &BoundCall) -> Result<Self::Execution, Self::Error>;
 
+    /// Executes the first moves of a series in their order, one at least, up to the first that fails or finds no room in its queue. A move
+    /// that is not executed leaves no trace.
+    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
+        self.first_move(series).await
+    }
+
+    /// [`Driver::moves`] by [`Driver::has_room`] and [`Driver::call`]: the first move alone.
+    async fn first_move(&mut self, series: &[BoundCall]) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
+        let mut moves = Moves {
+            executed: Vec::new(),
+            end: MovesEnd::Sent,
+        };
+        let Some(call) = series.first() else { return Ok(moves) };
+        let full = MovesEnd::NoRoom { depth: 0 };
+        if !self.has_room(call).await? {
+            moves.end = full;
+            return Ok(moves);
+        }
+        match self.call(call).await {
+            Ok(execution) => moves.executed.push(execution),
+            Err(error) if Self::err(&error) == Some(MotionError::CoordinateSystemQueueFull.err()) => moves.end = full,
+            Err(error) => moves.end = MovesEnd::Failed(error),
+        }
+        Ok(moves)
+    }
+
     /// Lets time pass.
     async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Self::Error>;
 
@@ -188,289 +261,6 @@ pub trait Driver {
     /// An instruction erred, or was stopped by another cause than the program.
     fn report(&mut self, called: &Called<Self::Execution>, error: &Self::Error) {
         let _ = (called, error);
-    }
-}
-
-/// A program under way.
-#[derive(Debug)]
-pub struct ProgramRun<X> {
-    interpreter: Interpreter,
-    policy: Policy,
-    calls: Calls<X>,
-    /// The motion control tags that were read as settled since time last passed.
-    settled: Vec<String>,
-    /// Whether a WAIT was without hope a tick ago.
-    was_hopeless: bool,
-    /// Lines of the pieces that ran before this one.
-    lines_before: usize,
-}
-
-impl<X: Clone> ProgramRun<X> {
-    /// The program in front of its first statement.
-    pub fn new(interpreter: Interpreter, policy: Policy) -> Self {
-        Self {
-            interpreter,
-            policy,
-            calls: Calls::default(),
-            settled: Vec::new(),
-            was_hopeless: false,
-            lines_before: 0,
-        }
-    }
-
-    /// Continues with the next piece of a program that is read in pieces: its first line counts as the line behind `lines_before`
-    /// others. The piece before must have run to its end; its variables are gone, its executions are not.
-    pub fn load(&mut self, piece: Interpreter, lines_before: usize) {
-        self.interpreter = piece;
-        self.lines_before = lines_before;
-    }
-
-    /// The policy.
-    pub fn policy_mut(&mut self) -> &mut Policy {
-        &mut self.policy
-    }
-
-    /// The calls that have been executed.
-    pub fn calls(&self) -> &Calls<X> {
-        &self.calls
-    }
-
-    /// Runs the statements up to the last one. If the future is dropped, motion continues.
-    ///
-    /// # Errors
-    /// [`RunError`]: the first error that ends the program.
-    pub async fn run<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
-        let mut answer = Answer::Start;
-        let mut waits_for_room = None;
-        loop {
-            let request = self.interpreter.resume(answer).map_err(|error| RuntimeError {
-                line: error.line + self.lines_before,
-                ..error
-            })?;
-            let line = self.line();
-            let at = |error| RunError::Driver { line, error };
-            if request != Request::End {
-                driver.turn(line).await.map_err(at)?;
-            }
-            answer = match request {
-                Request::Read(path) => match driver.read(&path, &self.calls).await.map_err(at)? {
-                    Reading::Value(value) => Answer::Value(value),
-                    Reading::Settled(value) => {
-                        self.settled.extend(path.tag().map(str::to_owned));
-                        Answer::Settled(value)
-                    }
-                },
-                Request::ReadArray(path) => Answer::Array(driver.read_array(&path).await.map_err(at)?),
-                Request::Write(path, value) => {
-                    driver.write(&path, value).await.map_err(at)?;
-                    Answer::Done
-                }
-                Request::GetAttribute(of) => Answer::Value(Value::Lreal(driver.attribute(&of).await.map_err(at)?)),
-                Request::SetAttribute(of, value) => {
-                    driver.set_attribute(&of, value).await.map_err(at)?;
-                    Answer::Done
-                }
-                Request::Call(mut call) => {
-                    call.line += self.lines_before;
-                    self.was_hopeless = false;
-                    let answer = self.call(driver, &call).await.map_err(at)?;
-                    waits_for_room = (answer == Answer::QueueFull).then_some(call);
-                    answer
-                }
-                Request::NextTick => {
-                    let pause = match &waits_for_room {
-                        Some(call) => Pause::Room(call),
-                        None => self.next_tick(driver).await?,
-                    };
-                    self.pause(driver, line, pause).await?;
-                    Answer::Done
-                }
-                Request::Delay(seconds) => {
-                    self.pause(driver, line, Pause::Seconds(seconds)).await?;
-                    Answer::Done
-                }
-                Request::End => return Ok(()),
-            };
-        }
-    }
-
-    /// Waits until all motion that the program began and that has an end has come to it.
-    ///
-    /// # Errors
-    /// An instruction erred, or, unless the policy is to keep going, a fault ended its motion.
-    pub async fn finish<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
-        loop {
-            self.look(driver, Turn::First).await?;
-            self.explain(driver).await?;
-            if self.calls.running() == 0 {
-                return Ok(());
-            }
-            let line = self.line();
-            let paused = driver.pause(Pause::Motion).await;
-            paused.map_err(|error| RunError::Driver { line, error })?;
-        }
-    }
-
-    /// Line of the statement that runs, from 1.
-    fn line(&self) -> usize {
-        self.interpreter.line() + self.lines_before
-    }
-
-    async fn call<D: Driver<Execution = X>>(&mut self, driver: &mut D, call: &BoundCall) -> Result<Answer, D::Error> {
-        let waits = self.policy.queue_full == QueueFull::Wait;
-        // Before the call, so that a move that waits leaves no error in its tag.
-        let takes_place = call.mnemonic.instruction().takes_place(&call.given);
-        if waits && takes_place && !driver.has_room(call).await? {
-            return Ok(Answer::QueueFull);
-        }
-        match driver.call(call).await {
-            Ok(execution) => {
-                self.calls.add(Called::new(call, Some(execution)));
-                Ok(Answer::Done)
-            }
-            Err(error) => {
-                let Some(err) = D::err(&error) else { return Err(error) };
-                if waits && takes_place && err == MotionError::CoordinateSystemQueueFull.err() {
-                    return Ok(Answer::QueueFull);
-                }
-                let called = Called::new(call, None);
-                driver.report(&called, &error);
-                self.calls.add(called);
-                match self.policy.on_error {
-                    OnError::KeepGoing => Ok(Answer::Done),
-                    OnError::Stop => Err(error),
-                }
-            }
-        }
-    }
-
-    /// How the program waits for the next tick, unless it waits in vain.
-    async fn next_tick<D: Driver<Execution = X>>(
-        &mut self,
-        driver: &mut D,
-    ) -> Result<Pause<'static>, RunError<D::Error>> {
-        if !self.interpreter.is_hopeless() {
-            self.was_hopeless = false;
-            return Ok(if self.interpreter.is_waiting() {
-                Pause::Condition
-            } else {
-                Pause::Tick
-            });
-        }
-        // The cause that ended an instruction in this very tick is known one tick later.
-        if std::mem::replace(&mut self.was_hopeless, true)
-            && let Some(hopeless) = self.hopeless(driver).await?
-        {
-            return Err(hopeless.into());
-        }
-        Ok(Pause::Tick)
-    }
-
-    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since its tag was read.
-    async fn hopeless<D: Driver<Execution = X>>(&self, driver: &mut D) -> Result<Option<Hopeless>, RunError<D::Error>> {
-        let line = self.line();
-        let mut first = None;
-        for tag in &self.settled {
-            let called = self.calls.newest(tag);
-            let outcome = driver.outcome(tag, called).await;
-            let outcome = outcome.map_err(|error| RunError::Driver { line, error })?;
-            if !outcome.is_settled() {
-                return Ok(None);
-            }
-            let name = called.map_or(tag.as_str(), |called| called.tag.as_str());
-            let Outcome { call, control, ending } = &outcome;
-            let hopeless = Hopeless::new(line, name, *call, control, ending.as_ref());
-            // An instruction that failed explains more than one that came to its end.
-            if !outcome.is_complete() {
-                return Ok(Some(hopeless));
-            }
-            first.get_or_insert(hopeless);
-        }
-        Ok(first)
-    }
-
-    async fn pause<D: Driver<Execution = X>>(
-        &mut self,
-        driver: &mut D,
-        line: usize,
-        pause: Pause<'_>,
-    ) -> Result<(), RunError<D::Error>> {
-        self.look(driver, Turn::Next).await?;
-        self.settled.clear();
-        let paused = driver.pause(pause).await;
-        paused.map_err(|error| RunError::Driver { line, error })
-    }
-
-    /// Looks at running executions, [`Driver::LOOKS`] at most, and reports those that have erred.
-    async fn look<D: Driver<Execution = X>>(&mut self, driver: &mut D, turn: Turn) -> Result<(), RunError<D::Error>> {
-        if turn == Turn::First {
-            self.calls.look_at_first();
-        }
-        let mut running = 0;
-        for _ in 0..self.calls.running() {
-            if running == D::LOOKS {
-                break;
-            }
-            let Some((index, called)) = self.calls.next_running() else {
-                break;
-            };
-            let line = called.line;
-            let at = |error| RunError::Driver { line, error };
-            let state = match driver.progress(called).await.map_err(at)? {
-                Progress::Running => {
-                    running += 1;
-                    continue;
-                }
-                Progress::Ended => State::Over,
-                Progress::Incomplete => State::Incomplete,
-                Progress::Erred(error) => {
-                    driver.report(called, &error);
-                    if self.policy.on_error == OnError::Stop {
-                        return Err(at(error));
-                    }
-                    State::Over
-                }
-            };
-            self.calls.set(index, state);
-        }
-        Ok(())
-    }
-
-    /// Reports the motion that another cause than the program ended.
-    async fn explain<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
-        while let Some((index, called)) = self.calls.first(State::Incomplete) {
-            let line = called.line;
-            let stopped = driver.stopped(called).await;
-            let stopped = stopped.map_err(|error| RunError::Driver { line, error })?;
-            if let Some(Stopped { ending, error }) = stopped.filter(|stopped| !self.calls.is_own(&stopped.ending)) {
-                driver.report(called, &error);
-                if self.policy.on_error == OnError::Stop && matches!(ending, Ending::Fault { .. }) {
-                    return Err(RunError::Driver { line, error });
-                }
-            }
-            self.calls.set(index, State::Over);
-        }
-        Ok(())
-    }
-}
-
-/// Where a look at running executions begins.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Turn {
-    /// At the oldest one.
-    First,
-    /// Behind those of the look before.
-    Next,
-}
-
-impl Outcome {
-    /// Whether the instruction has ended, or was never executed.
-    fn is_settled(&self) -> bool {
-        self.control.has_ended() || self.control == MotionControl::default()
-    }
-
-    fn is_complete(&self) -> bool {
-        self.control.has(arcline_instruction_set::Flag::Pc)
     }
 }
 

@@ -25,15 +25,20 @@ mod interpreter;
 mod lexer;
 mod parser;
 mod program;
+mod run;
 
 pub use calls::{Called, Calls};
 pub use driver::{
-    Driver, OnError, Outcome, Pause, Policy, ProgramRun, Progress, QueueFull, Reading, RunError, Stopped, immediately,
+    Driver, Moves, MovesEnd, OnError, Outcome, Pause, Policy, Progress, QueueFull, Reading, RunError, Stopped,
+    immediately, pause_of_queue,
 };
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use hopeless::Hopeless;
 pub use interpreter::{Answer, BoundCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
 pub use program::{CallStatement, Names, ObjectAttribute, OperandText, Program, unmade_control};
+pub use run::ProgramRun;
 
+#[cfg(test)]
+mod series_tests;
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,4 @@
-//! Machine, class 0x0305: STOP, the identification of a client, and counters of commands (docs/spec/contract.md §7).
+//! Machine, class 0x0305: STOP, the identification of a client, series of moves, and counters of commands (docs/spec/contract.md §4, §7).
 //!
 //! One instance, number 1. Not the stops of single objects: those are instructions.
 
@@ -6,8 +6,9 @@ use std::fmt;
 
 use bytes::{BufMut, Bytes, BytesMut};
 
+use super::motion::Accepted;
 use super::{RequestReader, put_name, read_name};
-use crate::cip::CipStatus;
+use crate::cip::{CipStatus, REPLY_HEAD, Reply};
 use crate::wire::Reader;
 
 /// The class code.
@@ -23,6 +24,9 @@ pub mod service {
     pub const RELEASE: u8 = 0x33;
     /// Tells the server what the client is, an [`Identification`](super::Identification).
     pub const IDENTIFY: u8 = 0x34;
+    /// Executes moves of coordinate systems in their order up to the first that fails or finds no room. The data is that of a Multiple
+    /// Service Packet with the motion services, the reply data a [`SeriesReply`](super::SeriesReply).
+    pub const EXECUTE_SERIES: u8 = 0x35;
 }
 
 /// Attributes of the instance.
@@ -94,6 +98,62 @@ impl fmt::Display for Identification {
             return Ok(());
         }
         write!(f, " ({})", known.join(", "))
+    }
+}
+
+/// The reply data of [`service::EXECUTE_SERIES`]: `accepted UINT, depth UINT`, an [`Accepted`] for each of the first moves, and the reply of
+/// the next move if that has failed.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct SeriesReply {
+    /// The first moves, which were accepted.
+    pub accepted: Vec<Accepted>,
+    /// The next move was not executed as its queue has no room: moves that can wait in that queue.
+    pub full: Option<u16>,
+    /// The next move has failed.
+    pub failed: Option<Reply>,
+}
+
+impl SeriesReply {
+    /// Bytes in front of the moves.
+    const HEAD: usize = 4;
+    /// Bytes of the longest reply of a move that has failed: with ERR and EXERR.
+    const FAILED: usize = REPLY_HEAD + 2 * 2;
+
+    /// How many moves a reply of at most `budget` bytes (head included) has room for.
+    pub fn room(budget: usize) -> usize {
+        budget.saturating_sub(REPLY_HEAD + Self::HEAD + Self::FAILED) / Accepted::LEN
+    }
+
+    /// The reply data.
+    pub fn to_bytes(&self) -> Bytes {
+        let mut out = BytesMut::new();
+        out.put_u16_le(u16::try_from(self.accepted.len()).unwrap_or(u16::MAX));
+        out.put_u16_le(self.full.map_or(0, |depth| depth.max(1)));
+        for accepted in &self.accepted {
+            out.put_slice(&accepted.to_bytes());
+        }
+        if let Some(failed) = &self.failed {
+            failed.encode(&mut out);
+        }
+        out.freeze()
+    }
+
+    /// Reads reply data; `None` when it is cut.
+    pub fn decode(data: &Bytes) -> Option<Self> {
+        let mut reader = Reader::new(data);
+        let (count, depth) = (reader.u16()?, reader.u16()?);
+        let accepted = (0..count).map(|_| Accepted::decode(reader.take(Accepted::LEN)?));
+        let accepted = accepted.collect::<Option<_>>()?;
+        let rest = data.slice_ref(reader.rest());
+        Some(Self {
+            accepted,
+            full: (depth > 0).then_some(depth),
+            failed: if rest.is_empty() {
+                None
+            } else {
+                Some(Reply::decode(&rest)?)
+            },
+        })
     }
 }
 
@@ -187,6 +247,34 @@ mod tests {
             ..Identification::default()
         };
         assert_eq!(long.bounded().user.len(), Identification::LONGEST);
+    }
+
+    #[test]
+    fn replies_to_series_are_read_as_they_were_written() {
+        let accepted = |instance| Accepted {
+            instance,
+            control: [7; Accepted::CONTROL],
+        };
+        let failed = || Reply::error(0x32, CipStatus::vendor(13, 4));
+        let whole = SeriesReply {
+            accepted: vec![accepted(5), accepted(6)],
+            full: None,
+            failed: Some(failed()),
+        };
+        let full = SeriesReply {
+            full: Some(1000),
+            ..SeriesReply::default()
+        };
+        for reply in [whole.clone(), full, SeriesReply::default()] {
+            assert_eq!(SeriesReply::decode(&reply.to_bytes()), Some(reply));
+        }
+        let data = whole.to_bytes();
+        let at_an_end = 4 + 2 * Accepted::LEN;
+        for cut in (0..data.len()).filter(|cut| *cut != at_an_end) {
+            assert_eq!(SeriesReply::decode(&data.slice(..cut)), None, "{cut}");
+        }
+        let budget = REPLY_HEAD + data.len();
+        assert_eq!([SeriesReply::room(budget - 1), SeriesReply::room(budget)], [1, 2]);
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl Action {
             Self::WriteTag(_) => true,
             Self::Object(_, access) | Self::Named(access) => match access {
                 Access::Set | Access::Change => true,
-                Access::Read | Access::Late => false,
+                Access::Read | Access::Late | Access::Series => false,
             },
             Self::ReadTag(_) | Self::Motion | Self::Refused(_) => false,
         }
@@ -126,7 +126,7 @@ impl Action {
         match self {
             Self::Motion => true,
             Self::Object(_, access) | Self::Named(access) => match access {
-                Access::Late => true,
+                Access::Late | Access::Series => true,
                 Access::Read | Access::Set | Access::Change => false,
             },
             Self::ReadTag(_) | Self::WriteTag(_) | Self::Refused(_) => false,
@@ -139,7 +139,7 @@ impl Action {
             Self::WriteTag(_) => true,
             Self::Object(_, access) | Self::Named(access) => match access {
                 Access::Change => true,
-                Access::Read | Access::Set | Access::Late => false,
+                Access::Read | Access::Set | Access::Late | Access::Series => false,
             },
             Self::ReadTag(_) | Self::Motion | Self::Refused(_) => false,
         }

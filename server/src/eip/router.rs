@@ -17,6 +17,7 @@ use super::action::{Action, ParsedRequest};
 use super::context::{Context, Memory};
 use super::device::Device;
 use super::objects::motion::{self, MotionRequest};
+use super::objects::series::{self, SeriesRequest};
 use super::objects::{self, Access, Object, ObjectContext};
 use super::tags;
 use super::turns::SHORT;
@@ -39,6 +40,8 @@ enum Step<'p, 'r> {
     Done(Reply),
     /// Executes an instruction.
     Motion(MotionRequest),
+    /// Executes a series of moves.
+    Series(SeriesRequest),
     /// Asks an object for which the memory must not be held.
     Late(&'static dyn Object, &'p ParsedRequest<'r>),
 }
@@ -117,6 +120,7 @@ impl Router {
             }
             Step::Done(reply) => reply,
             Step::Motion(motion) => motion.execute(&self.device.plant, context.principal).await,
+            Step::Series(series) => series.execute(context).await,
             Step::Late(object, parsed) => self.device.plant.with_image(|image| {
                 let memory = Memory::Read(image);
                 objects::serve(object, object_context(context, memory, parsed))
@@ -236,6 +240,10 @@ fn answer<'p, 'r>(context: &Context<'_>, memory: &mut Memory<'_, '_>, parsed: &'
         Action::WriteTag(how) => tags::write(memory.reborrow(), request, target, how),
         Action::Motion => match motion::parse(context, memory.image(), request, target) {
             Ok(motion) => return Step::Motion(motion),
+            Err(status) => Reply::error(request.service, status),
+        },
+        Action::Object(_, Access::Series) => match series::parse(context, memory.image(), parsed) {
+            Ok(series) => return Step::Series(series),
             Err(status) => Reply::error(request.service, status),
         },
         Action::Object(object, Access::Late) => return Step::Late(object, parsed),

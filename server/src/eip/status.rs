@@ -63,6 +63,7 @@ fn call_status(refused: &CallRefused) -> CipStatus {
             Some(operand) => CipStatus::INVALID_PARAMETER.with(operand.0.into()),
             None => CipStatus::INVALID_PARAMETER,
         },
+        CallRefused::NotOfSeries { .. } => CipStatus::INVALID_PARAMETER,
         CallRefused::Control(ControlError::NotAMotionControl { .. } | ControlError::NotAName { .. }) => {
             CipStatus::INVALID_PARAMETER
         }

@@ -136,19 +136,11 @@ pub(super) async fn call(
     text: Option<&str>,
 ) -> Result<Accepted, Refusal> {
     let mnemonic = call.mnemonic;
-    let object = mnemonic.instruction().object;
-    let command = Command::Call(Call {
-        mnemonic,
-        target: plant.with_image(|image| image.object(object, &call.target)),
-        control: call.control.as_deref(),
-        given: &call.given,
-        text: text.map(Arc::from),
-    });
+    let command = Command::Call(command_of(plant, call, text));
     let executed = match plant.apply(principal, command).await {
         Ok(Outcome::Executed(executed)) => executed,
         Ok(_) => return Err(Refusal::call(&CallRefused::NoAnswer, mnemonic)),
-        Err(Refused::Call(refused)) => return Err(Refusal::call(&refused, mnemonic)),
-        Err(refused) => return Err(refused.into()),
+        Err(refused) => return Err(refusal(refused, mnemonic)),
     };
     if executed.control.has(Flag::Er) {
         return Err(Refusal::motion(executed.control.err, executed.control.exerr, mnemonic));
@@ -157,6 +149,26 @@ pub(super) async fn call(
         mnemonic,
         instance: executed.instance,
     })
+}
+
+/// A call as the plant takes it; `text`: its Structured Text, for the events.
+pub(super) fn command_of<'c>(plant: &Plant, call: &'c BoundCall, text: Option<&str>) -> Call<'c> {
+    let object = call.mnemonic.instruction().object;
+    Call {
+        mnemonic: call.mnemonic,
+        target: plant.with_published(|image| image.object(object, &call.target)),
+        control: call.control.as_deref(),
+        given: &call.given,
+        text: text.map(Arc::from),
+    }
+}
+
+/// A call that was refused.
+pub(super) fn refusal(refused: Refused, mnemonic: Mnemonic) -> Refusal {
+    match refused {
+        Refused::Call(refused) => Refusal::call(&refused, mnemonic),
+        refused => refused.into(),
+    }
 }
 
 pub(super) fn read_value(plant: &Plant, path: &TagPath) -> Result<Value, Refusal> {

@@ -7,8 +7,8 @@ use std::time::Duration;
 use arcline_controller::image::TagKind;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 use arcline_structured_text::{
-    BoundCall, Called, Calls, Driver, Interpreter, ObjectAttribute, Outcome, Pause, Policy, Program, ProgramRun,
-    Progress, Reading, RunError, Stopped,
+    BoundCall, Called, Calls, Driver, Interpreter, Moves, MovesEnd, ObjectAttribute, Outcome, Pause, Policy, Program,
+    ProgramRun, Progress, Reading, RunError, Stopped, pause_of_queue,
 };
 use arcline_tag::{TagPath, Value};
 use tokio::sync::watch;
@@ -18,7 +18,7 @@ use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus,
 use super::tags;
 use crate::names::ImageNames;
 use crate::plant::control::ViewerId;
-use crate::plant::{Plant, Principal};
+use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
 
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);
@@ -304,6 +304,57 @@ impl Driver for Live<'_> {
         Ok(())
     }
 
+    fn try_turn(&mut self, line: usize) -> bool {
+        if *self.mode.borrow_and_update() != Mode::Run {
+            return false;
+        }
+        self.line = line;
+        self.programs.show(State::Running, Some(line));
+        true
+    }
+
+    /// Each statement by itself while it is paused.
+    fn longest_series(&self) -> usize {
+        match *self.mode.borrow() {
+            Mode::Run => LONGEST_SERIES,
+            Mode::Pause | Mode::Step | Mode::End => 1,
+        }
+    }
+
+    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Accepted, Break>, Break> {
+        let principal = |call: &BoundCall| self.principal_of(call.line);
+        let calls: Vec<_> = series
+            .iter()
+            .map(|call| (principal(call), drive::command_of(self.plant, call, None)))
+            .collect();
+        let SeriesOutcome { executed, end } = self.plant.execute_series(&calls).await;
+        let accepted = executed.iter().zip(series).map(|(executed, call)| Accepted {
+            mnemonic: call.mnemonic,
+            instance: executed.instance,
+        });
+        let executed: Vec<Accepted> = accepted.collect();
+        let next = series.get(executed.len()).map(|call| call.mnemonic);
+        let end = match (end, next) {
+            (SeriesEnd::Erred(control), Some(mnemonic)) => {
+                MovesEnd::Failed(Refusal::motion(control.err, control.exerr, mnemonic).into())
+            }
+            (SeriesEnd::Refused(refused), Some(mnemonic)) => MovesEnd::Failed(drive::refusal(refused, mnemonic).into()),
+            (SeriesEnd::NoRoom { system }, _) => {
+                let depth = self
+                    .plant
+                    .machine()
+                    .systems
+                    .get(usize::from(system))
+                    .map_or(0, |system| system.queue_depth);
+                MovesEnd::NoRoom {
+                    depth: u32::try_from(depth).unwrap_or(u32::MAX),
+                }
+            }
+            (_, _) => MovesEnd::Sent,
+        };
+        Ok(Moves { executed, end })
+    }
+
     /// The value of a tag; of a motion control tag that the program has used, whether it can still change.
     async fn read(&mut self, path: &TagPath, calls: &Calls<Accepted>) -> Result<Reading, Break> {
         if let Some(called) = path.tag().and_then(|tag| calls.newest(tag)) {
@@ -359,10 +410,10 @@ impl Driver for Live<'_> {
 
     /// Waits, unless it is ended.
     async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Break> {
+        let tick = Duration::from_nanos(self.plant.machine().period_ns).max(LEAST_TICK);
         let time = match pause {
-            Pause::Tick | Pause::Condition | Pause::Room(_) => {
-                Duration::from_nanos(self.plant.machine().period_ns).max(LEAST_TICK)
-            }
+            Pause::Tick | Pause::Condition | Pause::Room(_) => tick,
+            Pause::Queue { depth } => pause_of_queue(tick, depth),
             Pause::Seconds(seconds) => Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX),
             Pause::Motion => POLL,
         };
@@ -433,11 +484,16 @@ impl Driver for Live<'_> {
 }
 
 impl Live<'_> {
-    /// The principal of what a statement does.
+    /// The principal of what the statement that runs does.
     fn principal(&self) -> Principal {
+        self.principal_of(self.line)
+    }
+
+    /// The principal of what the statement of a line does.
+    fn principal_of(&self, line: usize) -> Principal {
         Principal::Program {
             viewer: self.viewer,
-            line: u32::try_from(self.line).unwrap_or(u32::MAX),
+            line: u32::try_from(line).unwrap_or(u32::MAX),
         }
     }
 

@@ -7,7 +7,7 @@
 
 use arcline_config::Role;
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
-use arcline_controller::{Ticket, UNNAMED};
+use arcline_controller::{Series, Ticket, UNNAMED};
 use arcline_instruction_set::{SystemId, bind};
 use arcline_tag::{DataType, TagPath, Value};
 use tokio::sync::oneshot;
@@ -15,6 +15,7 @@ use tokio::sync::oneshot;
 use super::command::{Call, Command, Outcome, Refused, Systems};
 use super::control::MotionObject;
 use super::records::instance_of;
+use super::series::{LONGEST_SERIES, SeriesEnd};
 use super::state::State;
 use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Right, Shared, policy};
 use crate::retained::{NotPersisted, WhenPersisted};
@@ -34,6 +35,8 @@ pub struct Transaction<'t> {
     pending: Pending,
     /// Whether something was changed that is kept over a restart.
     retained: bool,
+    /// The series that the instructions belong to.
+    series: Option<Series>,
 }
 
 /// The instructions and writes of a transaction that are not answered or not in the file of the retained state yet.
@@ -94,6 +97,7 @@ impl Plant {
             edges: Vec::new(),
             pending: Pending::default(),
             retained: false,
+            series: None,
         };
         transaction.update_room();
         let result = work(&mut transaction);
@@ -122,7 +126,7 @@ impl Plant {
         }
     }
 
-    async fn settle(&self, pending: Pending) -> Result<(), Unsettled> {
+    pub(super) async fn settle(&self, pending: Pending) -> Result<(), Unsettled> {
         let Pending { answers, kept } = pending;
         let (tickets, receivers): (Vec<Ticket>, Vec<_>) = answers.into_iter().unzip();
         let all = async {
@@ -148,7 +152,7 @@ impl Plant {
 }
 
 /// Why a transaction is not done.
-enum Unsettled {
+pub(super) enum Unsettled {
     NoAnswer,
     NotPersisted,
 }
@@ -157,6 +161,29 @@ impl Transaction<'_> {
     /// The tags as they are now.
     pub fn image(&self) -> &Image {
         self.state.image()
+    }
+
+    /// Sends the first moves of a series: as many as find room and are not refused. The number of moves sent, and the end of the series.
+    pub(super) fn send_series(&mut self, moves: &[(Principal, Call<'_>)]) -> (Vec<u32>, SeriesEnd) {
+        self.series = Some(self.state.series());
+        let mut sent = Vec::with_capacity(moves.len().min(LONGEST_SERIES));
+        for (principal, call) in moves.iter().take(LONGEST_SERIES) {
+            let system = call.target.map(SystemId);
+            if let Some(system) = system
+                && self.state.queue_room(system) == 0
+            {
+                return (sent, SeriesEnd::NoRoom { system });
+            }
+            self.principal = *principal;
+            match self.apply(Command::Call(call.clone())) {
+                Ok(Outcome::Begun(instance)) => sent.push(instance),
+                Ok(_) => {}
+                // Those that wait are answered soon.
+                Err(Refused::Call(CallRefused::Busy)) if !sent.is_empty() => break,
+                Err(refused) => return (sent, SeriesEnd::Refused(refused)),
+            }
+        }
+        (sent, SeriesEnd::Sent)
     }
 
     /// Executes a command. An instruction is sent and not waited for.
@@ -300,6 +327,9 @@ impl Transaction<'_> {
             given,
             text,
         } = call;
+        if self.series.is_some() && !mnemonic.instruction().joins_series(given) {
+            return Err(CallRefused::NotOfSeries { mnemonic }.into());
+        }
         // The edges of earlier writes go first.
         self.send_edges();
         if !self.state.has_room(mnemonic) {
@@ -310,7 +340,7 @@ impl Transaction<'_> {
         if let Some(name) = control {
             call.control = self.state.image_mut().control_slot(name).map_err(CallRefused::from)?;
         }
-        let (ticket, answer) = self.state.send(self.principal, text, call);
+        let (ticket, answer) = self.state.send(self.principal, text, call, self.series);
         self.pending.answers.push((ticket, answer));
         self.update_room();
         Ok(Outcome::Begun(instance_of(ticket)))

@@ -28,6 +28,7 @@ mod rights;
 #[cfg(test)]
 mod role_tests;
 pub(crate) mod roles;
+mod series;
 mod state;
 
 use std::ops::{Deref, DerefMut};
@@ -41,7 +42,7 @@ use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, Ticket};
 use arcline_instruction_set::predefined::motion_status;
-use arcline_instruction_set::{AxisId, BindError, Ending, MotionControl};
+use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
@@ -70,6 +71,7 @@ pub use rights::Right;
 #[cfg(test)]
 pub(crate) use rights::page as rights_page;
 use roles::Roles;
+pub use series::{LONGEST_SERIES, SeriesEnd, SeriesOutcome};
 use state::{OUTSTANDING, Observers, Published, State, may_run};
 
 /// The running machine. Clones are the same one.
@@ -105,6 +107,12 @@ pub enum CallRefused {
     /// The name cannot be its motion control tag, or no more such tags can be made.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// It cannot be one of a series.
+    #[error("{mnemonic} with these operands cannot be one of a series: a series has lines and arcs that do not merge")]
+    NotOfSeries {
+        /// The instruction.
+        mnemonic: Mnemonic,
+    },
     /// Too many calls wait for the controller.
     #[error("{OUTSTANDING} calls wait for the controller already, try again")]
     Busy,

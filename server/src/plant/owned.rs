@@ -154,7 +154,7 @@ impl State {
         let given = [Given::Word(what.to_owned())];
         match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
             // Its answer is not waited for.
-            Ok(call) if self.has_room(mnemonic) => drop(self.send(Principal::Server, None, call)),
+            Ok(call) if self.has_room(mnemonic) => drop(self.send(Principal::Server, None, call, None)),
             Ok(_) => {
                 tracing::error!("too many instructions wait for the controller: everything is stopped");
                 self.link.stops.stop_all();

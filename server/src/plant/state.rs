@@ -9,7 +9,7 @@ use std::time::Duration;
 use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
 use arcline_controller::machine::{DynamicsBits, Machine};
-use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Ticket};
+use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Series, Ticket};
 use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
 };
@@ -347,12 +347,30 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
+    /// A series of the moves that are sent next.
+    pub(super) fn series(&self) -> Series {
+        Series(Ticket(self.next_ticket))
+    }
+
+    /// How many moves can be sent to a coordinate system, as far as the snapshot shows.
+    pub(super) fn queue_room(&mut self, system: SystemId) -> usize {
+        let snapshot = self.link.snapshots.output_buffer();
+        let shown = snapshot
+            .systems
+            .get(system.index())
+            .map_or(0, |system| system.queue_room);
+        let shown = usize::try_from(shown).unwrap_or(usize::MAX);
+        // Of the calls that wait, any may be a move of this system. One is sent all the same: calls of others may always wait.
+        shown.saturating_sub(self.waiting.len()).max(shown.min(1))
+    }
+
     /// Sends a call; the receiver has its answer when DN, ER or IP is set.
     pub(super) fn send(
         &mut self,
         principal: Principal,
         text: Option<Arc<str>>,
         call: Call,
+        series: Option<Series>,
     ) -> (Ticket, oneshot::Receiver<()>) {
         let lane = Lane::of(call.mnemonic);
         if self.later.rungs.remove(&call.control) {
@@ -366,9 +384,10 @@ impl State {
         if let Some(staged) = staged {
             self.staged.insert(ticket, staged);
         }
-        let command = match data {
-            None => Command::Call(ticket, call),
-            Some(data) => Command::CallWith(ticket, call, data),
+        let command = match (data, series) {
+            (None, None) => Command::Call(ticket, call),
+            (None, Some(series)) => Command::CallOfSeries(ticket, call, series),
+            (Some(data), _) => Command::CallWith(ticket, call, data),
         };
         self.push(lane, command);
         self.motion_tickets.note(ticket, &call);
@@ -598,7 +617,7 @@ impl State {
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send(principal, None, call)),
+            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send(principal, None, call, None)),
             Ok(_) => MotionError::ExecutionCollision,
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::ParameterOutOfRange(error.operand().unwrap_or(OperandIndex(0))),

@@ -703,7 +703,7 @@ impl<O: Observer> Driver for Ticks<'_, '_, O> {
         let wake = match pause {
             Pause::Condition if !self.simulation.reads_motion => Wake::Change,
             Pause::Condition => Wake::Condition,
-            Pause::Tick | Pause::Motion => Wake::Next,
+            Pause::Tick | Pause::Queue { .. } | Pause::Motion => Wake::Next,
             Pause::Room(call) => Wake::Room(Box::new(self.simulation.bind(call)?)),
             Pause::Seconds(seconds) => {
                 let nanoseconds = (seconds * 1e9).round() as u64;

@@ -1,4 +1,5 @@
 //! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
+//! Series of moves are in [`series`](super::series).
 
 use arcline_proto::arcline::machine::{self, CommandCount, Identification, attribute, service};
 use arcline_proto::cip::{CipStatus, Reply};
@@ -23,10 +24,11 @@ const fn row(code: u8, name: &'static str, access: Access, right: Right) -> OwnS
 }
 
 /// Stop alone waits for no lock.
-const SERVICES: [OwnService; 3] = [
+const SERVICES: [OwnService; 4] = [
     row(service::STOP, "Stop", Access::Read, Right::Stop),
     row(service::RELEASE, "Release", Access::Set, Right::ReleaseStop),
     row(service::IDENTIFY, "Identify", Access::Read, Right::Look),
+    row(service::EXECUTE_SERIES, "Execute Series", Access::Series, Right::Move),
 ];
 
 impl Object for MachineObject {

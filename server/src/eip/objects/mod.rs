@@ -21,6 +21,7 @@ pub(crate) mod page;
 mod port;
 mod program_name;
 mod qos;
+pub(crate) mod series;
 mod symbol;
 mod tcp_ip_interface;
 mod template;

@@ -4,7 +4,7 @@
 //! catalogue's; here bytes become [`Given`] and results become statuses.
 
 use arcline_controller::image::{Image, TagKind};
-use arcline_instruction_set::{Flag, Given, Mnemonic, Object, by_service};
+use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object, by_service};
 use arcline_proto::arcline::motion::Accepted;
 use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route};
 use arcline_proto::epath::Target;
@@ -15,7 +15,7 @@ use arcline_tag::{PathSegment, Value};
 use super::motion_objects::count;
 use crate::eip::context::Context;
 use crate::eip::status::{refusal, unknown};
-use crate::plant::{Call, Command, Outcome, Plant, Principal};
+use crate::plant::{Call, Command, Executed, Outcome, Plant, Principal, Refused};
 
 /// Bytes behind the head of a reply to an instruction that was accepted.
 pub(crate) const REPLY_DATA: usize = Accepted::LEN;
@@ -23,7 +23,7 @@ pub(crate) const REPLY_DATA: usize = Accepted::LEN;
 /// An instruction that a client asks to execute.
 #[derive(Debug)]
 pub(crate) struct MotionRequest {
-    service: u8,
+    pub(super) service: u8,
     mnemonic: Mnemonic,
     target: u16,
     /// Empty: unnamed.
@@ -72,31 +72,42 @@ pub(crate) fn is_stop(context: &Context<'_>, image: &Image, request: &Request, t
 impl MotionRequest {
     /// Executes the instruction and waits until it is verified.
     pub(crate) async fn execute(&self, plant: &Plant, principal: Principal) -> Reply {
-        let call = Call {
+        match plant.apply(principal, Command::Call(self.call())).await {
+            Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => self.erred(&executed.control),
+            Ok(Outcome::Executed(executed)) => Reply::success(self.service, accepted(&executed).to_bytes()),
+            Ok(_) => Reply::success(self.service, &[][..]),
+            Err(refused) => self.refused(&refused),
+        }
+    }
+
+    /// The call.
+    pub(super) fn call(&self) -> Call<'_> {
+        Call {
             mnemonic: self.mnemonic,
             target: Some(self.target),
             control: (!self.control.is_empty()).then_some(self.control.as_str()),
             given: &self.given,
             text: None,
-        };
-        match plant.apply(principal, Command::Call(call)).await {
-            Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
-                let status = CipStatus::vendor(executed.control.err, executed.control.exerr.into());
-                Reply::error(self.service, status)
-            }
-            Ok(Outcome::Executed(executed)) => {
-                let accepted = Accepted {
-                    instance: executed.instance,
-                    control: executed.control.to_bytes(),
-                };
-                Reply::success(self.service, accepted.to_bytes())
-            }
-            Ok(_) => Reply::success(self.service, &[][..]),
-            Err(refused) => {
-                tracing::debug!(%refused, "not executed");
-                Reply::error(self.service, refusal(&refused))
-            }
         }
+    }
+
+    /// The reply to an instruction that has erred.
+    pub(super) fn erred(&self, control: &MotionControl) -> Reply {
+        Reply::error(self.service, CipStatus::vendor(control.err, control.exerr.into()))
+    }
+
+    /// The reply to an instruction that was refused.
+    pub(super) fn refused(&self, refused: &Refused) -> Reply {
+        tracing::debug!(%refused, "not executed");
+        Reply::error(self.service, refusal(refused))
+    }
+}
+
+/// An instruction that was accepted, as replies show it.
+pub(super) fn accepted(executed: &Executed) -> Accepted {
+    Accepted {
+        instance: executed.instance,
+        control: executed.control.to_bytes(),
     }
 }
 

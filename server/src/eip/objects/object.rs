@@ -128,6 +128,8 @@ pub(crate) enum Access {
     Change,
     /// Is answered when the plant's lock is free.
     Late,
+    /// Executes a series of moves, and is answered when they are verified.
+    Series,
 }
 
 /// A service of one class.

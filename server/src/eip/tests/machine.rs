@@ -71,7 +71,7 @@ async fn stop_is_a_service_and_holds_until_it_is_released() {
     let refused: [(&str, Request, (u8, u16)); 4] = [
         ("data behind it",   service_of(own::STOP, &[1]),    (0x15, 0)),
         ("data of Release",  service_of(own::RELEASE, &[1]), (0x15, 0)),
-        ("a service of none", service_of(0x35, &[]),         (0x08, 0)),
+        ("a service of none", service_of(0x36, &[]),         (0x08, 0)),
         ("the class",        Request::new(own::STOP, Epath::object(machine::CLASS, 0), Bytes::new()), (0x08, 0)),
     ];
     for (why, request, status) in refused {

@@ -111,7 +111,9 @@ impl Refusal {
     pub(crate) fn call(refused: &CallRefused, mnemonic: Mnemonic) -> Self {
         let operand = match refused {
             CallRefused::Bind(error) => error.operand(),
-            CallRefused::Control(_) | CallRefused::Busy | CallRefused::NoAnswer => None,
+            CallRefused::Control(_) | CallRefused::NotOfSeries { .. } | CallRefused::Busy | CallRefused::NoAnswer => {
+                None
+            }
         };
         Self {
             member: operand.and_then(|operand| member(mnemonic, operand)),

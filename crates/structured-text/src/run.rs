@@ -1,0 +1,377 @@
+//! Runs a program on a machine: the one loop over the [`Interpreter`]. A [`Driver`] answers its requests.
+//!
+//! Everything that must be the same on all drivers is here: the order of the requests, the wait for room in a queue, the
+//! reaction to errors, the end of a WAIT that cannot come true, the wait for all motion at the end. Times are in seconds.
+//!
+//! Moves between which a program makes no other request are a series: they are executed together, in their order, before the next request of
+//! another kind. So no statement can tell them from moves that were executed one after the other; only the line that runs is ahead of them.
+
+use arcline_instruction_set::{Ending, MotionControl, MotionError};
+
+use arcline_tag::Value;
+
+use crate::calls::{Called, Calls, State};
+use crate::driver::{
+    Driver, Moves, MovesEnd, OnError, Outcome, Pause, Policy, Progress, QueueFull, Reading, RunError, Stopped,
+};
+use crate::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError};
+
+/// A program under way.
+#[derive(Debug)]
+pub struct ProgramRun<X> {
+    interpreter: Interpreter,
+    policy: Policy,
+    calls: Calls<X>,
+    /// The motion control tags that were read as settled since time last passed.
+    settled: Vec<String>,
+    /// Whether a WAIT was without hope a tick ago.
+    was_hopeless: bool,
+    /// Lines of the pieces that ran before this one.
+    lines_before: usize,
+    /// Moves that the program has called and that are executed together before its next request.
+    series: Vec<BoundCall>,
+}
+
+impl<X: Clone> ProgramRun<X> {
+    /// The program in front of its first statement.
+    pub fn new(interpreter: Interpreter, policy: Policy) -> Self {
+        Self {
+            interpreter,
+            policy,
+            calls: Calls::default(),
+            settled: Vec::new(),
+            was_hopeless: false,
+            lines_before: 0,
+            series: Vec::new(),
+        }
+    }
+
+    /// Continues with the next piece of a program that is read in pieces: its first line counts as the line behind `lines_before`
+    /// others. The piece before must have run to its end; its variables are gone, its executions are not.
+    pub fn load(&mut self, piece: Interpreter, lines_before: usize) {
+        self.series.clear();
+        self.interpreter = piece;
+        self.lines_before = lines_before;
+    }
+
+    /// The policy.
+    pub fn policy_mut(&mut self) -> &mut Policy {
+        &mut self.policy
+    }
+
+    /// The calls that have been executed.
+    pub fn calls(&self) -> &Calls<X> {
+        &self.calls
+    }
+
+    /// Runs the statements up to the last one. If the future is dropped, motion continues.
+    ///
+    /// # Errors
+    /// [`RunError`]: the first error that ends the program.
+    pub async fn run<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
+        let mut answer = Answer::Start;
+        let mut waits_for_room = None;
+        loop {
+            let request = match self.interpreter.resume(answer) {
+                Ok(request) => request,
+                Err(error) => {
+                    self.execute_series(driver).await?;
+                    let line = error.line + self.lines_before;
+                    return Err(RuntimeError { line, ..error }.into());
+                }
+            };
+            let line = self.line();
+            let at = |error| RunError::Driver { line, error };
+            let is_full = self.series.len() >= driver.longest_series();
+            if is_full || !self.joins_series(driver, &request) || !driver.try_turn(line) {
+                self.execute_series(driver).await?;
+            }
+            if request != Request::End {
+                driver.turn(line).await.map_err(at)?;
+            }
+            let joins = self.joins_series(driver, &request);
+            answer = match request {
+                Request::Read(path) => match driver.read(&path, &self.calls).await.map_err(at)? {
+                    Reading::Value(value) => Answer::Value(value),
+                    Reading::Settled(value) => {
+                        self.settled.extend(path.tag().map(str::to_owned));
+                        Answer::Settled(value)
+                    }
+                },
+                Request::ReadArray(path) => Answer::Array(driver.read_array(&path).await.map_err(at)?),
+                Request::Write(path, value) => {
+                    driver.write(&path, value).await.map_err(at)?;
+                    Answer::Done
+                }
+                Request::GetAttribute(of) => Answer::Value(Value::Lreal(driver.attribute(&of).await.map_err(at)?)),
+                Request::SetAttribute(of, value) => {
+                    driver.set_attribute(&of, value).await.map_err(at)?;
+                    Answer::Done
+                }
+                Request::Call(mut call) => {
+                    call.line += self.lines_before;
+                    self.was_hopeless = false;
+                    if joins {
+                        self.series.push(call);
+                        answer = Answer::Done;
+                        continue;
+                    }
+                    let answer = self.call(driver, &call).await.map_err(at)?;
+                    waits_for_room = (answer == Answer::QueueFull).then_some(call);
+                    answer
+                }
+                Request::NextTick => {
+                    let pause = match &waits_for_room {
+                        Some(call) => Pause::Room(call),
+                        None => self.next_tick(driver).await?,
+                    };
+                    self.pause(driver, line, pause).await?;
+                    Answer::Done
+                }
+                Request::Delay(seconds) => {
+                    self.pause(driver, line, Pause::Seconds(seconds)).await?;
+                    Answer::Done
+                }
+                Request::End => return Ok(()),
+            };
+        }
+    }
+
+    /// Waits until all motion that the program began and that has an end has come to it.
+    ///
+    /// # Errors
+    /// An instruction erred, or, unless the policy is to keep going, a fault ended its motion.
+    pub async fn finish<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
+        loop {
+            self.look(driver, Turn::First).await?;
+            self.explain(driver).await?;
+            if self.calls.running() == 0 {
+                return Ok(());
+            }
+            let line = self.line();
+            let paused = driver.pause(Pause::Motion).await;
+            paused.map_err(|error| RunError::Driver { line, error })?;
+        }
+    }
+
+    /// Line of the statement that runs, from 1.
+    fn line(&self) -> usize {
+        self.interpreter.line() + self.lines_before
+    }
+
+    /// Whether a request is a move that is executed together with those before and behind it.
+    fn joins_series<D: Driver<Execution = X>>(&self, driver: &D, request: &Request) -> bool {
+        let Request::Call(call) = request else { return false };
+        self.policy.queue_full == QueueFull::Wait
+            && driver.longest_series() > 1
+            && call.mnemonic.instruction().joins_series(&call.given)
+    }
+
+    /// Executes the moves that the program has called; waits where a queue has no room.
+    async fn execute_series<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
+        let series = std::mem::take(&mut self.series);
+        let (mut left, mut most) = (series.as_slice(), usize::MAX);
+        while let Some(first) = left.first() {
+            let at = |error| RunError::Driver {
+                line: first.line,
+                error,
+            };
+            let together = left.get(..most.min(left.len())).unwrap_or(left);
+            let Moves { executed, end } = driver.moves(together).await.map_err(at)?;
+            let count = executed.len();
+            for (call, execution) in left.iter().zip(executed) {
+                self.calls.add(Called::new(call, Some(execution)));
+            }
+            left = left.get(count..).unwrap_or_default();
+            let (failed, next) = match (end, left.split_first()) {
+                (MovesEnd::Failed(error), Some((failed, next))) => ((failed, error), next),
+                (MovesEnd::NoRoom { depth }, Some((next, _))) => {
+                    // More would not find room either.
+                    most = usize::try_from(depth).unwrap_or(usize::MAX).saturating_add(1);
+                    self.pause(driver, next.line, Pause::Queue { depth }).await?;
+                    continue;
+                }
+                (_, _) => continue,
+            };
+            let (call, error) = failed;
+            self.erred(driver, call, error)
+                .map_err(|error| RunError::Driver { line: call.line, error })?;
+            left = next;
+        }
+        // Its memory is used again.
+        self.series = series;
+        self.series.clear();
+        Ok(())
+    }
+
+    /// An instruction has failed: the error ends the program, unless the policy is to keep going.
+    fn erred<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        call: &BoundCall,
+        error: D::Error,
+    ) -> Result<(), D::Error> {
+        if D::err(&error).is_none() {
+            return Err(error);
+        }
+        let called = Called::new(call, None);
+        driver.report(&called, &error);
+        self.calls.add(called);
+        match self.policy.on_error {
+            OnError::KeepGoing => Ok(()),
+            OnError::Stop => Err(error),
+        }
+    }
+
+    async fn call<D: Driver<Execution = X>>(&mut self, driver: &mut D, call: &BoundCall) -> Result<Answer, D::Error> {
+        let waits = self.policy.queue_full == QueueFull::Wait;
+        // Before the call, so that a move that waits leaves no error in its tag.
+        let takes_place = call.mnemonic.instruction().takes_place(&call.given);
+        if waits && takes_place && !driver.has_room(call).await? {
+            return Ok(Answer::QueueFull);
+        }
+        match driver.call(call).await {
+            Ok(execution) => {
+                self.calls.add(Called::new(call, Some(execution)));
+                Ok(Answer::Done)
+            }
+            Err(error) => {
+                let full = MotionError::CoordinateSystemQueueFull.err();
+                if waits && takes_place && D::err(&error) == Some(full) {
+                    return Ok(Answer::QueueFull);
+                }
+                self.erred(driver, call, error)?;
+                Ok(Answer::Done)
+            }
+        }
+    }
+
+    /// How the program waits for the next tick, unless it waits in vain.
+    async fn next_tick<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+    ) -> Result<Pause<'static>, RunError<D::Error>> {
+        if !self.interpreter.is_hopeless() {
+            self.was_hopeless = false;
+            return Ok(if self.interpreter.is_waiting() {
+                Pause::Condition
+            } else {
+                Pause::Tick
+            });
+        }
+        // The cause that ended an instruction in this very tick is known one tick later.
+        if std::mem::replace(&mut self.was_hopeless, true)
+            && let Some(hopeless) = self.hopeless(driver).await?
+        {
+            return Err(hopeless.into());
+        }
+        Ok(Pause::Tick)
+    }
+
+    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since its tag was read.
+    async fn hopeless<D: Driver<Execution = X>>(&self, driver: &mut D) -> Result<Option<Hopeless>, RunError<D::Error>> {
+        let line = self.line();
+        let mut first = None;
+        for tag in &self.settled {
+            let called = self.calls.newest(tag);
+            let outcome = driver.outcome(tag, called).await;
+            let outcome = outcome.map_err(|error| RunError::Driver { line, error })?;
+            if !outcome.is_settled() {
+                return Ok(None);
+            }
+            let name = called.map_or(tag.as_str(), |called| called.tag.as_str());
+            let Outcome { call, control, ending } = &outcome;
+            let hopeless = Hopeless::new(line, name, *call, control, ending.as_ref());
+            // An instruction that failed explains more than one that came to its end.
+            if !outcome.is_complete() {
+                return Ok(Some(hopeless));
+            }
+            first.get_or_insert(hopeless);
+        }
+        Ok(first)
+    }
+
+    async fn pause<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        line: usize,
+        pause: Pause<'_>,
+    ) -> Result<(), RunError<D::Error>> {
+        self.look(driver, Turn::Next).await?;
+        self.settled.clear();
+        let paused = driver.pause(pause).await;
+        paused.map_err(|error| RunError::Driver { line, error })
+    }
+
+    /// Looks at running executions, [`Driver::LOOKS`] at most, and reports those that have erred.
+    async fn look<D: Driver<Execution = X>>(&mut self, driver: &mut D, turn: Turn) -> Result<(), RunError<D::Error>> {
+        if turn == Turn::First {
+            self.calls.look_at_first();
+        }
+        let mut running = 0;
+        for _ in 0..self.calls.running() {
+            if running == D::LOOKS {
+                break;
+            }
+            let Some((index, called)) = self.calls.next_running() else {
+                break;
+            };
+            let line = called.line;
+            let at = |error| RunError::Driver { line, error };
+            let state = match driver.progress(called).await.map_err(at)? {
+                Progress::Running => {
+                    running += 1;
+                    continue;
+                }
+                Progress::Ended => State::Over,
+                Progress::Incomplete => State::Incomplete,
+                Progress::Erred(error) => {
+                    driver.report(called, &error);
+                    if self.policy.on_error == OnError::Stop {
+                        return Err(at(error));
+                    }
+                    State::Over
+                }
+            };
+            self.calls.set(index, state);
+        }
+        Ok(())
+    }
+
+    /// Reports the motion that another cause than the program ended.
+    async fn explain<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
+        while let Some((index, called)) = self.calls.first(State::Incomplete) {
+            let line = called.line;
+            let stopped = driver.stopped(called).await;
+            let stopped = stopped.map_err(|error| RunError::Driver { line, error })?;
+            if let Some(Stopped { ending, error }) = stopped.filter(|stopped| !self.calls.is_own(&stopped.ending)) {
+                driver.report(called, &error);
+                if self.policy.on_error == OnError::Stop && matches!(ending, Ending::Fault { .. }) {
+                    return Err(RunError::Driver { line, error });
+                }
+            }
+            self.calls.set(index, State::Over);
+        }
+        Ok(())
+    }
+}
+
+/// Where a look at running executions begins.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Turn {
+    /// At the oldest one.
+    First,
+    /// Behind those of the look before.
+    Next,
+}
+
+impl Outcome {
+    /// Whether the instruction has ended, or was never executed.
+    fn is_settled(&self) -> bool {
+        self.control.has_ended() || self.control == MotionControl::default()
+    }
+
+    fn is_complete(&self) -> bool {
+        self.control.has(arcline_instruction_set::Flag::Pc)
+    }
+}
