@@ -87,7 +87,7 @@ export class Events {
       h("summary", {},
         h("time", { title: timestamp(execution.at) }, clock(execution.began, 3)),
         h("b", {}, execution.instruction), h("span.event-tag", {}, execution.tag || "unnamed"), h("span.event-object", {}, execution.object ?? ""),
-        h("span.event-took", {}, execution.fault ? "" : duration(last.time_s - execution.began)),
+        h("span.event-took", {}, execution.fault || execution.rest ? "" : duration(last.time_s - execution.began)),
         h("span.pill", { "data-kind": kind }, word),
         execution.error ? h("span.event-error", {}, execution.error.text) : why && h(`span.event-why.${kind}`, {}, why)),
       h("p.event-when", {}, timestamp(execution.at)),
@@ -119,6 +119,7 @@ export class Events {
 
 /** The bits or faults that an event set and cleared. @param {Execution["steps"][number]} step @returns {{ set: string[], clear: string[] }} */
 function changes(step) {
+  if ("rest" in step) return { set: [], clear: [] };
   return "fault" in step ? step.fault : step;
 }
 

@@ -2,13 +2,13 @@
 
 import { Emitter } from "./emitter.js";
 
-/** @import { EndCause, Event, FaultEvent, InstructionEvent, Refusal } from "../types/protocol.js" */
+/** @import { EndCause, Event, FaultEvent, InstructionEvent, Refusal, RestEvent } from "../types/protocol.js" */
 
 /**
- * An execution of an instruction, or a change of the faults of an axis.
+ * An execution of an instruction, a change of the faults of an axis, or a rest of a planned contour on its way.
  * @typedef {object} Execution
  * @property {string | number} key
- * @property {string | null} tag Name of the motion control tag; of the axis for a fault.
+ * @property {string | null} tag Name of the motion control tag; of the axis for a fault, of the coordinate system for a rest.
  * @property {string} instruction
  * @property {string | null} object
  * @property {number} began Machine time, s.
@@ -21,6 +21,7 @@ import { Emitter } from "./emitter.js";
  * @property {(EndCause & { at: number, time: number }) | null} ended
  * @property {{ axis: string | null, words: string[] }[]} remain Faults that came again after it reset them.
  * @property {FaultEvent} [fault]
+ * @property {RestEvent} [rest]
  */
 
 const MOST = 1000;
@@ -52,6 +53,10 @@ export class Executions extends Emitter {
       this.newest = event.seq;
       if ("fault" in event) {
         this.#fault(event);
+        continue;
+      }
+      if ("rest" in event) {
+        this.#rest(event);
         continue;
       }
       const execution = this.#execution(event);
@@ -94,6 +99,11 @@ export class Executions extends Emitter {
     reset?.remain.push({ axis, words: again });
   }
 
+  /** A planned contour came to rest between moves that go on. @param {{ rest: RestEvent } & Event} event */
+  #rest(event) {
+    this.#add({ key: `rest ${event.seq}`, tag: event.rest.system, instruction: "Rest", object: "", began: event.time_s, at: event.at_ms, steps: [event], bits: new Set(), text: null, viewer: null, error: null, ended: null, remain: [], rest: event.rest });
+  }
+
   /** @param {Execution} execution */
   #add(execution) {
     this.#byKey.set(execution.key, execution);
@@ -106,6 +116,7 @@ export class Executions extends Emitter {
 /** The state of an execution: a kind for its colour, a word, and a sentence where there is more to say. @param {Execution} execution @returns {[string, string, string?]} */
 export function standing(execution) {
   if (execution.fault) return faulted(execution.fault);
+  if (execution.rest) return ["bad", execution.rest.slow === "program" ? "Program too slow" : "Planner too slow", `${execution.rest.text} (${execution.rest.count} since the start)`];
   if (execution.error || execution.bits.has("ER")) return ["bad", "Error"];
   if (execution.remain.length) {
     const faults = execution.remain.map(({ axis, words }) => `${axis} ${words.join(", ")}`).join("; ");

@@ -16,6 +16,11 @@ function fault(change) {
   return { seq, tick: seq, time_s: seq / 1000, at_ms: seq, fault: { axis: "X", set: [], again: [], clear: [], by: null, refused: null, ...change } };
 }
 
+function rest(slow, count) {
+  seq += 1;
+  return { seq, tick: seq, time_s: seq / 1000, at_ms: seq, rest: { system: "CS1", slow, count, text: "The queue was empty" } };
+}
+
 function states(...events) {
   const executions = new Executions();
   executions.take(events);
@@ -53,4 +58,11 @@ test("the list is bounded", () => {
   executions.take(Array.from({ length: 1200 }, (_, k) => event(100 + k, ["EN"])));
   assert.equal(executions.list.length, 1000);
   assert.equal(executions.list[0].key, 300);
+});
+
+test("a rest on the way tells a slow program from a slow planner", () => {
+  assert.deepEqual(states(rest("program", 1), rest("planner", 2)), ["Program too slow", "Planner too slow"]);
+  const executions = new Executions();
+  executions.take([rest("program", 3)]);
+  assert.deepEqual(standing(executions.list[0]), ["bad", "Program too slow", "The queue was empty (3 since the start)"]);
 });

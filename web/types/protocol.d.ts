@@ -474,6 +474,9 @@ export type Event = {
 } & (InstructionEvent | {
   /** The change of the faults. */
   fault: FaultEvent;
+} | {
+  /** The rest. */
+  rest: RestEvent;
 });
 
 /** Events of instructions and faults. */
@@ -749,6 +752,18 @@ export type RefusedCommand = {
   text: string;
 };
 
+/** The rest of a planned contour between moves that go on. */
+export type RestEvent = {
+  /** Rests of that cause since the start. */
+  count: number;
+  /** What was too slow: `program`, whose next move came late, or `planner`. */
+  slow: SlowPart;
+  /** The coordinate system. */
+  system: string | null;
+  /** A sentence for people. */
+  text: string;
+};
+
 /** The signals of the frames of samples. */
 export type Signals = {
   /** Time of a tick, s. */
@@ -806,6 +821,9 @@ export type SimulatedPath = {
   /** Positions of its axes, or of the tool of a robot, in position units. */
   points: number[][];
 };
+
+/** The part that was too slow. */
+export type SlowPart = "program" | "planner";
 
 /** The state of the machine. */
 export type Status = {

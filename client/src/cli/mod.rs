@@ -15,6 +15,7 @@ mod operands;
 mod output;
 mod plot;
 mod programs;
+mod rests;
 mod shell;
 mod status;
 mod sweep;

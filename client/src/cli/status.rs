@@ -10,6 +10,7 @@ use arcline_client::{
 use arcline_instruction_set::Ending;
 
 use super::output::table;
+use super::rests::Rests;
 use super::{Failure, Output};
 
 /// Tag of the real-time thread.
@@ -44,6 +45,19 @@ impl ObjectStatus {
         }
         if let (Some(mover), Some(state)) = (mover, self.row.last_mut()) {
             state.push_str(&format!(", moved by {mover}"));
+        }
+        self
+    }
+
+    /// With the rests of planned contours on the way, on a server that counts them.
+    fn rested(mut self, rests: Option<&Rests>) -> Self {
+        let Some(rests) = rests else { return self };
+        if let Some(object) = self.object.as_object_mut() {
+            object.insert("rests".to_owned(), rests.json());
+        }
+        let text = rests.text();
+        if let Some(state) = self.row.last_mut().filter(|_| !text.is_empty()) {
+            state.push_str(&format!(", {text}"));
         }
         self
     }
@@ -200,10 +214,10 @@ impl StatusQuery {
     /// Reads their status, as far as possible at the same instant.
     pub(super) async fn read(&self, client: &Client) -> Result<Vec<ObjectStatus>, Failure> {
         let paths: Vec<&str> = self.objects.iter().map(|(tag, _)| tag.name.as_str()).collect();
-        let overrides = if self.objects.iter().any(|(_, kind)| *kind == Kind::System) {
-            self.overrides(client).await?
+        let (overrides, rests) = if self.objects.iter().any(|(_, kind)| *kind == Kind::System) {
+            (self.overrides(client).await?, Rests::read(client).await?)
         } else {
-            BTreeMap::new()
+            (BTreeMap::new(), Vec::new())
         };
         let mut shown = Vec::new();
         for ((tag, kind), reading) in self.objects.iter().zip(client.read_many(&paths).await?) {
@@ -222,7 +236,10 @@ impl StatusQuery {
                     };
                     let mover = self.mover(client, tag, Object::CoordinateSystem).await?;
                     let percent = overrides.get(&tag.name).copied();
-                    system(tag, &reading, axes, percent, progress).moved_by(mover.as_ref())
+                    let place = self.systems.iter().position(|name| *name == tag.name);
+                    let status = system(tag, &reading, axes, percent, progress);
+                    let status = status.rested(place.and_then(|place| rests.get(place)));
+                    status.moved_by(mover.as_ref())
                 }
                 Kind::Group => group(tag, &reading, self.is_inhibited(client).await?),
                 Kind::RealTime => real_time(tag, &reading),

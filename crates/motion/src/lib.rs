@@ -40,6 +40,7 @@ mod verify;
 
 pub use accepted::AcceptedMove;
 pub use arcline_cam as cam;
+pub use arcline_planner::ContourRests;
 pub use arcline_planner::geometry::{Path, Point};
 pub use arcline_planner::precise::Trajectory;
 pub use call_data::{Calculation, CallData, Frame, Frames, Results};

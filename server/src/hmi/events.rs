@@ -13,10 +13,10 @@ use tokio::time::sleep;
 use super::Shared;
 use super::protocol::{
     CauseKind, EndCause, Event, EventChange, EventPage, FaultEvent, InstructionEvent, Push, Refusal, RefusedCommand,
-    text_of,
+    RestEvent, SlowPart, text_of,
 };
 use crate::plant::control::MotionObject;
-use crate::plant::{Change, Executions, Logged, Plant, ending};
+use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause, ending};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -88,6 +88,9 @@ fn event(plant: &Plant, known: (&Image, &Executions), logged: &Logged) -> Event 
             Change::Fault(change) => EventChange::Fault {
                 fault: fault(plant, known.0, change),
             },
+            Change::Rest(rest) => EventChange::Rest {
+                rest: rest_event(plant, rest),
+            },
         },
     }
 }
@@ -141,6 +144,27 @@ fn fault(plant: &Plant, image: &Image, change: &FaultChange) -> FaultEvent {
             last: command.last,
             asked: command.asked,
         }),
+    }
+}
+
+/// A rest on the way.
+fn rest_event(plant: &Plant, rest: &Rest) -> RestEvent {
+    let system = plant.machine().systems.get(usize::from(rest.system));
+    let (slow, text) = match rest.cause {
+        RestCause::Starved => (
+            SlowPart::Program,
+            "The queue was empty: the program sent its next move too late",
+        ),
+        RestCause::Unplanned => (
+            SlowPart::Planner,
+            "Moves waited in the queue, but their plan was not ready in time",
+        ),
+    };
+    RestEvent {
+        system: system.map(|system| system.name.clone()),
+        slow,
+        count: rest.count,
+        text,
     }
 }
 

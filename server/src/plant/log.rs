@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, SystemTime};
 
 use arcline_controller::{Event, FaultChange};
+use arcline_instruction_set::SystemId;
 
 /// The newest changes.
 #[derive(Debug)]
@@ -36,6 +37,30 @@ pub enum Change {
     },
     /// A change of the faults of an axis.
     Fault(FaultChange),
+    /// A planned contour came to rest between moves that go on.
+    Rest(Rest),
+}
+
+/// The rest of a planned contour between moves that go on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Rest {
+    /// The tick in which it was counted.
+    pub tick: u64,
+    /// The coordinate system.
+    pub system: SystemId,
+    /// Why.
+    pub cause: RestCause,
+    /// Rests of the system from that cause since the start.
+    pub count: u32,
+}
+
+/// Why a planned contour came to rest between moves that go on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum RestCause {
+    /// The queue was empty: the program sent its next move too late.
+    Starved,
+    /// The plan of the moves that waited was not ready in time.
+    Unplanned,
 }
 
 impl Change {
@@ -44,6 +69,7 @@ impl Change {
         match self {
             Change::Instruction { event, .. } => event.tick,
             Change::Fault(change) => change.tick,
+            Change::Rest(rest) => rest.tick,
         }
     }
 }

@@ -59,7 +59,7 @@ use control::Control;
 use counters::Counters;
 pub use counters::{Count, Counter};
 pub use io::View;
-pub use log::{Change, Logged};
+pub use log::{Change, Logged, Rest, RestCause};
 pub use movers::{Mover, Movers};
 pub use moves::{LiveMove, LiveMoves};
 pub use owned::Lost;

@@ -9,7 +9,7 @@ use std::time::Duration;
 use arc_swap::ArcSwap;
 use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
 use arcline_controller::machine::{DynamicsBits, Machine};
-use arcline_controller::{Command, Input, MAX_COMMANDS_PER_TICK, Series, Ticket};
+use arcline_controller::{Command, ContourRests, Input, MAX_COMMANDS_PER_TICK, Series, Ticket};
 use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
 };
@@ -18,7 +18,7 @@ use tokio::sync::oneshot;
 
 use super::changes::ChangeLog;
 use super::io::View;
-use super::log::{Change, Log};
+use super::log::{Change, Log, Rest, RestCause};
 use super::movers::{MotionTickets, Movers};
 use super::moves::LiveMoves;
 use super::owned::Owned;
@@ -78,6 +78,8 @@ pub(super) struct State {
     injected: Vec<FaultSet>,
     /// The Dynamics Configuration Bits that the controller has been sent.
     dynamics_bits: Vec<(Object, u16, DynamicsBits)>,
+    /// The rests on the way that are in the log.
+    rests: Vec<ContourRests>,
     /// Sees what is kept over a restart.
     pub(super) watch: Option<ChangeTracker>,
     /// Sees what triggers it.
@@ -182,6 +184,7 @@ impl State {
             motion_tickets: MotionTickets::new(machine),
             lost: 0,
             inhibited: false,
+            rests: vec![ContourRests::default(); machine.systems.len()],
             watch,
             trace,
         }
@@ -307,6 +310,7 @@ impl State {
         }
         if updated {
             self.changed = true;
+            self.log_rests(tick);
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
             self.moves.settle(snapshot);
@@ -322,6 +326,30 @@ impl State {
                     "too many status changes within one tick: some of them were lost"
                 );
                 self.lost = lost;
+            }
+        }
+    }
+
+    /// Logs the rests on the way that the snapshot of a tick has counted.
+    fn log_rests(&mut self, tick: u64) {
+        let snapshot = self.link.snapshots.output_buffer();
+        let systems = SystemId::first(snapshot.systems.len()).zip(&snapshot.systems);
+        for ((system, shown), known) in systems.zip(&mut self.rests) {
+            let now = shown.contour_rests;
+            let before = std::mem::replace(known, now);
+            for (cause, before, count) in [
+                (RestCause::Starved, before.starved, now.starved),
+                (RestCause::Unplanned, before.unplanned, now.unplanned),
+            ] {
+                if before != count {
+                    let rest = Rest {
+                        tick,
+                        system,
+                        cause,
+                        count,
+                    };
+                    self.log.push(Change::Rest(rest), self.log.time_of(tick, tick));
+                }
             }
         }
     }

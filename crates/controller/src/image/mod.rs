@@ -12,6 +12,7 @@ mod calls;
 mod cam_tags;
 mod cams;
 mod changes;
+mod contour_rests;
 mod controls;
 mod encode;
 mod error;
@@ -47,6 +48,7 @@ use shared::{Kept, Memory, Shared};
 
 pub use attributes::Progress;
 pub use cams::Staged;
+pub use contour_rests::CONTOUR_RESTS_TAG;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
@@ -183,6 +185,7 @@ impl Image {
         image.add_feed_override(machine);
         image.add_fault_inject(machine);
         image.add_motion_inhibit();
+        image.add_contour_rests(machine);
         image.add_template(&predefined::motion_instruction());
         image.encoder.constants(machine, &mut image.bytes);
         image.apply_snapshot(&Snapshot::new(machine));
@@ -254,6 +257,7 @@ impl Image {
         self.snapshot_tick = snapshot.tick;
         self.show_attributes(snapshot);
         self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
+        self.show_contour_rests(snapshot);
         self.show_uses();
     }
 

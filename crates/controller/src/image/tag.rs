@@ -43,6 +43,8 @@ pub enum TagKind {
     FaultInject,
     /// Whether motion is inhibited.
     MotionInhibit,
+    /// How often the planned contours of every coordinate system have come to rest between moves that go on.
+    ContourRests,
 }
 
 /// What an alias stands for.

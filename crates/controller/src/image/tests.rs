@@ -4,7 +4,7 @@ use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{
     Argument, AxisId, Directory, FaultKind, Flag, Given, Mnemonic, MotionControl, MotionError, bind,
 };
-use arcline_motion::{CallData, Cause};
+use arcline_motion::{CallData, Cause, ContourRests};
 use arcline_tag::{Elementary, TagPath, Value};
 
 use super::*;
@@ -63,6 +63,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
         ("CS1", 4, "COORDINATE_SYSTEM", 104), ("Move1", 5, "MCLM", 368), ("Recipe", 6, "REAL", 64),
         ("Count", 7, "INT", 2), ("Label", 8, "STRING", 88), ("RealTime", 9, "REAL_TIME", 248),
         ("FeedOverride", 10, "REAL", 4), ("FaultInject", 11, "DINT", 8), ("MotionInhibit", 12, "BOOL", 1),
+        ("ContourRests", 13, "CONTOUR_RESTS", 8),
     ];
     for (name, id, data_type, size) in cases {
         let tag = image.find(&name.to_uppercase()).unwrap_or_else(|| panic!("{name}"));
@@ -93,6 +94,7 @@ fn clients_write_what_is_theirs() {
         ("Move1.EnableOut", false), ("Move1.MotionControl.FLAGS", false), ("Move1.MotionControl.DN", false),
         ("Move1.DN", false), ("Motion.GroupStatus", false), ("X.CommandPosition", false), ("X.InterpolationTime", true),
         ("V.InterpolationTime", true), ("V.AxisFault", false), ("CS1.MotionStatus", false), ("RealTime.Ticks", false),
+        ("ContourRests[0].Starved", false),
     ];
     for (text, writable) in cases {
         let before = image.clone().bytes;
@@ -291,6 +293,10 @@ fn snapshots_show_in_every_type() {
     snapshot.systems[0].status = 6;
     snapshot.systems[0].motion_status = 0x40;
     snapshot.systems[0].actual = [1.25, 2.25, 0.0, 0.0, 0.0, 0.0];
+    snapshot.systems[0].contour_rests = ContourRests {
+        starved: 3,
+        unplanned: 2,
+    };
     image.apply_snapshot(&snapshot);
     image.apply_health(&Health {
         ticks: 42,
@@ -308,6 +314,7 @@ fn snapshots_show_in_every_type() {
         ("CS1.ActualPosition[1]", 2.25), ("Motion.GroupSynced", 1.0), ("Motion.ModuleFault", 1.0),
         ("Motion.GroupOverlapFault", 1.0), ("RealTime.Ticks", 42.0), ("RealTime.Overruns", 1.0), ("RealTime.Fifo", 1.0),
         ("RealTime.Pinned", 0.0), ("RealTime.UpdatePeriod", 1.0),
+        ("ContourRests[0].Starved", 3.0), ("ContourRests[0].Unplanned", 2.0),
     ];
     for (text, expected) in cases {
         assert_eq!(number(&image, text), expected, "{text}");

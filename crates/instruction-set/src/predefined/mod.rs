@@ -67,6 +67,10 @@ predefined! {
     /// histogram counts values below 0.25 µs, bucket k ≥ 1 those from 2^(k−1) to below 2^k quarter-µs, and the
     /// last bucket, 23, also everything above (from 1.05 s). See [`histogram_bucket`].
     real_time "REAL_TIME" 0xF06 248;
+    /// CONTOUR_RESTS, 8 bytes, a type of our own: how often the planned contours of a coordinate system have come to rest between moves that
+    /// go on. Starved: its queue was empty, since the program sent its next move too late. Unplanned: the plan of the moves that waited was
+    /// not ready in time. Both since the start of the server.
+    contour_rests "CONTOUR_RESTS" 0xF0E 8;
 }
 
 /// The predefined types that plain tags can have, besides STRING.

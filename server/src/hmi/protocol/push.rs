@@ -255,6 +255,36 @@ pub(crate) enum EventChange {
         /// The change of the faults.
         fault: FaultEvent,
     },
+    /// The rest of a planned contour between moves that go on.
+    Rest {
+        /// The rest.
+        rest: RestEvent,
+    },
+}
+
+/// The rest of a planned contour between moves that go on.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RestEvent {
+    /// The coordinate system.
+    pub(crate) system: Option<String>,
+    /// What was too slow: `program`, whose next move came late, or `planner`.
+    pub(crate) slow: SlowPart,
+    /// Rests of that cause since the start.
+    pub(crate) count: u32,
+    /// A sentence for people.
+    pub(crate) text: &'static str,
+}
+
+/// The part that was too slow.
+#[derive(Serialize, Clone, Copy, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum SlowPart {
+    /// The program that sends the moves.
+    Program,
+    /// The planner.
+    Planner,
 }
 
 /// A change of an instruction's status bits.
