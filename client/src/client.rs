@@ -15,6 +15,7 @@ use arcline_proto::identity::Identity;
 use crate::ClientError;
 use crate::link::Link;
 use crate::tags::TagTable;
+use crate::tls::{TLS_PORT, Tls};
 
 /// The port of EtherNet/IP.
 pub const DEFAULT_PORT: u16 = 44818;
@@ -73,14 +74,21 @@ impl Client {
     /// # Errors
     /// As [`Client::connect`].
     pub async fn connect_with(address: &str, options: &Options) -> Result<Self, ClientError> {
-        let full = with_port(address);
-        let refused = |source| ClientError::Connect {
-            address: full.clone(),
-            source,
-        };
-        let connecting = tokio::time::timeout(options.timeout, TcpStream::connect(&full)).await;
-        let stream = connecting.unwrap_or_else(|late| Err(late.into())).map_err(refused)?;
-        stream.set_nodelay(true).map_err(refused)?;
+        let stream = connect_tcp(&with_port(address, DEFAULT_PORT), options).await?;
+        Self::over(stream, options).await
+    }
+
+    /// Connects over TLS; the port is 2221 by default. A server that refuses this client's certificate may say so only when the session is
+    /// registered.
+    ///
+    /// # Errors
+    /// As [`Client::connect`].
+    pub async fn connect_tls(address: &str, tls: &Tls, options: &Options) -> Result<Self, ClientError> {
+        let full = with_port(address, TLS_PORT);
+        let stream = connect_tcp(&full, options).await?;
+        let shaken = tokio::time::timeout(options.timeout, tls.connect(stream, &full)).await;
+        let stream = shaken.unwrap_or_else(|late| Err(late.into()));
+        let stream = stream.map_err(|source| ClientError::Connect { address: full, source })?;
         Self::over(stream, options).await
     }
 
@@ -152,8 +160,19 @@ impl Client {
     }
 }
 
+async fn connect_tcp(full: &str, options: &Options) -> Result<TcpStream, ClientError> {
+    let refused = |source| ClientError::Connect {
+        address: full.to_owned(),
+        source,
+    };
+    let connecting = tokio::time::timeout(options.timeout, TcpStream::connect(full)).await;
+    let stream = connecting.unwrap_or_else(|late| Err(late.into())).map_err(refused)?;
+    stream.set_nodelay(true).map_err(refused)?;
+    Ok(stream)
+}
+
 /// Appends the default port where there is none.
-fn with_port(address: &str) -> String {
+fn with_port(address: &str, port: u16) -> String {
     let has_port = match address.rsplit_once(':') {
         Some((host, port)) => port.parse::<u16>().is_ok() && (!host.contains(':') || host.ends_with(']')),
         None => false,
@@ -161,9 +180,9 @@ fn with_port(address: &str) -> String {
     if has_port {
         address.to_owned()
     } else if address.contains(':') && !address.starts_with('[') {
-        format!("[{address}]:{DEFAULT_PORT}")
+        format!("[{address}]:{port}")
     } else {
-        format!("{address}:{DEFAULT_PORT}")
+        format!("{address}:{port}")
     }
 }
 
@@ -180,7 +199,7 @@ mod tests {
             ("[::1]", "[::1]:44818"),
             ("[::1]:7", "[::1]:7"),
         ] {
-            assert_eq!(with_port(given), full, "{given}");
+            assert_eq!(with_port(given, super::DEFAULT_PORT), full, "{given}");
         }
     }
 }

@@ -23,6 +23,14 @@ pub enum ClientError {
         /// Why.
         source: io::Error,
     },
+    /// The files of TLS are of no use.
+    #[error("{file}: {reason}")]
+    Credentials {
+        /// The file.
+        file: String,
+        /// The reason.
+        reason: String,
+    },
     /// The connection broke, the server closed it, or this client has been closed.
     #[error("the connection is closed")]
     Closed,

@@ -72,6 +72,7 @@ mod read;
 mod refusal;
 mod series;
 mod tags;
+mod tls;
 mod trace;
 mod write;
 
@@ -94,4 +95,5 @@ pub use program::{Event, OnError, ProgramError, QueueFull, Runner, TICK};
 pub use progress::Progress;
 pub use read::MAX_BYTES;
 pub use tags::{Access, Tag};
+pub use tls::{TLS_PORT, Tls, TlsFiles};
 pub use trace::{TraceRequest, TraceRows, TraceState, Trigger};

@@ -12,6 +12,7 @@ use arcline_structured_text::QueueFull;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 
+use crate::tls::certs::{self, CertsCommand};
 use crate::{l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
@@ -48,6 +49,11 @@ enum Command {
     DefaultConfig,
     /// Turn an L5X export of Studio 5000 into a configuration.
     Import(ImportArgs),
+    /// Make, revoke and show the certificates of TLS.
+    Certs {
+        #[command(subcommand)]
+        command: CertsCommand,
+    },
     /// Write a configuration as L5X, which imports as the same project.
     Export(ExportArgs),
 }
@@ -261,6 +267,7 @@ pub fn main() -> ExitCode {
         Some(Command::DefaultConfig) => print(arcline_config::DEFAULT),
         Some(Command::Import(args)) => l5x::import(&args),
         Some(Command::Export(args)) => l5x::export(&args),
+        Some(Command::Certs { command }) => certs::run(&command),
     };
     match result {
         Ok(code) => code,

@@ -20,6 +20,7 @@ mod retained;
 mod run;
 mod simulate;
 pub mod stepped;
+mod tls;
 pub mod trace;
 
 pub use cli::main;

@@ -16,6 +16,7 @@ use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::Hmi;
 use crate::plant::Plant;
 use crate::retained::{ChangeTracker, Retained, StateWriter};
+use crate::tls::Tls;
 
 /// Runs the server until SIGTERM or SIGINT.
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
@@ -73,7 +74,13 @@ async fn serve(
     };
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     let listen = project.server.listen;
-    let settings = Settings::new(&project.server);
+    let mut settings = Settings::new(&project.server);
+    if project.server.security.tls.is_some() {
+        let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
+        let tls = Tls::new(&project.server.security, folder);
+        settings.tls = Some(tls.map_err(|error| Failure::usage(error.to_string()))?);
+    }
+    let tls = settings.tls.clone();
     let listener = bind(listen, plant.clone(), settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
@@ -82,8 +89,12 @@ async fn serve(
         None => None,
         Some(at) => Some(bind_hmi(at, plant.clone()).await?),
     };
-    ready(listener.local_addr(), hmi.as_ref().map(Hmi::local_addr))
-        .map_err(|error| failed("standard output", &error))?;
+    ready(
+        listener.local_addr(),
+        hmi.as_ref().map(Hmi::local_addr),
+        listener.tls_addr(),
+    )
+    .map_err(|error| failed("standard output", &error))?;
     let served = async {
         tokio::join!(listener.serve(), async {
             if let Some(hmi) = hmi {
@@ -95,7 +106,12 @@ async fn serve(
     loop {
         tokio::select! {
             () = &mut served => break,
-            _ = hangup.recv() => reload(&plant, config, &mut configured).await,
+            _ = hangup.recv() => {
+                if let Some(tls) = &tls {
+                    tls.reload(&plant);
+                }
+                reload(&plant, config, &mut configured).await;
+            }
             _ = terminate.recv() => {
                 tracing::info!("SIGTERM: stopping");
                 break;
@@ -202,10 +218,11 @@ async fn bind(listen: SocketAddr, plant: Plant, mut settings: Settings) -> Resul
 }
 
 /// The line that scripts wait for.
-fn ready(eip: SocketAddr, hmi: Option<SocketAddr>) -> io::Result<()> {
+fn ready(eip: SocketAddr, hmi: Option<SocketAddr>, tls: Option<SocketAddr>) -> io::Result<()> {
     let mut out = io::stdout().lock();
     let hmi = hmi.map_or_else(|| "off".to_owned(), |address| address.to_string());
-    writeln!(out, "ready eip={eip} hmi={hmi}")?;
+    let tls = tls.map_or_else(String::new, |address| format!(" tls={address}"));
+    writeln!(out, "ready eip={eip} hmi={hmi}{tls}")?;
     out.flush()
 }
 

@@ -16,6 +16,7 @@ mod output;
 mod plot;
 mod programs;
 mod rests;
+mod server;
 mod shell;
 mod status;
 mod sweep;
@@ -35,6 +36,7 @@ use arcline_client::{Client, ClientError, Ended, Identification, Mnemonic, Progr
 
 use args::{Arguments, Command, FaultCommand, LocalCommand, MachineCommand};
 use output::Output;
+use server::Server;
 
 /// Why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -206,7 +208,7 @@ fn server(matches: &ArgMatches, given: String) -> String {
 }
 
 async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
-    let server = arguments.server;
+    let server = Server::new(arguments.server, &arguments.tls)?;
     let command = match arguments.command {
         Command::Shell(command) => return shell::shell(&server, &command, output).await,
         Command::Local(command) => return local(&server, &command, output).await,
@@ -222,8 +224,8 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
 }
 
 /// A client that has told the server the product, the user and the program, which it shows beside all motion that this client begins.
-async fn connect(server: &str, program: Option<&str>) -> Result<Client, ClientError> {
-    let client = Client::connect(server).await?;
+async fn connect(server: &Server, program: Option<&str>) -> Result<Client, ClientError> {
+    let client = server.connect().await?;
     let user = ["USER", "LOGNAME", "USERNAME"].map(std::env::var);
     let identification = Identification {
         product: concat!("arcline ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -247,7 +249,7 @@ impl MachineCommand {
 }
 
 /// The commands that need no server.
-async fn local(server: &str, command: &LocalCommand, output: &Output) -> Result<(), Failure> {
+async fn local(server: &Server, command: &LocalCommand, output: &Output) -> Result<(), Failure> {
     match command {
         LocalCommand::Explain(command) => return tools::explain(server, command, output).await,
         LocalCommand::Completions(command) => tools::completions(command),

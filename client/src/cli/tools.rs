@@ -10,10 +10,10 @@ use arcline_instruction_set::{ERRORS, Extended, FAULTS, explain as explain_error
 
 use super::args::{self, Completions, Explain, Man, Subject};
 use super::output::counted;
-use super::{Failure, Output};
+use super::{Failure, Output, Server};
 
 /// `explain`: connects only when the subject is a tag of the server.
-pub(crate) async fn explain(server: &str, command: &Explain, output: &Output) -> Result<(), Failure> {
+pub(crate) async fn explain(server: &Server, command: &Explain, output: &Output) -> Result<(), Failure> {
     match &command.what {
         Subject::Codes(err, exerr) => codes(*err, *exerr, command.instruction, output),
         Subject::Fault(kind) => {
@@ -32,7 +32,7 @@ pub(crate) async fn explain(server: &str, command: &Explain, output: &Output) ->
             Ok(())
         }
         Subject::Tag(tag) => {
-            let client = Client::connect(server).await?;
+            let client = server.connect().await?;
             let told = of_tag(&client, tag, command.instruction).await;
             client.close().await;
             let (err, exerr, mnemonic) = told.map_err(|error| or_a_fault(error, tag))?;

@@ -56,9 +56,10 @@ fn default(default: Default) -> String {
 
 const HEAD: &str = "| key | default | meaning |";
 
-const TABLES: [&Keys; 20] = [
+const TABLES: [&Keys; 21] = [
     &keys::SERVER,
     &keys::SECURITY,
+    &keys::CERTIFICATE,
     &keys::MOTION_GROUP,
     &keys::AXIS,
     &keys::START,

@@ -1,5 +1,7 @@
 //! The `[security]` table: who may do what (spec/security.md §6).
 
+use std::net::SocketAddr;
+
 /// A role. Each may do all that those before it may.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Role {
@@ -35,11 +37,67 @@ impl Role {
     }
 }
 
+/// EtherNet/IP without TLS.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum PlainAccess {
+    /// As with TLS.
+    #[default]
+    On,
+    /// Answers the List commands, and refuses sessions.
+    Discovery,
+    /// Does not listen on TCP.
+    Off,
+}
+
+impl PlainAccess {
+    /// The word of each in a configuration.
+    pub const WORDS: [(&'static str, Self); 3] = [("on", Self::On), ("discovery", Self::Discovery), ("off", Self::Off)];
+
+    /// The word in a configuration.
+    pub fn word(self) -> &'static str {
+        let known = Self::WORDS.iter().find(|(_, access)| *access == self);
+        known.map_or("", |(word, _)| word)
+    }
+}
+
+/// The role of a certificate: by the hash of its key, or else by subject and issuer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct CertificateRole {
+    /// The Common Name of its subject.
+    pub cn: Option<String>,
+    /// The name of its issuer.
+    pub issuer: Option<String>,
+    /// SHA-256 over its SubjectPublicKeyInfo, hexadecimal.
+    pub sha256: Option<String>,
+    /// Its role.
+    pub role: Role,
+}
+
 /// The `[security]` table.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Security {
     /// Whether the file has the table.
     pub is_given: bool,
+    /// Where EtherNet/IP over TLS listens; `None`: nowhere.
+    pub tls: Option<SocketAddr>,
+    /// The file with the certificates of the server.
+    pub certificate: String,
+    /// The file with the private key.
+    pub key: String,
+    /// The file with the authorities of clients.
+    pub clients: String,
+    /// The file with the lists of revoked certificates.
+    pub revoked: Option<String>,
+    /// Whether the days of a certificate's validity are looked at.
+    pub check_expiration: bool,
+    /// EtherNet/IP without TLS.
+    pub plain: PlainAccess,
+    /// Whether class 0 and 1 connections that are opened through TLS, and whose data is not encrypted, are refused.
+    pub refuses_io_over_tls: bool,
+    /// The role of a certificate that has no row.
+    pub default_role: Role,
+    /// The roles of certificates.
+    pub certificates: Vec<CertificateRole>,
     /// The role of clients on this computer.
     pub loopback: Role,
     /// The role of clients elsewhere, without TLS.
@@ -65,6 +123,16 @@ impl Default for Security {
     fn default() -> Self {
         Self {
             is_given: false,
+            tls: None,
+            certificate: "server.pem".to_owned(),
+            key: "server.key".to_owned(),
+            clients: "ca.pem".to_owned(),
+            revoked: None,
+            check_expiration: true,
+            plain: PlainAccess::On,
+            refuses_io_over_tls: true,
+            default_role: Role::Viewer,
+            certificates: Vec::new(),
             loopback: Role::Engineer,
             remote_plain: Role::Viewer,
             max_requests: [0; 4],

@@ -11,7 +11,7 @@ use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemI
 use arcline_tag::Value;
 
 use crate::keys::{AXIS as AXIS_KEYS, COORDINATE_SYSTEM, Default, EXCEPTION_ACTIONS, Keys, Kind, SERVER};
-use crate::{DEFAULT, describe, load};
+use crate::{DEFAULT, PlainAccess, describe, format as format_table, load, table};
 
 #[test]
 fn the_default_is_what_the_contract_says() {
@@ -863,5 +863,57 @@ fn systems_with_orientation_are_read_and_written() {
         let written = crate::format(&crate::table(&project));
         let again = load(&written, "m.toml").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(again.machine.systems, project.machine.systems, "{definition}");
+    }
+}
+
+#[test]
+fn security_is_read_and_written() {
+    let text = r#"
+[security]
+tls = "0.0.0.0:2221"
+revoked = "crl.pem"
+plain = "discovery"
+io_over_tls = "plain"
+default_role = "operator"
+check_expiration = false
+remote_plain = "operator"
+max_requests_per_s_viewer = 50
+[[security.certificates]]
+cn = "line3-hmi"
+issuer = "CN=Plant CA"
+role = "engineer"
+[[security.certificates]]
+sha256 = "00112233445566778899aabbccddeeff00112233445566778899aabbccddeeff"
+role = "administrator"
+"#;
+    let project = load(&format!("{text}{DEFAULT}"), "t.toml").expect("it is valid");
+    let security = &project.server.security;
+    assert_eq!(security.certificates.len(), 2);
+    assert_eq!(
+        (security.plain, security.refuses_io_over_tls),
+        (PlainAccess::Discovery, false)
+    );
+    let written = format_table(&table(&project));
+    assert_eq!(
+        load(&written, "written").expect("it is valid").server,
+        project.server,
+        "{written}"
+    );
+    let bad = "cn = \"a\"\nrole = \"viewer\"";
+    let twice = "cn = \"a\"\nissuer = \"b\"\nsha256 = \"SHA\"\nrole = \"viewer\"".replace("SHA", &"0".repeat(64));
+    #[rustfmt::skip]
+    let cases = [
+        ("plain = \"off\"".to_owned(),                                        "plain"),
+        ("loopback = \"administrator\"".to_owned(),                           "loopback"),
+        ("password = \"x\"".to_owned(),                                       "password"),
+        (format!("[[security.certificates]]\n{bad}"),                          "issuer"),
+        (format!("[[security.certificates]]\n{twice}"),                        "sha256"),
+        ("[[security.certificates]]\nsha256 = \"12\"\nrole = \"viewer\"".to_owned(), "sha256"),
+    ];
+    for (text, key) in cases {
+        let error = load(&format!("[security]\n{text}\n{DEFAULT}"), "t.toml")
+            .expect_err(key)
+            .to_string();
+        assert!(error.contains(key), "{text}: {error}");
     }
 }

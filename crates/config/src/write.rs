@@ -94,13 +94,48 @@ pub fn table(project: &Project) -> Table {
 
 fn security(security: &Security) -> Vec<(&'static str, Value)> {
     let [viewer, operator, engineer, _] = security.max_requests.map(|rate| Value::Integer(rate.into()));
-    vec![
+    let tls = security.tls.map_or_else(|| "off".to_owned(), |tls| tls.to_string());
+    let mut all = vec![
+        ("tls", text(&tls)),
+        ("certificate", text(&security.certificate)),
+        ("key", text(&security.key)),
+        ("clients", text(&security.clients)),
+    ];
+    all.extend(security.revoked.as_deref().map(|file| ("revoked", text(file))));
+    all.extend([
+        ("check_expiration", Value::Boolean(security.check_expiration)),
+        ("plain", text(security.plain.word())),
+        (
+            "io_over_tls",
+            text(if security.refuses_io_over_tls {
+                "refuse"
+            } else {
+                "plain"
+            }),
+        ),
+        ("default_role", text(security.default_role.word())),
+    ]);
+    if !security.certificates.is_empty() {
+        let rows = security.certificates.iter().map(|row| {
+            let name = |key: &'static str, value: &Option<String>| value.as_deref().map(|value| (key, text(value)));
+            let names = [
+                name("cn", &row.cn),
+                name("issuer", &row.issuer),
+                name("sha256", &row.sha256),
+                Some(("role", text(row.role.word()))),
+            ];
+            keys(names.into_iter().flatten())
+        });
+        all.push(("certificates", Value::Array(rows.collect())));
+    }
+    all.extend([
         ("loopback", text(security.loopback.word())),
         ("remote_plain", text(security.remote_plain.word())),
         ("max_requests_per_s_viewer", viewer),
         ("max_requests_per_s_operator", operator),
         ("max_requests_per_s_engineer", engineer),
-    ]
+    ]);
+    all
 }
 
 /// The tables as the text of a configuration: the sections and the keys of each in the order of docs/CONFIGURATION.md;

@@ -170,6 +170,14 @@ impl ServerSession {
         }
         match header.command {
             Command::NOP => {}
+            Command::REGISTER_SESSION
+            | Command::UNREGISTER_SESSION
+            | Command::SEND_RR_DATA
+            | Command::SEND_UNIT_DATA
+                if self.settings.discovery_only =>
+            {
+                self.push_ready(Frame::error(header, EncapStatus::NOT_ALLOWED_ON_PORT));
+            }
             Command::REGISTER_SESSION => self.register(frame, now, host),
             Command::UNREGISTER_SESSION => match self.check_session(header) {
                 Ok(()) => self.close(CloseReason::Unregistered, host),

@@ -39,6 +39,8 @@ pub struct Settings {
     pub unknown_connection: UnknownConnection,
     /// Capability word of ListServices.
     pub capability: u16,
+    /// Whether only the List commands are answered; all others get encapsulation status 0x006A.
+    pub discovery_only: bool,
 }
 
 impl Default for Settings {
@@ -54,6 +56,7 @@ impl Default for Settings {
             slots: Slots::Only(vec![0]),
             unknown_connection: UnknownConnection::Close,
             capability: Service::TCP,
+            discovery_only: false,
         }
     }
 }

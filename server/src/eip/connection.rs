@@ -19,6 +19,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio::sync::watch;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
+use tokio_rustls::server::TlsStream;
 use tracing::{debug, warn};
 
 use super::device::Device;
@@ -29,6 +30,7 @@ use super::turns::{SHORT, Share};
 use crate::guard::Signs;
 use crate::limits::AddressRate;
 use crate::plant::ClientIdentity;
+use crate::tls::{Tls, TlsClient};
 
 /// How long the frames of one connection are taken before the others get their turn: the others wait for one message of a client,
 /// or for as many as take no longer than this.
@@ -72,6 +74,9 @@ pub(crate) enum Ended {
     /// Too many clients: a newcomer got the place of this one.
     #[error("too many clients: a newcomer got its place")]
     Crowded,
+    /// The client's certificate does not hold any more.
+    #[error("its certificate does not hold any more")]
+    Revoked,
 }
 
 /// A client that came in.
@@ -85,6 +90,8 @@ pub(crate) struct Incoming {
     pub(crate) peer: IpAddr,
     /// Its role.
     pub(crate) role: Role,
+    /// The side of TLS and the client's certificate; `None`: its connection is not encrypted.
+    pub(crate) tls: Option<(Arc<Tls>, TlsClient)>,
 }
 
 /// Serves a stream of an engineer that takes no slot of the device's clients.
@@ -98,6 +105,7 @@ where
         local,
         peer,
         role: Role::Engineer,
+        tls: None,
     };
     serve_in(incoming, stream, device).await
 }
@@ -112,13 +120,26 @@ where
         local,
         peer,
         role,
+        tls,
     } = incoming;
     let close = slot.as_ref().map(ClientSlot::close).unwrap_or_default();
     let epoch = Instant::now();
     let number = device.number_session();
-    let name = match stream.far_end() {
+    let mut name = match stream.far_end() {
         Some(address) => address.to_string(),
         None => peer.to_string(),
+    };
+    let is_encrypted = tls.is_some();
+    // Held as long as the certificate holds.
+    let certified = tls.map(|(tls, client)| {
+        name.push_str(&format!(" {}", client.name()));
+        let close = tls.enter(number, client);
+        (tls, close)
+    });
+    let revoked = certified.as_ref().map(|(_, close)| close.clone()).unwrap_or_default();
+    let session_settings = match is_encrypted {
+        true => &device.session_settings,
+        false => &device.plain_settings,
     };
     let face: Weak<Device> = Arc::downgrade(&device);
     let signs = device
@@ -129,7 +150,7 @@ where
         stream,
         input: BytesMut::with_capacity(READ),
         output: Output::default(),
-        session: ServerSession::new(device.session_settings.clone(), local, Duration::ZERO),
+        session: ServerSession::new(session_settings.clone(), local, Duration::ZERO),
         router: Router::new(device.clone(), local, number),
         slot,
         inactivity: device.watch_inactivity(),
@@ -138,6 +159,7 @@ where
             local,
             peer,
             session: number,
+            is_encrypted,
         },
         epoch,
         now: Duration::ZERO,
@@ -146,8 +168,19 @@ where
         share: Share::default(),
         rate: Some(rate).filter(|rate| *rate > 0).map(AddressRate::new),
     };
-    let ended = close.run_until_cancelled(connection.run()).await;
-    let ended = ended.unwrap_or(Ended::Crowded);
+    let ended = revoked
+        .run_until_cancelled(close.run_until_cancelled(connection.run()))
+        .await;
+    let ended = match ended {
+        Some(Some(ended)) => ended,
+        Some(None) => Ended::Crowded,
+        None => Ended::Revoked,
+    };
+    // Says goodbye to a TLS peer, if that takes no time.
+    let _ = at_once(pin!(connection.stream.shutdown())).await;
+    if let Some((tls, _)) = certified {
+        tls.leave(number);
+    }
     connection.session.handle_disconnect(&mut connection.host);
     let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
     let device = &connection.host.device;
@@ -223,6 +256,16 @@ pub(crate) trait Socket {
     fn far_end(&self) -> Option<SocketAddr>;
     /// Another descriptor of the same socket, if it is one of the system's.
     fn duplicate(&self) -> Option<OwnedFd>;
+}
+
+impl Socket for TlsStream<TcpStream> {
+    fn far_end(&self) -> Option<SocketAddr> {
+        self.get_ref().0.far_end()
+    }
+
+    fn duplicate(&self) -> Option<OwnedFd> {
+        self.get_ref().0.duplicate()
+    }
 }
 
 impl Socket for TcpStream {
@@ -436,10 +479,14 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         if let Poll::Ready(written) = at_once(pin!(self.stream.write_buf(&mut bytes))).await {
             written?;
         }
-        if bytes.is_empty() {
+        if bytes.is_empty() && at_once(pin!(self.stream.flush())).await.is_ready() {
             return Ok(());
         }
-        let rest = self.stream.write_all(&bytes);
+        let rest = async {
+            self.stream.write_all(&bytes).await?;
+            // TLS keeps what the socket did not take.
+            self.stream.flush().await
+        };
         let written = timeout(self.host.device.settings.write_timeout, rest).await;
         self.now = self.epoch.elapsed();
         written.map_err(|_| Ended::SlowReader)?.map_err(Ended::from)

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering}
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use arcline_config::{ConnectionLoss, ServerConfig};
+use arcline_config::{ConnectionLoss, PlainAccess, ServerConfig};
 use arcline_proto::connection::{Count, Counters};
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
@@ -21,6 +21,7 @@ use super::objects::Objects;
 use super::turns::Turns;
 use crate::guard::Face;
 use crate::plant::{Plant, Principal};
+use crate::tls::Tls;
 
 /// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct Settings {
     pub session: session::Settings,
     /// Where session handles and connection ids come from; `None` where there are no random numbers.
     pub random: fn() -> Option<u32>,
+    /// The side of TLS, where EtherNet/IP over TLS listens.
+    pub(crate) tls: Option<Arc<Tls>>,
 }
 
 impl Settings {
@@ -56,6 +59,7 @@ impl Settings {
                 },
                 ..session::Settings::default()
             },
+            tls: None,
             config: config.clone(),
             random: system_random,
         }
@@ -82,6 +86,8 @@ pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
+    /// Of sessions without TLS.
+    pub(crate) plain_settings: Arc<session::Settings>,
     assembly_data: AssemblyData,
     /// The CIP objects that answer.
     pub(crate) objects: Objects,
@@ -130,6 +136,10 @@ impl Device {
             ),
             io,
             session_settings: Arc::new(settings.session.clone()),
+            plain_settings: Arc::new(session::Settings {
+                discovery_only: settings.config.security.plain == PlainAccess::Discovery,
+                ..settings.session.clone()
+            }),
             inactivity: watch::Sender::new(settings.session.inactivity),
             limiter: ClientLimiter::new(Limits {
                 clients: settings.config.max_clients.max(1),

@@ -8,6 +8,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcline_config::PlainAccess;
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::task::JoinSet;
 use tracing::{Instrument, debug, error, info_span};
@@ -20,6 +21,7 @@ use super::io::IoThread;
 use super::limiter::ClientSlot;
 use crate::plant::Plant;
 use crate::plant::roles::role_of_address;
+use crate::tls::Tls;
 
 /// Pause after the system refused to accept (out of file descriptors): long enough not to spin.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -45,9 +47,13 @@ pub struct Listener {
 /// The sockets of one address.
 #[derive(Debug)]
 struct Endpoint {
-    tcp: TcpListener,
-    udp: UdpSocket,
+    /// `None`: plain EtherNet/IP is off.
+    tcp: Option<TcpListener>,
+    /// `None`: of TLS, which has no discovery.
+    udp: Option<UdpSocket>,
     local: SocketAddr,
+    /// The side of TLS; `None`: plain.
+    tls: Option<Arc<Tls>>,
 }
 
 impl Listener {
@@ -59,9 +65,25 @@ impl Listener {
         let failed = |address| move |error| BindError { address, error };
         let mut endpoints = Vec::new();
         for address in [address].iter().chain(&settings.config.listen_also).copied() {
-            let (tcp, udp) = bind_both(address).await.map_err(failed(address))?;
-            let local = tcp.local_addr().map_err(failed(address))?;
-            endpoints.push(Endpoint { tcp, udp, local });
+            let (tcp, udp) = bind_both(address, settings.config.security.plain)
+                .await
+                .map_err(failed(address))?;
+            let local = udp.local_addr().map_err(failed(address))?;
+            endpoints.push(Endpoint {
+                tcp,
+                udp: Some(udp),
+                local,
+                tls: None,
+            });
+        }
+        if let (Some(tls), Some(address)) = (&settings.tls, settings.config.security.tls) {
+            let tcp = TcpListener::bind(address).await.map_err(failed(address))?;
+            endpoints.push(Endpoint {
+                local: tcp.local_addr().map_err(failed(address))?,
+                tcp: Some(tcp),
+                udp: None,
+                tls: Some(tls.clone()),
+            });
         }
         let local = endpoints.first().map_or(address, |endpoint| endpoint.local);
         settings.config.listen = address;
@@ -77,12 +99,19 @@ impl Listener {
 
     /// Every address that was really bound, the first one first.
     pub fn local_addrs(&self) -> Vec<SocketAddr> {
-        self.endpoints.iter().map(|endpoint| endpoint.local).collect()
+        let plain = self.endpoints.iter().filter(|endpoint| endpoint.tls.is_none());
+        plain.map(|endpoint| endpoint.local).collect()
     }
 
     /// The first address that was really bound.
     pub fn local_addr(&self) -> SocketAddr {
         self.local
+    }
+
+    /// The address of EtherNet/IP over TLS that was really bound, if there is one.
+    pub fn tls_addr(&self) -> Option<SocketAddr> {
+        let tls = self.endpoints.iter().find(|endpoint| endpoint.tls.is_some());
+        tls.map(|endpoint| endpoint.local)
     }
 
     /// The address of implicit I/O that was really bound, if there is one.
@@ -99,26 +128,57 @@ impl Listener {
                 .ok()
         });
         let endpoints = self.endpoints.iter().map(|endpoint| endpoint.serve(&self.device));
-        futures_util::future::join_all(endpoints).await;
+        let certificates = async {
+            if let Some(tls) = &self.device.settings.tls {
+                tls.watch(&self.device.plant).await;
+            }
+        };
+        tokio::join!(futures_util::future::join_all(endpoints), certificates);
     }
 }
 
 impl Endpoint {
     async fn serve(&self, device: &Arc<Device>) {
-        let datagrams = datagram::serve(&self.udp, self.local, device);
-        tokio::join!(accept_clients(&self.tcp, device), datagrams);
+        let datagrams = async {
+            if let Some(udp) = &self.udp {
+                datagram::serve(udp, self.local, device).await;
+            }
+        };
+        let accept = async {
+            match (&self.tcp, &self.tls) {
+                (None, _) => {}
+                (Some(tcp), None) => accept_clients(tcp, device).await,
+                (Some(tcp), Some(tls)) => {
+                    accept_each(tcp, device, |stream, slot, device| {
+                        serve_tls(stream, slot, device, tls.clone())
+                    })
+                    .await;
+                }
+            }
+        };
+        tokio::join!(accept, datagrams);
     }
 }
 
 /// Serves every client that comes in, until the future is dropped; that closes every connection.
 pub(super) async fn accept_clients<A: Accept>(listener: &A, device: &Arc<Device>) {
+    accept_each(listener, device, serve_one::<A>).await;
+}
+
+async fn accept_each<A: Accept, F>(
+    listener: &A,
+    device: &Arc<Device>,
+    serve: impl Fn(A::Stream, ClientSlot, Arc<Device>) -> F,
+) where
+    F: Future<Output = ()> + Send + 'static,
+{
     let mut connections = JoinSet::new();
     loop {
         match listener.accept().await {
             Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {
                 Some(slot) => {
                     let span = info_span!("connection", %peer);
-                    connections.spawn(serve_one::<A>(stream, slot, device.clone()).instrument(span));
+                    connections.spawn(serve(stream, slot, device.clone()).instrument(span));
                 }
                 None => device.plant.log_limit().warn("full", Some(peer.ip()), || {
                     "a client was closed, since all places of EtherNet/IP are taken".to_owned()
@@ -156,6 +216,33 @@ async fn serve_one<A: Accept>(stream: A::Stream, slot: ClientSlot, device: Arc<D
         local,
         peer,
         role: role_of_address(&device.settings.config.security, peer),
+        tls: None,
+    };
+    let ended = connection::serve_in(incoming, stream, device).await;
+    connection::report(&ended);
+}
+
+/// Serves a client when it has shown a certificate.
+async fn serve_tls(stream: TcpStream, slot: ClientSlot, device: Arc<Device>, tls: Arc<Tls>) {
+    let Some((local, peer)) = TcpListener::prepare(&stream, &device).await else {
+        return;
+    };
+    let (stream, client) = match tls.accept(stream, peer).await {
+        Ok(accepted) => accepted,
+        Err(failed) => return tls.log_failed(device.plant.log_limit(), peer, &failed),
+    };
+    let role = tls.role_of(&client);
+    debug!(
+        client = client.name(),
+        role = role.word(),
+        "a client showed its certificate"
+    );
+    let incoming = Incoming {
+        slot: Some(slot),
+        local,
+        peer,
+        role,
+        tls: Some((tls, client)),
     };
     let ended = connection::serve_in(incoming, stream, device).await;
     connection::report(&ended);
@@ -196,13 +283,16 @@ fn keep_alive(stream: &TcpStream) -> rustix::io::Result<()> {
 }
 
 /// TCP and UDP on the same port. With port 0 the one that TCP got may be taken for UDP: try again.
-async fn bind_both(address: SocketAddr) -> io::Result<(TcpListener, UdpSocket)> {
+async fn bind_both(address: SocketAddr, plain: PlainAccess) -> io::Result<(Option<TcpListener>, UdpSocket)> {
+    if plain == PlainAccess::Off {
+        return Ok((None, UdpSocket::bind(address).await?));
+    }
     let mut tries = if address.port() == 0 { PORT_TRIES } else { 1 };
     loop {
         tries -= 1;
         let tcp = TcpListener::bind(address).await?;
         match UdpSocket::bind(tcp.local_addr()?).await {
-            Ok(udp) => return Ok((tcp, udp)),
+            Ok(udp) => return Ok((Some(tcp), udp)),
             Err(_) if tries > 0 => {}
             Err(error) => return Err(error),
         }

@@ -26,6 +26,8 @@ pub(crate) struct SessionHost {
     pub(crate) peer: IpAddr,
     /// The session's number.
     pub(crate) session: u64,
+    /// Whether the session is encrypted.
+    pub(crate) is_encrypted: bool,
 }
 
 impl Host for SessionHost {
@@ -76,6 +78,12 @@ impl Host for SessionHost {
 
     fn open_io(&mut self, open: &IoOpen<'_>) -> Result<IoOpened, CipStatus> {
         let mut device = &*self.device;
+        if self.is_encrypted && device.settings.config.security.refuses_io_over_tls {
+            let text =
+                || "class 0 and 1 through TLS need DTLS, which this server does not have (`io_over_tls`)".to_owned();
+            device.plant.log_limit().warn("io over tls", Some(self.peer), text);
+            return Err(CipStatus::PRIVILEGE_VIOLATION);
+        }
         match device.io() {
             Some(io) => {
                 let assemblies = device.assembly_data().assemblies();

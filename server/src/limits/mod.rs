@@ -1,11 +1,13 @@
 //! Limits by the address of a peer: places, rates, and lines of the log. None of them is for a stop.
 
+mod lockouts;
 mod log_limit;
 mod places;
 mod rate;
 
 use std::net::{IpAddr, Ipv6Addr};
 
+pub(crate) use lockouts::Lockouts;
 pub(crate) use log_limit::LogLimit;
 pub(crate) use places::{Full, Place, Places};
 pub(crate) use rate::AddressRate;

@@ -12,6 +12,8 @@ use super::counted;
 #[derive(Debug)]
 pub(crate) struct Places {
     most: usize,
+    /// Of one address.
+    most_of_one: usize,
     full: Full,
     taken: Mutex<Taken>,
 }
@@ -43,8 +45,14 @@ pub(crate) struct Place {
 
 impl Places {
     pub(crate) fn new(most: usize, full: Full) -> Arc<Self> {
+        Self::with_share(most, most, full)
+    }
+
+    /// Places of which one address has so many at most.
+    pub(crate) fn with_share(most: usize, most_of_one: usize, full: Full) -> Arc<Self> {
         Arc::new(Self {
             most,
+            most_of_one,
             full,
             taken: Mutex::default(),
         })
@@ -54,8 +62,11 @@ impl Places {
     pub(crate) fn enter(self: &Arc<Self>, peer: IpAddr) -> Option<Place> {
         let peer = counted(peer);
         let mut taken = self.lock();
+        let own = taken.counts.get(&peer).copied().unwrap_or(0);
+        if own >= self.most_of_one && self.full == Full::ClosesOldestOfLargerShare && self.most_of_one < self.most {
+            return None;
+        }
         if taken.places.len() >= self.most {
-            let own = taken.counts.get(&peer).copied().unwrap_or(0);
             let (largest, most) = taken
                 .counts
                 .iter()

@@ -16,7 +16,7 @@ use arcline_client::{Client, ClientError, Mnemonic, Tag};
 
 use super::args::{self, Arguments, Command, Exec, Shell, Waiting};
 use super::output::printable;
-use super::{Failure, Output, connect, local, on_machine, programs, wait, without_server};
+use super::{Failure, Output, Server, connect, local, on_machine, programs, wait, without_server};
 use complete::{Known, OWN};
 use line::{Lines, Read};
 
@@ -24,7 +24,7 @@ use line::{Lines, Read};
 const SILENCE: Duration = Duration::from_secs(30);
 
 /// `shell`.
-pub(crate) async fn shell(server: &str, command: &Shell, output: &Output) -> Result<(), Failure> {
+pub(crate) async fn shell(server: &Server, command: &Shell, output: &Output) -> Result<(), Failure> {
     let mut client = connect(server, None).await?;
     let is_interactive = std::io::stdin().is_terminal() && std::io::stdout().is_terminal();
     let known = known(&client).await?;
@@ -107,7 +107,7 @@ fn completable(mut tags: Vec<Tag>) -> Vec<Tag> {
 }
 
 /// One line: a command, a call, or a piece of a program.
-async fn run(client: &Client, server: &str, text: &str, output: &Output) -> Result<(), Failure> {
+async fn run(client: &Client, server: &Server, text: &str, output: &Output) -> Result<(), Failure> {
     match kind(text) {
         Kind::Call => {
             let exec = Exec {

@@ -151,6 +151,66 @@ pub(crate) static SECURITY: Keys = Keys {
     expected: "a table, [security]",
     keys: &[
         Key {
+            name: "tls",
+            kind: Kind::AddressOrOff("0.0.0.0:2221"),
+            default: Default::Text("off"),
+            meaning: r#"where EtherNet/IP over TLS listens, TCP, or `"off"`; the port of the standard is 2221. `arcline-server certs init` makes the files"#,
+        },
+        Key {
+            name: "certificate",
+            kind: Kind::Text(&FILE),
+            default: Default::Text("server.pem"),
+            meaning: "the file with the certificate of the server and those between it and the authority, PEM; relative to the folder of the configuration",
+        },
+        Key {
+            name: "key",
+            kind: Kind::Text(&FILE),
+            default: Default::Text("server.key"),
+            meaning: "the file with the private key of that certificate, PEM, readable by its owner only",
+        },
+        Key {
+            name: "clients",
+            kind: Kind::Text(&FILE),
+            default: Default::Text("ca.pem"),
+            meaning: "the file with the authorities whose certificates clients show, PEM",
+        },
+        Key {
+            name: "revoked",
+            kind: Kind::Text(&FILE),
+            default: Default::Prose("none"),
+            meaning: "the file with the lists of revoked certificates, PEM",
+        },
+        Key {
+            name: "check_expiration",
+            kind: Kind::Boolean,
+            default: Default::Boolean(true),
+            meaning: "whether a certificate holds from its first to its last day only; `false` is for a plant without a clock",
+        },
+        Key {
+            name: "plain",
+            kind: Kind::Word(&["on", "discovery", "off"]),
+            default: Default::Text("on"),
+            meaning: r#"EtherNet/IP without TLS on `listen`: `"on"`; `"discovery"` answers ListIdentity, ListServices and ListInterfaces and refuses sessions with encapsulation status 0x006A; `"off"` does not listen there on TCP, discovery over UDP stays"#,
+        },
+        Key {
+            name: "io_over_tls",
+            kind: Kind::Word(&["refuse", "plain"]),
+            default: Default::Text("refuse"),
+            meaning: r#"a Forward Open of class 0 or 1 that comes through TLS: `"refuse"` answers 0x0F, since its data would travel in the clear; `"plain"` lets it do so"#,
+        },
+        Key {
+            name: "default_role",
+            kind: Kind::Word(&["viewer", "operator", "engineer"]),
+            default: Default::Text("viewer"),
+            meaning: "the role of a client whose certificate has no row",
+        },
+        Key {
+            name: "certificates",
+            kind: Kind::Tables(&CERTIFICATE, 256),
+            default: Default::Prose("none"),
+            meaning: "the roles of certificates, a row each",
+        },
+        Key {
             name: "loopback",
             kind: Kind::Word(&["viewer", "operator", "engineer"]),
             default: Default::Text("engineer"),
@@ -181,6 +241,55 @@ pub(crate) static SECURITY: Keys = Keys {
             meaning: "the same of an engineer or administrator",
         },
     ],
+};
+
+pub(crate) static CERTIFICATE: Keys = Keys {
+    heading: "### `[[security.certificates]]`",
+    expected: "tables, [[security.certificates]]",
+    keys: &[
+        Key {
+            name: "cn",
+            kind: Kind::Text(&DISTINGUISHED_NAME),
+            default: Default::Prose("none"),
+            meaning: "the Common Name of the certificate's subject, with `issuer`",
+        },
+        Key {
+            name: "issuer",
+            kind: Kind::Text(&DISTINGUISHED_NAME),
+            default: Default::Prose("none"),
+            meaning: "the name of its issuer such as `CN=Plant CA,O=Plant`, as `arcline-server certs show` prints it",
+        },
+        Key {
+            name: "sha256",
+            kind: Kind::Text(&SHA256),
+            default: Default::Prose("none"),
+            meaning: "in place of both: SHA-256 over its SubjectPublicKeyInfo, 64 hexadecimal digits, as `arcline-server certs show` prints it",
+        },
+        Key {
+            name: "role",
+            kind: Kind::Word(&["viewer", "operator", "engineer", "administrator"]),
+            default: Default::Required,
+            meaning: "its role",
+        },
+    ],
+};
+
+static FILE: TextRule = TextRule {
+    expected: "the name of a file",
+    holds: |text| !text.is_empty() && !text.contains('\0'),
+    pattern: "^[^\\u0000]+$",
+};
+
+static DISTINGUISHED_NAME: TextRule = TextRule {
+    expected: "a name of 1 to 1024 characters",
+    holds: |text| (1..=1024).contains(&text.chars().count()),
+    pattern: "^[\\s\\S]{1,1024}$",
+};
+
+static SHA256: TextRule = TextRule {
+    expected: "64 hexadecimal digits",
+    holds: |text| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit()),
+    pattern: "^[0-9A-Fa-f]{64}$",
 };
 
 pub(crate) static MOTION_GROUP: Keys = Keys {

@@ -1,7 +1,7 @@
 //! The `[security]` table.
 
 use crate::section::Section;
-use crate::{Role, Security};
+use crate::{CertificateRole, PlainAccess, Role, Security};
 
 pub(super) fn security(root: &Section<'_>) -> Security {
     let (section, is_given) = root.table("security");
@@ -14,8 +14,20 @@ pub(super) fn security(root: &Section<'_>) -> Security {
             .unwrap_or(0)
     };
     let engineers = rate("max_requests_per_s_engineer");
-    Security {
+    let plain = section.word("plain").unwrap_or_default();
+    let plain = PlainAccess::WORDS.iter().find(|(word, _)| *word == plain);
+    let security = Security {
         is_given,
+        tls: section.text_or_default("tls").parse().ok(),
+        certificate: section.text_or_default("certificate"),
+        key: section.text_or_default("key"),
+        clients: section.text_or_default("clients"),
+        revoked: section.text("revoked").map(|file| file.value),
+        check_expiration: section.boolean("check_expiration").unwrap_or(true),
+        plain: plain.map_or(default.plain, |(_, plain)| *plain),
+        refuses_io_over_tls: section.word("io_over_tls") != Some("plain"),
+        default_role: role("default_role", default.default_role),
+        certificates: section.tables("certificates").iter().map(certificate).collect(),
         loopback: role("loopback", default.loopback),
         remote_plain: role("remote_plain", default.remote_plain),
         max_requests: [
@@ -24,5 +36,30 @@ pub(super) fn security(root: &Section<'_>) -> Security {
             engineers,
             engineers,
         ],
+    };
+    if security.plain != PlainAccess::On && security.tls.is_none() {
+        section.conflict(
+            "plain",
+            "tls",
+            "without TLS and without plain EtherNet/IP no client could connect",
+        );
     }
+    security
+}
+
+fn certificate(row: &Section<'_>) -> CertificateRole {
+    let text = |key| row.text(key).map(|text| text.value);
+    let read = CertificateRole {
+        cn: text("cn"),
+        issuer: text("issuer"),
+        sha256: text("sha256"),
+        role: row.word("role").and_then(Role::of_word).unwrap_or(Role::Viewer),
+    };
+    match ["cn", "issuer", "sha256"].map(|key| row.has(key)) {
+        [true, true, false] | [false, false, true] => {}
+        [_, _, true] => row.conflict("sha256", "cn", "a row names a certificate in one way"),
+        [false, _, false] => row.missing("cn"),
+        [true, false, false] => row.missing("issuer"),
+    }
+    read
 }

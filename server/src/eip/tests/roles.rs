@@ -28,6 +28,7 @@ impl Bench {
             local: LOCAL,
             peer: PEER,
             role,
+            tls: None,
         };
         tokio::spawn(connection::serve_in(incoming, theirs, self.device.clone()));
         self.client_on(ours).await

@@ -1,0 +1,261 @@
+//! TLS (spec/security.md §5): certificates of the server and its clients, the role of each certificate, and the connections that live by them.
+//!
+//! The protocol inside of TLS is unchanged EtherNet/IP. A reload takes new files over for new connections, and judges every open
+//! connection again; those whose certificate does not hold any more are closed, the rest is not touched.
+
+pub(crate) mod certs;
+mod leaf;
+mod trust;
+
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use arc_swap::ArcSwap;
+use arcline_config::{Role, Security};
+use rustls::pki_types::{CertificateDer, UnixTime};
+use tokio::net::TcpStream;
+use tokio_rustls::TlsAcceptor;
+use tokio_rustls::server::TlsStream;
+use tokio_util::sync::CancellationToken;
+use tracing::{debug, error, warn};
+
+use self::leaf::Leaf;
+pub(crate) use self::trust::TrustError;
+use self::trust::{Files, Trust};
+use crate::limits::{Full, Lockouts, LogLimit, Place, Places};
+use crate::plant::Plant;
+
+/// The longest handshake.
+const HANDSHAKE: Duration = Duration::from_secs(5);
+/// Handshakes at a time, and of them of one address.
+const HANDSHAKES: usize = 64;
+const HANDSHAKES_OF_ONE: usize = 8;
+/// How often certificates of open connections are looked at for their end.
+const LOOK: Duration = Duration::from_secs(1);
+/// How often the files are looked at for a change, in looks.
+const FILES_EVERY: u32 = 60;
+/// A certificate of the server that ends within this time is warned of.
+const ENDS_SOON: i64 = 30 * 86_400;
+
+/// The side of TLS of one server.
+#[derive(Debug)]
+pub(crate) struct Tls {
+    files: Files,
+    security: Security,
+    trust: ArcSwap<Trust>,
+    handshakes: Arc<Places>,
+    pub(crate) lockouts: Lockouts,
+    live: Mutex<HashMap<u64, Live>>,
+}
+
+/// An open connection with a certificate.
+#[derive(Debug)]
+struct Live {
+    client: TlsClient,
+    close: CancellationToken,
+}
+
+/// A client that has shown a certificate.
+#[derive(Clone, Debug)]
+pub(crate) struct TlsClient {
+    chain: Vec<CertificateDer<'static>>,
+    leaf: Leaf,
+}
+
+impl TlsClient {
+    /// Its name in logs.
+    pub(crate) fn name(&self) -> String {
+        format!("cn:{}", self.leaf.cn)
+    }
+}
+
+/// Why a connection did not get through its handshake.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failed {
+    /// Too many handshakes, or a lock.
+    #[error("too many handshakes or failures")]
+    Limited,
+    /// It took too long.
+    #[error("the handshake took longer than {} s", HANDSHAKE.as_secs())]
+    Late,
+    /// rustls refused it.
+    #[error("{0}")]
+    Refused(#[from] std::io::Error),
+}
+
+impl Tls {
+    /// Reads the files of `[security]`; relative names are those of the folder `base`.
+    ///
+    /// # Errors
+    /// See [`TrustError`].
+    pub(crate) fn new(security: &Security, base: &Path) -> Result<Arc<Self>, TrustError> {
+        let files = Files::new(security, base);
+        let trust = files.read()?;
+        let this = Self {
+            files,
+            security: security.clone(),
+            trust: ArcSwap::from_pointee(trust),
+            handshakes: Places::with_share(HANDSHAKES, HANDSHAKES_OF_ONE, Full::ClosesOldestOfLargerShare),
+            lockouts: Lockouts::default(),
+            live: Mutex::default(),
+        };
+        this.warn_of_end();
+        Ok(Arc::new(this))
+    }
+
+    /// Makes a TLS connection of a TCP connection of an EtherNet/IP client.
+    ///
+    /// # Errors
+    /// See [`Failed`]; the socket is closed then.
+    pub(crate) async fn accept(
+        &self,
+        stream: TcpStream,
+        peer: IpAddr,
+    ) -> Result<(TlsStream<TcpStream>, TlsClient), Failed> {
+        let config = self.trust.load().eip.clone();
+        let stream = self.handshake(TlsAcceptor::from(config), stream, peer).await?;
+        let chain = stream.get_ref().1.peer_certificates().unwrap_or_default();
+        let chain: Vec<_> = chain.iter().map(|one| one.clone().into_owned()).collect();
+        let leaf = chain.first().and_then(|leaf| Leaf::read(leaf));
+        let leaf = leaf.ok_or_else(|| std::io::Error::other("its certificate cannot be read"))?;
+        Ok((stream, TlsClient { chain, leaf }))
+    }
+
+    async fn handshake(
+        &self,
+        acceptor: TlsAcceptor,
+        stream: TcpStream,
+        peer: IpAddr,
+    ) -> Result<TlsStream<TcpStream>, Failed> {
+        if !peer.is_loopback() && self.lockouts.locked(peer, None, Instant::now()).is_some() {
+            return Err(Failed::Limited);
+        }
+        let place: Place = self.handshakes.enter(peer).ok_or(Failed::Limited)?;
+        let handshake = tokio::time::timeout(HANDSHAKE, acceptor.accept(stream));
+        let done = match place.close().run_until_cancelled(handshake).await {
+            None => return Err(Failed::Limited),
+            Some(Err(_)) => Err(Failed::Late),
+            Some(Ok(done)) => done.map_err(Failed::from),
+        };
+        if done.is_err() {
+            self.lockouts.failed(peer, None, Instant::now());
+        }
+        done
+    }
+
+    /// Logs a failed handshake.
+    pub(crate) fn log_failed(&self, log: &LogLimit, peer: IpAddr, failed: &Failed) {
+        log.warn("tls", Some(peer), || format!("a TLS handshake failed: {failed}"));
+    }
+
+    /// The role of a certificate: that of its row, by the key or by subject and issuer, else `default_role`.
+    pub(crate) fn role_of(&self, client: &TlsClient) -> Role {
+        let row = self.security.certificates.iter().find(|row| {
+            let by_key = row
+                .sha256
+                .as_ref()
+                .map(|hash| hash.eq_ignore_ascii_case(&client.leaf.sha256));
+            by_key.unwrap_or_else(|| {
+                row.cn.as_deref() == Some(client.leaf.cn.as_str())
+                    && row.issuer.as_deref() == Some(client.leaf.issuer.as_str())
+            })
+        });
+        row.map_or(self.security.default_role, |row| row.role)
+    }
+
+    /// A connection lives by a certificate from now on; the token closes it.
+    pub(crate) fn enter(&self, session: u64, client: TlsClient) -> CancellationToken {
+        let close = CancellationToken::new();
+        let live = Live {
+            client,
+            close: close.clone(),
+        };
+        self.live().insert(session, live);
+        close
+    }
+
+    /// A connection has ended.
+    pub(crate) fn leave(&self, session: u64) {
+        self.live().remove(&session);
+    }
+
+    /// Takes the files over as they are now, and judges every open connection by them.
+    pub(crate) fn reload(&self, plant: &Plant) {
+        match self.files.read() {
+            Ok(trust) => {
+                self.trust.store(Arc::new(trust));
+                warn!("the certificates of TLS were read again");
+                self.warn_of_end();
+                self.judge(plant);
+            }
+            Err(error) => error!(%error, "the certificates of TLS stay as they were"),
+        }
+    }
+
+    /// Looks at the files and at the certificates of open connections, for ever.
+    pub(crate) async fn watch(&self, plant: &Plant) {
+        let mut changed = self.files.changed();
+        for look in 1_u32.. {
+            tokio::time::sleep(LOOK).await;
+            if look % FILES_EVERY == 0 {
+                let now = self.files.changed();
+                if std::mem::replace(&mut changed, now.clone()) != now {
+                    self.reload(plant);
+                }
+            }
+            self.end_expired(plant);
+        }
+    }
+
+    fn end_expired(&self, plant: &Plant) {
+        let now = unix_seconds();
+        let expired = self.security.check_expiration && self.live().values().any(|live| live.client.leaf.valid.1 < now);
+        if expired {
+            self.judge(plant);
+        }
+    }
+
+    /// Closes the connections whose certificate does not hold any more.
+    fn judge(&self, plant: &Plant) {
+        let trust = self.trust.load_full();
+        let now = UnixTime::since_unix_epoch(Duration::from_secs(unix_seconds().unsigned_abs()));
+        self.live().retain(|session, live| {
+            let Some((leaf, chain)) = live.client.chain.split_first() else {
+                return false;
+            };
+            match trust.verifier.verify_client_cert(leaf, chain, now) {
+                Ok(_) => {
+                    plant.roles().set(*session, self.role_of(&live.client));
+                    true
+                }
+                Err(reason) => {
+                    let (client, issuer) = (live.client.name(), &live.client.leaf.issuer);
+                    warn!(%client, issuer, serial = live.client.leaf.serial, %reason, "a connection was closed: its certificate does not hold any more");
+                    live.close.cancel();
+                    false
+                }
+            }
+        });
+    }
+
+    fn warn_of_end(&self) {
+        let left = self.trust.load().ends - unix_seconds();
+        if left < ENDS_SOON {
+            warn!(days = left / 86_400, "the certificate of the server ends soon");
+        } else {
+            debug!(days = left / 86_400, "the certificate of the server holds");
+        }
+    }
+
+    fn live(&self) -> MutexGuard<'_, HashMap<u64, Live>> {
+        self.live.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn unix_seconds() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    i64::try_from(since.as_secs()).unwrap_or(i64::MAX)
+}
