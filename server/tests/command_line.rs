@@ -319,3 +319,113 @@ fn a_port_in_use_is_said() {
     );
     assert!(out.stdout.is_empty());
 }
+
+/// A project with the default machine, `Pos` and a continuous task that runs one routine.
+fn project(kind: &str, content: &str) -> String {
+    let export = server().arg("export").output().expect("the server runs").stdout;
+    let export = String::from_utf8(export).expect("XML");
+    let (before, rest) = export.split_once("<CustomProperties>").expect("settings of Arcline");
+    let (_, after) = rest.split_once("</CustomProperties>").expect("their end");
+    let tags = "<Tag Name=\"Pos\" TagType=\"Base\" DataType=\"REAL\" Dimensions=\"3\"><Data Format=\"Decorated\"><Array DataType=\"REAL\"
+        Dimensions=\"3\"><Element Index=\"[0]\" Value=\"50.0\"/><Element Index=\"[1]\" Value=\"25.0\"/><Element Index=\"[2]\" Value=\"0.0\"/>
+        </Array></Data></Tag><Tag Name=\"M\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\"/>
+        <Tag Name=\"Was\" TagType=\"Base\" DataType=\"BOOL\"/></Tags>";
+    let programs = format!(
+        "<Programs><Program Name=\"Main\" MainRoutineName=\"Main\"><Tags/><Routines><Routine Name=\"Main\" Type=\"{kind}\">{content}</Routine>
+        </Routines></Program></Programs><Tasks><Task Name=\"Free\" Type=\"CONTINUOUS\" Priority=\"10\" Watchdog=\"500\"><ScheduledPrograms>
+        <ScheduledProgram Name=\"Main\"/></ScheduledPrograms></Task></Tasks>"
+    );
+    let text = format!("{before}{after}").replacen("</Tags>", tags, 1);
+    let (before, rest) = text.split_once("<Programs>").expect("the list of programs");
+    let (_, after) = rest.split_once("</Programs>").expect("its end");
+    format!("{before}{programs}{after}")
+}
+
+#[test]
+fn a_move_is_the_same_by_ladder_structured_text_and_tag_write() {
+    const OPERANDS: &str = "80, Unitspersec, 1500, Unitspersec2, 1200, Unitspersec2, S-curve, 100, 100, %ofTime, 1, Disabled, Programmed, 0, 0,
+        None, 0, 0";
+    let files = Files::new();
+    let operands = OPERANDS.replace("Unitspersec", "Units per sec").replace("%of", "% of ");
+    let ladder = format!(
+        "<RLLContent><Rung Number=\"0\" Type=\"N\"><Text><![CDATA[MCLM(CS1,M,0,Pos[0],{operands});]]></Text></Rung></RLLContent>"
+    );
+    let text = format!(
+        "<STContent><Line Number=\"0\"><![CDATA[IF NOT Was THEN MCLM(CS1, M, 0, Pos[0], {OPERANDS}); END_IF; Was := 1;]]></Line></STContent>"
+    );
+    let by_tag = "Move1.Position[0] := 50; Move1.Position[1] := 25; Move1.Speed := 80; Move1.SpeedUnits := 0;
+        Move1.AccelRate := 1500; Move1.AccelUnits := 0; Move1.DecelRate := 1200; Move1.DecelUnits := 0; Move1.Profile := 1;
+        Move1.TerminationType := 1; Move1.EnableIn := 1; WAIT(Move1.PC);";
+    let cell = files.write("Ladder.L5X", &project("RLL", &ladder));
+    let config = files.0.path().join("machine.toml");
+    let imported = server()
+        .arg("import")
+        .arg(&cell)
+        .arg("-o")
+        .arg(&config)
+        .output()
+        .expect("the server runs");
+    assert!(
+        imported.status.success(),
+        "{}",
+        String::from_utf8_lossy(&imported.stderr)
+    );
+    let mut with_tag = std::fs::read_to_string(&config).expect("the configuration");
+    if !with_tag.contains("Move1") {
+        with_tag.push_str("\n[[instruction]]\ntag = \"Move1\"\ntype = \"MCLM\"\ntarget = \"CS1\"\n");
+    }
+    let config = files.write("tagged.toml", &with_tag);
+    let runs: [(&str, PathBuf, &[&str]); 4] = [
+        ("ladder", cell, &["--until", "M.PC", "--max", "5"]),
+        (
+            "text of a routine",
+            files.write("Text.L5X", &project("ST", &text)),
+            &["--until", "M.PC", "--max", "5"],
+        ),
+        (
+            "program",
+            files.write("program.st", &format!("MCLM(CS1, M, 0, [50, 25, 0], {OPERANDS});")),
+            &[],
+        ),
+        ("tag write", files.write("tags.st", by_tag), &[]),
+    ];
+    let traces = runs.map(|(door, file, args)| {
+        let trace = files.0.path().join("trace.csv");
+        let mut run = server();
+        run.arg("simulate").arg(&file).args(args).arg("--trace").arg(&trace);
+        if file.extension().is_some_and(|extension| extension == "st") {
+            run.arg("--config").arg(&config);
+        }
+        let run = run.output().expect("the server runs");
+        assert!(run.status.success(), "{door}: {}", String::from_utf8_lossy(&run.stderr));
+        (door, std::fs::read_to_string(trace).expect("a trace"))
+    });
+    let (_, first) = &traces[0];
+    for (door, trace) in &traces[1..] {
+        let rows = first.lines().zip(trace.lines()).take_while(|(a, b)| a == b).count();
+        let shorter = first.lines().count().min(trace.lines().count());
+        assert!(rows > 500 && rows == shorter, "{door}: row {rows} of {shorter} differs");
+    }
+}
+
+#[test]
+fn a_project_runs_again_to_the_same_bytes() {
+    let files = Files::new();
+    let rungs = "<RLLContent><Rung Number=\"0\" Type=\"N\"><Text><![CDATA[XIO(M.PC)MAM(X,M,1,5,50,Units per sec,1000,Units per sec2,1000,Units per sec2,
+        Trapezoidal,100,100,% of Time,Disabled,Programmed,0,None);]]></Text></Rung></RLLContent>";
+    let cell = files.write("Cell.L5X", &project("RLL", rungs));
+    let run = || {
+        let args = ["--max", "1", "--scan-phase", "7", "--tags", "-"];
+        let run = server()
+            .arg("simulate")
+            .arg(&cell)
+            .args(args)
+            .output()
+            .expect("the server runs");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        run.stdout
+    };
+    let first = run();
+    assert!(!first.is_empty());
+    assert_eq!(first, run());
+}

@@ -183,7 +183,9 @@ fn content(node: Node<'_, '_>) -> Content {
             let lines = children(node, "STContent")
                 .take(1)
                 .flat_map(|list| children(list, "Line"));
-            Content::Text(lines.map(|line| (number(line), text_of(line))).collect())
+            // Line feeds may stand around CDATA.
+            let text = |line| text_of(line).trim_matches(['\r', '\n']).to_owned();
+            Content::Text(lines.map(|line| (number(line), text(line))).collect())
         }
         "RLL" | "ST" => Content::Other("encoded content".to_owned()),
         other => Content::Other(other.to_owned()),

@@ -24,9 +24,9 @@ pub(crate) enum TokenKind<'t> {
 }
 
 /// Operators and signs, longer ones first.
-const SYMBOLS: [&str; 33] = [
+const SYMBOLS: [&str; 34] = [
     "[:=]", ":=", "<=", ">=", "<>", "**", "..", "&&", "||", "^^", "+", "-", "*", "/", "=", "<", ">", "&", "(", ")",
-    "[", "]", ",", ";", ":", ".", "!", "^", "\\", "?", "{", "}", "|",
+    "[", "]", ",", ";", ":", ".", "!", "^", "\\", "?", "{", "}", "|", "%",
 ];
 
 /// All tokens of a text, `End` last.
@@ -38,11 +38,16 @@ pub(crate) fn tokens(text: &str) -> Result<Vec<Token<'_>>, SyntaxError> {
         text,
         at: 0,
         after_dot: false,
+        after_operand: false,
     };
     let mut tokens = Vec::new();
     loop {
         let token = lexer.next()?;
         lexer.after_dot = token.kind == TokenKind::Symbol(".");
+        lexer.after_operand = matches!(
+            token.kind,
+            TokenKind::Name(_) | TokenKind::Integer(_) | TokenKind::Symbol("]" | ")")
+        );
         let is_end = token.kind == TokenKind::End;
         tokens.push(token);
         if is_end {
@@ -56,6 +61,8 @@ struct Lexer<'t> {
     at: usize,
     /// Digits behind a dot are the number of a bit.
     after_dot: bool,
+    /// A dot behind a name or bracket begins a member or a bit, elsewhere a number such as `.5`.
+    after_operand: bool,
 }
 
 impl<'t> Lexer<'t> {
@@ -75,6 +82,7 @@ impl<'t> Lexer<'t> {
         };
         let kind = match first {
             b'0'..=b'9' => self.number()?,
+            b'.' if !self.after_operand && rest.as_bytes().get(1).is_some_and(u8::is_ascii_digit) => self.number()?,
             b'\'' => TokenKind::Text(self.quoted()?),
             b'a'..=b'z' | b'A'..=b'Z' | b'_' => TokenKind::Name(self.name()),
             _ => {

@@ -203,7 +203,10 @@ fn own() -> Vec<Arc<Template>> {
         .member_at("UnconnectedTimeout", Dint, 0, 40)
         .member_at("ConnectionRate", Dint, 0, 44)
         .member_at("TimeoutMultiplier", Sint, 0, 48)
-        .size(52)
+        .member_at("LocalElement", arcline_tag::string_template(), 0, 52)
+        .member_at("RemoteElement", arcline_tag::string_template(), 0, 140)
+        .member_at("Path", arcline_tag::string_template(), 0, 228)
+        .size(316)
         .build();
     vec![
         message,

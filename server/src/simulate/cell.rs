@@ -184,7 +184,12 @@ fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Fi
 
 /// Refuses a project whose parts do not all run.
 fn refuse(file: &str, findings: &[Finding], missing: Missing) -> Result<(), Failure> {
-    let blocks = |finding: &&Finding| missing == Missing::Refused || finding.kind == FindingKind::Error;
+    // A tag of another type is left out: routines that name it do not compile.
+    let blocks = |finding: &&Finding| match finding.kind {
+        FindingKind::Error => true,
+        FindingKind::Type => false,
+        _ => missing == Missing::Refused,
+    };
     let count = findings.iter().filter(blocks).count();
     for finding in findings.iter().take(SHOWN) {
         eprintln!("{file}: {finding}");

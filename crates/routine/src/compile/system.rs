@@ -53,6 +53,9 @@ impl Compiler<'_> {
             || matches!(
                 found,
                 Some(Attribute::MinorFaults | Attribute::Task(_, TaskAttribute::InhibitTask))
+            )
+            // To clear events that never come.
+            || (class == "faultlog" && found.is_some()
             );
         Ok(found
             .filter(|_| is_settable)

@@ -108,6 +108,8 @@ impl<'a, 't> Importer<'a, 't> {
     fn queue(&mut self, node: Node<'a, 't>, system: &mut Table) -> Result<(), L5xError> {
         if let Some(word) = node.attribute("MaximumPendingMoves") {
             match word.parse() {
+                // An export of a version without a queue.
+                Ok(0) => {}
                 Ok(depth @ 1..=MAX_QUEUE_DEPTH) => put(system, "queue_depth", Value::Integer(depth as i64)),
                 _ => {
                     return Err(self
