@@ -1,7 +1,7 @@
 //! Tests of the controller, tick by tick on the virtual clock: what no single crate can test.
 //!
 //! This library is their common ground. It runs Structured Text on a controller ([`mod@bench`]), makes machines ([`follow`],
-//! [`robots`]) and random programs ([`random`], [`robot_programs`]). It holds no tests; they are in `tests/tests`. The programs as users
+//! [`robots`]), random programs ([`random`], [`robot_programs`]) and toolpaths ([`streams`]). It holds no tests; they are in `tests/tests`. The programs as users
 //! start them, with sockets and files, are tested by the package `arcline-system-tests` in `tests/system`.
 #![forbid(unsafe_code)]
 
@@ -12,6 +12,7 @@ pub mod follow;
 pub mod random;
 pub mod robot_programs;
 pub mod robots;
+pub mod streams;
 mod trace;
 
 /// The root folder of the workspace.

@@ -107,7 +107,7 @@ pub(crate) fn qualities(moves: &[ContourMove]) -> impl Iterator<Item = Quality> 
 }
 
 /// Whether moves are many, most of them with a corner that turns little.
-fn is_dense(moves: &[ContourMove]) -> bool {
+pub(crate) fn is_dense(moves: &[ContourMove]) -> bool {
     let turn = |pair: &[ContourMove]| (pair[1].path.start_tangent() - pair[0].path.end_tangent()).norm();
     let sharp = moves.windows(2).filter(|pair| turn(pair) > TUNING.smooth.sharp).count();
     moves.len() >= TUNING.smooth.least_moves && sharp * TUNING.smooth.most_sharp <= moves.len()

@@ -136,13 +136,14 @@ impl<'a> Section<'a> {
         let quality = self.quality;
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
+        let mut last_worst = 0.0;
         let mut within_before: Option<Solved> = None;
         let mut warp = Smoothness::Trapezoid;
         for stage in stages {
             // A motion that is continued closes in on its limits until it is within them.
             let closes_in =
                 control.initial.is_some() && quality == Quality::Smooth && stage.result == StageResult::Start;
-            if closes_in && last.as_ref().is_some_and(|last| last.excess <= 1.0 + EXACT) {
+            if closes_in && within_before.is_some() {
                 continue;
             }
             let is_repair = stage.result == StageResult::Repair;
@@ -156,7 +157,9 @@ impl<'a> Section<'a> {
                 };
                 control = self.resampled(&control, last, warp);
             }
-            if quality == Quality::Smooth && !(closes_in && last.is_some()) {
+            // One that has only its limits to come within keeps its curve.
+            let keeps_curve = closes_in && last.is_some() && last_worst <= 1.0;
+            if quality == Quality::Smooth && !keeps_curve {
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
                 project(&self.reference, &mut control);
             }
@@ -181,6 +184,13 @@ impl<'a> Section<'a> {
                     times: now.times.clone(),
                 });
             }
+            // One that no longer comes nearer to its limits does not come within them; from a slower motion it may.
+            let comes_nearer = last
+                .as_ref()
+                .is_none_or(|last| now.excess < TUNING.smooth.nearer * last.excess);
+            if closes_in && !within && worst <= 1.0 && last_worst <= 1.0 && !comes_nearer {
+                return None;
+            }
             // A motion that waits for its continuation does not wait for ever.
             let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
             if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
@@ -194,15 +204,16 @@ impl<'a> Section<'a> {
                 });
             }
             if work.is_done() {
-                return None;
+                return within_before;
             }
             // For the first repair the corridor is narrowed where the curve was outside; then all of it.
-            if is_repair && quality == Quality::Full {
+            if is_repair && quality != Quality::TimingOnly {
                 margin.narrow(worst, &self.allowance);
             }
             last = Some(now);
+            last_worst = worst;
         }
-        None
+        within_before
     }
 
     /// A motion within all limits, made faster on its own nodes; itself where that fails.

@@ -125,12 +125,19 @@ constants! {
         /// Share of the corridor that it uses, and of its room that is left of it outside.
         inside_share: f64 = 0.95,
         least_room: f64 = 1e-7,
+        /// Nodes behind the given ones beside which the corridor is as wide as the running motion needs it: so many times its distance, and at
+        /// most this share of the corridor.
+        beside_nodes: usize = 24,
+        beside_off: f64 = 1.02,
+        most_begun: f64 = 0.995,
         /// Share of the way to the wall that one step goes.
         most_step: f64 = 0.8,
         /// How often a motion that is continued may close in on its limits again.
         closing: usize = 3,
+        /// Share of an excess of limits that closing in again must leave at most.
+        nearer: f64 = 0.97,
         /// How often the timing is repeated with the corridor narrowed where the curve was outside.
-        repairs: usize = 3,
+        repairs: usize = 6,
     }
 }
 
@@ -267,6 +274,7 @@ constants! {
         weight: f64 = 30.0,
         /// Quotient beyond which a start is slowed down, and within how many nodes.
         far: f64 = 1.5,
+        far_timing: f64 = 1.0,
         ramp_nodes: f64 = 80.0,
         /// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than the
         /// motion itself, which is measured when it is done.
@@ -299,9 +307,12 @@ constants! {
         /// Seconds that the running motion is followed at least, and that are left of it at least.
         least_followed_s: f64 = 0.004,
         least_left_s: f64 = 0.008,
-        /// Splices that are tried, and seconds between them.
+        /// Splices that are tried for a plan anew.
         attempts: u32 = 3,
+        /// Seconds between two splices that are tried, and for each that of an extension when the running motion is left: times of braking
+        /// before its end. From a slower motion a continuation is found more easily.
         later_s: f64 = 0.02,
+        leaves: [f64; 5] = [1.0, 1.0, 0.7, 0.45, 0.25],
         /// Instants that are looked at for a splice, and seconds between them.
         choice: u32 = 30,
         choice_step_s: f64 = 0.001,
@@ -320,9 +331,9 @@ constants! {
 constants! {
     /// The first guess of a motion that continues another one.
     WarmStart {
-        /// Shortest and longest time between the knots of a motion that is followed.
+        /// Shortest time between the knots of a motion that is followed, and the longest as a multiple of that between two nodes.
         least_span_s: f64 = 2e-5,
-        most_span_s: f64 = 0.002,
+        most_span_nodes: f64 = 2.0,
         /// Seconds from point to point of the motion that is followed.
         step_s: f64 = 5e-4,
         /// Seconds, at least so many position units, in which the offset from the rounded path fades out.

@@ -51,13 +51,15 @@ impl Continuation<'_> {
         let followed = Running {
             trajectory: running,
             splice,
-            leave: leave
-                .max(splice + TUNING.extend.least_followed_s)
-                .min(running.duration()),
+            leave: leave_at(running, splice, leave),
             piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
         };
         let control = warm_start(&section, followed);
-        let work = work.get_or_insert_with(|| Work::to_continue(control.points.len()));
+        // On a curve that stays, all of it is for one attempt: it is little.
+        if quality == Quality::Smooth {
+            *work = None;
+        }
+        let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), quality));
         let tail = section
             .improve(control, work)
             .or_else(|| self.joined(&section, followed, back, work))?;
@@ -100,6 +102,16 @@ impl Continuation<'_> {
         let fresh = Section::new(&moves[from..end], limits, Begin::Rest, Quality::Full).solve_with(work)?;
         section.repair(warm_start_joined(section, followed, limits, &fresh, before)?, work)
     }
+}
+
+/// When the running trajectory is left that is to be followed until `leave`: at the last knot before, as far as there is one behind
+/// `splice`.
+fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
+    let least = splice + TUNING.extend.least_followed_s;
+    let before = running.knots.partition_point(|knot| knot.time <= leave);
+    let knot = running.knots[..before].last().map_or(leave, |knot| knot.time);
+    let leave = if knot > least { knot } else { leave };
+    leave.max(least).min(running.duration())
 }
 
 /// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.

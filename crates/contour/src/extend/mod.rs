@@ -11,7 +11,8 @@ mod warm_start_joined;
 
 use crate::extend::continuation::{Continuation, cut};
 use crate::extend::splice::{braking_time, splice};
-use crate::plan::{can_pass, qualities};
+use crate::plan::{can_pass, is_dense};
+use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -52,7 +53,12 @@ pub fn extend(
     let end = (old + 1..moves.len())
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
-    let extended = qualities(&moves[begin..end]).find_map(|quality| {
+    // What is found first is taken: dense chords are soonest planned as a smooth curve.
+    let mut qualities = [Quality::Full, Quality::Smooth];
+    if is_dense(&moves[begin..end]) {
+        qualities.reverse();
+    }
+    let extended = qualities.into_iter().find_map(|quality| {
         let continuation = Continuation {
             running,
             passed,
@@ -96,9 +102,10 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
     let mut work = None;
-    (0..TUNING.extend.attempts).find_map(|attempt| {
-        let first = first + TUNING.extend.later_s * f64::from(attempt);
+    let leaves = &TUNING.extend.leaves;
+    leaves.iter().enumerate().find_map(|(attempt, share)| {
+        let first = first + TUNING.extend.later_s * attempt as f64;
         let splice = splice(running, passed + begin, &moves[begin..old], limits, first)?;
-        continuation.plan(splice, running.duration() - braking, &mut work)
+        continuation.plan(splice, running.duration() - share * braking, &mut work)
     })
 }

@@ -42,7 +42,7 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
     let from = running.trajectory.at(running.leave);
     let at = route.last().map_or(0.0, |site| site.progress);
     go_on(section, &mut route, &from, left, at);
-    let running_knots = knots(running);
+    let running_knots = knots(section, running);
     let followed = running_knots.len();
     let grid = spread(section, &route, running_knots, left);
     let mut control = ControlPoints {
@@ -127,7 +127,8 @@ fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: 
 
 /// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.
 /// On these the curve that is followed is a spline, to the last bit of its limits.
-pub(crate) fn knots(running: Running<'_>) -> Vec<f64> {
+pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
+    let most_span = TUNING.warm_start.most_span_nodes * section.allowance.node_s();
     let own = &running.trajectory.knots;
     let first = own.partition_point(|knot| knot.time <= running.splice);
     let inner = own[first..]
@@ -142,12 +143,12 @@ pub(crate) fn knots(running: Running<'_>) -> Vec<f64> {
         if span < TUNING.warm_start.least_span_s && time < running.leave {
             continue;
         }
-        let parts = (span / TUNING.warm_start.most_span_s).ceil().max(1.0);
+        let parts = (span / most_span).ceil().max(1.0);
         times.extend((1..=parts as usize).map(|k| from + span * k as f64 / parts));
     }
     while times.len() < GIVEN + 2 {
         let last = times[times.len() - 1];
-        times.push(last + TUNING.grid.node_s);
+        times.push(last + section.allowance.node_s());
     }
     times.insert(0, -times[1]);
     times

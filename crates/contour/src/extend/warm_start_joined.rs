@@ -67,7 +67,7 @@ fn joined(
         leave: running.splice + time,
         ..running
     };
-    let mut grid = knots(until);
+    let mut grid = knots(section, until);
     let followed_knots = grid.len();
     let end = grid[followed_knots - 1];
     let first = fresh

@@ -251,24 +251,30 @@ pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
     })
 }
 
-/// Which pieces are chords of a curve: lines so short, and between corners so flat, that an arc with the same turn would be within half of
-/// the tolerance.
-fn chords<'a>(reference: &'a ReferencePath, tolerances: &'a [f64]) -> impl Iterator<Item = bool> + 'a {
-    (0..reference.pieces.len()).map(|piece| {
-        let before = piece.checked_sub(1);
-        let most = before
-            .map_or(0.0, |before| turn(reference, before))
-            .max(turn(reference, piece));
-        let tolerance = before.map_or(f64::INFINITY, |before| tolerances[before]);
-        let tolerance = if piece + 1 < reference.pieces.len() {
-            tolerance.min(tolerances[piece])
-        } else {
-            tolerance
-        };
-        let length = reference.pieces[piece].length();
-        let flat = length * most / 8.0 <= 0.5 * tolerance;
-        matches!(reference.pieces[piece], Path::Line(_)) && most > 0.0 && flat && length <= LONGEST_CHORD * tolerance
-    })
+/// Which pieces are chords of a curve: short lines between corners so flat that an arc with the same turn would be within half of the
+/// tolerance, and lines among short ones that turn little.
+fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
+    let last = reference.pieces.len() - 1;
+    let turns: Vec<f64> = (0..=last).map(|piece| turn(reference, piece)).collect();
+    let most = |piece: usize| turns[piece].max(piece.checked_sub(1).map_or(0.0, |before| turns[before]));
+    // Length in tolerances, the lesser of those of both corners.
+    let long_of = |piece: usize| {
+        let before = piece.checked_sub(1).map_or(f64::INFINITY, |before| tolerances[before]);
+        let behind = if piece < last { tolerances[piece] } else { f64::INFINITY };
+        let is_line = matches!(reference.pieces[piece], Path::Line(_));
+        let length = reference.pieces[piece].length() / before.min(behind);
+        if is_line { length } else { f64::INFINITY }
+    };
+    let is_short = |piece: usize| long_of(piece) <= LONGEST_CHORD;
+    let is_chord = |piece: usize| {
+        let (most, long) = (most(piece), long_of(piece));
+        let flat = long <= LONGEST_FLAT_CHORD && long * most / 8.0 <= 0.5;
+        // What comes beside the first one and the last one is not known.
+        let inner = piece > 0 && piece < last;
+        let among = inner && most <= TUNING.smooth.sharp && (piece - 1..=piece + 1).all(is_short);
+        most > 0.0 && (flat || among)
+    };
+    (0..=last).map(is_chord).collect()
 }
 
 /// 0 outside of the rounding, 1 from half of its reach on.
@@ -282,8 +288,9 @@ fn opened(distance: f64, reach: f64) -> f64 {
 
 /// A piece longer than so many tolerances is kept to ([`Deviation::Corners`]).
 const LONG: f64 = 50.0;
-/// A longer one is no chord of a curve, tolerances.
-const LONGEST_CHORD: f64 = 100.0;
+/// A longer one is no chord of a curve, tolerances: between flat corners, and among others that turn little.
+const LONGEST_FLAT_CHORD: f64 = 100.0;
+const LONGEST_CHORD: f64 = 250.0;
 /// Share of the tolerance that is allowed there.
 const STRAIGHT: f64 = 0.01;
 /// Just before the middle of a piece, as a share of it.

@@ -33,6 +33,12 @@ pub(crate) fn smooth(
     let mut rows: Vec<Row> = (given - 1..count - ENDS)
         .flat_map(|node| PARTS.map(|part| Row::new(node, part, reference, margin, control)))
         .collect();
+    if control.initial.is_some() {
+        let beside = given + TUNING.smooth.beside_nodes;
+        for row in rows.iter_mut().filter(|row| row.first < beside) {
+            row.begin(reference, allowance, &control.points);
+        }
+    }
     let rate = |bound: &Bounds| bound.axes.acceleration.min().min(bound.norm_acceleration());
     let least = bounds.iter().map(rate).fold(f64::INFINITY, f64::min);
     let third = least * TUNING.smooth.node_s.powi(3) / TUNING.smooth.jerk_s;
@@ -81,6 +87,8 @@ struct Row {
     foot: Point,
     off: Point,
     radius: f64,
+    /// The least that the radius is, where the curve goes on from one that runs.
+    begun: f64,
     tangent: Point,
 }
 
@@ -103,6 +111,7 @@ impl Row {
             foot: Point::zeros(),
             off: Point::zeros(),
             radius: 0.0,
+            begun: 0.0,
             tangent: Point::zeros(),
         }
     }
@@ -113,12 +122,20 @@ impl Row {
         p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3]
     }
 
+    /// The motion that runs may be nearer to the wall than a smooth curve comes: it is followed there.
+    fn begin(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
+        self.look(reference, allowance, points);
+        let most = TUNING.smooth.most_begun / self.share * self.radius;
+        self.begun = most.min(TUNING.smooth.beside_off * self.off.norm());
+    }
+
     fn look(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
         let point = self.of(points);
         (self.foot, self.piece) = reference.foot(&point, self.piece);
         let path = &reference.pieces[self.piece];
         let at = along(path, &point);
         self.radius = self.share * allowance.aim(reference, self.piece, reference.starts[self.piece] + at);
+        self.radius = self.radius.max(self.begun);
         self.off = point - self.foot;
         self.tangent = path.at(at).tangent;
     }

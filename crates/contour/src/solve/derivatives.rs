@@ -8,7 +8,6 @@
 
 use crate::Point;
 use crate::solve::problem::{Limits, Problem};
-use crate::tuning::TUNING;
 
 /// A vector that is limited, and what it depends on: spans of intervals `i-2..=i+2`, nodes `i-1..=i+2`.
 pub(crate) struct Quantity {
@@ -174,10 +173,7 @@ impl Problem<'_> {
         let span = |k: isize| spans[k.clamp(0, spans.len() as isize - 1) as usize];
         let limits = &self.limits[i.clamp(0, n) as usize];
         let relaxed = self.relaxed.get((i + 1) as usize).copied().unwrap_or([1.0; 3]);
-        let counted = relaxed.map(|share| {
-            let weight = if share < 1.0 { TUNING.relax.weight } else { 1.0 };
-            [share, weight]
-        });
+        let counted = relaxed.map(|share| [share, Problem::weight_of(share)]);
         // What the given nodes and spans decide alone is not asked for.
         let free = |first: isize| !self.continues || i >= first;
         let stencil = Stencil::new(
@@ -190,7 +186,7 @@ impl Problem<'_> {
         if i >= 0 && free(2) {
             each(stencil.acceleration(limits, self.tangents[i as usize], counted[1]));
         }
-        if free(1) && (limits.jerk != Point::zeros() || limits.vector_jerk > 0.0) {
+        if free(1) && limits.has_jerk() {
             each(stencil.jerk(limits, counted[2]));
         }
     }

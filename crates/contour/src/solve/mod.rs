@@ -5,6 +5,7 @@ mod banded;
 pub(crate) mod derivatives;
 pub(crate) mod measure;
 mod merit;
+mod on_curve;
 pub(crate) mod optimise;
 pub(crate) mod problem;
 mod relax;

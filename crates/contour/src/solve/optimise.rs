@@ -6,6 +6,7 @@
 
 use crate::Point;
 use crate::solve::banded::Banded;
+use crate::solve::on_curve::Band;
 use crate::solve::problem::Problem;
 use crate::solve::step_lengths::smooth_lengths;
 use crate::solve::work::Work;
@@ -32,7 +33,9 @@ struct Iterate {
 struct Search {
     now: Iterate,
     trial: Iterate,
+    /// The matrix of timing and shape, and that of the timing alone; the other one is empty.
     matrix: Banded,
+    band: Band,
     gradient: Vec<f64>,
     /// The step of full length: for each node the logarithm of its span and its offsets.
     step: Vec<f64>,
@@ -56,7 +59,8 @@ impl Search {
         Search {
             trial: now.clone(),
             now,
-            matrix: Banded::new(count * block, 5 * block - 1),
+            matrix: Banded::new(if problem.is_timing() { 0 } else { count * block }, 5 * block - 1),
+            band: Band::new(if problem.is_timing() { count } else { 0 }),
             gradient: vec![0.0; count * block],
             step: vec![0.0; count * block],
             slack: vec![0.0; count],
@@ -77,7 +81,7 @@ impl Problem<'_> {
         self.close_in(&search.now);
         let mut weight = schedule.first;
         while !work.is_done() {
-            let mut value = self.merit(weight, &search.now.points, &search.now.spans);
+            let mut value = self.value(weight, &search.now, &mut search.slack);
             if !value.is_finite() {
                 break;
             }
@@ -87,7 +91,7 @@ impl Problem<'_> {
                     break;
                 }
                 if self.close_in(&search.now) {
-                    value = self.merit(weight, &search.now.points, &search.now.spans);
+                    value = self.value(weight, &search.now, &mut search.slack);
                 }
                 let decrement = self.find_step(weight, &mut search);
                 work.look_at(self.points.len());
@@ -160,13 +164,20 @@ impl Problem<'_> {
         let Search {
             now,
             matrix,
+            band,
             gradient,
             step,
             ..
         } = search;
-        self.assemble(weight, &now.points, &now.spans, matrix, step);
-        gradient.copy_from_slice(step);
-        matrix.solve(step);
+        if self.is_timing() {
+            self.assemble_timing(weight, &now.spans, band, step);
+            gradient.copy_from_slice(step);
+            band.solve(step);
+        } else {
+            self.assemble(weight, &now.points, &now.spans, matrix, step);
+            gradient.copy_from_slice(step);
+            matrix.solve(step);
+        }
         -gradient.iter().zip(step.iter()).map(|(g, s)| g * s).sum::<f64>()
     }
 
@@ -174,7 +185,6 @@ impl Problem<'_> {
     /// is an improvement.
     fn take_step(&self, weight: f64, value: f64, search: &mut Search, work: &mut Work) -> Option<f64> {
         let block = self.block();
-        self.slacks(&search.now.points, &search.now.spans, &mut search.slack);
         for (i, length) in search.wanted.iter_mut().enumerate() {
             *length = (TUNING.barrier.most_change / search.step[i * block].abs()).min(1.0);
         }
@@ -193,6 +203,7 @@ impl Problem<'_> {
                 .sum();
             if trial <= value + TUNING.barrier.sufficient * expected {
                 core::mem::swap(&mut search.now, &mut search.trial);
+                core::mem::swap(&mut search.slack, &mut search.trial_slack);
                 return Some(trial);
             }
             search.shorten(attempt);
@@ -225,12 +236,20 @@ impl Problem<'_> {
                 *point = self.points[i] + self.normals[i][0] * first + self.normals[i][1] * second;
             }
         }
-        self.slacks(&trial.points, &trial.spans, trial_slack);
-        // Outside the feasible set: most attempts end here.
-        if trial_slack.iter().any(|&slack| slack <= 0.0) {
+        self.value(weight, trial, trial_slack)
+    }
+
+    /// What is minimised; sets the least slacks by node. Infinite outside the feasible set.
+    fn value(&self, weight: f64, at: &Iterate, slacks: &mut [f64]) -> f64 {
+        if self.is_timing() {
+            return self.timing_merit(weight, &at.spans, slacks);
+        }
+        self.slacks(&at.points, &at.spans, slacks);
+        // Most attempts end here.
+        if slacks.iter().any(|&slack| slack <= 0.0) {
             return f64::INFINITY;
         }
-        self.merit(weight, &trial.points, &trial.spans)
+        self.merit(weight, &at.points, &at.spans)
     }
 }
 

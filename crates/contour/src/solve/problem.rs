@@ -10,11 +10,14 @@ use crate::Point;
 use crate::limits::Bounds;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
+use crate::tuning::TUNING;
 
 /// What is optimised.
 pub(crate) struct Problem<'a> {
     pub(crate) reference: &'a ReferencePath,
     pub(crate) points: Vec<Point>,
+    /// From node to node, where only the timing is optimised.
+    pub(crate) differences: Vec<Point>,
     pub(crate) limits: Vec<Limits>,
     pub(crate) normals: Vec<[Point; 2]>,
     pub(crate) tangents: Vec<Point>,
@@ -70,6 +73,12 @@ impl Limits {
         }
     }
 
+    /// Whether the jerk is limited.
+    #[inline(always)]
+    pub(crate) fn has_jerk(&self) -> bool {
+        self.jerk != Point::zeros() || self.vector_jerk > 0.0
+    }
+
     pub(crate) fn stricter(&self, other: &Limits) -> Limits {
         Limits {
             speed: self.speed.sup(&other.speed),
@@ -87,5 +96,16 @@ impl Limits {
 impl Problem<'_> {
     pub(crate) fn intervals(&self) -> isize {
         self.points.len() as isize - 1
+    }
+
+    /// Whether the curve stays and only its timing is optimised.
+    pub(crate) fn is_timing(&self) -> bool {
+        self.lateral == 0
+    }
+
+    /// How much the barrier of a limit counts of which a share is left.
+    #[inline(always)]
+    pub(crate) fn weight_of(share: f64) -> f64 {
+        if share < 1.0 { TUNING.relax.weight } else { 1.0 }
     }
 }

@@ -28,13 +28,20 @@ impl Problem<'_> {
     /// Lengthens the spans behind the given beginning, gradually, where most of what comes there is far from its limits.
     fn slow_down(&mut self) {
         let (mut most, mut far) = (0.0_f64, 0);
-        for i in self.kept as isize..=self.intervals() {
-            let [speed, acceleration, jerk] = self.quotients(i, &self.points, &self.spans);
+        self.for_each_quotient(&self.points, &self.spans, |i, [speed, acceleration, jerk]| {
+            if i < self.kept as isize {
+                return;
+            }
             let factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
             most = most.max(factor);
             far += usize::from(factor > TUNING.relax.far);
-        }
-        if 2 * far < self.points.len() - self.kept {
+        });
+        let wide = if self.is_timing() {
+            most > TUNING.relax.far_timing
+        } else {
+            2 * far >= self.points.len() - self.kept
+        };
+        if !wide {
             return;
         }
         for (k, span) in self.spans.iter_mut().enumerate().skip(self.kept) {
@@ -45,8 +52,22 @@ impl Problem<'_> {
 
     /// The largest quotient of a quantity and its limit.
     fn worst(&self) -> f64 {
-        let here = |i| self.quotients(i, &self.points, &self.spans);
-        (-1..=self.intervals()).flat_map(here).fold(0.0, f64::max)
+        let mut worst = 0.0;
+        self.for_each_quotient(&self.points, &self.spans, |_, quotients| {
+            worst = quotients.into_iter().fold(worst, f64::max);
+        });
+        worst
+    }
+
+    /// The largest quotients of speed, acceleration and jerk at each node from -1 on.
+    fn for_each_quotient(&self, points: &[Point], spans: &[f64], mut take: impl FnMut(isize, [f64; 3])) {
+        if self.is_timing() {
+            self.timing_quotients(spans, take);
+            return;
+        }
+        for i in -1..=self.intervals() {
+            take(i, self.quotients(i, points, spans));
+        }
     }
 
     /// The largest quotients of speed, acceleration and jerk at one node.
@@ -71,8 +92,8 @@ impl Problem<'_> {
         }
         // Without them the quotients are those of the full limits.
         let mut relaxed = core::mem::take(&mut self.relaxed);
-        for (k, shares) in relaxed.iter_mut().enumerate() {
-            let worst = self.quotients(k as isize - 1, points, spans);
+        self.for_each_quotient(points, spans, |i, worst| {
+            let shares = &mut relaxed[(i + 1) as usize];
             for (share, off) in shares.iter_mut().zip(worst).filter(|(share, _)| **share < 1.0) {
                 let slack = if *share > 0.0 {
                     (0.5 * (1.0 / *share - off)).max(TUNING.relax.least_share * off)
@@ -81,7 +102,7 @@ impl Problem<'_> {
                 };
                 *share = (1.0 / (off + slack).max(1.0)).max(*share);
             }
-        }
+        });
         self.relaxed = relaxed;
         true
     }

@@ -29,28 +29,42 @@ impl<'a> Conditions<'a> {
         let span = control.spans[0];
         let progress = control.progress.iter();
         let pieces: Vec<usize> = progress.map(|&s| self.reference.piece_at(s)).collect();
-        let plane = plane_of(&control.points);
-        let tangents = self.tangents(control);
-        let radii = self.radii(control, &pieces);
-        let corridor = self.corridor(control, &pieces, &radii);
-        let lateral = match quality {
-            Quality::TimingOnly | Quality::Smooth => 0,
-            Quality::Full if corridor.is_empty() => 0,
-            Quality::Full => 1 + usize::from(plane.is_none()),
-        };
-        Problem {
+        let timing = Problem {
             reference: self.reference,
             points: control.points.clone(),
+            differences: control.points.windows(2).map(|pair| pair[1] - pair[0]).collect(),
             limits: self.limits_by_node(control, &pieces),
-            normals: tangents.iter().map(|tangent| across(tangent, plane)).collect(),
-            tangents,
-            corridor,
-            fixed: radii.iter().map(|&radius| is_fixed(radius)).collect(),
+            normals: Vec::new(),
+            tangents: self.tangents(control),
+            corridor: Vec::new(),
+            fixed: Vec::new(),
             spans: control.spans.iter().map(|h| h / span).collect(),
-            lateral,
+            lateral: 0,
             continues: control.initial.is_some(),
             kept: control.kept,
             relaxed: Vec::new(),
+        };
+        match quality {
+            Quality::TimingOnly | Quality::Smooth => timing,
+            Quality::Full => self.with_shape(timing, control, &pieces),
+        }
+    }
+
+    /// The same with nodes that may move across the path, where there are any.
+    fn with_shape(&self, timing: Problem<'a>, control: &ControlPoints, pieces: &[usize]) -> Problem<'a> {
+        let plane = plane_of(&control.points);
+        let radii = self.radii(control, pieces);
+        let corridor = self.corridor(control, pieces, &radii);
+        if corridor.is_empty() {
+            return timing;
+        }
+        let tangents = timing.tangents.iter();
+        Problem {
+            normals: tangents.map(|tangent| across(tangent, plane)).collect(),
+            corridor,
+            fixed: radii.iter().map(|&radius| is_fixed(radius)).collect(),
+            lateral: 1 + usize::from(plane.is_none()),
+            ..timing
         }
     }
 

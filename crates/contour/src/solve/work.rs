@@ -1,5 +1,6 @@
 //! How much one planning call may compute, counted and not timed: the same call gives the same plan everywhere.
 
+use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 
 /// What is left of the work, in looks at one node: a step of the optimisation and each attempt to shorten it look at every node.
@@ -16,10 +17,14 @@ impl Work {
         }
     }
 
-    /// For all attempts to continue a motion, of which the first begins with so many nodes.
-    pub(crate) fn to_continue(nodes: usize) -> Work {
+    /// For all attempts to continue a motion, of which the first begins with so many nodes; for one attempt on a smooth curve.
+    pub(crate) fn to_continue(nodes: usize, quality: Quality) -> Work {
+        let some = match quality {
+            Quality::Smooth => 0,
+            Quality::Full | Quality::TimingOnly => TUNING.work.to_continue,
+        };
         Work {
-            left: TUNING.work.to_continue + TUNING.work.to_continue_each * nodes as u64,
+            left: some + TUNING.work.to_continue_each * nodes as u64,
         }
     }
 

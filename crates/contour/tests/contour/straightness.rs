@@ -29,18 +29,24 @@ fn course(legs: &[Leg], tolerance: f64, profile: Profile) -> Vec<ContourMove> {
         .collect()
 }
 
-/// Whether a line is so short, and between corners so flat, that it counts as a chord of a curve.
+/// Whether a line counts as a chord of a curve: short, between flat corners, or among short ones that turn little.
 fn is_chord(moves: &[ContourMove], k: usize) -> bool {
-    let joints = [k.checked_sub(1), Some(k).filter(|&k| k + 1 < moves.len())];
-    let joints = || joints.into_iter().flatten();
+    let joints = |k: usize| {
+        let both = [k.checked_sub(1), Some(k).filter(|&k| k + 1 < moves.len())];
+        both.into_iter().flatten()
+    };
     let turn = |joint: usize| (moves[joint + 1].path.start_tangent() - moves[joint].path.end_tangent()).norm();
-    let most = joints().map(turn).fold(0.0, f64::max);
-    let tolerance = joints()
-        .map(|joint| moves[joint].tolerance)
-        .fold(f64::INFINITY, f64::min);
-    let length = moves[k].path.length();
-    let line = matches!(moves[k].path, Path::Line(_));
-    line && most > 0.0 && length <= 100.0 * tolerance && length * most / 8.0 <= 0.5 * tolerance
+    let most = joints(k).map(turn).fold(0.0, f64::max);
+    let long = |k: usize| {
+        let tolerances = joints(k).map(|joint| moves[joint].tolerance);
+        let line = matches!(moves[k].path, Path::Line(_));
+        let length = if line { moves[k].path.length() } else { f64::INFINITY };
+        length / tolerances.fold(f64::INFINITY, f64::min)
+    };
+    let flat = long(k) <= 100.0 && long(k) * most / 8.0 <= 0.5;
+    let inner = k > 0 && k + 1 < moves.len();
+    let among = || (k - 1..=k + 1).all(|near| long(near) <= 250.0);
+    most > 0.0 && (flat || inner && most <= 0.35 && among())
 }
 
 /// A share of what is allowed: the worst between two instants.

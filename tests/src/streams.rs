@@ -1,0 +1,332 @@
+//! Toolpaths as CAM systems post them, and how they fare on planned contours: thousands of tiny moves through a queue, planned while they
+//! are travelled. Position units (mm) and seconds.
+
+use std::sync::Arc;
+
+use arcline_planner::geometry::{Arc as Circle, CirclePoint, Dimension, Direction, Path, Point};
+use arcline_planner::precise::{self, AxisLimits, ContourMove};
+use arcline_planner::profile::{Jerk, Limits};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter, Sample};
+
+/// One toolpath.
+pub struct Stream {
+    /// Its name.
+    pub name: &'static str,
+    /// Length of a chord, as far as it has chords.
+    pub chord: f64,
+    /// Programmed speed.
+    pub speed: f64,
+    /// Command tolerance of every corner.
+    pub tolerance: f64,
+    /// The end of its moves, one by one: after the length of the curve so far and the number of the move.
+    course: fn(&mut Course),
+}
+
+/// The streams of the benchmark and of the tests.
+#[rustfmt::skip]
+pub const STREAMS: &[Stream] = &[
+    Stream { name: "surface", chord: 0.25, speed: 200.0, tolerance: 0.01,  course: |c| c.chord(surface) },
+    Stream { name: "raster",  chord: 0.10, speed: 150.0, tolerance: 0.01,  course: |c| c.chord(raster) },
+    Stream { name: "fine",    chord: 0.05, speed: 400.0, tolerance: 0.02,  course: |c| c.chord(surface) },
+    Stream { name: "coarse",  chord: 0.50, speed: 300.0, tolerance: 0.005, course: |c| c.chord(surface) },
+    Stream { name: "corners", chord: 0.20, speed: 200.0, tolerance: 0.01,  course: |c| c.chord(stairs) },
+    Stream { name: "wavy",    chord: 0.15, speed: 250.0, tolerance: 0.008, course: |c| c.chord(waves) },
+    Stream { name: "slots",   chord: 8.0,  speed: 250.0, tolerance: 0.01,  course: Course::slot },
+    Stream { name: "islands", chord: 0.08, speed: 300.0, tolerance: 0.02,  course: Course::island },
+];
+
+fn surface(u: f64) -> Point {
+    let x = 60.0 * (u / 60.0).sin() + 8.0 * (u / 7.0).sin();
+    let y = 40.0 * (u / 47.0).sin() + 5.0 * (u / 9.0).cos();
+    Point::new(x, y, 6.0 * (u / 13.0).sin())
+}
+
+/// To and fro over a dome.
+fn raster(u: f64) -> Point {
+    let row = (u / 80.0).floor();
+    let on = u - row * 80.0;
+    let x = if row % 2.0 == 0.0 { on } else { 80.0 - on };
+    let dome = 1.0 - ((x - 40.0) / 60.0).powi(2);
+    Point::new(x, 0.4 * row + 0.2 * (x / 5.0).sin(), 12.0 * dome.max(0.0).sqrt())
+}
+
+/// A sudden corner every 7 mm.
+fn stairs(u: f64) -> Point {
+    let row = (u / 7.0).floor();
+    let (on, begin) = (u - row * 7.0, (row / 2.0).floor() * 7.0);
+    if row % 2.0 == 0.0 {
+        Point::new(begin + on, begin, 0.0)
+    } else {
+        Point::new(begin + 7.0, begin + on, 0.5 * (on / 3.0).sin())
+    }
+}
+
+fn waves(u: f64) -> Point {
+    let x = 50.0 * (u / 53.0).sin() + 2.0 * (u / 2.1).sin();
+    let y = 50.0 * (u / 71.0).cos() + 1.5 * (u / 1.3).cos();
+    Point::new(x, y, 0.4 * (u / 3.0).sin())
+}
+
+/// A toolpath that grows.
+struct Course {
+    paths: Vec<Path>,
+    at: Point,
+    heading: f64,
+    chord: f64,
+    /// Chords so far, those that were too short to be a move among them.
+    chords: f64,
+}
+
+impl Course {
+    /// A line to a point whose coordinates are rounded to a thousandth.
+    fn line(&mut self, to: Point) {
+        let to = to.map(|part| (part * 1000.0).round() / 1000.0);
+        if to != self.at {
+            self.paths.push(Path::line(self.at, to));
+            self.at = to;
+        }
+    }
+
+    fn chord(&mut self, curve: fn(f64) -> Point) {
+        if self.chords == 0.0 {
+            self.at = curve(0.0).map(|part| (part * 1000.0).round() / 1000.0);
+        }
+        self.chords += 1.0;
+        self.line(curve(self.chord * self.chords));
+    }
+
+    fn ahead(&self, length: f64) -> Point {
+        self.at + Point::new(self.heading.cos(), self.heading.sin(), 0.0) * length
+    }
+
+    /// Arcs between lines: round the rounded corners of a slot that wanders.
+    fn slot(&mut self) {
+        let along = if self.paths.len().is_multiple_of(4) {
+            self.chord
+        } else {
+            0.3 * self.chord
+        };
+        self.line(self.ahead(along));
+        let (radius, turn) = (1.5, core::f64::consts::FRAC_PI_2);
+        let side = Point::new(-self.heading.sin(), self.heading.cos(), 0.0);
+        let centre = self.at + side * radius;
+        let round = |angle: f64| {
+            let heading = self.heading + angle;
+            centre - Point::new(-heading.sin(), heading.cos(), 0.0) * radius
+        };
+        let via = CirclePoint::Via(round(0.5 * turn));
+        let direction = Direction::from_word(0).expect("a direction");
+        let arc = Circle::new(Dimension::Two, self.at, round(turn), via, direction).expect("an arc");
+        self.at = round(turn);
+        self.heading += turn;
+        self.paths.push(Path::Arc(arc));
+    }
+
+    /// A small ring of tiny moves, then a long line with a sudden corner at its end.
+    fn island(&mut self) {
+        let on = self.paths.len() % 61;
+        if on == 60 {
+            self.heading += 0.9;
+            self.line(self.ahead(15.0));
+        } else {
+            self.heading += 0.1 + 0.02 * (on as f64 * 0.7).sin();
+            self.line(self.ahead(self.chord));
+        }
+    }
+}
+
+impl Stream {
+    /// Its first moves, numbered; the last one ends in a stop. `jerk`: of the axes; `None`: trapezoids.
+    #[must_use]
+    pub fn moves(&self, count: usize, jerk: Option<f64>) -> Vec<Move<usize>> {
+        let mut course = Course {
+            paths: Vec::with_capacity(count + 1),
+            at: Point::zeros(),
+            heading: 0.3,
+            chord: self.chord,
+            chords: 0.0,
+        };
+        while course.paths.len() < count {
+            (self.course)(&mut course);
+        }
+        course.paths.truncate(count);
+        let limits = Limits {
+            speed: self.speed,
+            acceleration: 2.0 * ACCELERATION,
+            deceleration: 2.0 * ACCELERATION,
+            jerk: jerk.map(|jerk| Jerk {
+                acceleration: 10.0 * jerk,
+                deceleration: 10.0 * jerk,
+            }),
+        };
+        let numbered = course.paths.into_iter().enumerate();
+        numbered
+            .map(|(data, path)| Move {
+                path,
+                turn: None,
+                corner: f64::INFINITY,
+                limits,
+                ending: if data + 1 == count {
+                    Ending::Stop
+                } else {
+                    Ending::Blend {
+                        tolerance: self.tolerance,
+                    }
+                },
+                parameter: Parameter::TIME,
+                data,
+            })
+            .collect()
+    }
+}
+
+/// How long a plan takes to come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Latency {
+    /// It comes in the tick that asks for it, as in `simulate`.
+    None,
+    /// So many seconds.
+    Seconds(f64),
+    /// As long as it kept a processor busy (Linux).
+    Measured,
+}
+
+/// How a stream is sent.
+#[derive(Clone, Copy, Debug)]
+pub struct Feed {
+    /// Pending moves that the queue has room for.
+    pub depth: usize,
+    /// Moves that come in a tick, on average, where there is room; infinite: the queue is always full.
+    pub per_tick: f64,
+    /// How late plans are.
+    pub latency: Latency,
+}
+
+/// How a stream has fared.
+#[derive(Clone, Debug, Default)]
+pub struct Travelled {
+    /// Seconds from the first move in the queue to the first motion, and to the end.
+    pub began: f64,
+    /// Seconds of motion.
+    pub motion: f64,
+    /// Rests on the way although moves waited.
+    pub unplanned: usize,
+    /// Rests on the way as the queue was empty.
+    pub starved: usize,
+    /// Plans that were asked for.
+    pub plans: usize,
+    /// Extensions that were not found.
+    pub not_found: usize,
+    /// Plans that came too late.
+    pub late: usize,
+    /// Seconds for which planning kept a processor busy, all and the longest.
+    pub planning: f64,
+    /// The longest plan, seconds.
+    pub longest: f64,
+    /// After each plan: the time, how far the motion has come and how far it is planned, seconds from its beginning.
+    pub fronts: Vec<[f64; 3]>,
+}
+
+/// The limits of the axes for a stream.
+#[must_use]
+pub fn limits(jerk: Option<f64>) -> AxisLimits {
+    AxisLimits {
+        speed: Point::repeat(500.0),
+        acceleration: Point::repeat(ACCELERATION),
+        jerk: jerk.map(Point::repeat),
+    }
+}
+
+/// Travels moves on the virtual clock, a tick a millisecond. `look` sees the queue and where the motion is at every tick, and may change
+/// what it likes.
+///
+/// # Panics
+/// When the motion has not ended after an hour.
+pub fn travel(
+    moves: &[Move<usize>],
+    jerk: Option<f64>,
+    feed: Feed,
+    mut look: impl FnMut(&mut ContourQueue<usize>, &Clock, Option<Sample>),
+) -> Travelled {
+    let limits = limits(jerk);
+    let mut clock = Clock::at(0, 1_000_000);
+    let mut queue = ContourQueue::new(feed.depth);
+    let mut told = Travelled::default();
+    let (mut sent, mut sendable, mut done) = (0, 0.0_f64, 0);
+    let mut began = None;
+    let mut coming = None;
+    let mut asked: Vec<ContourMove> = Vec::new();
+    while done < moves.len() {
+        clock.tick += 1;
+        queue.steer(&clock);
+        while let Some(event) = queue.event(&clock) {
+            done += usize::from(queue.pass(&clock).is_some());
+            if event == ContourEvent::End {
+                queue.finish();
+                if queue.moves().next().is_some() {
+                    told.unplanned += 1;
+                } else if done < moves.len() {
+                    told.starved += 1;
+                }
+                break;
+            }
+        }
+        sendable += feed.per_tick;
+        while let Some(next) = moves.get(sent).filter(|_| sent as f64 + 1.0 <= sendable)
+            && queue.push(*next, &clock).is_ok()
+        {
+            sent += 1;
+        }
+        // A sender that waits for room does not hurry afterwards.
+        sendable = sendable.min(sent as f64 + feed.per_tick);
+        asked.clear();
+        if let Some(batch) = queue.batch(&clock, &clock, |motion| asked.push(motion)) {
+            let from = busy();
+            let planned = match &batch.extends {
+                Some(extension) => extension.plan(&asked, &limits),
+                None => Some(precise::begin(&asked, &limits)),
+            };
+            let took = busy() - from;
+            told.plans += 1;
+            told.not_found += usize::from(planned.is_none());
+            told.planning += took;
+            told.longest = told.longest.max(took);
+            let late = match feed.latency {
+                Latency::None => 0.0,
+                Latency::Seconds(seconds) => seconds,
+                Latency::Measured => took,
+            };
+            let due = clock.tick + (late / 1e-3).ceil() as u64;
+            coming = Some((due, batch.generation, planned.map(Arc::new)));
+        }
+        if let Some((_, generation, planned)) = coming.take_if(|(due, ..)| *due <= clock.tick) {
+            let (found, planned_to) = (planned.is_some(), planned.as_ref().map(|plan| plan.duration()));
+            match queue.install(generation, planned, &clock) {
+                Ok(installed) => {
+                    let start = *began.get_or_insert(clock.tick);
+                    let wall = (clock.tick - start) as f64 * 1e-3;
+                    if matches!(installed, Installed::Started | Installed::Extended(_)) {
+                        told.fronts.push([wall, wall, planned_to.unwrap_or(wall)]);
+                    }
+                }
+                Err(_) => told.late += usize::from(found),
+            }
+        }
+        let sample = queue.sample(&clock);
+        look(&mut queue, &clock, sample);
+        assert!(clock.tick < 3_600_000, "the motion does not end");
+    }
+    told.began = began.unwrap_or(0) as f64 * 1e-3;
+    told.motion = clock.tick as f64 * 1e-3 - told.began;
+    told
+}
+
+/// Seconds for which this thread has kept a processor busy (Linux).
+fn busy() -> f64 {
+    let shown = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let nanoseconds = shown.split(' ').next().and_then(|first| first.parse::<f64>().ok());
+    nanoseconds.unwrap_or(0.0) * 1e-9
+}
+
+/// What each axis can do, mm/s².
+const ACCELERATION: f64 = 5000.0;
