@@ -162,6 +162,7 @@ impl Expression {
             tokens: &tokens,
             next: 0,
             depth: 0,
+            operators: 0,
         };
         let expression = parser.expression()?;
         parser.expect_end()?;
@@ -238,6 +239,8 @@ pub(crate) struct Parser<'p, 't> {
     pub(crate) tokens: &'p [Token<'t>],
     pub(crate) next: usize,
     pub(crate) depth: usize,
+    /// Operators of the outermost expression, which bound the depth of its tree.
+    pub(crate) operators: usize,
 }
 
 impl<'t> Parser<'_, 't> {
@@ -323,13 +326,12 @@ impl<'t> Parser<'_, 't> {
 
     fn binary(&mut self, least: u8) -> Result<Expression, SyntaxError> {
         let mut left = self.unary()?;
-        let mut length = 0;
         while let Some(operator) = Binary::of(self.peek()).filter(|operator| operator.rank() >= least) {
-            length += 1;
-            if length > MAX_CHAIN {
+            self.operators += 1;
+            if self.operators > MAX_OPERATORS {
                 return Err(SyntaxError::TooDeep {
                     at: self.at(),
-                    limit: MAX_CHAIN,
+                    limit: MAX_OPERATORS,
                 });
             }
             self.next += 1;
@@ -354,6 +356,13 @@ impl<'t> Parser<'_, 't> {
         // A power binds tighter than the sign before it.
         let mut operand = self.deeper(Self::unary)?;
         while self.is("**") {
+            self.operators += 1;
+            if self.operators > MAX_OPERATORS {
+                return Err(SyntaxError::TooDeep {
+                    at: self.at(),
+                    limit: MAX_OPERATORS,
+                });
+            }
             self.next += 1;
             let right = self.deeper(Self::unary)?;
             operand = Expression::Binary(Binary::Power, Box::new((operand, right)));
@@ -462,5 +471,5 @@ pub(crate) fn shortened(text: &str) -> String {
 pub const MAX_TEXT: usize = 1 << 16;
 /// Deepest nesting.
 pub const MAX_DEPTH: usize = 64;
-/// Operators of one rank in a row.
-const MAX_CHAIN: usize = 256;
+/// Operators of an expression, those in its brackets and subscripts among them.
+const MAX_OPERATORS: usize = 500;

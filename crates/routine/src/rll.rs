@@ -92,7 +92,13 @@ impl fmt::Display for Rung {
 }
 
 fn print(elements: &[Element], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let mut is_bare = false;
     for element in elements {
+        // Names without brackets need a blank between them.
+        if is_bare && matches!(element, Element::Instruction(_)) {
+            f.write_str(" ")?;
+        }
+        is_bare = matches!(element, Element::Instruction(one) if one.operands.is_none());
         match element {
             Element::Instruction(instruction) => {
                 f.write_str(&instruction.name)?;

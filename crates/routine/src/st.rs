@@ -104,6 +104,7 @@ impl Text {
                 tokens: &tokens,
                 next: 0,
                 depth: 0,
+                operators: 0,
             },
         };
         let statements = reader.statements(&[])?;
@@ -180,6 +181,7 @@ impl<'t> Reader<'_, 't> {
 
     fn statement(&mut self) -> Result<Statement, SyntaxError> {
         let at = self.parser.at();
+        self.parser.operators = 0;
         if self.parser.take(";") {
             return Ok(Statement {
                 at,

@@ -10,6 +10,7 @@ fn rungs_print_as_they_were() {
     let rungs = [
         ";",
         "NOP();",
+        "NOP NOP XIC(a)NOP;",
         "XIC(a)OTE(b);",
         "[XIC(a) OTE(b) ,XIC(c) OTE(d) ];",
         "XIC(Local:1:I.Data.0)[,XIO(b[3,i+1].c.[n]) ]MAM(X,M,0,100,50,Units per sec,% of Maximum);",
@@ -34,6 +35,29 @@ fn wrong_rungs_say_where() {
         let error = Rung::parse(text).expect_err(text);
         assert_eq!(error.at(), at, "{text}: {error}");
     }
+}
+
+#[test]
+fn long_and_deep_texts_are_refused() {
+    let cases = [
+        ("a chain", format!("CPT(d,{}1);", "1+".repeat(600))),
+        ("brackets", format!("CPT(d,{}1{});", "(".repeat(80), ")".repeat(80))),
+        ("signs", format!("CPT(d,{}1);", "-".repeat(5000))),
+    ];
+    for (why, text) in cases {
+        let rung = Rung::parse(&text);
+        let refused = match &rung {
+            Ok(rung) => {
+                let mut refused = false;
+                rung.visit(&mut |one| refused |= one.operands().iter().any(|o| Expression::parse(&o.text).is_err()));
+                refused
+            }
+            Err(_) => true,
+        };
+        assert!(refused, "{why}");
+    }
+    let nested = format!("{};", "IF a THEN ".repeat(500));
+    assert!(Text::parse(&nested).is_err());
 }
 
 #[test]
