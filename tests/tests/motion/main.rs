@@ -26,6 +26,7 @@ mod splices;
 mod state_matrix;
 mod status_bits;
 mod stop_table;
+mod streams;
 mod transforms;
 mod update_periods;
 mod wild;
