@@ -168,7 +168,7 @@ pub enum MovesEnd<E> {
     Failed(E),
 }
 
-/// A machine on which programs run. Each method answers one [`Request`]; a driver that cannot be interrupted returns futures that
+/// A machine on which programs run. Each method answers one [`Request`](crate::Request); a driver that cannot be interrupted returns futures that
 /// are ready at once ([`immediately`]).
 // Whether the futures can go to another thread follows from the driver.
 #[allow(async_fn_in_trait)]
