@@ -12,6 +12,7 @@ use arcline_structured_text::QueueFull;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
 
+use crate::audit::verify::{self, AuditCommand};
 use crate::tls::certs::{self, CertsCommand};
 use crate::{l5x, run, simulate};
 
@@ -54,6 +55,11 @@ enum Command {
         #[command(subcommand)]
         command: CertsCommand,
     },
+    /// Check the audit.
+    Audit {
+        #[command(subcommand)]
+        command: AuditCommand,
+    },
     /// Write a configuration as L5X, which imports as the same project.
     Export(ExportArgs),
 }
@@ -79,6 +85,9 @@ pub(crate) struct RunArgs {
     /// The file that keeps positions and plain tags between runs; without it they are not kept.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
+    /// The folder of the audit; by default that of --state with `.audit` behind its name, where the configuration has `[security]`.
+    #[arg(long, value_name = "FOLDER|off")]
+    pub(crate) audit: Option<OrOff<PathBuf>>,
     /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
     #[arg(long)]
     pub(crate) open_to_network: bool,
@@ -268,6 +277,7 @@ pub fn main() -> ExitCode {
         Some(Command::Import(args)) => l5x::import(&args),
         Some(Command::Export(args)) => l5x::export(&args),
         Some(Command::Certs { command }) => certs::run(&command),
+        Some(Command::Audit { command }) => verify::run(&command),
     };
     match result {
         Ok(code) => code,

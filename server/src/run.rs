@@ -11,10 +11,11 @@ use arcline_controller::image::Image;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
 
+use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::Hmi;
-use crate::plant::Plant;
+use crate::plant::{Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::tls::Tls;
 
@@ -41,29 +42,62 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         }
         Some(OrOff::Off) | None => (None, None),
     };
+    let audit = open_audit(&project.server, args)?;
     raise_descriptors(project.server.max_clients);
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(workers())
         .enable_all()
         .build()
         .map_err(|error| Failure::new(1, format!("the runtime could not be started: {error}")))?;
-    let (plant, handle) = runtime.block_on(serve(&project, hmi, retained, args.config.as_deref(), configured))?;
+    let start = Start {
+        hmi,
+        retained,
+        audit,
+        config: args.config.as_deref(),
+    };
+    let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
+    plant.record(Principal::Server, What::Stop, String::new(), "done");
+    plant.close_audit();
     match keeper.map(StateWriter::close) {
         None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
         Some(Err(error)) => Err(Failure::new(1, format!("the state could not be saved: {error}"))),
     }
 }
 
-async fn serve(
-    project: &Project,
+/// What a server begins with beside its project.
+struct Start<'a> {
     hmi: Option<HmiAt>,
     retained: Option<(Image, ChangeTracker)>,
-    config: Option<&Path>,
+    audit: Option<Audit>,
+    config: Option<&'a Path>,
+}
+
+/// The audit, where there is to be one.
+fn open_audit(server: &ServerConfig, args: &RunArgs) -> Result<Option<Audit>, Failure> {
+    let folder = match (&args.audit, &args.state) {
+        (Some(OrOff::On(folder)), _) => folder.clone(),
+        (None, Some(OrOff::On(state))) if server.security.is_given => audit::folder_of(state),
+        _ => return Ok(None),
+    };
+    let audit = Audit::open(&folder);
+    let audit = audit.map_err(|error| Failure::usage(format!("--audit {}: {error}", folder.display())))?;
+    Ok(Some(audit))
+}
+
+async fn serve(
+    project: &Project,
+    start: Start<'_>,
     mut configured: Project,
 ) -> Result<(Plant, arcline_realtime::Handle), Failure> {
+    let Start {
+        hmi,
+        retained,
+        audit,
+        config,
+    } = start;
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
     let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
@@ -73,6 +107,15 @@ async fn serve(
         Some((image, watch)) => Plant::start_with(project, image, Some(watch)),
     };
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
+    if let Some(audit) = audit {
+        plant.set_audit(audit);
+        plant.record(
+            Principal::Server,
+            What::Start,
+            env!("CARGO_PKG_VERSION").to_owned(),
+            "done",
+        );
+    }
     let listen = project.server.listen;
     let mut settings = Settings::new(&project.server);
     if project.server.security.tls.is_some() {
@@ -108,6 +151,7 @@ async fn serve(
             () = &mut served => break,
             _ = hangup.recv() => {
                 if let Some(tls) = &tls {
+                    plant.record(Principal::Server, What::Reload, "the certificates of TLS".to_owned(), "done");
                     tls.reload(&plant);
                 }
                 reload(&plant, config, &mut configured).await;

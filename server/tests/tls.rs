@@ -86,6 +86,8 @@ impl Bench {
         let mut server = Command::new(SERVER)
             .arg("--config")
             .arg(self.file("machine.toml"))
+            .arg("--audit")
+            .arg(self.file("audit"))
             .env("RUST_LOG", "warn")
             .stdout(Stdio::piped())
             .stderr(fs::File::create(self.file("log")).expect("a writable folder"))
@@ -364,6 +366,59 @@ async fn certificates_have_roles() {
         log.contains("needs operator to write tags") && log.contains("cn:stranger"),
         "{log}"
     );
+    drop(plain);
+    // The audit has all of it, in a chain that holds.
+    let server = bench.server.as_ref().expect("it runs").id();
+    let done = Command::new("kill").args(["-TERM", &server.to_string()]).status();
+    assert!(done.is_ok_and(|status| status.success()));
+    let began = Instant::now();
+    let lines = loop {
+        let text = fs::read_to_string(bench.file("audit").join("000001.jsonl")).unwrap_or_default();
+        if text.contains("\"what\":\"stop\"") {
+            break text;
+        }
+        assert!(began.elapsed() < PATIENCE, "{text}");
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    };
+    let verified = Command::new(SERVER)
+        .args(["audit", "verify"])
+        .arg(bench.file("audit"))
+        .output()
+        .expect("it runs");
+    assert!(
+        verified.status.success(),
+        "{}",
+        String::from_utf8_lossy(&verified.stderr)
+    );
+    for (who, what) in [
+        ("cn:stranger", "\"what\":\"denied\""),
+        (
+            "cn:operator",
+            "\"what\":\"write\",\"object\":\"Count\",\"old\":\"00000000\",\"new\":\"05000000\"",
+        ),
+        ("cn:operator", "\"role\":\"operator\""),
+        ("cn:engineer", "\"object\":\"create Fresh\""),
+        ("cn:engineer", "\"what\":\"disconnect\""),
+        ("", "\"what\":\"estop\""),
+        ("\"door\":\"enip\"", "\"what\":\"denied\""),
+    ] {
+        assert!(
+            lines.lines().any(|line| line.contains(who) && line.contains(what)),
+            "{who} {what}: {lines}"
+        );
+    }
+    // A line that was changed is named, with exit code 3.
+    fs::write(
+        bench.file("audit").join("000001.jsonl"),
+        lines.replace("05000000", "06000000"),
+    )
+    .expect("a writable folder");
+    let verified = Command::new(SERVER)
+        .args(["audit", "verify"])
+        .arg(bench.file("audit"))
+        .output()
+        .expect("it runs");
+    assert_eq!(verified.status.code(), Some(3));
 }
 
 /// Plain EtherNet/IP that is off, or only discovery.

@@ -192,7 +192,16 @@ impl Transaction<'_> {
     /// See [`Refused`]; nothing has changed then.
     pub fn apply(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
         let (counter, retained) = (policy::counter(&command), policy::is_retained(&command));
+        let mut event = self
+            .shared
+            .event(self.principal, self.role, &command, self.state.image());
         let done = self.authorized(command);
+        if let Some(event) = &mut event {
+            self.shared.finish(event, &done);
+        }
+        if let (Some(event), Some(audit)) = (event, self.shared.audit.get()) {
+            audit.record(event);
+        }
         self.shared.counters.count(counter, done.is_ok());
         match &done {
             Ok(_) => self.retained |= retained,

@@ -7,6 +7,7 @@ use arcline_controller::image::Image;
 use arcline_instruction_set::SystemId;
 
 use super::{Command, Counter, Executions, LiveMoves, Logged, Movers, Plant, Principal, Systems};
+use crate::audit::What;
 
 /// Everything that one tick shows.
 #[derive(Debug)]
@@ -94,12 +95,14 @@ impl Plant {
     pub fn stop_all(&self) {
         self.0.counters.count(Counter::Stops, true);
         self.0.stops.stop_all();
+        self.record(Principal::Server, What::Estop, "stop of everything".to_owned(), "done");
     }
 
     /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
     pub fn inhibit(&self) {
         self.0.counters.count(Counter::Stops, true);
         self.0.stops.inhibit();
+        self.record(Principal::Server, What::Estop, "STOP".to_owned(), "done");
         // The tags show it with the next look.
         self.0.sent.notify_one();
     }

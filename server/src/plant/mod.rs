@@ -10,6 +10,7 @@
 //! [`Plant::changes`] is the stream of the tags that change.
 
 mod apply;
+mod audited;
 mod changes;
 mod client;
 mod command;
@@ -33,7 +34,7 @@ mod state;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError, Weak};
 use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
@@ -46,6 +47,7 @@ use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
 use tokio::sync::Notify;
 
+use crate::audit::{Audit, What};
 use crate::guard::{Face, Guard, Signs};
 use crate::limits::LogLimit;
 use crate::retained::ChangeTracker;
@@ -138,6 +140,7 @@ pub(crate) struct Shared {
     log_limit: LogLimit,
     /// The role of each client.
     roles: Roles,
+    audit: OnceLock<Audit>,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -216,6 +219,7 @@ impl Plant {
             counters: Counters::default(),
             log_limit: LogLimit::default(),
             roles: Roles::default(),
+            audit: OnceLock::new(),
             sent: Notify::new(),
         }))
     }
@@ -315,11 +319,14 @@ impl Plant {
     /// A client has come in with a role; the guard knows it from now on.
     pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, role: Role, face: Weak<dyn Face>) -> Signs {
         self.0.roles.set(session, role);
-        self.0.guard.enter(session, identity, face)
+        let signs = self.0.guard.enter(session, identity, face);
+        self.0.record_client(What::Connect, session);
+        signs
     }
 
     /// A client has gone.
     pub(crate) fn leave(&self, session: u64) {
+        self.0.record_client(What::Disconnect, session);
         self.0.guard.leave(session);
         self.0.roles.forget(session);
     }
@@ -334,6 +341,7 @@ impl Plant {
             return Ok(());
         }
         self.log_denied(principal, right, role);
+        self.record(principal, What::Denied, right.may().to_owned(), right.name());
         Err(Refused::Role { right, role })
     }
 

@@ -23,6 +23,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, error, warn};
 
 use self::leaf::Leaf;
+pub(crate) use self::leaf::hex;
 pub(crate) use self::trust::TrustError;
 use self::trust::{Files, Trust};
 use crate::limits::{Full, Lockouts, LogLimit, Place, Places};

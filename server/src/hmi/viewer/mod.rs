@@ -38,6 +38,7 @@ use super::protocol::{
 };
 use super::status::Status;
 use super::{Shared, drive, events, frames, line, program, tags};
+use crate::audit::{What, sha256};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
 use crate::plant::{ClientIdentity, Command, Plant, Principal, Right};
@@ -231,6 +232,11 @@ impl Viewer {
         }
         if let Err(refused) = self.shared.plant.check(Principal::Viewer(self.id), right(&request)) {
             return Some(Err(refused.into()));
+        }
+        if let Some((what, object)) = audited(&request) {
+            self.shared
+                .plant
+                .record(Principal::Viewer(self.id), what, object, "done");
         }
         let answer = self.answer(id, request, heard, simulations).await;
         if moves && stopped() {
@@ -544,6 +550,19 @@ fn moves(request: &Request) -> bool {
         | Request::History(_)
         | Request::Events(_) => false,
     }
+}
+
+/// What the audit records of a request that is no command of the plant.
+fn audited(request: &Request) -> Option<(What, String)> {
+    Some(match request {
+        Request::Take(take) if take.force => (What::Take, format!("{} by force", take.object)),
+        Request::Take(take) => (What::Take, take.object.clone()),
+        Request::Release(release) => (What::Take, format!("{} given back", release.object)),
+        Request::Run(run) => (What::Program, format!("run, sha256 {}", sha256(&run.text))),
+        Request::Continue(_) => (What::Program, "continue".to_owned()),
+        Request::End(_) => (What::Program, "end".to_owned()),
+        _ => return None,
+    })
 }
 
 /// The right that a request needs; what is a command of the plant is judged there too.

@@ -1,0 +1,204 @@
+//! The audit: a line for each thing that a client did to the machine or was refused, in files that show a change (spec/security.md §9).
+//!
+//! Nothing waits for it: who records an event puts it into a bounded queue; a thread of its own merges plain writes of a second, chains
+//! the lines by their hashes, and writes them. A full queue or a full disk costs lines, whose number the audit and the log tell.
+
+mod chain;
+mod file;
+mod merge;
+pub(crate) mod verify;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+use serde::Serialize;
+use tracing::{error, info, warn};
+
+use self::file::Files;
+use self::merge::Merge;
+
+/// Events that may wait for the thread.
+const WAITING: usize = 65_536;
+/// How long plain writes of one client to one tag are merged.
+const MERGED: Duration = Duration::from_secs(1);
+/// How often the hash of the newest line goes to the log.
+const HEAD_EVERY: Duration = Duration::from_secs(60);
+
+/// What happened.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum What {
+    /// The server began; the first line of a file.
+    Open,
+    /// The server began to serve.
+    Start,
+    /// The server ended.
+    Stop,
+    /// A client came.
+    Connect,
+    /// A client went.
+    Disconnect,
+    /// A client was refused for its role.
+    Denied,
+    /// A tag was written.
+    Write,
+    /// An instruction, an override, or a fault.
+    Motion,
+    /// A STOP, or its release.
+    Estop,
+    /// The table of tags was changed.
+    Config,
+    /// A viewer took control, or gave it back.
+    Take,
+    /// A program began, or was continued.
+    Program,
+    /// The configuration or the certificates were read again.
+    Reload,
+    /// Lines were lost.
+    AuditLost,
+}
+
+/// An event, as a face records it.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Event {
+    /// When.
+    pub(crate) at: SystemTime,
+    /// What happened.
+    pub(crate) what: What,
+    /// The kind of client.
+    pub(crate) door: &'static str,
+    /// The client: its address, and its certificate's name.
+    pub(crate) from: Arc<str>,
+    /// Its role.
+    pub(crate) role: &'static str,
+    /// The object: a tag, an instruction with its target, a file.
+    pub(crate) object: String,
+    /// The value before and after, as text; hexadecimal for what is no number.
+    pub(crate) values: Option<(String, String)>,
+    /// Whether it was done, or why not.
+    pub(crate) result: &'static str,
+    /// Whether it may be merged with others of the same client and object.
+    pub(crate) is_plain_write: bool,
+}
+
+/// Where events go; clones are the same one.
+#[derive(Clone, Debug)]
+pub(crate) struct Audit(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    /// `None` ends the thread.
+    sender: SyncSender<Option<Event>>,
+    lost: Arc<AtomicU64>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+}
+
+impl Audit {
+    /// Opens the files of a folder, repairs a line that a crash cut, and starts the thread.
+    ///
+    /// # Errors
+    /// The folder cannot be written, or the system has no thread left.
+    pub(crate) fn open(folder: &Path) -> std::io::Result<Self> {
+        let files = Files::open(folder)?;
+        let (sender, events) = sync_channel(WAITING);
+        let lost = Arc::new(AtomicU64::new(0));
+        let counted = lost.clone();
+        let thread = std::thread::Builder::new()
+            .name("arcline-audit".to_owned())
+            .spawn(move || write(files, &events, &counted))?;
+        Ok(Self(Arc::new(Shared {
+            sender,
+            lost,
+            thread: Mutex::new(Some(thread)),
+        })))
+    }
+
+    /// Records an event, if there is room for it.
+    pub(crate) fn record(&self, event: Event) {
+        if let Err(TrySendError::Full(_)) = self.0.sender.try_send(Some(event)) {
+            self.0.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Writes what waits, and ends.
+    pub(crate) fn close(&self) {
+        // The thread may have failed already.
+        let _ = self.0.sender.send(None);
+        let thread = self.0.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if thread.is_some_and(|thread| thread.join().is_err()) {
+            error!("the thread of the audit failed");
+        }
+    }
+}
+
+/// SHA-256 of a text, hexadecimal: of a program, whose text may be long.
+pub(crate) fn sha256(text: &str) -> String {
+    chain::hash(text.as_bytes())
+}
+
+/// The folder of the audit: that of the state's file, with `.audit` behind its name.
+pub(crate) fn folder_of(state: &Path) -> PathBuf {
+    let mut name = state.as_os_str().to_owned();
+    name.push(".audit");
+    PathBuf::from(name)
+}
+
+/// Runs on the thread: writes until the last sender has gone.
+fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) {
+    let mut merge = Merge::default();
+    let mut head_told = Instant::now();
+    let mut is_failing = false;
+    loop {
+        let next = events.recv_timeout(merge.due(MERGED));
+        let mut lines = match &next {
+            Ok(Some(event)) => merge.take(event.clone()),
+            Ok(None) | Err(_) => Vec::new(),
+        };
+        let is_over = matches!(next, Ok(None) | Err(RecvTimeoutError::Disconnected));
+        lines.extend(merge.ready(if is_over { Duration::ZERO } else { MERGED }));
+        let missed = lost.swap(0, Ordering::Relaxed);
+        if missed > 0 {
+            warn!(missed, "the audit has lost events");
+            lines.push((lost_event(missed), 1));
+        }
+        for (event, count) in &lines {
+            if let Err(error) = files.append(event, *count) {
+                lost.fetch_add(1, Ordering::Relaxed);
+                if !std::mem::replace(&mut is_failing, true) {
+                    error!(%error, "the audit cannot be written; the machine goes on");
+                }
+            } else if std::mem::replace(&mut is_failing, false) {
+                warn!("the audit is written again");
+            }
+        }
+        files.sync();
+        if head_told.elapsed() >= HEAD_EVERY || is_over {
+            info!(head = files.head(), "the newest line of the audit");
+            head_told = Instant::now();
+        }
+        if is_over {
+            return;
+        }
+    }
+}
+
+fn lost_event(missed: u64) -> Event {
+    Event {
+        at: SystemTime::now(),
+        what: What::AuditLost,
+        door: "server",
+        from: "".into(),
+        role: "",
+        object: format!("{missed} events"),
+        values: None,
+        result: "lost",
+        is_plain_write: false,
+    }
+}
+
+#[cfg(test)]
+mod tests;
