@@ -2,9 +2,10 @@
 
 use arcline_tests::bench::{Bench, OK};
 
-/// XY with planned contours inside the limits of its axes, and a queue as a dense toolpath needs it.
+/// Moves that can wait, as a dense toolpath needs it.
 const QUEUE: u32 = 400;
 
+/// XY with planned contours inside the limits of its axes.
 fn machine() -> Bench {
     let keys = format!("name = \"XY\"\nqueue_depth = {QUEUE}\ncorner = \"precise\"\naxis_limits = \"enforce\"");
     Bench::replacing("name = \"XY\"", &keys)
