@@ -50,6 +50,8 @@ pub struct ContourQueue<T> {
     /// Rests between moves that go on, and the end of a contour that would have gone on, had there been another move.
     rests: ContourRests,
     open_end: Option<Instant>,
+    /// The program was too slow for the last contour: before the next one more moves are waited for.
+    is_late: bool,
 }
 
 /// A plan under way.
@@ -134,6 +136,7 @@ impl<T: Copy> ContourQueue<T> {
             plans: 0,
             rests: ContourRests::default(),
             open_end: None,
+            is_late: false,
         }
     }
 

@@ -27,6 +27,7 @@ mod state_matrix;
 mod status_bits;
 mod stop_table;
 mod streams;
+mod toolpaths;
 mod transforms;
 mod update_periods;
 mod wild;

@@ -93,13 +93,14 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 
-    /// Whether the first of the moves that wait has come just now, so that others may be about to come with it, or they still come and are
-    /// not enough to plan on from before the motion is at its end.
+    /// Whether the first of the moves that wait has come just now, so that others may be about to come with it, or, behind a contour that
+    /// came to rest as the program was too slow, they still come and are not enough to plan on from before the motion is at its end.
     fn is_gathering(&self, time: &Clock) -> bool {
         let Some(waited) = self.gathering.map(|first| first.elapsed(time)) else {
             return false;
         };
-        waited < GATHER || (waited < LONGEST_GATHER && self.is_growing(time) && !self.lasts(LEAST_BEGUN))
+        let longer = self.is_late && waited < LONGEST_GATHER;
+        waited < GATHER || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN))
     }
 
     /// Whether the moves last for so many seconds at their programmed speeds.
@@ -235,6 +236,7 @@ impl<T: Copy> ContourQueue<T> {
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
         let nominal = self.nominal();
+        self.is_late = false;
         self.run = Some(Run {
             pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
@@ -322,7 +324,7 @@ pub enum Installed {
 /// How long the first move of a contour without an end waits for others, and the end of one that runs for another move, seconds: clients
 /// send them one by one.
 const GATHER: f64 = 0.01;
-/// The same while moves come so slowly that they do not last for so long, seconds.
+/// The same behind a contour for which moves came too slowly, while they do not last for so long, seconds.
 const LONGEST_GATHER: f64 = 0.1;
 const LEAST_BEGUN: f64 = 0.1;
 /// A trajectory is extended when one move waits for so many that are planned, or

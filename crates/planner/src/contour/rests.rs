@@ -39,6 +39,7 @@ impl<T: Copy> ContourQueue<T> {
     pub(super) fn count_late_move(&mut self, time: &Clock) {
         if self.open_end.take().is_some_and(|end| end.elapsed(time) < LATE) {
             self.rests.starved = self.rests.starved.wrapping_add(1);
+            self.is_late = true;
         }
     }
 }
