@@ -18,6 +18,8 @@ mod disk;
 mod format;
 mod horizon;
 mod place;
+#[doc(hidden)]
+pub mod planted;
 #[cfg(any(test, feature = "recording"))]
 pub mod recording;
 mod state;

@@ -108,6 +108,16 @@ impl Recording {
         self.lock_recorded().calls.last().cloned()
     }
 
+    /// Whether a name points at this file.
+    pub fn is_named(&self, inode: Inode, name: &Path) -> bool {
+        self.lock_recorded().files.names.get(name) == Some(&inode)
+    }
+
+    /// Whether there is such a name.
+    pub fn has(&self, is_wanted: impl Fn(&Path) -> bool) -> bool {
+        self.lock_recorded().files.names.keys().any(|name| is_wanted(name))
+    }
+
     /// The disk after the system has ended behind the newest call: under each name one of the contents that it may have then. `random`
     /// draws below a number.
     pub fn crashed(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Recording {

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::disk::Disk;
+use crate::planted::is_planted;
 use crate::store::{Store, Synchronised};
 use crate::{Place, Record, State};
 
@@ -173,7 +174,7 @@ impl<D: Disk, A> Writer<D, A> {
                 }
             }
             (What::Beside(()), Ok(())) => match self.store.finish_rewrite() {
-                Ok(()) => self.renamed = true,
+                Ok(()) => self.renamed = !is_planted("folder not synchronised"),
                 Err(error) => self.not_rewritten(error, now),
             },
             (What::Beside(()), Err(error)) => {
@@ -188,6 +189,7 @@ impl<D: Disk, A> Writer<D, A> {
             // A write to the new file has failed meanwhile.
             (What::Folder, Ok(())) if self.failed => self.due = now + self.pace.pause,
             (What::Folder, Ok(())) => {}
+            (What::Records(..), Err(_)) if is_planted("failed synchronisation ignored") => {}
             (What::Records(..) | What::Folder, Err(error)) => self.fail(Failure::Synchronisation, error, now),
         }
     }
@@ -226,6 +228,10 @@ impl<D: Disk, A> Writer<D, A> {
     fn write(&mut self, now: Duration) {
         let mut records = Vec::with_capacity(self.waiting.len());
         let mut answers = Vec::with_capacity(self.waiting.len());
+        if is_planted("record dropped") && self.waiting.len() > 1 {
+            let (_, answer) = self.waiting.remove(0);
+            self.actions.push(Action::Answer(answer, Ok(())));
+        }
         for (record, answer) in std::mem::take(&mut self.waiting) {
             if self.take_over(&record) {
                 records.push(record);
@@ -242,7 +248,7 @@ impl<D: Disk, A> Writer<D, A> {
         {
             self.fail(Failure::Write, error, now);
         }
-        let kept = if self.failed {
+        let kept = if self.failed && !is_planted("failed write answered") {
             Err(NotPersisted)
         } else {
             self.wrote(now);
@@ -290,6 +296,9 @@ impl<D: Disk, A> Writer<D, A> {
         }
         self.unsynchronised = false;
         let (file, covered) = self.store.to_synchronise()?;
+        if is_planted("horizon before synchronisation") {
+            let _ = self.store.synchronised(covered);
+        }
         Some(What::Records(file, covered))
     }
 

@@ -14,6 +14,7 @@ use std::time::Duration;
 use arcline_config::Role;
 use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::session::{CloseReason, Event, ServerSession, Transport};
+use arcline_state::planted::is_planted;
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -357,6 +358,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         let before = std::mem::replace(&mut self.now, self.epoch.elapsed());
         self.is_polling = self.now.saturating_sub(before) < POLLING;
         match came {
+            Some(Ok(0)) if is_planted("end of a connection ignored") => std::future::pending().await,
             Some(Ok(0)) => Err(Ended::ByPeer),
             Some(came) => {
                 self.signs.heard();

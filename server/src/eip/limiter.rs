@@ -10,6 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio_util::sync::CancellationToken;
 
 use crate::limits::counted;
+use arcline_state::planted::is_planted;
 
 /// The most of each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -224,6 +225,9 @@ impl ClientSlot {
 
 impl Drop for ClientSlot {
     fn drop(&mut self) {
+        if is_planted("slot of a client without a session") && self.stage == Stage::Silent {
+            return;
+        }
         self.limiter.lock().remove(self.number);
     }
 }

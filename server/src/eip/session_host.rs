@@ -9,6 +9,7 @@ use arcline_proto::cpf::ConnectionId;
 use arcline_proto::identity::Identity;
 use arcline_proto::io::{Application, Ownership};
 use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
+use arcline_state::planted::is_planted;
 
 use super::device::Device;
 use super::originator;
@@ -45,6 +46,9 @@ impl Host for SessionHost {
     }
 
     fn release_connections(&mut self, count: usize) {
+        if is_planted("connection not released") {
+            return;
+        }
         self.device.limiter.release_connections(self.peer, count);
         (&*self.device).release_connections(count);
     }

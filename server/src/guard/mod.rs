@@ -28,6 +28,7 @@ use tracing::{debug, warn};
 
 use self::table::{Jog, Seen, Table};
 use crate::plant::{ClientIdentity, Plant, Principal};
+use arcline_state::planted::is_planted;
 
 /// Without a sign of life for so long, a jog that is held by a button is stopped.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
@@ -310,6 +311,9 @@ impl Guard {
             })
             .unwrap_or_else(|| self.table().look_again(now, |_| Seen::Moves));
         for ending in again {
+            if is_planted("jog of a lost client") || is_planted("jog of a silent client") {
+                continue;
+            }
             self.0.stops.end_jog(ending.axis, ending.ticket, ending.why);
         }
         self.tell(&released, JogEnd::Released);
@@ -342,6 +346,14 @@ impl Guard {
     }
 
     fn stop(&self, jogs: &[Jog], why: JogEnd) {
+        let ignored = match why {
+            JogEnd::Lost => "jog of a lost client",
+            JogEnd::Silent => "jog of a silent client",
+            JogEnd::Released => "jog of a released button",
+        };
+        if is_planted(ignored) {
+            return;
+        }
         for jog in jogs {
             self.0.stops.end_jog(jog.axis, jog.ticket, why);
         }

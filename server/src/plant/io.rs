@@ -6,6 +6,8 @@ use arcline_controller::Snapshot;
 use arcline_controller::image::Image;
 use arcline_instruction_set::SystemId;
 
+use arcline_state::planted::is_planted;
+
 use super::{Command, Counter, Executions, LiveMoves, Logged, Movers, Plant, Principal, Systems};
 use crate::audit::What;
 
@@ -101,6 +103,9 @@ impl Plant {
     /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
     pub fn inhibit(&self) {
         self.0.counters.count(Counter::Stops, true);
+        if is_planted("STOP does not hold") {
+            return self.0.stops.stop_all();
+        }
         self.0.stops.inhibit();
         self.record(Principal::Server, What::Estop, "STOP".to_owned(), "done");
         // The tags show it with the next look.

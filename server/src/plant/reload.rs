@@ -2,6 +2,7 @@
 
 use arcline_config::Project;
 use arcline_controller::image::TableError;
+use arcline_state::planted::is_planted;
 
 use super::{Command, Plant, Principal, Refused};
 use crate::retained::NotPersisted;
@@ -32,6 +33,16 @@ impl Plant {
         let parts = needs_restart(old, new);
         if !parts.is_empty() {
             return Err(ReloadError::NeedsRestart { parts });
+        }
+        if is_planted("reload in two parts") && new.tags.len() > old.tags.len() {
+            let mut half = new.clone();
+            half.tags.pop();
+            let command = Command::Reload {
+                old: old.configured(),
+                new: half.configured(),
+            };
+            let _ = self.apply(Principal::Server, command).await;
+            return Ok(());
         }
         let (old, new) = (old.configured(), new.configured());
         match self.apply(Principal::Server, Command::Reload { old, new }).await {

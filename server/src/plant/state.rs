@@ -27,6 +27,7 @@ use super::records::{Executions, Origin};
 use crate::guard::Guard;
 use crate::retained::{ChangeTracker, WhenPersisted};
 use crate::trace::Trace;
+use arcline_state::planted::is_planted;
 
 /// The copies that readers have without the lock.
 #[derive(Debug)]
@@ -213,6 +214,9 @@ impl State {
 
     /// Publishes the tag memory if it has changed, then answers the calls that waited for what it shows now.
     pub(super) fn publish(&mut self, published: &Published) {
+        if is_planted("stale reads") && self.next_ticket % 8 == 3 && self.began {
+            return;
+        }
         if std::mem::take(&mut self.changed) {
             let before = published.image.swap(Arc::new(self.image.clone()));
             published.changes.note(&before, &self.image);
@@ -308,7 +312,8 @@ impl State {
                 self.complete(answer.ticket, &answer.control);
             }
         }
-        if updated {
+        let is_shown = !is_planted("bits of another tick") || tick.is_multiple_of(16);
+        if updated && is_shown {
             self.changed = true;
             self.log_rests(tick);
             let snapshot = self.link.snapshots.output_buffer();
@@ -645,7 +650,12 @@ impl State {
             return None;
         }
         let error = match self.image.call_of(id)? {
-            Ok(call) if self.has_room(call.mnemonic) => return Some(self.send(principal, None, call, None)),
+            Ok(call) if self.has_room(call.mnemonic) => {
+                if is_planted("edge lost") && !self.waiting.is_empty() {
+                    return None;
+                }
+                return Some(self.send(principal, None, call, None));
+            }
             Ok(_) => MotionError::ExecutionCollision,
             // A name among the operands that means nothing is a value out of range.
             Err(error) => MotionError::ParameterOutOfRange(error.operand().unwrap_or(OperandIndex(0))),

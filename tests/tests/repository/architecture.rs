@@ -127,7 +127,14 @@ fn arrows_run_one_way() {
     let dependencies = normal_dependencies(&metadata);
     for package in metadata.workspace_packages() {
         let package_name = package.name.as_str();
-        if ["arcline-tests", "arcline-system-tests", "arcline-benchmarks"].contains(&package_name) {
+        if [
+            "arcline-tests",
+            "arcline-system-tests",
+            "arcline-benchmarks",
+            "arcline-sim",
+        ]
+        .contains(&package_name)
+        {
             continue;
         }
         let allowed = allowed(package_name);
@@ -245,7 +252,8 @@ fn every_package_says_what_it_is() {
     for package in metadata().workspace_packages() {
         let description = package.description.as_deref().unwrap_or_default();
         assert!(description.len() > 20, "{}: {description:?}", package.name);
-        let is_test = package.name.ends_with("tests") || package.name == "arcline-benchmarks";
+        let is_test =
+            package.name.ends_with("tests") || ["arcline-benchmarks", "arcline-sim"].contains(&package.name.as_str());
         assert!(
             is_test || !package.keywords.is_empty() && package.keywords.len() <= 5 && !package.categories.is_empty(),
             "{} has one to five keywords, and categories",

@@ -1,0 +1,1 @@
+//! Nothing but tests: the whole server on one thread, `cargo test -p arcline-sim`.

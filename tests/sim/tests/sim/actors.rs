@@ -1,0 +1,196 @@
+//! The clients of a scenario. Each draws from a generator of its own, so that another one can be left out without changing what it does.
+
+mod motion;
+mod peers;
+pub(crate) mod tags;
+
+use std::future::Future;
+use std::net::{Ipv4Addr, SocketAddr};
+use std::pin::Pin;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use arcline_tests::random::Random;
+
+use crate::client::{Answer, Client, NoAnswer};
+use crate::history::History;
+use crate::motion::Deadline;
+use crate::network::{End, Network, Weather};
+use crate::record::{Fnv, Record};
+
+/// An actor: its name and what it does.
+pub(crate) struct Actor {
+    pub(crate) name: &'static str,
+    pub(crate) act: fn(Stage) -> Acting,
+}
+
+pub(crate) type Acting = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+macro_rules! actor {
+    ($name:literal, $act:path) => {
+        Actor {
+            name: $name,
+            act: |stage| Box::pin($act(stage)),
+        }
+    };
+}
+
+/// All actors. The first ones only load the network: without them the machine moves the same.
+pub(crate) const ACTORS: &[Actor] = &[
+    actor!("hostile", peers::hostile),
+    actor!("crowd", peers::crowd),
+    actor!("slow reader", peers::slow_reader),
+    actor!("half-open", peers::half_open),
+    actor!("browser", peers::browser),
+    actor!("writer 1", tags::writer_1),
+    actor!("writer 2", tags::writer_2),
+    actor!("reader", tags::reader),
+    actor!("polling connection", tags::polling),
+    actor!("stepper", motion::stepper),
+    actor!("lines", motion::lines),
+    actor!("jogger", motion::jogger),
+    actor!("stopper", motion::stopper),
+];
+
+/// Actors whose absence no other one notices (N2, T2).
+pub(crate) const LOAD: &[&str] = &["hostile", "crowd", "slow reader", "half-open", "browser"];
+
+/// What the actors share with the world.
+#[derive(Clone, Default)]
+pub(crate) struct Common {
+    pub(crate) record: Record,
+    pub(crate) history: History,
+    pub(crate) network: Network,
+    pub(crate) incoming: Arc<Mutex<Vec<(End, SocketAddr)>>>,
+    pub(crate) deadlines: Arc<Mutex<Vec<Order>>>,
+    /// The server's starts so far.
+    pub(crate) starts: Arc<AtomicU64>,
+    /// ms: from then on nothing fails.
+    pub(crate) quiet_from: u64,
+    /// ms: from then on actors leave.
+    pub(crate) leave_from: u64,
+}
+
+/// To the watch of motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Order {
+    Rest(Deadline),
+    Moves(usize),
+}
+
+/// Where an actor acts.
+pub(crate) struct Stage {
+    pub(crate) name: &'static str,
+    pub(crate) common: Common,
+    pub(crate) random: Random,
+    pub(crate) weather: Weather,
+    address: Ipv4Addr,
+    port: u16,
+}
+
+impl Stage {
+    pub(crate) fn new(name: &'static str, number: u8, common: Common, seed: u64) -> Self {
+        let mut hash = Fnv::default();
+        hash.add(name.as_bytes());
+        let mut random = Random(seed ^ hash.0);
+        let weather = Weather {
+            delay: *random.one_of(&[0, 0, 0, 3, 30]),
+            piece: *random.one_of(&[0, 0, 0, 1, 7]),
+        };
+        if weather.piece == 1 {
+            common.record.sometimes("one byte at a time");
+        }
+        if weather.delay > 0 {
+            common.record.sometimes("a slow network");
+        }
+        Stage {
+            name,
+            common,
+            random,
+            weather,
+            address: Ipv4Addr::new(10, 0, 1, number),
+            port: 1024,
+        }
+    }
+
+    /// Connects to the server's port.
+    pub(crate) fn connect(&mut self) -> End {
+        let random = Random(self.random.bits());
+        let (ours, theirs) = self.common.network.connect(self.weather, random);
+        self.port += 1;
+        let peer = SocketAddr::new(self.address.into(), self.port);
+        lock(&self.common.incoming).push((theirs, peer));
+        ours
+    }
+
+    /// A client with a session.
+    pub(crate) async fn client(&mut self) -> Answer<Client> {
+        let client = Client::register(self.connect()).await?;
+        let session = client.session();
+        if session == 0 {
+            self.common.record.violated("L4", "the session handle 0");
+        }
+        Ok(client)
+    }
+
+    pub(crate) fn now(&self) -> u64 {
+        self.common.record.now()
+    }
+
+    pub(crate) fn is_over(&self) -> bool {
+        self.now() >= self.common.leave_from
+    }
+
+    pub(crate) fn chance(&mut self, percent: u64) -> bool {
+        self.random.below(100) < percent
+    }
+
+    pub(crate) async fn pause(&mut self, most: u64) {
+        let ms = 1 + self.random.below(most.max(1));
+        tokio::time::sleep(Duration::from_millis(ms)).await;
+    }
+
+    /// Judges why there is no answer: a connection may end, but an answer is never wrong, and late only when something has failed.
+    pub(crate) fn judge(&self, asked: u64, error: &NoAnswer) {
+        self.note(&format!("{error}"));
+        match error {
+            NoAnswer::Ended => {}
+            // Asked when nothing failed any more.
+            NoAnswer::Late if asked < self.common.quiet_from => {}
+            NoAnswer::Late | NoAnswer::Wrong(_) | NoAnswer::Refused(_) => {
+                self.common.record.violated("N1", &format!("{}: {error}", self.name));
+            }
+        }
+    }
+
+    /// Holds that an answer came in time.
+    pub(crate) fn in_time(&self, asked: u64) {
+        let took = self.now() - asked;
+        // Two ways of the network, and a second.
+        if asked >= self.common.quiet_from && took > 1000 + 4 * (self.weather.delay + 1) {
+            let why = format!("{}: an answer took {took} ms", self.name);
+            self.common.record.violated("N1", &why);
+        }
+    }
+
+    pub(crate) fn note(&self, event: &str) {
+        self.common.record.note(self.name, event);
+    }
+
+    pub(crate) fn sometimes(&self, state: &'static str) {
+        self.common.record.sometimes(state);
+    }
+
+    pub(crate) fn starts(&self) -> u64 {
+        self.common.starts.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn order(&self, order: Order) {
+        lock(&self.common.deadlines).push(order);
+    }
+}
+
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

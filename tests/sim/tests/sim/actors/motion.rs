@@ -1,0 +1,428 @@
+//! Clients that move the machine, and one that stops it.
+
+use arcline_instruction_set::{Flag, Mnemonic};
+use arcline_proto::arcline::machine::service as machine;
+use arcline_proto::cip::Reply;
+
+use super::{Order, Stage};
+use crate::client::{Answer, BOOL, Client, DINT, REAL, instruction, machine_service, read, value, write};
+use crate::motion::Deadline;
+
+/// Instances of axes: X, Y, Z, S, A, B and C.
+const X: u32 = 1;
+const A: u32 = 5;
+const B: u32 = 6;
+/// The instance of CS1.
+const CS1: u32 = 1;
+
+/// CommandPosition is a REAL.
+const ROUNDING: f64 = 1e-4;
+
+/// What a motion control tag shows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Control {
+    flags: u32,
+    err: i16,
+}
+
+impl Control {
+    fn of(reply: &Reply) -> Option<Self> {
+        let bytes = value(reply)?;
+        Self::of_bytes(&bytes)
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Option<Self> {
+        Some(Control {
+            flags: u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?),
+            err: i16::from_le_bytes(bytes.get(4..6)?.try_into().ok()?),
+        })
+    }
+
+    fn has(self, flag: Flag) -> bool {
+        self.flags & 1 << flag.bit() != 0
+    }
+
+    /// Bits that never stand together (E2).
+    fn check(self, stage: &Stage, whose: &str) {
+        let wrong = self.has(Flag::Dn) && self.has(Flag::Er)
+            || self.has(Flag::Er) != (self.err != 0)
+            || self.has(Flag::Pc) && (self.has(Flag::Ip) || self.has(Flag::Er))
+            || self.has(Flag::Ip) && self.has(Flag::Er);
+        if wrong {
+            stage
+                .common
+                .record
+                .violated("E2", &format!("{whose} shows {:08X}, ERR {}", self.flags, self.err));
+        }
+    }
+}
+
+fn real(reply: &Reply) -> Option<f64> {
+    let bytes = value(reply)?;
+    match bytes.len() {
+        4 => Some(f32::from_le_bytes(bytes[..4].try_into().ok()?).into()),
+        8 => Some(f64::from_le_bytes(bytes[..8].try_into().ok()?)),
+        _ => None,
+    }
+}
+
+/// Steps of axis A by the EnableIn of a tag: each is made exactly once.
+pub(crate) async fn stepper(mut stage: Stage) {
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => match step_for_a_while(&mut stage, &mut client).await {
+                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Ok(()) if stage.chance(50) || stage.is_over() => client.leave().await,
+                Ok(()) => {}
+            },
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(100).await;
+    }
+}
+
+/// What the tag and its axis show, of one tick.
+async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(Control, f64)>> {
+    let replies = client
+        .ask_all(&[read("StepA.MotionControl", 1), read("A.CommandPosition", 1)])
+        .await?;
+    let Some([control, position]) = replies.as_deref() else {
+        return Ok(None);
+    };
+    stage.common.record.saw(stage.name, &control.to_bytes());
+    stage.common.record.saw(stage.name, &position.to_bytes());
+    let both = Control::of(control).zip(real(position));
+    match both {
+        Some((control, position)) => {
+            stage.note(&format!("{:08X} ERR {} at {position}", control.flags, control.err));
+            control.check(stage, "StepA");
+        }
+        None => stage.common.record.violated("N1", "StepA cannot be read"),
+    }
+    Ok(both)
+}
+
+async fn step_for_a_while(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    client.ask(&instruction(Mnemonic::Mso, A, "", &[])).await?;
+    for _ in 0..5 + stage.random.below(10) {
+        if stage.is_over() {
+            break;
+        }
+        step(stage, client).await?;
+        stage.pause(100).await;
+    }
+    Ok(())
+}
+
+async fn step(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    // An instruction of a connection before may still run.
+    let mut before = None;
+    for _ in 0..100 {
+        let now = look(stage, client).await?;
+        // A STOP ends the instruction before the axis stands.
+        let stands = before
+            .zip(now)
+            .is_some_and(|((_, before), (control, now))| !control.has(Flag::Ip) && now == before);
+        before = now;
+        if stands {
+            break;
+        }
+        stage.pause(20).await;
+        // Longer than a tick, also after late ones.
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    let Some((_, from)) = before else { return Ok(()) };
+    let distance = stage.random.between(0.5, 4.0) as f32;
+    let operands = [
+        write("StepA.EnableIn", BOOL, 1, &[0]),
+        write("StepA.MoveType", DINT, 1, &1_i32.to_le_bytes()),
+        write("StepA.Position", REAL, 1, &distance.to_le_bytes()),
+        write("StepA.SpeedUnits", DINT, 1, &0_i32.to_le_bytes()),
+        write("StepA.Speed", REAL, 1, &100_f32.to_le_bytes()),
+    ];
+    client.ask_all(&operands).await?;
+    let sent = stage.now();
+    let reply = client.ask(&write("StepA.EnableIn", BOOL, 1, &[1])).await?;
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    stage.in_time(sent);
+    if !reply.status.is_success() {
+        stage.note(&format!("EnableIn was refused: {}", reply.status));
+        return Ok(());
+    }
+    stage.sometimes("an edge of EnableIn");
+    for _ in 0..400 {
+        let Some((control, at)) = look(stage, client).await? else {
+            return Ok(());
+        };
+        let moved = at - from;
+        // A STOP at the axis's jerk may take longer than the end of the move.
+        let runs = control.has(Flag::Ip) || control.has(Flag::Pc);
+        if runs && (moved > f64::from(distance) + ROUNDING || moved < -ROUNDING) {
+            let why = format!("a step of {distance} has moved by {moved}");
+            stage.common.record.violated("E1", &why);
+            return Ok(());
+        }
+        if control.has(Flag::Pc) {
+            stage.sometimes("a step is complete");
+            if (moved - f64::from(distance)).abs() > ROUNDING {
+                let why = format!("PC of a step of {distance}, and the axis has moved by {moved}");
+                stage.common.record.violated("E3", &why);
+            }
+            return Ok(());
+        }
+        if control.has(Flag::Er) {
+            stage.sometimes("a step is refused by the machine");
+            if control.err == 53 {
+                stage.sometimes("motion is inhibited");
+            }
+            return Ok(());
+        }
+        if !control.has(Flag::Dn) {
+            let why = format!("an answered edge shows {:08X}", control.flags);
+            stage.common.record.violated("E1", &why);
+            return Ok(());
+        }
+        if !control.has(Flag::Ip) {
+            stage.sometimes("a step is stopped");
+            return Ok(());
+        }
+        stage.pause(10).await;
+    }
+    stage.common.record.violated("E1", "a step has no end");
+    Ok(())
+}
+
+/// Lines of CS1 by services, two at a time.
+pub(crate) async fn lines(mut stage: Stage) {
+    let mut newest = (0, 0);
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => match draw_for_a_while(&mut stage, &mut client, &mut newest).await {
+                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Ok(()) => client.leave().await,
+            },
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(100).await;
+    }
+}
+
+async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (u64, u32)) -> Answer<()> {
+    for axis in X..X + 3 {
+        client.ask(&instruction(Mnemonic::Mso, axis, "", &[])).await?;
+    }
+    for _ in 0..3 + stage.random.below(8) {
+        if stage.is_over() {
+            break;
+        }
+        for control in ["Line1", "Line2"] {
+            let started = stage.starts();
+            let reply = client.ask(&line(stage, control)).await?;
+            stage.common.record.saw(stage.name, &reply.to_bytes());
+            if let Some(instance) = reply.status.is_success().then(|| reply.data.get(..4)).flatten() {
+                let instance = u32::from_le_bytes([instance[0], instance[1], instance[2], instance[3]]);
+                if *newest >= (started, instance) && started == stage.starts() {
+                    let why = format!("instance {instance} behind {}", newest.1);
+                    stage.common.record.violated("E1", &why);
+                }
+                *newest = (started, instance);
+                let control = reply.data.get(4..).and_then(Control::of_bytes);
+                if let Some(control) = control {
+                    control.check(stage, "the answer of MCLM");
+                }
+            }
+        }
+        until_complete(stage, client).await?;
+        if stage.chance(20) {
+            stage.sometimes("a line is stopped by MCS");
+            client.ask(&line(stage, "Line1")).await?;
+            stage.pause(60).await;
+            // All, at the programmed deceleration.
+            client
+                .ask(&instruction(
+                    Mnemonic::Mcs,
+                    CS1,
+                    "Halt",
+                    &[0.0, 0.0, 5000.0, 0.0, 0.0, 0.0],
+                ))
+                .await?;
+        }
+    }
+    Ok(())
+}
+
+/// An absolute MCLM, trapezoidal.
+fn line(stage: &mut Stage, control: &str) -> arcline_proto::cip::Request {
+    use arcline_proto::logix::{Typed, encode_operands};
+    use arcline_tag::{Elementary, Value};
+    let position: Vec<f64> = (0..3).map(|_| stage.random.between(-30.0, 30.0)).collect();
+    let numbers = |numbers: &[f64]| {
+        let values = numbers.iter().map(|number| Value::from_f64(Elementary::Lreal, *number));
+        Typed::Numbers(Elementary::Lreal, values.collect())
+    };
+    let mut operands = vec![
+        Typed::ShortString(control.to_owned()),
+        numbers(&[0.0]),
+        numbers(&position),
+    ];
+    operands.extend([400.0, 0.0, 5000.0, 0.0, 5000.0, 0.0, 0.0].map(|number| numbers(&[number])));
+    let mut data = bytes::BytesMut::new();
+    encode_operands(&operands, &mut data);
+    arcline_proto::cip::Request {
+        data: data.freeze(),
+        ..instruction(Mnemonic::Mclm, CS1, control, &[])
+    }
+}
+
+async fn until_complete(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    for _ in 0..300 {
+        let replies = client.ask_all(&[read("Line1", 1), read("Line2", 1)]).await?;
+        let controls: Vec<Control> = replies.iter().flatten().filter_map(Control::of).collect();
+        for control in &controls {
+            control.check(stage, "a line");
+        }
+        if let [first, second] = controls[..] {
+            // They end in their order, unless the tags are of an earlier pair.
+            if second.has(Flag::Pc) && first.has(Flag::Ip) {
+                stage
+                    .common
+                    .record
+                    .violated("E2", "the second line is complete before the first");
+            }
+            if first.has(Flag::Pc) && second.has(Flag::Pc) {
+                stage.sometimes("two lines are complete");
+                return Ok(());
+            }
+        }
+        if controls.iter().all(|control| !control.has(Flag::Ip)) {
+            return Ok(());
+        }
+        stage.pause(20).await;
+    }
+    stage.common.record.violated("E2", "a line has no end");
+    Ok(())
+}
+
+/// Jogs axis B, and then releases it, hangs, vanishes, or has its connection cut.
+pub(crate) async fn jogger(mut stage: Stage) {
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(client) => {
+                if let Err(error) = jog(&mut stage, client).await {
+                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                }
+            }
+            Err(error) => stage.judge(asked, &error),
+        }
+        // Longer than any of its stops takes.
+        tokio::time::sleep(std::time::Duration::from_millis(2500)).await;
+    }
+}
+
+async fn jog(stage: &mut Stage, mut client: Client) -> Answer<()> {
+    client.ask(&instruction(Mnemonic::Mso, B, "", &[])).await?;
+    stage.order(Order::Moves(B as usize - 1));
+    let operands = [0.0, 50.0, 0.0, 1000.0, 0.0, 1000.0, 0.0];
+    let reply = client.ask(&instruction(Mnemonic::Maj, B, "JogB", &operands)).await?;
+    if !reply.status.is_success() {
+        return Ok(());
+    }
+    stage.sometimes("a jog");
+    for _ in 0..stage.random.below(12) {
+        client.ask(&read("B.CommandVelocity", 1)).await?;
+        stage.pause(40).await;
+    }
+    // Silence of 500 ms, a look every 10 ms, 50 units/s at 10,000 units/s², and ticks that are late.
+    let rest = |at, why| {
+        Order::Rest(Deadline {
+            axis: B as usize - 1,
+            at,
+            why,
+        })
+    };
+    let heard = client.end.arrives_by();
+    match stage.random.below(4) {
+        0 => {
+            stage.sometimes("a jog is released");
+            client
+                .ask(&instruction(
+                    Mnemonic::Mas,
+                    B,
+                    "HaltB",
+                    &[0.0, 1.0, 1000.0, 0.0, 0.0, 0.0],
+                ))
+                .await?;
+            client.leave().await;
+        }
+        1 => {
+            stage.sometimes("a jogging client hangs");
+            stage.order(rest(heard + 500 + LATE, "its client hangs"));
+            tokio::time::sleep(std::time::Duration::from_millis(2000)).await;
+            client.leave().await;
+        }
+        2 => {
+            stage.sometimes("a jogging client vanishes");
+            stage.order(rest(heard + 500 + LATE, "its client has vanished"));
+            client.end.vanish(stage.now() + 4000);
+        }
+        _ => {
+            stage.sometimes("a jogging client is cut off");
+            stage.order(rest(stage.now() + 250 + LATE, "its client was cut off"));
+            client.end.cut();
+        }
+    }
+    Ok(())
+}
+
+/// The stop itself, and the latest tick.
+const LATE: u64 = 150;
+
+/// Stops everything and releases it.
+pub(crate) async fn stopper(mut stage: Stage) {
+    while !stage.is_over() {
+        stage.pause(3000).await;
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => match stop(&mut stage, &mut client).await {
+                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Ok(()) => client.leave().await,
+            },
+            Err(error) => stage.judge(asked, &error),
+        }
+    }
+}
+
+async fn stop(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    let by_tag = stage.chance(50);
+    let stop = match by_tag {
+        true => write("MotionInhibit", BOOL, 1, &[1]),
+        false => machine_service(machine::STOP),
+    };
+    let reply = client.ask(&stop).await?;
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    if !reply.status.is_success() {
+        stage
+            .common
+            .record
+            .violated("M3", &format!("STOP was refused: {}", reply.status));
+    }
+    stage.sometimes("STOP");
+    let shown = client.ask(&read("MotionInhibit", 1)).await?;
+    let started = stage.starts();
+    if value(&shown).is_some_and(|value| value[0] == 0) && started == stage.starts() {
+        stage
+            .common
+            .record
+            .violated("M3", "an answered STOP does not show in MotionInhibit");
+    }
+    stage.pause(600).await;
+    let release = match stage.chance(50) {
+        true => write("MotionInhibit", BOOL, 1, &[0]),
+        false => machine_service(machine::RELEASE),
+    };
+    client.ask(&release).await?;
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! Clients that only load the network: hostile ones, silent ones, ones that do not read.
+
+use std::time::Duration;
+
+use arcline_proto::cip::Request;
+use arcline_proto::epath::Epath;
+
+use super::Stage;
+use crate::client::{Answer, Client, DINT, NoAnswer, read, write};
+use crate::network::Window;
+
+/// Sends bytes that are no frames, frames of other sessions, and messages that no client sends.
+pub(crate) async fn hostile(mut stage: Stage) {
+    while !stage.is_over() {
+        if stage.chance(50) {
+            let mut end = stage.connect();
+            let count = 1 + stage.random.below(200);
+            let bytes: Vec<u8> = (0..count).map(|_| stage.random.bits() as u8).collect();
+            let _ = tokio::io::AsyncWriteExt::write_all(&mut end, &bytes).await;
+            stage.pause(50).await;
+            stage.sometimes("bytes that are no frames");
+            if stage.chance(50) {
+                end.cut();
+            }
+        } else if let Ok(mut client) = stage.client().await {
+            let _ = attack(&mut stage, &mut client).await;
+        }
+        stage.pause(100).await;
+    }
+}
+
+async fn attack(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    for _ in 0..stage.random.below(20) {
+        match stage.random.below(3) {
+            0 => {
+                let foreign = client.session() ^ (1 + stage.random.below(1000) as u32);
+                let answer = client
+                    .ask_as(foreign, &write("D0", DINT, 1, &666_i32.to_le_bytes()))
+                    .await;
+                match answer {
+                    Ok(reply) if reply.status.is_success() => {
+                        stage
+                            .common
+                            .record
+                            .violated("L4", "a frame with a foreign session handle was executed");
+                    }
+                    Ok(_) | Err(NoAnswer::Refused(_)) => stage.sometimes("a foreign session handle"),
+                    Err(error) => return Err(error),
+                }
+            }
+            1 => {
+                let data: Vec<u8> = (0..stage.random.below(60)).map(|_| stage.random.bits() as u8).collect();
+                let class = *stage
+                    .random
+                    .one_of(&[0x01, 0x02, 0x06, 0x6B, 0x301, 0x302, 0x303, 0x304]);
+                // No service that changes anything can be hit with such data but by its whole layout.
+                let request = Request::new(stage.random.below(0x30) as u8, Epath::object(class, 1), data);
+                client.ask(&request).await?;
+            }
+            _ => {
+                client.ask(&read("NoSuchTag", 1)).await?;
+            }
+        }
+        stage.pause(20).await;
+    }
+    Ok(())
+}
+
+/// Many that connect and say nothing.
+pub(crate) async fn crowd(mut stage: Stage) {
+    let mut ends = Vec::new();
+    while !stage.is_over() {
+        for _ in 0..stage.random.below(6) {
+            ends.push(stage.connect());
+        }
+        if ends.len() > 10 {
+            stage.sometimes("a crowd of silent clients");
+            match stage.random.below(3) {
+                0 => ends.clear(),
+                1 => ends.drain(..).for_each(crate::network::End::cut),
+                _ => {
+                    let noticed = stage.now() + 4000;
+                    ends.drain(..).for_each(|end| end.vanish(noticed));
+                }
+            }
+        }
+        stage.pause(700).await;
+    }
+}
+
+/// Asks much and reads nothing.
+pub(crate) async fn slow_reader(mut stage: Stage) {
+    while !stage.is_over() {
+        if let Ok(mut client) = stage.client().await {
+            client.end.stall(Window::Closed);
+            for _ in 0..stage.random.below(400) {
+                if client.send_request(&read("Big", 100)).await.is_err() {
+                    break;
+                }
+            }
+            stage.sometimes("a client that does not read");
+            let ms = stage.random.below(3000);
+            tokio::time::sleep(Duration::from_millis(ms)).await;
+            if stage.chance(50) {
+                client.end.stall(Window::Open);
+            }
+        }
+        stage.pause(1000).await;
+    }
+}
+
+/// Its bytes are lost one way: the server hears nothing more and is told late.
+pub(crate) async fn half_open(mut stage: Stage) {
+    while !stage.is_over() {
+        if let Ok(mut client) = stage.client().await {
+            let _ = client.ask(&read("D0", 1)).await;
+            client.end.mute(stage.now() + 3000);
+            let _ = client.ask(&read("D0", 1)).await;
+            stage.sometimes("a half-open connection");
+        }
+        stage.pause(2000).await;
+    }
+}
+
+/// Reads the table of tags.
+pub(crate) async fn browser(mut stage: Stage) {
+    while !stage.is_over() {
+        if let Ok(mut client) = stage.client().await {
+            let mut from = 0;
+            for _ in 0..5 {
+                // Get Instance Attribute List of class 0x6B: names and types.
+                let request = Request::new(0x55, Epath::object(0x6B, from), vec![2, 0, 1, 0, 2, 0]);
+                match client.ask(&request).await {
+                    Ok(reply) if !reply.data.is_empty() => from += 20,
+                    Ok(_) | Err(_) => break,
+                }
+            }
+            stage.sometimes("the table of tags is read");
+            client.leave().await;
+        }
+        stage.pause(1500).await;
+    }
+}

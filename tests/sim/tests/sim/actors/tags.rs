@@ -1,0 +1,272 @@
+//! Clients that read and write plain tags.
+
+use arcline_proto::cip::Reply;
+
+use super::Stage;
+use crate::client::{Answer, Client, DINT, REAL, dint, packet, read, value, write};
+use crate::history::Written;
+
+/// The tags that are written with unique values.
+pub(crate) const TAGS: [&str; 4] = ["D0", "D1", "D2", "D3"];
+/// Two tags that are always written in one message, with the same value.
+pub(crate) const PAIR: [&str; 2] = ["P0", "P1"];
+
+pub(crate) async fn writer_1(stage: Stage) {
+    writer(stage, 1_000_000).await;
+}
+
+pub(crate) async fn writer_2(stage: Stage) {
+    writer(stage, 2_000_000).await;
+}
+
+async fn writer(mut stage: Stage, first: i32) {
+    let mut next = first;
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => {
+                if let Err(error) = write_for_a_while(&mut stage, &mut client, &mut next).await {
+                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                } else if stage.chance(50) || stage.is_over() {
+                    client.leave().await;
+                }
+            }
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(200).await;
+    }
+}
+
+async fn write_for_a_while(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answer<()> {
+    for _ in 0..20 + stage.random.below(100) {
+        if stage.is_over() {
+            break;
+        }
+        match stage.random.below(10) {
+            0..=3 => write_one(stage, client, next).await?,
+            4..=5 => write_pair(stage, client, next).await?,
+            6 => write_refused(stage, client, next).await?,
+            7 => read_pair(stage, client).await?,
+            _ => read_one(stage, client).await?,
+        }
+        stage.pause(12).await;
+    }
+    Ok(())
+}
+
+fn written(stage: &Stage, reply: &Reply) -> Written {
+    match reply.status.general() {
+        0 => Written::Kept,
+        0x19 => {
+            stage.sometimes("a write that is not kept");
+            Written::NotKept
+        }
+        _ => Written::Refused,
+    }
+}
+
+async fn write_one(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answer<()> {
+    let tag = *stage.random.one_of(&TAGS);
+    *next += 1;
+    let value = *next;
+    let asked = stage.now();
+    stage.common.history.asks(tag, value);
+    let reply = client.ask(&write(tag, DINT, 1, &value.to_le_bytes())).await?;
+    stage.in_time(asked);
+    let answer = written(stage, &reply);
+    if answer == Written::Refused {
+        let why = format!("{}: a write of {tag} was refused: {}", stage.name, reply.status);
+        stage.common.record.violated("N1", &why);
+    }
+    stage.common.history.has(tag, value, answer);
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    Ok(())
+}
+
+async fn write_pair(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answer<()> {
+    *next += 1;
+    let value = *next;
+    // Both orders: the message is one action.
+    let order = if stage.chance(50) { [0, 1] } else { [1, 0] };
+    let requests = order.map(|index| write(PAIR[index], DINT, 1, &value.to_le_bytes()));
+    for tag in PAIR {
+        stage.common.history.asks(tag, value);
+    }
+    let asked = stage.now();
+    let replies = client.ask_all(&requests).await?;
+    stage.in_time(asked);
+    let Some(replies) = replies else {
+        stage.common.record.violated("N1", "a packet of writes was refused");
+        return Ok(());
+    };
+    for (index, reply) in order.into_iter().zip(&replies) {
+        let answer = written(stage, reply);
+        stage.common.history.has(PAIR[index], value, answer);
+        stage.common.record.saw(stage.name, &reply.to_bytes());
+    }
+    Ok(())
+}
+
+/// Writes that must change nothing: of another type, of more elements than there are, and a packet with data that is cut.
+async fn write_refused(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answer<()> {
+    let tag = *stage.random.one_of(&TAGS);
+    *next += 1;
+    let value = *next;
+    let bytes = value.to_le_bytes();
+    let request = match stage.random.below(3) {
+        0 => write(tag, REAL, 1, &bytes),
+        1 => write(tag, DINT, 2, &[bytes, bytes].concat()),
+        _ => write(tag, DINT, 1, &bytes[..3]),
+    };
+    stage.common.history.asks(tag, value);
+    let reply = client.ask(&request).await?;
+    if reply.status.is_success() {
+        stage
+            .common
+            .record
+            .violated("W3", "a write that does not fit its tag succeeded");
+    }
+    stage.sometimes("a refused write");
+    stage.common.history.has(tag, value, Written::Refused);
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    Ok(())
+}
+
+async fn read_one(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    let tag = *stage.random.one_of(&TAGS);
+    let (asked, sent) = (stage.common.history.clock(), stage.now());
+    let reply = client.ask(&read(tag, 1)).await?;
+    stage.in_time(sent);
+    took_value(stage, tag, &reply, asked);
+    Ok(())
+}
+
+fn took_value(stage: &Stage, tag: &'static str, reply: &Reply, asked: u64) {
+    match dint(reply) {
+        Some(value) => stage.common.history.read(tag, value, asked),
+        None => stage
+            .common
+            .record
+            .violated("N1", &format!("{tag} cannot be read: {}", reply.status)),
+    }
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+}
+
+async fn read_pair(stage: &mut Stage, client: &mut Client) -> Answer<()> {
+    let asked = stage.common.history.clock();
+    let replies = client.ask_all(&PAIR.map(|tag| read(tag, 1))).await?;
+    let Some([first, second]) = replies.as_deref() else {
+        stage.common.record.violated("N1", "a packet of reads was refused");
+        return Ok(());
+    };
+    took_value(stage, PAIR[0], first, asked);
+    took_value(stage, PAIR[1], second, asked);
+    if dint(first) != dint(second) {
+        let why = format!(
+            "a message that writes two tags was seen half: {:?} {:?}",
+            dint(first),
+            dint(second)
+        );
+        stage.common.record.violated("W1", &why);
+    }
+    Ok(())
+}
+
+/// Reads over a class 3 connection, and the tags that a reload adds.
+pub(crate) async fn reader(mut stage: Stage) {
+    let mut serial = 0;
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => {
+                serial += 1;
+                if let Err(error) = read_connected(&mut stage, &mut client, serial).await {
+                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                } else {
+                    client.leave().await;
+                }
+            }
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(100).await;
+    }
+}
+
+async fn read_connected(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
+    let Some(mut connected) = client.open(serial).await? else {
+        stage.note("Forward Open was refused");
+        return Ok(());
+    };
+    stage.sometimes("a class 3 connection");
+    for _ in 0..20 + stage.random.below(60) {
+        if stage.is_over() {
+            break;
+        }
+        let sent = stage.now();
+        if stage.chance(70) {
+            let tag = *stage.random.one_of(&TAGS);
+            let asked = stage.common.history.clock();
+            let reply = client.ask_connected(&mut connected, &read(tag, 1)).await?;
+            took_value(stage, tag, &reply, asked);
+        } else {
+            // A reload adds both or none.
+            let request = packet(&["Extra1", "Extra2"].map(|tag| read(tag, 1)));
+            let reply = client.ask_connected(&mut connected, &request).await?;
+            let parts = arcline_proto::cip::split_multiple_replies(&reply.data).unwrap_or_default();
+            let known: Vec<bool> = parts.iter().map(|part| value(part).is_some()).collect();
+            match known[..] {
+                [true, true] => stage.sometimes("the tags of a reload"),
+                [false, false] => {}
+                _ => stage
+                    .common
+                    .record
+                    .violated("R1", &format!("a table between two: {known:?}")),
+            }
+            stage.common.record.saw(stage.name, &reply.to_bytes());
+        }
+        stage.in_time(sent);
+        stage.pause(40).await;
+    }
+    if stage.chance(50) {
+        client.close(connected).await?;
+    }
+    Ok(())
+}
+
+/// Opens connections and falls silent, so that their watchdogs end them.
+pub(crate) async fn polling(mut stage: Stage) {
+    let mut serial = 100;
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => {
+                serial += 1;
+                if let Err(error) = fall_silent(&mut stage, &mut client, serial).await {
+                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                }
+            }
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(500).await;
+    }
+}
+
+async fn fall_silent(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
+    let Some(mut connected) = client.open(serial).await? else {
+        return Ok(());
+    };
+    for _ in 0..stage.random.below(10) {
+        let reply = client.ask_connected(&mut connected, &read("D0", 1)).await?;
+        stage.common.record.saw(stage.name, &reply.to_bytes());
+        stage.pause(20).await;
+    }
+    // Its time-out is 2 s.
+    if !stage.is_over() {
+        stage.pause(3500).await;
+        stage.sometimes("a silent connection");
+    }
+    // The session lives longer than its connection.
+    let reply = client.ask(&read("D1", 1)).await?;
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    Ok(())
+}

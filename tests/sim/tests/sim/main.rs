@@ -1,0 +1,225 @@
+//! The whole server on one thread, under a seed: the listener, the plant, the controller and the writer of the retained state are steps of one
+//! loop, and network, disk, clocks and clients are simulated (docs/RELIABILITY.md).
+
+mod actors;
+mod client;
+mod history;
+mod motion;
+mod network;
+mod plan;
+mod record;
+mod world;
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use plan::{FAULTS, Scenario, TICKS};
+use record::Record;
+
+fn number(name: &str) -> Option<u64> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{name} is no number: {text}")))
+}
+
+fn hook() {
+    static ONCE: std::sync::Once = std::sync::Once::new();
+    ONCE.call_once(|| {
+        std::panic::set_hook(Box::new(|info| {
+            eprintln!("{info}");
+            world::panicked(info.to_string());
+        }));
+    });
+}
+
+/// The scenario of `ARCLINE_SEED`, `ARCLINE_TICKS` and `ARCLINE_WITHOUT`, with its log.
+#[test]
+fn one() {
+    let Some(seed) = number("ARCLINE_SEED").filter(|_| number("ARCLINE_CASES").is_none()) else {
+        return;
+    };
+    hook();
+    let mut scenario = Scenario::of(seed);
+    scenario.ticks = number("ARCLINE_TICKS").unwrap_or(TICKS);
+    let without = std::env::var("ARCLINE_WITHOUT").unwrap_or_default();
+    scenario.without = without
+        .split(',')
+        .filter(|name| !name.is_empty())
+        .map(str::to_owned)
+        .collect();
+    let outcome = world::run(&scenario, Record::default());
+    for line in outcome.record.lines() {
+        println!("{line}");
+    }
+    println!("hash {:016x}", outcome.record.hash());
+    assert_eq!(
+        outcome.record.violations(),
+        Vec::<String>::new(),
+        "{}",
+        scenario.command()
+    );
+}
+
+/// As many scenarios as `ARCLINE_CASES` says, on as many threads as there are processors.
+#[test]
+fn scenarios() {
+    hook();
+    let seeds = arcline_tests::random::seeds(SCENARIOS);
+    let (began, next) = (Instant::now(), AtomicU64::new(seeds.start));
+    let reached: Mutex<BTreeMap<&'static str, u64>> = Mutex::default();
+    let work = || {
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= seeds.end {
+                return;
+            }
+            let scenario = Scenario::of(seed);
+            let outcome = world::run(&scenario, Record::default());
+            if outcome.record.is_violated() {
+                next.store(seeds.end, Ordering::Relaxed);
+                fail(scenario, &outcome.record);
+            }
+            let mut reached = actors::lock(&reached);
+            for (state, count) in outcome.record.reached() {
+                *reached.entry(state).or_default() += count;
+            }
+            drop(reached);
+            if (seed - seeds.start).is_multiple_of(50) {
+                twice(&scenario, &outcome);
+                without_load(&scenario, &outcome);
+            }
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
+    let failed = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().any(|thread| thread.join().is_err())
+    });
+    assert!(!failed, "see above");
+    let (count, took) = (seeds.end - seeds.start, began.elapsed().as_secs_f64());
+    let simulated = count * TICKS / 1000;
+    println!(
+        "{count} scenarios, {simulated} s in {took:.1} s: {:.0} times real time",
+        simulated as f64 / took
+    );
+    let reached = reached.into_inner().expect("no thread failed");
+    for (state, count) in &reached {
+        println!("{count:8}  {state}");
+    }
+    // A campaign that never reached one of these has tested less than it says.
+    if count >= SCENARIOS {
+        let missed: Vec<_> = SOMETIMES
+            .iter()
+            .filter(|state| !reached.contains_key(**state))
+            .collect();
+        assert_eq!(missed, Vec::<&&str>::new(), "never reached");
+    }
+}
+
+/// In a run of CI.
+const SCENARIOS: u64 = 200;
+
+/// States that a campaign must reach.
+const SOMETIMES: &[&str] = &[
+    "a class 3 connection",
+    "a client that does not read",
+    "a crowd of silent clients",
+    "a foreign session handle",
+    "a half-open connection",
+    "a jog",
+    "a jog is released",
+    "a jogging client hangs",
+    "a jogging client is cut off",
+    "a jogging client vanishes",
+    "a kill",
+    "a line is stopped by MCS",
+    "a partition",
+    "a power loss",
+    "a refused write",
+    "a reload",
+    "a restart",
+    "a silent connection",
+    "a slow network",
+    "a step is complete",
+    "a step is refused by the machine",
+    "a step is stopped",
+    "a synchronisation fails",
+    "a write that is not kept",
+    "an edge of EnableIn",
+    "an end during a synchronisation",
+    "an end during motion",
+    "bytes that are no frames",
+    "connections are reset",
+    "late ticks are caught up",
+    "motion is inhibited",
+    "no sockets are left",
+    "one byte at a time",
+    "STOP",
+    "the file is written anew",
+    "the table of tags is read",
+    "the tags of a reload",
+    "the time base moves",
+    "two lines are complete",
+];
+
+/// The same seed gives the same bytes (D1).
+fn twice(scenario: &Scenario, outcome: &world::Outcome) {
+    let again = world::run(scenario, Record::default());
+    if again.record.hash() == outcome.record.hash() {
+        return;
+    }
+    let [one, two] = [(); 2].map(|()| world::run(scenario, Record::with_lines()).record.lines());
+    let differs = one.iter().zip(&two).find(|(one, two)| one != two);
+    panic!("{}: two runs differ: {differs:?}", scenario.command());
+}
+
+/// Without the actors that only load the network, the others see the same answers (N2) and the machine moves the same (T2).
+fn without_load(scenario: &Scenario, outcome: &world::Outcome) {
+    let mut quieter = scenario.clone();
+    quieter
+        .without
+        .extend(actors::LOAD.iter().map(|name| (*name).to_owned()));
+    let other = world::run(&quieter, Record::default());
+    let mut seen = outcome.record.seen();
+    seen.retain(|name, _| !actors::LOAD.contains(name));
+    let mut others = other.record.seen();
+    others.retain(|name, _| !actors::LOAD.contains(name));
+    assert_eq!(seen, others, "N2: {}", scenario.command());
+    assert_eq!(outcome.motion, other.motion, "T2: {}", scenario.command());
+}
+
+/// Leaves out what the failure does not need, and shows the command of the smallest scenario that still fails.
+fn fail(mut scenario: Scenario, record: &Record) -> ! {
+    let (full, mut lines, mut violations) = (scenario.command(), record.lines(), record.violations());
+    let invariant = |violations: &[String]| violations[0].split(':').next().map(str::to_owned);
+    let wanted = invariant(&violations);
+    let still_fails = |scenario: &Scenario| {
+        let record = world::run(scenario, Record::default()).record;
+        (record.is_violated() && invariant(&record.violations()) == wanted).then_some(record)
+    };
+    let names = scenario
+        .actors()
+        .into_iter()
+        .chain(FAULTS.iter().map(|(name, _)| *name));
+    // A planted bug only has to be found.
+    let names = names.filter(|_| std::env::var_os("ARCLINE_PLANTED").is_none());
+    for name in names.collect::<Vec<_>>() {
+        let mut smaller = scenario.clone();
+        smaller.without.insert(name.to_owned());
+        if let Some(record) = still_fails(&smaller) {
+            (scenario, lines, violations) = (smaller, record.lines(), record.violations());
+        }
+    }
+    let commit = std::process::Command::new("git")
+        .args(["rev-parse", "--short", "HEAD"])
+        .output();
+    let commit = commit.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    panic!(
+        "{}\n{}\nas drawn: {full}\nsmallest: {}\ncommit: {}",
+        lines.join("\n"),
+        violations.join("\n"),
+        scenario.command(),
+        commit.unwrap_or_default()
+    );
+}

@@ -1,0 +1,148 @@
+//! What a seed decides before a scenario begins: its actors, its faults and their times.
+
+use std::collections::BTreeSet;
+
+use arcline_state::recording::Rules;
+use arcline_tests::random::Random;
+
+use crate::actors::ACTORS;
+use crate::record::Fnv;
+
+/// A scenario: the seed, and what is left out of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Scenario {
+    pub(crate) seed: u64,
+    /// ms; the last third is quiet.
+    pub(crate) ticks: u64,
+    /// Actors and kinds of faults that are left out.
+    pub(crate) without: BTreeSet<String>,
+}
+
+/// Length of a scenario, ms.
+pub(crate) const TICKS: u64 = 20_000;
+
+/// Something that breaks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Fault {
+    /// The tick, ms: the ticks are caught up then.
+    Late(u64),
+    /// The contour planner, ms.
+    Planner(u64),
+    /// Nothing arrives, ms.
+    Partition(u64),
+    /// Every connection is cut.
+    Reset,
+    /// Each synchronisation takes so long from now on, ms.
+    SlowDisk(u64),
+    /// Calls of these kinds fail for so long, ms.
+    Disk(Failing, u64),
+    /// The process is killed and starts again after so long, ms.
+    Kill(u64),
+    /// The power fails; by these rules.
+    Power(u64, Rules),
+    /// The tags of another configuration are taken over.
+    Reload,
+    /// The system refuses to accept a client.
+    NoSockets,
+}
+
+/// The calls of the disk that fail.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Failing {
+    Writes,
+    Syncs,
+    Renames,
+    All,
+}
+
+/// Kinds of faults, as they can be left out, and how many a scenario has at most.
+pub(crate) const FAULTS: &[(&str, u64)] = &[
+    ("late ticks", 12),
+    ("late planner", 4),
+    ("partition", 2),
+    ("resets", 3),
+    ("slow disk", 3),
+    ("disk errors", 3),
+    ("kill", 2),
+    ("power loss", 2),
+    ("reload", 5),
+    ("no sockets", 2),
+];
+
+impl Scenario {
+    pub(crate) fn of(seed: u64) -> Self {
+        Scenario {
+            seed,
+            ticks: TICKS,
+            without: BTreeSet::new(),
+        }
+    }
+
+    /// The names of the actors in it.
+    pub(crate) fn actors(&self) -> Vec<&'static str> {
+        let all = ACTORS.iter().map(|actor| actor.name);
+        all.filter(|name| self.has(name, 75)).collect()
+    }
+
+    /// The faults in it, by their time, ms.
+    pub(crate) fn faults(&self) -> Vec<(u64, Fault)> {
+        let mut faults = Vec::new();
+        for (kind, most) in FAULTS {
+            if !self.has(kind, 50) {
+                continue;
+            }
+            let mut random = self.random(kind);
+            // Times do not depend on the length of the scenario, so that a shorter one has the first of them.
+            for _ in 0..random.below(most + 1) {
+                let at = 200 + random.below(TICKS * 2 / 3 - 200);
+                faults.push((at, draw(kind, &mut random)));
+            }
+        }
+        faults.retain(|(at, _)| *at < self.quiet_from());
+        faults.sort_by_key(|(at, _)| *at);
+        faults
+    }
+
+    /// From then on nothing fails, ms.
+    pub(crate) fn quiet_from(&self) -> u64 {
+        self.ticks * 2 / 3
+    }
+
+    pub(crate) fn random(&self, name: &str) -> Random {
+        let mut hash = Fnv::default();
+        hash.add(name.as_bytes());
+        Random(self.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ hash.0)
+    }
+
+    fn has(&self, name: &str, percent: u64) -> bool {
+        let drawn = self.random(&format!("whether {name}")).below(100) < percent;
+        drawn && !self.without.contains(name)
+    }
+
+    /// The command that runs it alone.
+    pub(crate) fn command(&self) -> String {
+        let mut command = format!("ARCLINE_SEED={} ARCLINE_TICKS={}", self.seed, self.ticks);
+        if !self.without.is_empty() {
+            let without: Vec<&str> = self.without.iter().map(String::as_str).collect();
+            command += &format!(" ARCLINE_WITHOUT='{}'", without.join(","));
+        }
+        command + " cargo test -p arcline-sim --test sim one -- --nocapture"
+    }
+}
+
+fn draw(kind: &str, random: &mut Random) -> Fault {
+    let failing = [Failing::Writes, Failing::Syncs, Failing::Renames, Failing::All];
+    match kind {
+        "late ticks" if random.below(20) == 0 => Fault::Late(1200),
+        "late ticks" => Fault::Late(1 + random.below(50)),
+        "late planner" => Fault::Planner(random.below(200)),
+        "partition" => Fault::Partition(random.below(4000)),
+        "resets" => Fault::Reset,
+        "slow disk" => Fault::SlowDisk(random.below(4000)),
+        "disk errors" => Fault::Disk(*random.one_of(&failing), random.below(2500)),
+        "kill" => Fault::Kill(1 + random.below(400)),
+        "power loss" => Fault::Power(1 + random.below(400), *random.one_of(&[Rules::Ordered, Rules::Weak])),
+        "reload" => Fault::Reload,
+        _ => Fault::NoSockets,
+    }
+}

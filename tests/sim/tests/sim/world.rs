@@ -1,0 +1,533 @@
+//! The loop of a scenario: one virtual millisecond after another, each of them faults, the tick, the writer of the state, the tasks of the
+//! server, those of the clients, and the invariants.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::Duration;
+
+use arcline_config::{IoListen, Project};
+use arcline_server::eip::Settings;
+use arcline_server::stepped::Stepped;
+use arcline_state::Task;
+use arcline_state::recording::{Call, Kind, Recording, Rules};
+use arcline_tag::TagPath;
+use arcline_tests::random::Random;
+use tokio::runtime::{Builder, Runtime};
+use tokio::time::Instant;
+
+use crate::actors::tags::{PAIR, TAGS};
+use crate::actors::{ACTORS, Common, Order, Stage, lock};
+use crate::motion::Watch;
+use crate::plan::{Failing, Fault, Scenario};
+use crate::record::Record;
+
+thread_local! {
+    /// Session handles and connection ids of the server.
+    static HANDLES: Cell<u64> = const { Cell::new(0) };
+    /// Messages of panics, which tasks swallow.
+    static PANICS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Notes a panic of this thread; the hook of panics calls it.
+pub(crate) fn panicked(message: String) {
+    PANICS.with_borrow_mut(|panics| panics.push(message));
+}
+
+fn handles() -> Option<u32> {
+    HANDLES.with(|handles| {
+        let mut random = Random(handles.get());
+        let bits = random.bits();
+        handles.set(random.0);
+        Some((bits >> 32) as u32 | 1)
+    })
+}
+
+const CONFIG: &str = r#"
+[security]
+remote_plain = "engineer"
+[[instruction]]
+tag = "StepA"
+type = "MAM"
+target = "A"
+[[tag]]
+name = "D0"
+type = "DINT"
+[[tag]]
+name = "D1"
+type = "DINT"
+[[tag]]
+name = "D2"
+type = "DINT"
+[[tag]]
+name = "D3"
+type = "DINT"
+[[tag]]
+name = "P0"
+type = "DINT"
+[[tag]]
+name = "P1"
+type = "DINT"
+[[tag]]
+name = "Big"
+type = "DINT[100]"
+"#;
+
+const EXTRA: &str = r#"
+[[tag]]
+name = "Extra1"
+type = "DINT"
+[[tag]]
+name = "Extra2"
+type = "DINT"
+"#;
+
+/// The configurations between which a reload changes: without the extra tags and with them.
+struct Projects([Project; 2]);
+
+impl Projects {
+    fn new() -> Self {
+        let server = "[server]\njog_silence_ms = 500\nmax_clients_per_address = 8\n";
+        let base = arcline_config::DEFAULT.replacen("[server]\n", server, 1) + CONFIG;
+        let load = |text: &str| arcline_config::load(text, "sim.toml").unwrap_or_else(|error| panic!("{error}"));
+        Projects([load(&base), load(&(base.clone() + EXTRA))])
+    }
+}
+
+/// A server that runs.
+struct Running {
+    // Dropped before the runtime on which its tasks run.
+    server: Stepped<Recording>,
+    runtime: Runtime,
+    began: Instant,
+    /// ms of the scenario at its start.
+    since: u64,
+    /// A synchronisation under way: when it ends, and the clock of the history when it was begun.
+    task: Option<(u64, Task<Recording>, u64)>,
+    /// Which of the projects it has.
+    configured: usize,
+}
+
+/// How a scenario ended.
+pub(crate) struct Outcome {
+    pub(crate) record: Record,
+    pub(crate) motion: u64,
+}
+
+struct World<'s> {
+    scenario: &'s Scenario,
+    projects: Projects,
+    common: Common,
+    now: u64,
+    running: Option<Running>,
+    start_at: u64,
+    disk: Recording,
+    failing: Arc<AtomicU8>,
+    failing_until: u64,
+    sync_takes: u64,
+    /// Writes that were answered by then are on the disk, whatever becomes of the power.
+    durable: u64,
+    beside: Option<u64>,
+    late_until: u64,
+    owed: u64,
+    planner_until: u64,
+    watch: Watch,
+    draw: Random,
+    clients_first: bool,
+}
+
+/// Runs a scenario to its end or to its first violation.
+pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
+    PANICS.with_borrow_mut(Vec::clear);
+    HANDLES.set(scenario.seed);
+    let projects = Projects::new();
+    let common = Common {
+        record: record.clone(),
+        quiet_from: scenario.quiet_from(),
+        leave_from: scenario.ticks.saturating_sub(LEAVING),
+        ..Common::default()
+    };
+    let mut draw = scenario.random("world");
+    let clients_first = draw.below(2) == 0;
+    let mut world = World {
+        watch: Watch::new(&projects.0[0].machine),
+        scenario,
+        projects,
+        common,
+        now: 0,
+        running: None,
+        start_at: 0,
+        disk: Recording::default(),
+        failing: Arc::default(),
+        failing_until: 0,
+        sync_takes: 2,
+        durable: 0,
+        beside: None,
+        late_until: 0,
+        owed: 0,
+        planner_until: 0,
+        draw,
+        clients_first,
+    };
+    world.run();
+    Outcome {
+        record,
+        motion: world.watch.hash.0,
+    }
+}
+
+impl World<'_> {
+    fn run(&mut self) {
+        let clients = runtime();
+        let clients_began = clients.block_on(async { Instant::now() });
+        let names = self.scenario.actors();
+        for (number, actor) in (1..).zip(ACTORS) {
+            if names.contains(&actor.name) {
+                let stage = Stage::new(
+                    actor.name,
+                    number,
+                    self.common.clone(),
+                    self.scenario.random(actor.name).0,
+                );
+                let _guard = clients.enter();
+                drop(clients.spawn((actor.act)(stage)));
+            }
+        }
+        let mut faults: VecDeque<(u64, Fault)> = self.scenario.faults().into();
+        self.fail_disk();
+        for now in 1..=self.scenario.ticks {
+            self.now = now;
+            self.common.record.begin(now);
+            self.common.network.begin(now);
+            while faults.front().is_some_and(|(at, _)| *at <= now) {
+                if let Some((_, fault)) = faults.pop_front() {
+                    self.strike(fault);
+                }
+            }
+            if now == self.failing_until {
+                self.failing.store(0, Ordering::Relaxed);
+            }
+            if now == self.scenario.quiet_from() {
+                self.calm();
+            }
+            if self.clients_first {
+                turn(&clients, clients_began, now);
+            }
+            self.serve();
+            if !self.clients_first {
+                turn(&clients, clients_began, now);
+            }
+            self.check();
+            if self.common.record.is_violated() {
+                break;
+            }
+        }
+        if !self.common.record.is_violated() {
+            self.finish();
+        }
+        drop(clients);
+        self.end_server();
+    }
+
+    /// A millisecond of the server.
+    fn serve(&mut self) {
+        if self.running.is_none() && self.now >= self.start_at {
+            self.start();
+        }
+        let incoming = std::mem::take(&mut *lock(&self.common.incoming));
+        let Some(running) = &mut self.running else {
+            // Nobody listens: they are closed.
+            drop(incoming);
+            return;
+        };
+        for (end, peer) in incoming {
+            running.server.connect(Box::new(end), peer);
+        }
+        self.owed += 1;
+        if self.now >= self.late_until {
+            if self.owed > CATCH_UP {
+                self.common.record.sometimes("the time base moves");
+                self.owed = 1;
+            } else if self.owed > 1 {
+                self.common.record.sometimes("late ticks are caught up");
+            }
+            for _ in 0..std::mem::take(&mut self.owed) {
+                let is_inhibited = running.server.plant().is_inhibited();
+                let (watch, record) = (&mut self.watch, &self.common.record);
+                running
+                    .server
+                    .tick(&mut |snapshot| watch.see(snapshot, is_inhibited, record));
+            }
+        }
+        if self.now >= self.planner_until {
+            running.server.plan();
+        }
+        if self.now.is_multiple_of(10) {
+            running.server.trace();
+        }
+        self.keep();
+        if let Some(running) = &self.running {
+            turn(&running.runtime, running.began, self.now - running.since);
+        }
+    }
+
+    /// A turn of the writer of the state.
+    fn keep(&mut self) {
+        let Some(running) = &mut self.running else { return };
+        let now = Duration::from_millis(self.now - running.since);
+        let mut ended = None;
+        if let Some((_, task, begun)) = running.task.take_if(|(due, _, _)| *due <= self.now) {
+            ended = Some(task.run());
+            match self.disk.last() {
+                Some(Call::Sync(inode)) if self.disk.is_named(inode, &file()) => self.durable = begun,
+                Some(Call::Sync(_)) => self.beside = Some(begun),
+                Some(Call::SyncFolder) => {
+                    if let Some(begun) = self.beside.take() {
+                        self.durable = begun;
+                        self.common.record.sometimes("the file is written anew");
+                    }
+                }
+                _ => self.common.record.sometimes("a synchronisation fails"),
+            }
+        }
+        if let Some(task) = running.server.keep(ended, now) {
+            let due = self.now + 1 + self.draw.below(self.sync_takes + 1);
+            running.task = Some((due, task, self.common.history.clock()));
+        }
+    }
+
+    fn start(&mut self) {
+        let runtime = runtime();
+        let mut config = self.projects.0[0].server.clone();
+        config.io = IoListen::Off;
+        let mut settings = Settings::new(&config);
+        settings.write_timeout = Duration::from_secs(2);
+        settings.system = PathBuf::from("/nonexistent");
+        settings.random = handles;
+        let project = self.projects.0[0].clone();
+        let started = {
+            let _guard = runtime.enter();
+            Stepped::start(project, Some((self.disk.clone(), file())), settings)
+        };
+        let server = match started {
+            Ok(server) => server,
+            Err(error) => {
+                self.common.record.violated("W2", &format!("{error}"));
+                return;
+            }
+        };
+        // Whatever a crash leaves behind the horizon, the file is never set aside.
+        if self.disk.has(|name| name.to_string_lossy().contains("set-aside")) {
+            self.common.record.violated("W2", "the file was set aside");
+        }
+        let values = server.plant().with_image(|image| {
+            let value = |tag: &'static str| {
+                let path: TagPath = tag.parse().expect("a name");
+                (tag, image.read(&path).expect("it exists").as_f64() as i32)
+            };
+            TAGS.iter().chain(&PAIR).map(|tag| value(tag)).collect::<Vec<_>>()
+        });
+        for wrong in self.common.history.start(&values, self.durable) {
+            self.common.record.violated("history", &wrong);
+        }
+        if values[TAGS.len()].1 != values[TAGS.len() + 1].1 {
+            self.common
+                .record
+                .violated("W2", "a message that writes two tags was kept half");
+        }
+        let started = self.common.starts.fetch_add(1, Ordering::Relaxed);
+        if started > 0 {
+            self.common.record.sometimes("a restart");
+        }
+        self.common.record.note("world", &format!("starts with {values:?}"));
+        // The start has written the state anew, and synchronised it, unless the disk failed.
+        if self.failing.load(Ordering::Relaxed) == 0 {
+            self.durable = self.common.history.clock();
+        }
+        self.beside = None;
+        self.owed = 0;
+        let began = runtime.block_on(async { Instant::now() });
+        self.running = Some(Running {
+            server,
+            runtime,
+            began,
+            since: self.now - 1,
+            task: None,
+            configured: 0,
+        });
+    }
+
+    fn end_server(&mut self) {
+        self.running = None;
+        self.watch.restart();
+        lock(&self.common.deadlines).clear();
+    }
+
+    fn strike(&mut self, fault: Fault) {
+        self.common.record.note("fault", &format!("{fault:?}"));
+        let now = self.now;
+        match fault {
+            Fault::Late(ms) => self.late_until = now + ms,
+            Fault::Planner(ms) => self.planner_until = now + ms,
+            Fault::Partition(ms) => {
+                self.common.record.sometimes("a partition");
+                self.common.network.hold((now + ms).min(self.scenario.quiet_from()));
+            }
+            Fault::Reset => {
+                self.common.record.sometimes("connections are reset");
+                self.common.network.reset();
+            }
+            Fault::SlowDisk(ms) => self.sync_takes = ms,
+            Fault::Disk(failing, ms) => {
+                let bit = match failing {
+                    Failing::Writes => 1,
+                    Failing::Syncs => 2,
+                    Failing::Renames => 4,
+                    Failing::All => 7,
+                };
+                self.failing.store(bit, Ordering::Relaxed);
+                self.failing_until = now + ms;
+            }
+            Fault::Kill(ms) => self.kill(ms, None),
+            Fault::Power(ms, rules) => self.kill(ms, Some(rules)),
+            Fault::Reload => self.reload(),
+            Fault::NoSockets => {
+                if let Some(running) = &self.running {
+                    self.common.record.sometimes("no sockets are left");
+                    running
+                        .server
+                        .refuse(std::io::Error::other("too many open files, by design"));
+                }
+            }
+        }
+    }
+
+    fn kill(&mut self, ms: u64, power: Option<Rules>) {
+        let Some(running) = &self.running else {
+            return;
+        };
+        if running.task.is_some() {
+            self.common.record.sometimes("an end during a synchronisation");
+        }
+        if self.watch.moving {
+            self.common.record.sometimes("an end during motion");
+        }
+        match power {
+            None => {
+                self.common.record.sometimes("a kill");
+                // All that was answered, whatever the disk has.
+                self.durable = u64::MAX;
+            }
+            Some(rules) => {
+                self.common.record.sometimes("a power loss");
+                self.common.network.lose_server(self.now + ms);
+                let draw = &mut self.draw;
+                self.disk = self.disk.crashed(rules, &mut |below| draw.below(below as u64) as usize);
+                self.fail_disk();
+            }
+        }
+        self.end_server();
+        self.start_at = self.now + ms;
+    }
+
+    fn reload(&mut self) {
+        let Some(running) = &mut self.running else { return };
+        let before = running.configured;
+        running.configured = 1 - before;
+        let (old, new) = (
+            self.projects.0[before].clone(),
+            self.projects.0[running.configured].clone(),
+        );
+        let (plant, record) = (running.server.plant().clone(), self.common.record.clone());
+        drop(running.runtime.spawn(async move {
+            match plant.reload(&old, &new).await {
+                Ok(()) => record.sometimes("a reload"),
+                Err(error) => record.note("reload", &error.to_string()),
+            }
+        }));
+    }
+
+    /// Nothing fails any more.
+    fn calm(&mut self) {
+        self.failing.store(0, Ordering::Relaxed);
+        self.sync_takes = 2;
+        self.late_until = 0;
+        self.planner_until = 0;
+        self.common.network.hold(0);
+    }
+
+    /// The disk fails as the present bits say.
+    fn fail_disk(&self) {
+        let failing = self.failing.clone();
+        self.disk.fail(Box::new(move |_, kind| {
+            let bits = failing.load(Ordering::Relaxed);
+            match kind {
+                Kind::Write | Kind::Create => bits & 1 != 0,
+                Kind::Sync => bits & 2 != 0,
+                Kind::Rename | Kind::SyncFolder => bits & 4 != 0,
+            }
+        }));
+    }
+
+    fn check(&mut self) {
+        for order in std::mem::take(&mut *lock(&self.common.deadlines)) {
+            match order {
+                Order::Rest(deadline) => self.watch.expect_rest(deadline),
+                Order::Moves(axis) => self.watch.forget(axis),
+            }
+        }
+        // A late tick is caught up before it is judged.
+        if self.now >= self.late_until + 100 {
+            self.watch.due(self.now, &self.common.record);
+        }
+        let panics = PANICS.take();
+        for panic in panics {
+            self.common.record.violated("N1", &panic);
+        }
+        self.common.record.mix(&self.watch.hash.0.to_le_bytes());
+    }
+
+    /// What must hold when all clients have left.
+    fn finish(&mut self) {
+        let record = self.common.record.clone();
+        for wrong in self.common.history.check() {
+            record.violated("history", &wrong);
+        }
+        let Some(running) = &self.running else {
+            record.violated("N1", "the server does not run at the end");
+            return;
+        };
+        let held = running.server.held();
+        if held.clients != 0 || held.connections != 0 {
+            record.violated("L3", &format!("{held:?} are held for clients that have left"));
+        }
+        let health = running.server.plant().health();
+        if health.lost_answers != 0 {
+            record.violated("D3", &format!("{} answers were lost", health.lost_answers));
+        }
+    }
+}
+
+/// Runs what is ready on a runtime, and its clock to a time since it began, ms.
+fn turn(runtime: &Runtime, began: Instant, ms: u64) {
+    runtime.block_on(async { tokio::time::sleep_until(began + Duration::from_millis(ms)).await });
+}
+
+fn runtime() -> Runtime {
+    Builder::new_current_thread()
+        .enable_time()
+        .start_paused(true)
+        .build()
+        .expect("a runtime without threads")
+}
+
+fn file() -> PathBuf {
+    PathBuf::from("machine.state")
+}
+
+/// Before the end actors leave; that long it takes until a client that vanished is noticed, ms.
+const LEAVING: u64 = 5_000;
+/// As the thread of the tick has it.
+const CATCH_UP: u64 = 1000;
