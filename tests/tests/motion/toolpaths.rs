@@ -3,51 +3,36 @@
 
 use arcline_tests::streams::{Feed, Latency, STREAMS, limits, travel};
 
-/// Moves of each toolpath; 1,500 with ARCLINE_LONG.
-fn moves() -> usize {
-    if std::env::var_os("ARCLINE_LONG").is_some() {
-        1500
-    } else {
-        300
-    }
-}
-
+const MOVES: usize = 1500;
 /// Streams of lines and arcs in turn rest still.
 const RESTING: &[&str] = &["slots"];
 
 #[test]
 fn a_stream_that_is_sent_faster_than_it_is_travelled_never_rests() {
-    never_rest(None);
-}
-
-#[test]
-fn with_s_curves_neither() {
-    never_rest(Some(100_000.0));
-}
-
-fn never_rest(jerk: Option<f64>) {
     for stream in STREAMS.iter().filter(|stream| !RESTING.contains(&stream.name)) {
-        let moves = stream.moves(moves(), jerk);
-        let kept = limits(jerk);
-        let feed = Feed {
-            depth: 1000,
-            per_tick: 16.0,
-            latency: Latency::Seconds(0.01),
-        };
-        let told = travel(&moves, jerk, feed, |_, _, sample| {
-            let Some(sample) = sample else { return };
-            assert!(sample.velocity.norm() <= stream.speed * (1.0 + 1e-9), "{}", stream.name);
-            for axis in 0..3 {
-                let (acceleration, most) = (sample.acceleration[axis].abs(), kept.acceleration[axis]);
-                assert!(acceleration <= most * (1.0 + 1e-9), "{}: {acceleration}", stream.name);
-            }
-        });
-        let shown = format!(
-            "{}, jerk {jerk:?}: {:?}",
-            stream.name,
-            (told.plans, told.not_found, told.late)
-        );
-        assert_eq!((told.unplanned, told.starved), (0, 0), "{shown}");
-        assert!(told.began <= 0.021, "{shown}: began after {} s", told.began);
+        for jerk in [None, Some(100_000.0)] {
+            let moves = stream.moves(MOVES, jerk);
+            let kept = limits(jerk);
+            let feed = Feed {
+                depth: 1000,
+                per_tick: 16.0,
+                latency: Latency::Seconds(0.01),
+            };
+            let told = travel(&moves, jerk, feed, |_, _, sample| {
+                let Some(sample) = sample else { return };
+                assert!(sample.velocity.norm() <= stream.speed * (1.0 + 1e-9), "{}", stream.name);
+                for axis in 0..3 {
+                    let (acceleration, most) = (sample.acceleration[axis].abs(), kept.acceleration[axis]);
+                    assert!(acceleration <= most * (1.0 + 1e-9), "{}: {acceleration}", stream.name);
+                }
+            });
+            let shown = format!(
+                "{}, jerk {jerk:?}: {:?}",
+                stream.name,
+                (told.plans, told.not_found, told.late)
+            );
+            assert_eq!((told.unplanned, told.starved), (0, 0), "{shown}");
+            assert!(told.began <= 0.021, "{shown}: began after {} s", told.began);
+        }
     }
 }

@@ -268,7 +268,7 @@ fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
     let is_short = |piece: usize| long_of(piece) <= LONGEST_CHORD;
     let is_chord = |piece: usize| {
         let (most, long) = (most(piece), long_of(piece));
-        let flat = is_short(piece) && long * most / 8.0 <= 0.5;
+        let flat = long <= LONGEST_FLAT_CHORD && long * most / 8.0 <= 0.5;
         // What comes beside the first one and the last one is not known.
         let inner = piece > 0 && piece < last;
         let among = inner && most <= TUNING.smooth.sharp && (piece - 1..=piece + 1).all(is_short);
@@ -288,8 +288,9 @@ fn opened(distance: f64, reach: f64) -> f64 {
 
 /// A piece longer than so many tolerances is kept to ([`Deviation::Corners`]).
 const LONG: f64 = 50.0;
-/// A longer one is no chord of a curve, tolerances.
-const LONGEST_CHORD: f64 = 100.0;
+/// A longer one is no chord of a curve, tolerances: between flat corners, and among others that turn little.
+const LONGEST_FLAT_CHORD: f64 = 100.0;
+const LONGEST_CHORD: f64 = 250.0;
 /// Share of the tolerance that is allowed there.
 const STRAIGHT: f64 = 0.01;
 /// Just before the middle of a piece, as a share of it.

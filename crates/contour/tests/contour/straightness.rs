@@ -45,7 +45,7 @@ fn is_chord(moves: &[ContourMove], k: usize) -> bool {
     };
     let flat = long(k) <= 100.0 && long(k) * most / 8.0 <= 0.5;
     let inner = k > 0 && k + 1 < moves.len();
-    let among = || (k - 1..=k + 1).all(|near| long(near) <= 100.0);
+    let among = || (k - 1..=k + 1).all(|near| long(near) <= 250.0);
     most > 0.0 && (flat || inner && most <= 0.35 && among())
 }
 
