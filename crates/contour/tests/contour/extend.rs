@@ -99,11 +99,11 @@ proptest! {
         let moves = polyline(&legs, profile);
         let whole = plan(&moves, &profile.limits()).duration();
         let travelled = travelled(&moves, Windows { moves: window, ahead: 0.4 }, profile)?;
-        // An extension is not found once in a few hundred; the contour then rests where it ended.
+        // An extension is not found once in a few hundred; the contour then rests where it ended. More often only the smooth planner
+        // finds one, which takes longer than a plan anew, and less than a rest.
         prop_assert!(travelled.stops <= 1, "{} stops", travelled.stops);
-        // Nor is one at once: as a smooth curve, it takes a little longer than a plan anew, and less than a rest.
         prop_assert!(
-            travelled.stops > 0 || travelled.duration <= whole * 1.1 + 0.01,
+            travelled.duration <= whole * 1.25 + 0.01,
             "{} s, as one plan {} s", travelled.duration, whole
         );
     }
