@@ -8,16 +8,16 @@ use std::future::Future;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use arcline_tests::random::Random;
 
-use crate::client::{Answer, Client, NoAnswer};
+use crate::client::{Answer, Client, NoAnswer, PATIENCE_MS};
 use crate::history::History;
 use crate::motion::Deadline;
 use crate::network::{End, Network, Weather};
-use crate::record::{Fnv, Record};
+use crate::record::{Record, lock};
 
 /// An actor: its name and what it does.
 pub(crate) struct Actor {
@@ -90,10 +90,7 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    pub(crate) fn new(name: &'static str, number: u8, common: Common, seed: u64) -> Self {
-        let mut hash = Fnv::default();
-        hash.add(name.as_bytes());
-        let mut random = Random(seed ^ hash.0);
+    pub(crate) fn new(name: &'static str, number: u8, common: Common, mut random: Random) -> Self {
         let weather = Weather {
             delay: *random.one_of(&[0, 0, 0, 3, 30]),
             piece: *random.one_of(&[0, 0, 0, 1, 7]),
@@ -151,12 +148,14 @@ impl Stage {
         tokio::time::sleep(Duration::from_millis(ms)).await;
     }
 
-    /// Judges why there is no answer: a connection may end, but an answer is never wrong, and late only when something has failed.
-    pub(crate) fn judge(&self, asked: u64, error: &NoAnswer) {
+    /// Judges why a session has ended that began at a time: a connection may end, but an answer is never wrong, and late only when something
+    /// has failed.
+    pub(crate) fn judge(&self, began: u64, error: &NoAnswer) {
         self.note(&format!("{error}"));
+        // The client has waited so long for its last answer, unless the session is younger.
+        let asked = began.max(self.now().saturating_sub(PATIENCE_MS));
         match error {
             NoAnswer::Ended => {}
-            // Asked when nothing failed any more.
             NoAnswer::Late if asked < self.common.quiet_from => {}
             NoAnswer::Late | NoAnswer::Wrong(_) | NoAnswer::Refused(_) => {
                 self.common.record.violated("N1", &format!("{}: {error}", self.name));
@@ -189,8 +188,4 @@ impl Stage {
     pub(crate) fn order(&self, order: Order) {
         lock(&self.common.deadlines).push(order);
     }
-}
-
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

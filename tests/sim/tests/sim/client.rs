@@ -44,7 +44,7 @@ pub(crate) struct Connected {
 pub(crate) enum NoAnswer {
     /// The connection has ended.
     Ended,
-    /// No answer came within [`PATIENCE`].
+    /// No answer came within [`PATIENCE_MS`].
     Late,
     /// An answer that belongs to no request, or that cannot be read.
     Wrong(String),
@@ -63,8 +63,8 @@ impl fmt::Display for NoAnswer {
     }
 }
 
-/// Longer than any answer takes: the server gives up a write after 5 s, and a partition is shorter than that.
-pub(crate) const PATIENCE: Duration = Duration::from_millis(14_000);
+/// Longer than any answer takes, ms: the server gives up a write after 5 s, and a partition is shorter than that.
+pub(crate) const PATIENCE_MS: u64 = 14_000;
 
 pub(crate) type Answer<T> = Result<T, NoAnswer>;
 
@@ -108,7 +108,7 @@ impl Client {
                 }
             }
         };
-        tokio::time::timeout(PATIENCE, read)
+        tokio::time::timeout(Duration::from_millis(PATIENCE_MS), read)
             .await
             .unwrap_or(Err(NoAnswer::Late))
     }

@@ -4,7 +4,9 @@
 //! read names its write. The check is the one of Gibbons and Korach (1997) for registers with unique values, O(n log n).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use crate::record::lock;
 
 /// The reads and writes of a scenario. Clones are the same ones.
 #[derive(Clone, Default)]
@@ -15,6 +17,8 @@ struct Inner {
     clock: u64,
     /// What each tag held when the server started.
     initial: BTreeMap<&'static str, i32>,
+    /// Values from before that start, which a loss of power may bring back: the start could not write them anew.
+    older: BTreeMap<&'static str, BTreeSet<i32>>,
     writes: BTreeMap<&'static str, BTreeMap<i32, Write>>,
     reads: BTreeMap<&'static str, Vec<Read>>,
     /// Values of refused writes: no read may show them.
@@ -46,6 +50,15 @@ pub(crate) enum Written {
     NotKept,
     /// Another error: nothing has changed.
     Refused,
+}
+
+/// What a start did with the values that it found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Wrote {
+    /// They are in a new file, which the disk has.
+    Anew,
+    /// The disk failed: it has what it had.
+    Nothing,
 }
 
 impl History {
@@ -89,16 +102,27 @@ impl History {
     }
 
     /// A server has started and shows these values: the first one, or one that reads what another has left. All writes that were answered
-    /// as kept by `durable` must be there.
-    pub(crate) fn start(&self, values: &[(&'static str, i32)], durable: u64) -> Vec<String> {
+    /// as kept by `durable` must be there. `wrote`: whether the start has put the values on the disk.
+    pub(crate) fn start(&self, values: &[(&'static str, i32)], durable: u64, wrote: Wrote) -> Vec<String> {
         let mut wrong = self.check();
         let mut inner = self.lock();
         if !inner.initial.is_empty() {
             wrong.extend(inner.lost(values, durable));
         }
-        inner.initial = values.iter().copied().collect();
-        inner.writes.clear();
+        let initial = std::mem::replace(&mut inner.initial, values.iter().copied().collect());
+        let writes = std::mem::take(&mut inner.writes);
         inner.reads.clear();
+        match wrote {
+            Wrote::Anew => inner.older.clear(),
+            Wrote::Nothing => {
+                for (tag, value) in initial {
+                    inner.older.entry(tag).or_default().insert(value);
+                }
+                for (tag, writes) in writes {
+                    inner.older.entry(tag).or_default().extend(writes.into_keys());
+                }
+            }
+        }
         wrong
     }
 
@@ -116,7 +140,7 @@ impl History {
     }
 
     fn lock(&self) -> MutexGuard<'_, Inner> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
 }
 
@@ -130,7 +154,9 @@ impl Inner {
             let write = self.writes.get(tag).and_then(|writes| writes.get(value));
             match write {
                 Some(write) => found.insert(*tag, (write.asked, write.answered)),
-                None if self.initial.get(tag) == Some(value) => found.insert(*tag, (0, 0)),
+                None if self.initial.get(tag) == Some(value) || self.is_older(tag, *value) => {
+                    found.insert(*tag, (0, 0))
+                }
                 None => {
                     wrong.push(format!("W2: {tag} is {value} after the restart, which no client wrote"));
                     continue;
@@ -149,6 +175,10 @@ impl Inner {
             }
         }
         wrong
+    }
+
+    fn is_older(&self, tag: &str, value: i32) -> bool {
+        self.older.get(tag).is_some_and(|values| values.contains(&value))
     }
 }
 
@@ -223,6 +253,20 @@ fn check_register(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn after_a_start_on_a_failing_disk_older_values_may_come_back() {
+        let history = History::default();
+        let start = |value, durable, wrote| history.start(&[("T", value)], durable, wrote);
+        assert_eq!(start(0, 0, Wrote::Anew), Vec::<String>::new());
+        history.asks("T", 1);
+        history.has("T", 1, Written::Kept);
+        // A kill: the system has the write, the disk does not, and the start cannot write it anew.
+        assert_eq!(start(1, u64::MAX, Wrote::Nothing), Vec::<String>::new());
+        // A loss of power brings back what the disk has; what is written anew then stays.
+        assert_eq!(start(0, 0, Wrote::Anew), Vec::<String>::new());
+        assert_eq!(start(1, 0, Wrote::Anew).len(), 1, "1 was not written since");
+    }
 
     #[test]
     fn registers_are_judged_by_what_their_clients_saw() {

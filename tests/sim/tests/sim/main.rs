@@ -48,7 +48,7 @@ fn one() {
         .filter(|name| !name.is_empty())
         .map(str::to_owned)
         .collect();
-    let outcome = world::run(&scenario, Record::default());
+    let outcome = world::run(&scenario, Record::with_lines());
     for line in outcome.record.lines() {
         println!("{line}");
     }
@@ -80,14 +80,14 @@ fn scenarios() {
                 next.store(seeds.end, Ordering::Relaxed);
                 fail(scenario, &outcome.record);
             }
-            let mut reached = actors::lock(&reached);
+            let mut reached = record::lock(&reached);
             for (state, count) in outcome.record.reached() {
                 *reached.entry(state).or_default() += count;
             }
             drop(reached);
-            if (seed - seeds.start).is_multiple_of(50) {
+            if (seed - seeds.start).is_multiple_of(TWICE_EVERY) {
                 twice(&scenario, &outcome);
-                without_load(&scenario, &outcome);
+                without_load(&scenario);
             }
         }
     };
@@ -117,6 +117,8 @@ fn scenarios() {
     }
 }
 
+/// Seeds of which the first is run again, and once more without load.
+const TWICE_EVERY: u64 = 50;
 /// In a run of CI.
 const SCENARIOS: u64 = 200;
 
@@ -141,6 +143,7 @@ const SOMETIMES: &[&str] = &[
     "a restart",
     "a silent connection",
     "a slow network",
+    "a start on a failing disk",
     "a step is complete",
     "a step is refused by the machine",
     "a step is stopped",
@@ -175,19 +178,26 @@ fn twice(scenario: &Scenario, outcome: &world::Outcome) {
 }
 
 /// Without the actors that only load the network, the others see the same answers (N2) and the machine moves the same (T2).
-fn without_load(scenario: &Scenario, outcome: &world::Outcome) {
-    let mut quieter = scenario.clone();
+fn without_load(scenario: &Scenario) {
+    let mut loaded = scenario.clone();
+    loaded.without.extend(SENSITIVE.iter().map(|name| (*name).to_owned()));
+    let mut quieter = loaded.clone();
     quieter
         .without
         .extend(actors::LOAD.iter().map(|name| (*name).to_owned()));
-    let other = world::run(&quieter, Record::default());
-    let mut seen = outcome.record.seen();
-    seen.retain(|name, _| !actors::LOAD.contains(name));
-    let mut others = other.record.seen();
-    others.retain(|name, _| !actors::LOAD.contains(name));
-    assert_eq!(seen, others, "N2: {}", scenario.command());
-    assert_eq!(outcome.motion, other.motion, "T2: {}", scenario.command());
+    let [loaded, quieter] = [&loaded, &quieter].map(|scenario| {
+        let outcome = world::run(scenario, Record::default());
+        let mut seen = outcome.record.seen();
+        seen.retain(|name, _| !actors::LOAD.contains(name));
+        (seen, outcome.motion)
+    });
+    assert_eq!(loaded.0, quieter.0, "N2: {}", scenario.command());
+    assert_eq!(loaded.1, quieter.1, "T2: {}", scenario.command());
 }
+
+/// Faults after which other clients may see a load. What a power loss leaves on the disk is drawn, and the draw depends on every call before
+/// it. A moving axis is kept where the last read before the kill saw it. Where no sockets are left, the client that was silent for longest is closed.
+const SENSITIVE: &[&str] = &["power loss", "kill", "no sockets"];
 
 /// Leaves out what the failure does not need, and shows the command of the smallest scenario that still fails.
 fn fail(mut scenario: Scenario, record: &Record) -> ! {

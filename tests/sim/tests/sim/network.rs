@@ -7,11 +7,13 @@ use std::collections::VecDeque;
 use std::io;
 use std::pin::Pin;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
 
 use arcline_tests::random::Random;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+
+use crate::record::lock;
 
 /// The network of a scenario. Clones are the same one.
 #[derive(Clone, Default)]
@@ -297,8 +299,4 @@ impl AsyncWrite for End {
         way.end_at = Some(way.last.max(now + 1));
         Poll::Ready(Ok(()))
     }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -80,6 +80,9 @@ impl Record {
         seen.add(&now.to_le_bytes());
         seen.add(bytes);
         inner.hash.add(bytes);
+        if let Some(all) = &mut inner.all {
+            all.push(format!("{now:6} {actor} saw {bytes:02X?}"));
+        }
     }
 
     /// An invariant does not hold.
@@ -125,8 +128,13 @@ impl Record {
     }
 
     fn lock(&self) -> MutexGuard<'_, Inner> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.0)
     }
+}
+
+/// Locks what the actors and the world share; the panic of one of them is a violation of its own.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Lines of the log that a failure shows.

@@ -19,10 +19,11 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::time::Instant;
 
 use crate::actors::tags::{PAIR, TAGS};
-use crate::actors::{ACTORS, Common, Order, Stage, lock};
+use crate::actors::{ACTORS, Common, Order, Stage};
+use crate::history::Wrote;
 use crate::motion::Watch;
 use crate::plan::{Failing, Fault, Scenario};
-use crate::record::Record;
+use crate::record::{Record, lock};
 
 thread_local! {
     /// Session handles and connection ids of the server.
@@ -185,12 +186,8 @@ impl World<'_> {
         let names = self.scenario.actors();
         for (number, actor) in (1..).zip(ACTORS) {
             if names.contains(&actor.name) {
-                let stage = Stage::new(
-                    actor.name,
-                    number,
-                    self.common.clone(),
-                    self.scenario.random(actor.name).0,
-                );
+                let random = self.scenario.random(actor.name);
+                let stage = Stage::new(actor.name, number, self.common.clone(), random);
                 let _guard = clients.enter();
                 drop(clients.spawn((actor.act)(stage)));
             }
@@ -329,7 +326,11 @@ impl World<'_> {
             };
             TAGS.iter().chain(&PAIR).map(|tag| value(tag)).collect::<Vec<_>>()
         });
-        for wrong in self.common.history.start(&values, self.durable) {
+        let wrote = match self.failing.load(Ordering::Relaxed) {
+            0 => Wrote::Anew,
+            _ => Wrote::Nothing,
+        };
+        for wrong in self.common.history.start(&values, self.durable, wrote) {
             self.common.record.violated("history", &wrong);
         }
         if values[TAGS.len()].1 != values[TAGS.len() + 1].1 {
@@ -342,10 +343,13 @@ impl World<'_> {
             self.common.record.sometimes("a restart");
         }
         self.common.record.note("world", &format!("starts with {values:?}"));
-        // The start has written the state anew, and synchronised it, unless the disk failed.
-        if self.failing.load(Ordering::Relaxed) == 0 {
-            self.durable = self.common.history.clock();
-        }
+        self.durable = match wrote {
+            Wrote::Anew => self.common.history.clock(),
+            Wrote::Nothing => {
+                self.common.record.sometimes("a start on a failing disk");
+                0
+            }
+        };
         self.beside = None;
         self.owed = 0;
         let began = runtime.block_on(async { Instant::now() });

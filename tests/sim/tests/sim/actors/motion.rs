@@ -1,6 +1,6 @@
 //! Clients that move the machine, and one that stops it.
 
-use arcline_instruction_set::{Flag, Mnemonic};
+use arcline_instruction_set::{Flag, Mnemonic, MotionControl};
 use arcline_proto::arcline::machine::service as machine;
 use arcline_proto::cip::Reply;
 
@@ -18,42 +18,23 @@ const CS1: u32 = 1;
 /// CommandPosition is a REAL.
 const ROUNDING: f64 = 1e-4;
 
-/// What a motion control tag shows.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-struct Control {
-    flags: u32,
-    err: i16,
+/// The motion control tag of a reply.
+fn control_of(reply: &Reply) -> Option<MotionControl> {
+    value(reply)?
+        .first_chunk()
+        .map(|bytes| MotionControl::from_bytes(*bytes))
 }
 
-impl Control {
-    fn of(reply: &Reply) -> Option<Self> {
-        let bytes = value(reply)?;
-        Self::of_bytes(&bytes)
-    }
-
-    fn of_bytes(bytes: &[u8]) -> Option<Self> {
-        Some(Control {
-            flags: u32::from_le_bytes(bytes.get(..4)?.try_into().ok()?),
-            err: i16::from_le_bytes(bytes.get(4..6)?.try_into().ok()?),
-        })
-    }
-
-    fn has(self, flag: Flag) -> bool {
-        self.flags & 1 << flag.bit() != 0
-    }
-
-    /// Bits that never stand together (E2).
-    fn check(self, stage: &Stage, whose: &str) {
-        let wrong = self.has(Flag::Dn) && self.has(Flag::Er)
-            || self.has(Flag::Er) != (self.err != 0)
-            || self.has(Flag::Pc) && (self.has(Flag::Ip) || self.has(Flag::Er))
-            || self.has(Flag::Ip) && self.has(Flag::Er);
-        if wrong {
-            stage
-                .common
-                .record
-                .violated("E2", &format!("{whose} shows {:08X}, ERR {}", self.flags, self.err));
-        }
+/// Bits that never stand together (E2).
+fn check_bits(control: MotionControl, stage: &Stage, whose: &str) {
+    let has = |flag| control.has(flag);
+    let wrong = has(Flag::Dn) && has(Flag::Er)
+        || has(Flag::Er) != (control.err != 0)
+        || has(Flag::Pc) && (has(Flag::Ip) || has(Flag::Er))
+        || has(Flag::Ip) && has(Flag::Er);
+    if wrong {
+        let why = format!("{whose} shows {:08X}, ERR {}", control.flags, control.err);
+        stage.common.record.violated("E2", &why);
     }
 }
 
@@ -72,7 +53,7 @@ pub(crate) async fn stepper(mut stage: Stage) {
         let asked = stage.now();
         match stage.client().await {
             Ok(mut client) => match step_for_a_while(&mut stage, &mut client).await {
-                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Err(error) => stage.judge(asked, &error),
                 Ok(()) if stage.chance(50) || stage.is_over() => client.leave().await,
                 Ok(()) => {}
             },
@@ -83,7 +64,7 @@ pub(crate) async fn stepper(mut stage: Stage) {
 }
 
 /// What the tag and its axis show, of one tick.
-async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(Control, f64)>> {
+async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(MotionControl, f64)>> {
     let replies = client
         .ask_all(&[read("StepA.MotionControl", 1), read("A.CommandPosition", 1)])
         .await?;
@@ -92,11 +73,11 @@ async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(Control, f64
     };
     stage.common.record.saw(stage.name, &control.to_bytes());
     stage.common.record.saw(stage.name, &position.to_bytes());
-    let both = Control::of(control).zip(real(position));
+    let both = control_of(control).zip(real(position));
     match both {
         Some((control, position)) => {
             stage.note(&format!("{:08X} ERR {} at {position}", control.flags, control.err));
-            control.check(stage, "StepA");
+            check_bits(control, stage, "StepA");
         }
         None => stage.common.record.violated("N1", "StepA cannot be read"),
     }
@@ -200,7 +181,7 @@ pub(crate) async fn lines(mut stage: Stage) {
         let asked = stage.now();
         match stage.client().await {
             Ok(mut client) => match draw_for_a_while(&mut stage, &mut client, &mut newest).await {
-                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Err(error) => stage.judge(asked, &error),
                 Ok(()) => client.leave().await,
             },
             Err(error) => stage.judge(asked, &error),
@@ -228,9 +209,8 @@ async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (
                     stage.common.record.violated("E1", &why);
                 }
                 *newest = (started, instance);
-                let control = reply.data.get(4..).and_then(Control::of_bytes);
-                if let Some(control) = control {
-                    control.check(stage, "the answer of MCLM");
+                if let Some(control) = reply.data.get(4..).and_then(<[u8]>::first_chunk) {
+                    check_bits(MotionControl::from_bytes(*control), stage, "the answer of MCLM");
                 }
             }
         }
@@ -279,9 +259,12 @@ fn line(stage: &mut Stage, control: &str) -> arcline_proto::cip::Request {
 async fn until_complete(stage: &mut Stage, client: &mut Client) -> Answer<()> {
     for _ in 0..300 {
         let replies = client.ask_all(&[read("Line1", 1), read("Line2", 1)]).await?;
-        let controls: Vec<Control> = replies.iter().flatten().filter_map(Control::of).collect();
+        for reply in replies.iter().flatten() {
+            stage.common.record.saw(stage.name, &reply.to_bytes());
+        }
+        let controls: Vec<MotionControl> = replies.iter().flatten().filter_map(control_of).collect();
         for control in &controls {
-            control.check(stage, "a line");
+            check_bits(*control, stage, "a line");
         }
         if let [first, second] = controls[..] {
             // They end in their order, unless the tags are of an earlier pair.
@@ -312,7 +295,7 @@ pub(crate) async fn jogger(mut stage: Stage) {
         match stage.client().await {
             Ok(client) => {
                 if let Err(error) = jog(&mut stage, client).await {
-                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                    stage.judge(asked, &error);
                 }
             }
             Err(error) => stage.judge(asked, &error),
@@ -387,7 +370,7 @@ pub(crate) async fn stopper(mut stage: Stage) {
         let asked = stage.now();
         match stage.client().await {
             Ok(mut client) => match stop(&mut stage, &mut client).await {
-                Err(error) => stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error),
+                Err(error) => stage.judge(asked, &error),
                 Ok(()) => client.leave().await,
             },
             Err(error) => stage.judge(asked, &error),

@@ -26,7 +26,7 @@ async fn writer(mut stage: Stage, first: i32) {
         match stage.client().await {
             Ok(mut client) => {
                 if let Err(error) = write_for_a_while(&mut stage, &mut client, &mut next).await {
-                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                    stage.judge(asked, &error);
                 } else if stage.chance(50) || stage.is_over() {
                     client.leave().await;
                 }
@@ -181,7 +181,7 @@ pub(crate) async fn reader(mut stage: Stage) {
             Ok(mut client) => {
                 serial += 1;
                 if let Err(error) = read_connected(&mut stage, &mut client, serial).await {
-                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                    stage.judge(asked, &error);
                 } else {
                     client.leave().await;
                 }
@@ -242,7 +242,7 @@ pub(crate) async fn polling(mut stage: Stage) {
             Ok(mut client) => {
                 serial += 1;
                 if let Err(error) = fall_silent(&mut stage, &mut client, serial).await {
-                    stage.judge(asked.max(stage.now().saturating_sub(14_000)), &error);
+                    stage.judge(asked, &error);
                 }
             }
             Err(error) => stage.judge(asked, &error),
