@@ -88,15 +88,15 @@ impl Motion {
             return;
         };
         // One that begins does so at the displacement 0 of its master.
-        let lead = system.travel.moves().next().and_then(|first| first.data.lead);
+        let driven_by = system.travel.moves().next().and_then(|first| first.data.driven_by);
         let mut base = system.time_base(&self.clock);
-        if lead.is_some() && system.guide.is_none() {
+        if driven_by.is_some() && system.guide.is_none() {
             base.master = Some(MasterMotion::default());
         }
         let installed = system.travel.install(generation, planned, &base);
         match installed {
             Ok(Installed::Started) => {
-                if let Err(error) = self.lead_system(id, lead, self.clock.now()) {
+                if let Err(error) = self.lead_system(id, driven_by, self.clock.now()) {
                     self.refuse(id, error);
                     return;
                 }

@@ -225,12 +225,12 @@ impl Dynamics {
     }
 
     /// Takes no more than what the joints of robots let it; jerks in percent of time follow.
-    pub(crate) fn keep_to(&mut self, pace: &PathLimits) {
-        if pace.speed < self.speed {
-            self.set_speed(pace.speed);
+    pub(crate) fn keep_to(&mut self, limits: &PathLimits) {
+        if limits.speed < self.speed {
+            self.set_speed(limits.speed);
         }
-        self.acceleration = self.acceleration.min(pace.acceleration);
-        self.deceleration = self.deceleration.min(pace.deceleration);
+        self.acceleration = self.acceleration.min(limits.acceleration);
+        self.deceleration = self.deceleration.min(limits.deceleration);
     }
 
     pub(crate) fn is_s_curve(&self) -> bool {

@@ -35,9 +35,9 @@ pub(crate) struct Planned {
     pub(crate) dynamics: Dynamics,
     pub(crate) termination: Termination,
     /// How fast it may be for the sake of robots' joints, where that is kept.
-    pub(crate) pace: PathLimits,
+    pub(crate) path_limits: PathLimits,
     /// How it is master driven.
-    pub(crate) lead: Option<Lead>,
+    pub(crate) driven_by: Option<DrivenBy>,
     pub(crate) events: Option<Events>,
     /// Rx, Ry, Rz at its end, degrees, where it turns.
     pub(crate) heading: Option<Point>,
@@ -47,7 +47,7 @@ pub(crate) struct Planned {
 
 /// The link by which a move is master driven, and its lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lead {
+pub(crate) struct DrivenBy {
     pub(crate) link: u32,
     pub(crate) lock: LockTo,
 }
@@ -224,7 +224,7 @@ impl System {
             time: *time,
             master: self.guide.as_ref().map(|guide| MasterMotion {
                 displacement: guide.displacement(),
-                rate: guide.pace(),
+                rate: guide.rate(),
             }),
         }
     }

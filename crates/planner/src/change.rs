@@ -5,12 +5,12 @@
 use arcline_profile::{KinematicState, Limits, MOST_OVERSHOOT, Profile, entry_speed, passing_speed, stop_distance};
 
 use crate::Clock;
-use crate::beside::Beside;
 use crate::junction::same_rates;
 use crate::look_ahead::{Ends, Plan, turns_back};
+use crate::move_trajectory::Approach;
+use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
-use crate::running::{AccelerationRemoval, Move, Running, paced};
-use crate::track::Approach;
+use crate::running::{AccelerationRemoval, Move, Running, scaled_limits};
 
 impl<T: Copy> Planner<T> {
     /// Gives the active move new limits from the present tick on: the profile is planned again from the
@@ -54,7 +54,7 @@ impl<T: Copy> Planner<T> {
     /// Changes all pending moves; `limits` are those that the active one is to have. [`Planner::change_limits`] then makes it take effect.
     pub fn change_pending(&mut self, limits: &Limits, clock: &Clock, change: impl FnMut(&mut Move<T>)) {
         let distance = self.active.map_or(0.0, |running| {
-            let now = running.track.state(clock);
+            let now = running.trajectory.state(clock);
             let top = now.velocity.max(limits.speed * self.queue.rate());
             // By a master's way: as much as may be.
             let way = if clock.period_ns == 0 {
@@ -84,14 +84,17 @@ impl<T: Copy> Planner<T> {
             return Met::All;
         };
         running.run_start = self.queue.relink(&running.motion, running.blended);
-        if let Some(approach) = running.track.approach.filter(|_| running.track.is_approaching(clock))
+        if let Some(approach) = running
+            .trajectory
+            .approach
+            .filter(|_| running.trajectory.is_approaching(clock))
             && !same_rates(&approach.limits, &running.motion.limits)
         {
             let start = self.approach_again(&mut running, approach, clock);
             return self.plan_from(running, start, clock);
         }
-        let from = running.track.state(clock);
-        running.removal = self.relief_of(ran, running.motion.limits.speed, running.track.pace());
+        let from = running.trajectory.state(clock);
+        running.removal = self.relief_of(ran, running.motion.limits.speed, running.trajectory.share());
         running.in_force = running.motion.limits;
         running.kept = false;
         let paused = self.limits(&running).speed == 0.0;
@@ -123,8 +126,8 @@ impl<T: Copy> Planner<T> {
             beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
         };
         // A path that waits for what ramps out goes on waiting.
-        let waits = running.track.residual.is_some() && running.track.start.elapsed(clock) < 0.0;
-        let at = if waits { running.track.start } else { clock.now() };
+        let waits = running.trajectory.residual.is_some() && running.trajectory.start.elapsed(clock) < 0.0;
+        let at = if waits { running.trajectory.start } else { clock.now() };
         running.follow(&plan, profile, at);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
@@ -132,14 +135,14 @@ impl<T: Copy> Planner<T> {
     }
 
     /// A change to a programmed speed may overshoot that and the old one by half (spec/coordinated-instructions.md §5.4), and go on to
-    /// where the profile so far was to come. `pace`: the share of the limits that the profile may use.
-    fn relief_of(&self, ran: &Ran, speed: f64, pace: f64) -> AccelerationRemoval {
+    /// where the profile so far was to come. `share`: the share of the limits that the profile may use.
+    fn relief_of(&self, ran: &Ran, speed: f64, share: f64) -> AccelerationRemoval {
         if !self.bounds.overshoot {
             return AccelerationRemoval::NONE;
         }
         let programmed = ran.programmed.max(self.programmed_speed(speed));
         AccelerationRemoval {
-            ceiling: (MOST_OVERSHOOT * programmed * pace).max(ran.ahead),
+            ceiling: (MOST_OVERSHOOT * programmed * share).max(ran.ahead),
             forward: ran.forward,
         }
     }
@@ -151,7 +154,7 @@ impl<T: Copy> Planner<T> {
             return false;
         }
         let limits = self.limits(running);
-        let ran = paced(ran, 1.0, running.track.pace());
+        let ran = scaled_limits(ran, 1.0, running.trajectory.share());
         let reach = |limits: &Limits| {
             Profile::led(running.removal.lead(from, limits), from, |level| {
                 Profile::stop(level, limits)
@@ -177,16 +180,16 @@ impl<T: Copy> Planner<T> {
         plan: impl Fn(KinematicState, &Limits) -> Profile,
         clock: &Clock,
     ) -> Option<Profile> {
-        let track = &running.track;
-        let residual = track.residual.as_ref().filter(|_| self.bounds.overshoot)?;
+        let trajectory = &running.trajectory;
+        let residual = trajectory.residual.as_ref().filter(|_| self.bounds.overshoot)?;
         let since = residual.start.elapsed(clock);
         let length = running.motion.path.length();
         if self.within.is_some() || since >= residual.duration() || length <= 0.0 {
             return None;
         }
-        let present = track.sample(clock).velocity.norm();
+        let present = trajectory.sample(clock).velocity.norm();
         let programmed = ran.programmed.max(self.programmed_speed(running.motion.limits.speed));
-        let beside = Beside {
+        let beside = PathWithResidual {
             path: &running.motion.path,
             parts: &residual.parts,
             since,
@@ -234,8 +237,8 @@ impl<T: Copy> Planner<T> {
         } else {
             NEVER
         };
-        running.track.start = clock.now().after(way, clock);
-        running.track.approach = Some(approach);
+        running.trajectory.start = clock.now().after(way, clock);
+        running.trajectory.approach = Some(approach);
         running.removal = if early { removal } else { AccelerationRemoval::NONE };
         // Beyond the place, it comes back to rest there.
         KinematicState {
@@ -256,8 +259,8 @@ impl<T: Copy> Planner<T> {
     /// The profile of the active path from its beginning, which lies ahead.
     fn plan_from(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) -> Met {
         let (plan, profile) = self.planned(&running, from);
-        running.track.profile = profile;
-        running.track.offset = 0.0;
+        running.trajectory.profile = profile;
+        running.trajectory.offset = 0.0;
         running.in_force = running.motion.limits;
         running.kept = false;
         running.aim(&plan);
@@ -304,12 +307,12 @@ struct Ran {
 
 impl Ran {
     fn new<T>(running: &Running<T>, rate: f64, clock: &Clock) -> Ran {
-        let track = &running.track;
-        let own = paced(&running.in_force, 1.0, track.pace());
+        let trajectory = &running.trajectory;
+        let own = scaled_limits(&running.in_force, 1.0, trajectory.share());
         let programmed = raised(running.motion.limits.speed, rate);
-        let ran = Ran::along(&track.profile, track.start.elapsed(clock), own, programmed);
+        let ran = Ran::along(&trajectory.profile, trajectory.start.elapsed(clock), own, programmed);
         // So may it be one that began on an earlier move, with the rates of that.
-        let earlier = running.kept || track.offset != 0.0;
+        let earlier = running.kept || trajectory.offset != 0.0;
         Ran {
             limits: running.in_force,
             forward: ran.forward.or(taking(&own).filter(|_| earlier)),

@@ -2,7 +2,7 @@
 //! the way of a master (§10.4).
 //!
 //! A master's way has no ticks: a clock of it shows the way itself, in master units. Everything that is planned over it has
-//! master units where it has seconds otherwise. How fast the way goes on is its [`Pace`].
+//! master units where it has seconds otherwise. How fast the way goes on is its [`MasterRate`].
 
 use arcline_profile::KinematicState;
 
@@ -123,14 +123,14 @@ impl Instant {
 
 /// How a master's way goes on: what turns derivatives by the way into derivatives by time, and back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pace {
+pub struct MasterRate {
     /// Master units/s, at least 0.
     pub speed: f64,
     /// Master units/s².
     pub acceleration: f64,
 }
 
-impl Pace {
+impl MasterRate {
     /// A state by the way as one by time.
     pub fn in_time(&self, state: KinematicState) -> KinematicState {
         KinematicState {
@@ -185,7 +185,7 @@ pub struct MasterMotion {
     /// How far it has gone since the lock, master units.
     pub displacement: f64,
     /// How the displacement goes on.
-    pub rate: Pace,
+    pub rate: MasterRate,
 }
 
 impl TimeBase {
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_pace_turns_derivatives_by_the_way_into_such_by_time_and_back() {
-        let pace = Pace {
+        let rate = MasterRate {
             speed: 50.0,
             acceleration: 30.0,
         };
@@ -239,11 +239,11 @@ mod tests {
             velocity: 2.0,
             acceleration: -0.5,
         };
-        let timed = pace.in_time(state);
+        let timed = rate.in_time(state);
         // d²s/dt² = s'' (dm/dt)² + s' d²m/dt²
         assert_eq!((timed.velocity, timed.acceleration), (100.0, -1250.0 + 60.0));
-        assert_eq!(pace.on_the_way(timed), state);
-        let standing = Pace::default().on_the_way(timed);
+        assert_eq!(rate.on_the_way(timed), state);
+        let standing = MasterRate::default().on_the_way(timed);
         assert_eq!((standing.velocity, standing.acceleration), (0.0, 0.0));
     }
 }

@@ -354,7 +354,7 @@ impl<T: Copy> ContourQueue<T> {
     /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
     /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
     /// are looked at.
-    pub fn stop_in_time(&mut self, limits: &Limits, way: &crate::Pace, clock: &Clock, time: &Clock) {
+    pub fn stop_in_time(&mut self, limits: &Limits, way: &crate::MasterRate, clock: &Clock, time: &Clock) {
         self.asked = None;
         let Some(run) = &mut self.run else {
             return;

@@ -4,9 +4,9 @@ use arcline_profile::{KinematicState, Lead, Limits, Profile};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
+use crate::move_trajectory::{Approach, MoveTrajectory};
 use crate::planner::Planner;
 use crate::running::{AccelerationRemoval, Move, Running};
-use crate::track::{Approach, Track};
 use crate::{Clock, Instant};
 
 impl<T: Copy> Planner<T> {
@@ -31,38 +31,38 @@ impl<T: Copy> Planner<T> {
         let between = junction(&last.motion, &next, last.blended);
         if last.joined > 0 {
             let pauses = last.kept && next.limits.speed * self.queue.rate() == 0.0;
-            let track = last.track.onto(&next, between);
+            let trajectory = last.trajectory.onto(&next, between);
             if run_ends {
-                self.plan_on(next, track, last.removal, at, clock);
+                self.plan_on(next, trajectory, last.removal, at, clock);
             } else if last.motion.limits.speed != next.limits.speed && !pauses {
-                self.plan_on(next, track, last.removal_of_the_next(), at, clock);
+                self.plan_on(next, trajectory, last.removal_of_the_next(), at, clock);
             } else {
-                self.go_on(&last, next, track, at, clock);
+                self.go_on(&last, next, trajectory, at, clock);
             }
             return self.active_data();
         }
-        let end = last.track.profile.end();
+        let end = last.trajectory.profile.end();
         match between {
             Junction::Blend { .. } if early => {
-                self.tail = Some(last.track);
+                self.tail = Some(last.trajectory);
                 self.tail_turns = last.turn_limits();
                 self.run(next, KinematicState::default(), at, None, true, clock);
             }
             Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
             Junction::Pass { .. } | Junction::Overtake { .. } if early => {
-                let start = last.track.start.after(last.track.profile.duration(), clock);
+                let start = last.trajectory.start.after(last.trajectory.profile.duration(), clock);
                 let approach = Approach {
                     path: last.motion.path,
-                    profile: last.track.profile,
-                    start: last.track.start,
-                    offset: last.track.offset,
+                    profile: last.trajectory.profile,
+                    start: last.trajectory.start,
+                    offset: last.trajectory.offset,
                     limits: last.keeps(),
-                    kept: last.kept || last.track.offset != 0.0,
+                    kept: last.kept || last.trajectory.offset != 0.0,
                 };
                 let blended = matches!(between, Junction::Overtake { .. });
                 self.run(next, passing(end), start, None, blended, clock);
                 if let Some(running) = &mut self.active {
-                    running.track.approach = Some(approach);
+                    running.trajectory.approach = Some(approach);
                     running.begun = at;
                 }
             }
@@ -82,11 +82,11 @@ impl<T: Copy> Planner<T> {
     /// lies ahead.
     fn overtake(&mut self, last: &Running<T>, next: Move<T>, at: Instant, clock: &Clock) -> bool {
         let mut from = last
-            .track
+            .trajectory
             .profile
-            .at(last.track.start.elapsed(clock) - at.elapsed(clock));
-        from.position -= last.track.offset + last.motion.path.length();
-        let track = Track {
+            .at(last.trajectory.start.elapsed(clock) - at.elapsed(clock));
+        from.position -= last.trajectory.offset + last.motion.path.length();
+        let trajectory = MoveTrajectory {
             path: next.path,
             turn: next.turn,
             lead: (from.position < 0.0).then_some(last.motion.path),
@@ -99,7 +99,7 @@ impl<T: Copy> Planner<T> {
         let running = Running {
             blended: true,
             run_start: self.queue.relink(&next, true),
-            ..Running::new(next, track)
+            ..Running::new(next, trajectory)
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
         let slow = !self.bounds.overshoot || Lead::below(from, &next.limits, fastest).is_none();
@@ -112,30 +112,39 @@ impl<T: Copy> Planner<T> {
 
     /// The next of several joined moves becomes active, and its profile is planned from where the one so far has come: the move has
     /// another speed, or the run of equal rates ends before it and the acceleration was not 0 by then.
-    fn plan_on(&mut self, next: Move<T>, mut track: Track, removal: AccelerationRemoval, at: Instant, clock: &Clock) {
-        let mut from = track.profile.at(track.start.elapsed(clock) - at.elapsed(clock));
-        from.position -= track.offset;
-        if from.position.abs() <= NEAR * track.offset {
+    fn plan_on(
+        &mut self,
+        next: Move<T>,
+        mut trajectory: MoveTrajectory,
+        removal: AccelerationRemoval,
+        at: Instant,
+        clock: &Clock,
+    ) {
+        let mut from = trajectory
+            .profile
+            .at(trajectory.start.elapsed(clock) - at.elapsed(clock));
+        from.position -= trajectory.offset;
+        if from.position.abs() <= NEAR * trajectory.offset {
             from.position = 0.0;
         }
-        track.replan(track.profile, at);
+        trajectory.replan(trajectory.profile, at);
         let running = Running {
-            blended: track.lead.is_some(),
+            blended: trajectory.lead.is_some(),
             removal,
-            ..Running::new(next, track)
+            ..Running::new(next, trajectory)
         };
         self.begin(running, from, clock);
     }
 
     /// The next of several joined moves becomes active: the profile runs on. A pause that keeps older limits goes on with them: the
     /// rates of the new move may not brake in time.
-    fn go_on(&mut self, last: &Running<T>, next: Move<T>, track: Track, at: Instant, clock: &Clock) {
+    fn go_on(&mut self, last: &Running<T>, next: Move<T>, trajectory: MoveTrajectory, at: Instant, clock: &Clock) {
         let kept = last.kept && next.limits.speed * self.queue.rate() == 0.0;
         let in_force = Limits {
             speed: next.limits.speed,
             ..if kept { last.in_force } else { next.limits }
         };
-        let blended = track.lead.is_some();
+        let blended = trajectory.lead.is_some();
         self.active = Some(Running {
             begun: at,
             exit: last.exit,
@@ -145,16 +154,16 @@ impl<T: Copy> Planner<T> {
             in_force,
             kept,
             removal: last.removal,
-            ..Running::new(next, track)
+            ..Running::new(next, trajectory)
         });
         self.schedule(at, clock);
     }
 }
 
-impl Track {
+impl MoveTrajectory {
     /// The same profile on the path of the next of several joined moves.
-    fn onto<T>(&self, next: &Move<T>, between: Junction) -> Track {
-        Track {
+    fn onto<T>(&self, next: &Move<T>, between: Junction) -> MoveTrajectory {
+        MoveTrajectory {
             path: next.path,
             turn: next.turn,
             lead: matches!(between, Junction::Overtake { .. }).then_some(self.path),

@@ -14,7 +14,6 @@
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 
-mod beside;
 mod change;
 mod clock;
 mod contour;
@@ -25,23 +24,24 @@ mod look_ahead;
 mod merge;
 mod merge_within;
 mod move_event;
+mod move_trajectory;
+mod path_with_residual;
 mod planner;
 mod queue;
 mod ramp_out;
 mod running;
 mod stopping;
-mod track;
 mod travel;
 mod turning;
 
-pub use clock::{Clock, Instant, MasterMotion, Pace, ROUNDING, TimeBase};
+pub use clock::{Clock, Instant, MasterMotion, MasterRate, ROUNDING, TimeBase};
 pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, Installed};
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
+pub use move_trajectory::Sample;
 pub use planner::{Planner, QueueFull};
 pub use running::{InitialMotion, Move, Parameter, Running};
 pub use stopping::Stopping;
-pub use track::Sample;
 pub use travel::{PathStopping, Travel};
 pub use turning::{TurnResidual, Turning};
 

@@ -12,7 +12,7 @@ use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_sp
 use crate::junction::{Junction, Link, junction};
 use crate::planner::Planner;
 use crate::queue::Bound;
-use crate::running::{Running, paced};
+use crate::running::{Running, scaled_limits};
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
@@ -24,7 +24,7 @@ impl<T: Copy> Planner<T> {
         let limits = self.limits(running);
         let length = running.motion.path.length();
         let mut cap = limits.speed;
-        if running.track.residual.is_some() {
+        if running.trajectory.residual.is_some() {
             // Its compensation moves with the speed along the path, so the path ends at rest.
             return Plan {
                 target: length,
@@ -121,7 +121,7 @@ impl<T: Copy> Planner<T> {
 
     /// The limits that the profile along the path keeps.
     pub(crate) fn limits(&self, running: &Running<T>) -> Limits {
-        paced(&running.keeps(), self.queue.rate(), running.track.pace())
+        scaled_limits(&running.keeps(), self.queue.rate(), running.trajectory.share())
     }
 
     /// A profile that does what a plan says.
@@ -140,18 +140,18 @@ impl<T: Copy> Planner<T> {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return;
         };
-        let approaching = running.track.is_approaching(clock);
+        let approaching = running.trajectory.is_approaching(clock);
         let from = if approaching {
-            running.track.profile.start()
+            running.trajectory.profile.start()
         } else {
-            running.track.state(clock)
+            running.trajectory.state(clock)
         };
         let (plan, profile) = self.planned(&running, from);
         // A corner that was not known may lie behind what was to be passed.
         let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING);
         if plan.exit > running.exit || plan.joined != running.joined || too_fast {
             if approaching {
-                running.track.profile = profile;
+                running.trajectory.profile = profile;
                 running.aim(&plan);
             } else {
                 running.follow(&plan, profile, clock.now());
@@ -167,17 +167,17 @@ impl<T: Copy> Planner<T> {
         let (Some(running), Some(next)) = (&self.active, self.queue.front()) else {
             return;
         };
-        let track = &running.track;
-        let profile = &track.profile;
+        let trajectory = &running.trajectory;
+        let profile = &trajectory.profile;
         // A pause may end behind the active path where the profile runs over several.
         let paused = !profile.arrives();
         if paused && running.joined == 0 {
             return;
         }
-        let elapsed = track.start.elapsed(clock);
+        let elapsed = trajectory.start.elapsed(clock);
         let since = elapsed - since.elapsed(clock);
         let length = running.motion.path.length();
-        let reaches = |distance: f64| profile.time_at_position(track.offset + length - distance);
+        let reaches = |distance: f64| profile.time_at_position(trajectory.offset + length - distance);
         let between = junction(&running.motion, next, running.blended);
         let at = match between {
             _ if running.joined > 0 => {
@@ -187,13 +187,13 @@ impl<T: Copy> Planner<T> {
                 };
                 match reaches(tolerance) {
                     Some(at) => at,
-                    None if track.offset + length - tolerance <= profile.start().position => 0.0,
+                    None if trajectory.offset + length - tolerance <= profile.start().position => 0.0,
                     None if paused => return,
                     None => profile.duration(),
                 }
             }
             Junction::Rest | Junction::Pass { early: false, .. } => return,
-            Junction::Pass { .. } | Junction::Overtake { .. } if track.residual.is_some() => return,
+            Junction::Pass { .. } | Junction::Overtake { .. } if trajectory.residual.is_some() => return,
             Junction::Pass { early: true, .. } => profile.brakes_from(),
             Junction::Overtake { tolerance } => reaches(tolerance).unwrap_or(0.0).min(profile.duration()),
             Junction::Blend { tolerance } => {
@@ -213,7 +213,7 @@ impl<T: Copy> Planner<T> {
             }
         };
         // Not while the end of the move before the active one is still being travelled.
-        let begun = if profile.start().position < track.offset {
+        let begun = if profile.start().position < trajectory.offset {
             reaches(length).unwrap_or(0.0)
         } else {
             0.0
@@ -227,7 +227,7 @@ impl<T: Copy> Planner<T> {
             // Two moves overlap at most: a third waits.
             at = at.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
-        if at < track.duration(clock) || matches!(between, Junction::Overtake { .. }) {
+        if at < trajectory.duration(clock) || matches!(between, Junction::Overtake { .. }) {
             self.hand_over_at = Some(at);
         }
     }
@@ -278,7 +278,7 @@ pub(crate) fn turns_back(from: &KinematicState, limits: &Limits) -> bool {
 
 impl<T> Running<T> {
     pub(crate) fn follow(&mut self, plan: &Plan, profile: Profile, at: Instant) {
-        self.track.replan(profile, at);
+        self.trajectory.replan(profile, at);
         self.aim(plan);
     }
 

@@ -3,7 +3,7 @@
 //!
 //! The velocity is split along and across the path. What is along it begins the path's profile; the rest ramps out (`ramp_out`), over
 //! no more distance than a stop with the old dynamics takes. Both together are never faster than the fastest of the present, the old
-//! and the new speed (`beside`); where the path turns towards what ramps out, everything ramps out before the path begins.
+//! and the new speed (`path_with_residual`); where the path turns towards what ramps out, everything ramps out before the path begins.
 //!
 //! Position units and seconds (master units in place of seconds). Bounded; no allocation.
 
@@ -11,12 +11,12 @@ use arcline_geometry::Point;
 use arcline_profile::{KinematicState, Limits, Profile};
 
 use crate::Clock;
-use crate::beside::Beside;
 use crate::junction::is_along;
+use crate::move_trajectory::{Part, Residual};
+use crate::path_with_residual::PathWithResidual;
 use crate::planner::{NO_ACCELERATION, Planner};
 use crate::ramp_out::{ROUNDING_SHARE, RampOut, short};
-use crate::running::{AccelerationRemoval, InitialMotion, Move, paced};
-use crate::track::{Part, Residual};
+use crate::running::{AccelerationRemoval, InitialMotion, Move, scaled_limits};
 
 impl<T: Copy> Planner<T> {
     /// Starts a move at the present tick out of another motion.
@@ -108,14 +108,14 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
     let path = &motion.path;
     let level = |factor| RampOut { across: factor, ..out };
     let travelled = |split: &Pieces| {
-        let beside = Beside {
+        let beside = PathWithResidual {
             path,
             parts: &split.parts,
             since: 0.0,
             bound: bound?,
         };
-        let pace = Residual::pace_of(&split.parts, path);
-        let limits = paced(&split.limits, rate, pace);
+        let share = Residual::share_of(&split.parts, path);
+        let limits = scaled_limits(&split.limits, rate, share);
         let total = out.initial.acceleration.norm();
         let removal = out
             .limits
@@ -134,8 +134,8 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
         let Some(mut split) = split(motion, &level(factor)) else {
             break;
         };
-        let pace = Residual::pace_of(&split.parts, path);
-        split.limits = short(split.from, &split.limits, pace, path.length().max(out.widest));
+        let share = Residual::share_of(&split.parts, path);
+        split.limits = short(split.from, &split.limits, share, path.length().max(out.widest));
         let has_across = split.parts[1].moves();
         if let Some((Some(profile), _)) = travelled(&split) {
             split.profile = Some(profile);

@@ -9,9 +9,9 @@ use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
+use crate::move_trajectory::{Part, Residual};
 use crate::planner::{NO_ACCELERATION, Planner};
 use crate::running::{InitialMotion, Move};
-use crate::track::{Part, Residual};
 use crate::{Clock, Instant};
 
 /// What a path may use of the limits of the axes.
@@ -54,7 +54,7 @@ impl<T: Copy> Planner<T> {
         }
         let plan = beside(&motion, &initial, axes).unwrap_or_else(|| {
             let parts = ramped_out(&initial, &own, axes, &motion.path, 1.0);
-            Beside {
+            ResidualPlan {
                 wait: parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max),
                 within: Within {
                     drift: drift(&parts, &motion.path),
@@ -66,7 +66,7 @@ impl<T: Copy> Planner<T> {
         let residual = Residual {
             parts: plan.parts,
             start: clock.now(),
-            pace: 1.0,
+            share: 1.0,
         };
         let start = clock.now().after(plan.wait, clock);
         self.run_within(
@@ -117,7 +117,7 @@ impl<T: Copy> Planner<T> {
 }
 
 /// Path and residual at once, if that keeps the limits.
-fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<Beside> {
+fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<ResidualPlan> {
     let own = &motion.limits;
     if motion.path.length() <= 0.0 {
         return None;
@@ -165,11 +165,11 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
             residual.abs().max(sum.abs()) <= axes.speed[axis] * NEARLY
         })
     });
-    kept.then_some(Beside { parts, wait, within })
+    kept.then_some(ResidualPlan { parts, wait, within })
 }
 
 /// How a residual and a path are travelled.
-struct Beside {
+struct ResidualPlan {
     parts: [Part; 3],
     /// Seconds that the path waits.
     wait: f64,
@@ -287,9 +287,9 @@ impl Within {
             None => vector,
         };
         // The compensation moves along.
-        let pace = 1.0 / way.norm().max(1.0);
+        let compensated = 1.0 / way.norm().max(1.0);
         Limits {
-            speed: least(own.speed * pace, &self.axes.speed, 1.0),
+            speed: least(own.speed * compensated, &self.axes.speed, 1.0),
             acceleration: least(own.acceleration, &self.axes.acceleration, self.share),
             deceleration: least(own.deceleration, &self.axes.acceleration, self.share),
             jerk: own.jerk.map(|own| Jerk {

@@ -29,16 +29,16 @@ impl<T: Copy> Planner<T> {
     /// The next point on the way that lies at or before the present tick.
     pub fn event(&self, clock: &Clock) -> Option<MoveEvent> {
         let running = self.active.as_ref()?;
-        let elapsed = running.track.start.elapsed(clock);
+        let elapsed = running.trajectory.start.elapsed(clock);
         // A stop is over when it stands, to the last bit.
         let rounding = if running.stopped { 0.0 } else { ROUNDING };
-        let instant = |seconds: f64| running.track.start.after(seconds.min(elapsed), clock);
+        let instant = |seconds: f64| running.trajectory.start.after(seconds.min(elapsed), clock);
         if let Some(at) = self.hand_over_at
             && elapsed >= at - rounding
         {
             return Some(MoveEvent::HandOver(instant(at)));
         }
-        if !running.track.profile.arrives() {
+        if !running.trajectory.profile.arrives() {
             return None;
         }
         let end = self.end_of(running, clock);
@@ -51,14 +51,14 @@ impl<T: Copy> Planner<T> {
         let Some(running) = &self.active else {
             return EventTime::Never;
         };
-        let track = &running.track;
-        let since = running.begun.elapsed(clock) - track.start.elapsed(clock);
+        let trajectory = &running.trajectory;
+        let since = running.begun.elapsed(clock) - trajectory.start.elapsed(clock);
         let at = |planned: f64| EventTime::At((since + planned).max(0.0));
         let length = running.motion.path.length();
         if distance > length {
             return EventTime::At(0.0);
         }
-        let arrives = track.profile.arrives();
+        let arrives = trajectory.profile.arrives();
         if distance == 0.0 {
             if let (Some(early), Ending::Blend { .. }) = (self.hand_over_at, running.motion.ending) {
                 return at(early);
@@ -71,13 +71,13 @@ impl<T: Copy> Planner<T> {
                 };
             }
         }
-        let place = track.offset + length - distance;
-        if place < track.profile.start().position {
+        let place = trajectory.offset + length - distance;
+        if place < trajectory.profile.start().position {
             return EventTime::Passed;
         }
-        match track.profile.time_at_position(place) {
+        match trajectory.profile.time_at_position(place) {
             Some(planned) => at(planned),
-            None if arrives => at(track.profile.duration()),
+            None if arrives => at(trajectory.profile.duration()),
             None => EventTime::Never,
         }
     }
@@ -88,21 +88,21 @@ impl<T: Copy> Planner<T> {
         let running = self.active.as_ref()?;
         let end = match self.hand_over_at {
             Some(at) => at,
-            None if running.track.profile.arrives() => self.end_of(running, clock),
+            None if running.trajectory.profile.arrives() => self.end_of(running, clock),
             None => return None,
         };
-        Some((end - running.track.start.elapsed(clock)).max(0.0))
+        Some((end - running.trajectory.start.elapsed(clock)).max(0.0))
     }
 
-    /// When everything of the active move has come to its end, after the start of its track.
+    /// When everything of the active move has come to its end, after the start of its trajectory.
     fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
-        let mut end = running.track.duration(clock);
+        let mut end = running.trajectory.duration(clock);
         if let (Some(out), true) = (&self.ramping_out, running.exit == 0.0) {
-            end = end.max(out.rests_after(&running.track.start, clock));
+            end = end.max(out.rests_after(&running.trajectory.start, clock));
         }
         match &self.tail {
             Some(tail) if running.exit == 0.0 => {
-                end.max(tail.duration(clock) + running.track.start.elapsed(clock) - tail.start.elapsed(clock))
+                end.max(tail.duration(clock) + running.trajectory.start.elapsed(clock) - tail.start.elapsed(clock))
             }
             _ => end,
         }

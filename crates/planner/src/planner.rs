@@ -9,11 +9,11 @@ use arcline_profile::{Bounds, KinematicState, Limits, Profile};
 
 use crate::look_ahead::Plan;
 use crate::merge_within::Within;
+use crate::move_trajectory::{MoveTrajectory, Residual, Sample};
 use crate::queue::Queue;
-use crate::running::{AccelerationRemoval, Move, Parameter, Running, paced};
-use crate::track::{Residual, Sample, Track};
+use crate::running::{AccelerationRemoval, Move, Parameter, Running, scaled_limits};
 use crate::turning::RampingOut;
-use crate::{Clock, Instant, Pace};
+use crate::{Clock, Instant, MasterRate};
 
 /// The pending places are all taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,14 +24,14 @@ pub struct QueueFull;
 pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
     /// The end of a move that the active one blends with.
-    pub(crate) tail: Option<Track>,
+    pub(crate) tail: Option<MoveTrajectory>,
     /// What the turn of that end may be braked with, radians and seconds.
     pub(crate) tail_turns: Option<Limits>,
     /// What is left of a turn that a merge took over.
     pub(crate) ramping_out: Option<RampingOut>,
     pub(crate) queue: Queue<T>,
     depth: usize,
-    /// Seconds after the active track's start at which the successor takes over before the programmed end.
+    /// Seconds after the active trajectory's start at which the successor takes over before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to go on.
     trail: VecDeque<Beyond>,
@@ -170,7 +170,7 @@ impl<T: Copy> Planner<T> {
 
     /// Whether the active move stays at rest before its end, until its speed is changed.
     pub fn is_paused(&self) -> bool {
-        self.active.is_some_and(|running| !running.track.profile.arrives())
+        self.active.is_some_and(|running| !running.trajectory.profile.arrives())
     }
 
     /// A number that changes whenever the active move is another one or planned again.
@@ -228,11 +228,11 @@ impl<T: Copy> Planner<T> {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);
         let before = self.before();
-        let running = self.active.iter_mut().map(|running| (&mut running.track, before));
-        for (track, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            let from = track.state(clock);
+        let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
+        for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
+            let from = trajectory.state(clock);
             let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
-            track.replan(stop, clock.now());
+            trajectory.replan(stop, clock.now());
         }
         if let Some(running) = &mut self.active {
             running.exit = 0.0;
@@ -244,13 +244,13 @@ impl<T: Copy> Planner<T> {
 
     /// A trail ends before the first corner that a stop, which may be a gentle one, would pass faster than the axes can follow it.
     pub(crate) fn end_trail(&mut self) {
-        let Some(track) = self.active.as_ref().map(|running| &running.track) else {
+        let Some(trajectory) = self.active.as_ref().map(|running| &running.trajectory) else {
             return;
         };
-        let mut end = track.path.length();
+        let mut end = trajectory.path.length();
         for place in 0..self.trail.len() {
-            let speed = match track.profile.time_at_position(end) {
-                Some(at) => track.profile.at(at).velocity,
+            let speed = match trajectory.profile.time_at_position(end) {
+                Some(at) => trajectory.profile.at(at).velocity,
                 None => return,
             };
             if speed > self.trail[place].corner * (1.0 + NEARLY_NONE) {
@@ -261,14 +261,14 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// As [`Planner::stop`], for an active move that is a function of a master's way: `clock` shows it, and `pace` how it goes
+    /// As [`Planner::stop`], for an active move that is a function of a master's way: `clock` shows it, and `rate` how it goes
     /// on. From now on the planner's clock is `time`.
-    pub fn stop_in_time(&mut self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) {
+    pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
         self.hand_over_at = None;
-        self.ramp_out_in_time(pace, clock, time);
-        let running = self.active.iter_mut().map(|running| &mut running.track);
-        for track in running.chain(&mut self.tail) {
-            track.stop_in_time(limits, self.bounds, pace, clock, time);
+        self.ramp_out_in_time(rate, clock, time);
+        let running = self.active.iter_mut().map(|running| &mut running.trajectory);
+        for trajectory in running.chain(&mut self.tail) {
+            trajectory.stop_in_time(limits, self.bounds, rate, clock, time);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -282,7 +282,7 @@ impl<T: Copy> Planner<T> {
 
     /// Where the coordinate system is at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
-        let mut sample = self.active.as_ref()?.track.sample_along(self.trail(), clock);
+        let mut sample = self.active.as_ref()?.trajectory.sample_along(self.trail(), clock);
         if let Some(tail) = &self.tail {
             sample = tail.add_rest(sample, clock);
         }
@@ -306,7 +306,7 @@ impl<T: Copy> Planner<T> {
         blended: bool,
         clock: &Clock,
     ) {
-        let track = Track {
+        let trajectory = MoveTrajectory {
             path: motion.path,
             turn: motion.turn,
             lead: None,
@@ -318,7 +318,7 @@ impl<T: Copy> Planner<T> {
         };
         let running = Running {
             blended,
-            ..Running::new(motion, track)
+            ..Running::new(motion, trajectory)
         };
         self.begin(running, from, clock);
     }
@@ -336,7 +336,7 @@ impl<T: Copy> Planner<T> {
         running.removal = removal;
         let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
-        running.track.profile = profile;
+        running.trajectory.profile = profile;
         self.active = Some(running);
         self.schedule(clock.now(), clock);
     }
@@ -352,12 +352,12 @@ impl<T: Copy> Planner<T> {
     ) {
         self.run(motion, from, clock.now(), Some(residual), false, clock);
         if let (Some(running), Some(along)) = (&mut self.active, along) {
-            running.track.profile = along;
+            running.trajectory.profile = along;
             self.schedule(clock.now(), clock);
         }
     }
 
-    /// Begins a move on a track whose profile is still to be planned from `from`, where an acceleration may be being taken away.
+    /// Begins a move on a trajectory whose profile is still to be planned from `from`, where an acceleration may be being taken away.
     pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
         running.run_start = self.queue.relink(&running.motion, running.blended);
@@ -366,7 +366,7 @@ impl<T: Copy> Planner<T> {
         }
         let (plan, profile) = self.planned(&running, from);
         running.aim(&plan);
-        running.track.profile = profile;
+        running.trajectory.profile = profile;
         self.active = Some(running);
         self.schedule(running.begun, clock);
     }
@@ -383,12 +383,12 @@ impl<T: Copy> Planner<T> {
     /// The limits that the active profile keeps, the override included.
     pub fn before(&self) -> Option<Limits> {
         let rate = self.queue.rate();
-        self.active.map(|running| paced(&running.in_force, rate, 1.0))
+        self.active.map(|running| scaled_limits(&running.in_force, rate, 1.0))
     }
 
     /// The acceleration that the curvature of the paths gives at the present tick: it ends with them, and nothing limits it.
     pub fn centripetal(&self, clock: &Clock) -> Point {
-        let tracks = self.active.iter().map(|running| &running.track).chain(&self.tail);
-        tracks.map(|track| track.centripetal(clock)).sum()
+        let trajectories = self.active.iter().map(|running| &running.trajectory).chain(&self.tail);
+        trajectories.map(|trajectory| trajectory.centripetal(clock)).sum()
     }
 }

@@ -8,9 +8,9 @@ use arcline_geometry::Point;
 use arcline_profile::{Jerk, KinematicState, Lead, Limits, Profile};
 
 use crate::junction::braking;
+use crate::move_trajectory::Part;
 use crate::planner::{NO_ACCELERATION, Planner};
-use crate::running::{InitialMotion, paced};
-use crate::track::Part;
+use crate::running::{InitialMotion, scaled_limits};
 
 /// What is terminated, and how it ramps out.
 #[derive(Clone, Copy)]
@@ -170,19 +170,19 @@ fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
 }
 
 /// Limits with which a stop, on a path that is travelled with a share of them, takes no more than a way.
-pub(crate) fn short(from: KinematicState, limits: &Limits, pace: f64, widest: f64) -> Limits {
-    let own = paced(limits, 1.0, pace);
+pub(crate) fn short(from: KinematicState, limits: &Limits, share: f64, widest: f64) -> Limits {
+    let own = scaled_limits(limits, 1.0, share);
     if stop_way(from, &own) <= widest * (1.0 + ROUNDING_SHARE) {
         return *limits;
     }
     let own = hastened(from, &own, widest, false);
     Limits {
         speed: limits.speed,
-        acceleration: own.acceleration / pace,
-        deceleration: own.deceleration / pace,
+        acceleration: own.acceleration / share,
+        deceleration: own.deceleration / share,
         jerk: own.jerk.map(|jerk| Jerk {
-            acceleration: jerk.acceleration / pace,
-            deceleration: jerk.deceleration / pace,
+            acceleration: jerk.acceleration / share,
+            deceleration: jerk.deceleration / share,
         }),
     }
 }

@@ -7,7 +7,7 @@ use arcline_profile::{Jerk, KinematicState, Lead, Limits};
 
 use crate::Instant;
 use crate::junction::Ending;
-use crate::track::Track;
+use crate::move_trajectory::MoveTrajectory;
 
 /// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ impl Parameter {
 pub struct Running<T> {
     /// The move itself.
     pub motion: Move<T>,
-    pub(crate) track: Track,
+    pub(crate) trajectory: MoveTrajectory,
     /// When it became active.
     pub(crate) begun: Instant,
     /// Speed with which the profile ends.
@@ -122,12 +122,12 @@ impl AccelerationRemoval {
 }
 
 impl<T: Copy> Running<T> {
-    /// A move that becomes active as its track starts, not yet planned.
-    pub(crate) fn new(motion: Move<T>, track: Track) -> Self {
+    /// A move that becomes active as its trajectory starts, not yet planned.
+    pub(crate) fn new(motion: Move<T>, trajectory: MoveTrajectory) -> Self {
         Running {
             motion,
-            track,
-            begun: track.start,
+            trajectory,
+            begun: trajectory.start,
             exit: 0.0,
             joined: 0,
             blended: false,
@@ -172,18 +172,18 @@ pub struct InitialMotion {
 }
 
 /// Limits with a share of the speed, and a share of all.
-pub(crate) fn paced(limits: &Limits, rate: f64, pace: f64) -> Limits {
+pub(crate) fn scaled_limits(limits: &Limits, rate: f64, share: f64) -> Limits {
     let speed = limits.speed * rate;
-    if pace >= 1.0 {
+    if share >= 1.0 {
         return Limits { speed, ..*limits };
     }
     Limits {
-        speed: speed * pace,
-        acceleration: limits.acceleration * pace,
-        deceleration: limits.deceleration * pace,
+        speed: speed * share,
+        acceleration: limits.acceleration * share,
+        deceleration: limits.deceleration * share,
         jerk: limits.jerk.map(|jerk| Jerk {
-            acceleration: jerk.acceleration * pace,
-            deceleration: jerk.deceleration * pace,
+            acceleration: jerk.acceleration * share,
+            deceleration: jerk.deceleration * share,
         }),
     }
 }

@@ -6,16 +6,16 @@
 use arcline_geometry::Path;
 use arcline_profile::{Bounds, Limits, Profile};
 
+use crate::move_trajectory::MoveTrajectory;
 use crate::planner::Planner;
-use crate::track::Track;
 use crate::turning::RampingOut;
-use crate::{Clock, Pace, Parameter, Sample};
+use crate::{Clock, MasterRate, Parameter, Sample};
 
 /// A stop on the path that has not begun.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopping {
-    active: Track,
-    tail: Option<Track>,
+    active: MoveTrajectory,
+    tail: Option<MoveTrajectory>,
     /// What is left of the turn of a move that a merge ended.
     ramping_out: Option<RampingOut>,
     /// Seconds from its beginning to rest.
@@ -34,27 +34,33 @@ impl<T: Copy> Planner<T> {
     pub fn stopping(&self, limits: &Limits, clock: &Clock) -> Option<Stopping> {
         let limits = &self.allowed(limits);
         let before = self.before();
-        let halted = |track: &Track, before: Option<&Limits>| {
-            let mut track = *track;
-            track.halt(limits, before, self.bounds, clock);
-            track
+        let halted = |trajectory: &MoveTrajectory, before: Option<&Limits>| {
+            let mut trajectory = *trajectory;
+            trajectory.halt(limits, before, self.bounds, clock);
+            trajectory
         };
-        let active = halted(&self.active.as_ref()?.track, before.as_ref());
+        let active = halted(&self.active.as_ref()?.trajectory, before.as_ref());
         let tail = self.tail.as_ref().map(|tail| halted(tail, None));
         Some(Stopping::of(active, tail, self.ramping_out, clock))
     }
 
     /// What [`Planner::stop_in_time`] would do, where `clock` shows the way that the master will have gone at `time`, and
-    /// `pace` how that goes on. Real-time.
-    pub fn stopping_in_time(&self, limits: &Limits, pace: &Pace, clock: &Clock, time: &Clock) -> Option<Stopping> {
-        let halted = |track: &Track| {
-            let mut track = *track;
-            track.stop_in_time(limits, self.bounds, pace, clock, time);
-            track
+    /// `rate` how that goes on. Real-time.
+    pub fn stopping_in_time(
+        &self,
+        limits: &Limits,
+        rate: &MasterRate,
+        clock: &Clock,
+        time: &Clock,
+    ) -> Option<Stopping> {
+        let halted = |trajectory: &MoveTrajectory| {
+            let mut trajectory = *trajectory;
+            trajectory.stop_in_time(limits, self.bounds, rate, clock, time);
+            trajectory
         };
-        let active = halted(&self.active.as_ref()?.track);
+        let active = halted(&self.active.as_ref()?.trajectory);
         let tail = self.tail.as_ref().map(halted);
-        let out = self.ramping_out_in_time(pace, clock, time);
+        let out = self.ramping_out_in_time(rate, clock, time);
         Some(Stopping::of(active, tail, out, time))
     }
 
@@ -70,9 +76,9 @@ impl<T: Copy> Planner<T> {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);
         let (before, bounds) = (self.before(), self.bounds);
-        let running = self.active.iter_mut().map(|running| (&mut running.track, before));
-        for (track, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            track.halt(limits, before.as_ref(), bounds, clock);
+        let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
+        for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
+            trajectory.halt(limits, before.as_ref(), bounds, clock);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -85,8 +91,13 @@ impl<T: Copy> Planner<T> {
 }
 
 impl Stopping {
-    fn of(active: Track, tail: Option<Track>, ramping_out: Option<RampingOut>, clock: &Clock) -> Self {
-        let left = |track: &Track| track.duration(clock) - track.start.elapsed(clock);
+    fn of(
+        active: MoveTrajectory,
+        tail: Option<MoveTrajectory>,
+        ramping_out: Option<RampingOut>,
+        clock: &Clock,
+    ) -> Self {
+        let left = |trajectory: &MoveTrajectory| trajectory.duration(clock) - trajectory.start.elapsed(clock);
         let turning = ramping_out.map_or(0.0, |out| out.rests_after(&clock.now(), clock));
         let duration = tail.iter().map(left).fold(left(&active), f64::max);
         Stopping {
@@ -109,7 +120,7 @@ impl Stopping {
     }
 }
 
-impl Track {
+impl MoveTrajectory {
     /// Brakes from the clock's instant on, unless its own profile comes to rest sooner.
     fn halt(&mut self, limits: &Limits, before: Option<&Limits>, bounds: Bounds, clock: &Clock) {
         let stop = Profile::stop_within(self.state(clock), limits, before, bounds);

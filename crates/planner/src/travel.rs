@@ -20,8 +20,8 @@ use crate::clock::TimeBase;
 use crate::contour::ContourEvent;
 use crate::move_event::MoveEvent;
 use crate::{
-    Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, Installed, Instant, Move, Pace, Planner, QueueFull,
-    TurnResidual,
+    Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, Installed, Instant, MasterRate, Move, Planner,
+    QueueFull, TurnResidual,
 };
 
 pub use stopping::PathStopping;
@@ -333,9 +333,9 @@ impl<T: Copy> Travel<T> {
     }
 
     /// How that goes on, where a master leads.
-    fn contour_pace(&self, base: &TimeBase) -> Pace {
+    fn contour_rate(&self, base: &TimeBase) -> MasterRate {
         let rate = base.master.as_ref().map(|master| master.rate).unwrap_or_default();
-        Pace {
+        MasterRate {
             speed: rate.speed / self.nominal(),
             acceleration: rate.acceleration / self.nominal(),
         }

@@ -1,7 +1,7 @@
 //! What is left of a turn when a move that keeps the orientation is merged: it ramps out about its present axis beside the path
 //! (spec/coordinated-instructions.md §6.3).
 //!
-//! As with a [`crate::track::Residual`] of positions the acceleration across the rate ramps out about an axis of its own. What has
+//! As with a [`crate::move_trajectory::Residual`] of positions the acceleration across the rate ramps out about an axis of its own. What has
 //! ramped out does not come back: the move has no orientation to end with, and keeps the one in which the tool comes to rest.
 //! Bounded; nothing allocates. Radians, seconds.
 
@@ -11,7 +11,7 @@ use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 use crate::junction::braking;
 use crate::planner::Planner;
 use crate::running::{Parameter, Running};
-use crate::{Clock, Instant, Pace, ROUNDING};
+use crate::{Clock, Instant, MasterRate, ROUNDING};
 
 /// How an orientation turns at an instant.
 #[derive(Clone, Copy, Debug)]
@@ -38,10 +38,10 @@ pub struct TurnResidual {
 impl Turning {
     /// By the way of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
     #[must_use]
-    pub fn on_the_way(&self, pace: &Pace, nominal: f64) -> Turning {
+    pub fn on_the_way(&self, rate: &MasterRate, nominal: f64) -> Turning {
         let mut own = *self;
         for place in 0..own.rate.len() {
-            let state = pace.on_the_way(KinematicState {
+            let state = rate.on_the_way(KinematicState {
                 position: 0.0,
                 velocity: self.rate[place],
                 acceleration: self.change[place],
@@ -135,8 +135,8 @@ impl RampingOut {
     }
 
     /// From the instant that both clocks show it is no function of a master's way any more but of time.
-    fn in_time(&self, parameter: &Parameter, pace: &Pace, clock: &Clock, time: &Clock) -> RampingOut {
-        let turned = self.beside(None, clock).in_time(pace.speed, pace.acceleration);
+    fn in_time(&self, parameter: &Parameter, rate: &MasterRate, clock: &Clock, time: &Clock) -> RampingOut {
+        let turned = self.beside(None, clock).in_time(rate.speed, rate.acceleration);
         let turning = Turning {
             angles: turned.angles(),
             rate: turned.rate,
@@ -194,17 +194,17 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    pub(crate) fn ramp_out_in_time(&mut self, pace: &Pace, clock: &Clock, time: &Clock) {
+    pub(crate) fn ramp_out_in_time(&mut self, rate: &MasterRate, clock: &Clock, time: &Clock) {
         if self.active.is_some() {
-            self.ramping_out = self.ramping_out_in_time(pace, clock, time);
+            self.ramping_out = self.ramping_out_in_time(rate, clock, time);
         }
     }
 
     /// What of a turn still ramps out, as a function of time.
-    pub(crate) fn ramping_out_in_time(&self, pace: &Pace, clock: &Clock, time: &Clock) -> Option<RampingOut> {
+    pub(crate) fn ramping_out_in_time(&self, rate: &MasterRate, clock: &Clock, time: &Clock) -> Option<RampingOut> {
         let out = self.ramping_out.filter(|out| !out.is_over_at(&clock.now(), clock))?;
         let parameter = &self.active.as_ref()?.motion.parameter;
-        Some(out.in_time(parameter, pace, clock, time))
+        Some(out.in_time(parameter, rate, clock, time))
     }
 }
 

@@ -232,7 +232,7 @@ impl Generator {
             self.now = if self.over {
                 KinematicState::at_rest(profile.end().position)
             } else {
-                self.guide.map_or(state, |guide| guide.pace().in_time(state))
+                self.guide.map_or(state, |guide| guide.rate().in_time(state))
             };
         }
     }

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
 use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};
-use arcline_planner::Pace;
+use arcline_planner::MasterRate;
 use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
 
@@ -14,7 +14,7 @@ use crate::control::Execution;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
 use crate::motion::Motion;
-use crate::system::Lead as Led;
+use crate::system::DrivenBy;
 
 /// The operands that MAM and MAJ have alike.
 #[derive(Clone, Copy, Debug)]
@@ -81,14 +81,14 @@ impl AxisMove {
             events,
         } = beginning;
         let taken = self.taken_over(&motion.axes[axis], kind);
-        let taken = led.map_or(taken, |(_, pace)| pace.on_the_way(taken));
+        let taken = led.map_or(taken, |(_, rate)| rate.on_the_way(taken));
         let from = steady(taken, &dynamics.limits());
         let before = self.in_force(&motion.axes[axis], kind, led.is_some());
         if self.merges_into(kind) {
             motion.end_single_axis(axis, Some(kind));
         }
         motion.end_generator(axis, kind);
-        let guide = led.and_then(|(lead, _)| motion.lead_axis(axis, lead));
+        let guide = led.and_then(|(driven_by, _)| motion.lead_axis(axis, driven_by));
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
@@ -130,30 +130,30 @@ impl AxisMove {
         motion: &Motion,
         axis: AxisId,
         kind: GeneratorKind,
-        lead: Option<Led>,
-    ) -> Result<Option<(Led, Pace)>, MotionError> {
+        driven_by: Option<DrivenBy>,
+    ) -> Result<Option<(DrivenBy, MasterRate)>, MotionError> {
         let state = &motion.axes[axis];
-        let link = lead.and_then(|lead| state.links.iter().find(|link| link.id == lead.link));
-        let (Some(lead), Some(link)) = (lead, link) else {
+        let link = driven_by.and_then(|driven_by| state.links.iter().find(|link| link.id == driven_by.link));
+        let (Some(driven_by), Some(link)) = (driven_by, link) else {
             return Ok(None);
         };
         let moves = self.taken_over(state, kind).velocity != 0.0;
-        let pace = programmed::pace(link, lead.lock, moves)?;
+        let rate = programmed::master_rate(link, driven_by.lock, moves)?;
         if let Some(running) = state.sum.get(kind).and_then(|generator| generator.guide) {
-            if running.sense != lead.lock.sense {
+            if running.sense != driven_by.lock.sense {
                 return Err(MotionError::MdscDirectionMismatch);
             }
-            if running.has_position_lock() && lead.lock.position.is_some() {
+            if running.has_position_lock() && driven_by.lock.position.is_some() {
                 return Err(MotionError::MdscLockWhileMoving);
             }
         }
-        Ok(Some((lead, pace)))
+        Ok(Some((driven_by, rate)))
     }
 
     /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
-    pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(Led, Pace)>) -> f64 {
+    pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(DrivenBy, MasterRate)>) -> f64 {
         let taken = self.taken_over(axis, kind);
-        led.map_or(taken, |(_, pace)| pace.on_the_way(taken)).velocity.abs()
+        led.map_or(taken, |(_, rate)| rate.on_the_way(taken)).velocity.abs()
     }
 }
 
@@ -163,7 +163,7 @@ pub(super) struct Beginning {
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,
     /// How it is master driven, and how its master moves.
-    pub(super) led: Option<(Led, Pace)>,
+    pub(super) led: Option<(DrivenBy, MasterRate)>,
     pub(super) events: Option<Events>,
 }
 

@@ -31,11 +31,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let state = &motion.axes[axis];
     let link = state.links.newest(MdacMotionType::Jog);
     programmed.verify_link(link)?;
-    let lead = programmed.lead(motion, link)?;
+    let driven_by = programmed.driven_by(motion, link)?;
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     axis_moves::not_stopping(state)?;
     let mut dynamics = programmed.dynamics(&state.dynamics)?;
-    let led = operands.led(motion, axis, GeneratorKind::Jog, lead)?;
+    let led = operands.led(motion, axis, GeneratorKind::Jog, driven_by)?;
     if operands.keeps_speed() {
         dynamics.keep_speed(operands.present_speed(state, GeneratorKind::Jog, led));
     }

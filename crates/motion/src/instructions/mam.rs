@@ -126,7 +126,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let kind = destination.kind();
     destination.verify_ranges(motion, state, call)?;
     verify_units(&operands, kind, state)?;
-    let lead = programmed.lead(motion, state.links.newest(serves(kind)))?;
+    let driven_by = programmed.driven_by(motion, state.links.newest(serves(kind)))?;
     let events = Events::of(&events, Fit::Exactly)?;
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     if destination.is_rotary() && state.unwind.is_none() {
@@ -148,7 +148,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             &state.dynamics
         }
     };
-    let led = operands.led(motion, axis, kind, lead)?;
+    let led = operands.led(motion, axis, kind, driven_by)?;
     let mut dynamics = if seconds::is_duration(&programmed.rates) {
         seconds::dynamics(&programmed, way.abs(), maxima)
     } else {

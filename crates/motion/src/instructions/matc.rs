@@ -6,7 +6,7 @@ use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
-use super::programmed::{lead, verify_lock};
+use super::programmed::{driven_by, verify_lock};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
 use crate::control::Execution;
@@ -14,7 +14,7 @@ use crate::masters::cam::{self, Cam, Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::system::Lead;
+use crate::system::DrivenBy;
 
 /// What drives the cam; `None`: time.
 ///
@@ -27,18 +27,18 @@ fn led(
     mode: InstructionMode,
     lock: &LockOperands,
     schedule: ExecutionSchedule,
-) -> Result<Option<(MasterLink, Lead)>, MotionError> {
+) -> Result<Option<(MasterLink, DrivenBy)>, MotionError> {
     let master_driven = mode == InstructionMode::MasterDriven;
     let link = motion.axes[axis].links.newest(MdacMotionType::TimeCam);
     verify_lock(lock, master_driven, link)?;
     let Some(link) = link.filter(|_| master_driven) else {
         return Ok(None);
     };
-    let lead = lead(motion, lock, link)?;
-    if schedule == ExecutionSchedule::Pending && lead.lock.position.is_some() {
+    let driven_by = driven_by(motion, lock, link)?;
+    if schedule == ExecutionSchedule::Pending && driven_by.lock.position.is_some() {
         return Err(MotionError::MdscLockDirectionConflict);
     }
-    Ok(Some((*link, lead)))
+    Ok(Some((*link, driven_by)))
 }
 
 pub(super) fn execute(
@@ -68,7 +68,7 @@ pub(super) fn execute(
     });
     let pending = *execution_schedule == ExecutionSchedule::Pending;
     verify_change(&motion.axes[axis], GeneratorKind::TimeCam, source, pending)?;
-    let sense = led.map(|(_, lead)| lead.lock.sense);
+    let sense = led.map(|(_, driven_by)| driven_by.lock.sense);
     let runs = motion.axes[axis].cam(GeneratorKind::TimeCam).map(Cam::sense);
     if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
@@ -95,10 +95,10 @@ pub(super) fn execute(
     let mut lock = None;
     let master = match led {
         None => cam::time(since, &motion.clock),
-        Some((link, lead)) => {
+        Some((link, driven_by)) => {
             motion.take_up_link(axis, link.id);
             let state = &motion.axes[link.master.axis];
-            lock = lead.lock.position.map(|position| Crossing {
+            lock = driven_by.lock.position.map(|position| Crossing {
                 position: position - state.redefined,
                 sense,
                 unwind: state.unwind,

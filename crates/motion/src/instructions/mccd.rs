@@ -52,7 +52,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let system = &motion.systems[index];
     let active = system.active().filter(|_| system.activity == Activity::Moving);
-    let driven = active.is_some_and(|active| active.lead.is_some());
+    let driven = active.is_some_and(|active| active.driven_by.is_some());
     operands.verify_mode(driven)?;
     verify::axes_ready(&motion.systems[index], &motion.axes)?;
     verify::not_homing(&motion.systems[index], &motion.axes)?;
@@ -69,14 +69,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     // Every move that is changed must be of the mode of the change.
     let modes = [false, true].map(|driven| operands.verify_mode(driven));
     let change = |planned: &Planned| {
-        modes[usize::from(planned.lead.is_some())]?;
+        modes[usize::from(planned.driven_by.is_some())]?;
         changed(&read[usize::from(planned.only_turns)], planned)
     };
     let dynamics = change(&active)?;
     if *scope == Scope::ActiveAndPending {
         // None is changed where one of them cannot be.
         for waiting in system.travel.waiting() {
-            modes[usize::from(waiting.data.lead.is_some())]?;
+            modes[usize::from(waiting.data.driven_by.is_some())]?;
             read[usize::from(waiting.data.only_turns)].verify(waiting.data.dynamics.is_s_curve())?;
         }
         let base = system.time_base(&motion.clock);
@@ -104,7 +104,7 @@ fn calculate_again(motion: &mut Motion, index: SystemId, active: Execution) {
 /// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
 fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> {
     let mut dynamics = change.of(planned.dynamics)?;
-    dynamics.keep_to(&planned.pace);
+    dynamics.keep_to(&planned.path_limits);
     Ok(dynamics)
 }
 

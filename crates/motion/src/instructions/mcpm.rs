@@ -10,11 +10,12 @@ use arcline_instruction_set::enumerations::{
 };
 use arcline_instruction_set::operands::Mcpm;
 use arcline_instruction_set::{Call, MotionError, OperandIndex, Range};
+use arcline_planner::Ending;
 use arcline_planner::geometry::{Path, Point, Turn};
-use arcline_planner::{Ending, InitialMotion, Move, Parameter};
 
-use super::moves::{self, TakenOver};
-use super::{merging, no_target, points, programmed};
+use super::merging::{Master, TakenOver};
+use super::moves::{self, JointLimits, Verified};
+use super::{no_target, points, programmed};
 use crate::call_data::ReceivedData;
 use crate::control::Execution;
 use crate::dynamics::PathLimits;
@@ -25,7 +26,7 @@ use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::path_data::{DynamicsData, PathData};
 use crate::range;
-use crate::system::{Planned, Termination};
+use crate::system::Termination;
 use crate::verify;
 
 /// Members of the path in their ranges (13), and what is reserved (99).
@@ -91,10 +92,11 @@ pub(super) fn execute(
     if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == Some(UnitsMode::Percent) {
         return Err(dynamics_operand.out_of_range());
     }
-    let lead = match &link {
-        Some(link) => Some(programmed::lead(motion, &lock, link)?),
+    let driven_by = match &link {
+        Some(link) => Some(programmed::driven_by(motion, &lock, link)?),
         None => None,
     };
+    let master = Master::of(driven_by, link);
     let system = &motion.systems[index];
     if !system.travel.can_turn() {
         return Err(MotionError::FeatureNotSupported);
@@ -125,45 +127,35 @@ pub(super) fn execute(
     let path = way.path.shifted(&-shift);
     moves::verify_conflicts(motion, index, Merge::Disabled)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
-    let mut pace = motion
-        .present()
-        .verify_reach(index, &way.path, way.turn.as_ref(), headings[0])?;
-    if motion.systems[index].description.joint_limits == AxisLimits::Ignore {
-        pace = PathLimits::UNLIMITED;
-    }
-    let mut parameter = Parameter::TIME;
-    if let (Some(lead), Some(link)) = (lead, &link) {
-        programmed::pace(link, lead.lock, false)?;
-        merging::verify_lead(motion, index, Merge::Disabled, lead, false)?;
-        pace = pace.by_master(link.nominal);
-        parameter = merging::parameter(motion, index, Merge::Disabled, lead, link);
-    }
-    let pace = own.and(&pace);
-    dynamics.keep_to(&pace);
-    let planned = Move {
-        path,
-        turn: way.turn,
+    let joints = JointLimits {
+        path: moves::path_limits(motion, index, &way.path, way.turn.as_ref(), headings[0])?,
         corner: f64::INFINITY,
-        limits: dynamics.limits(),
+    };
+    let rest = TakenOver::rest();
+    let (taken, joints) = match &master {
+        Some(master) => (rest.by_master(motion, index, master)?, joints.by_master(&master.link)),
+        None => (rest, joints),
+    };
+    let joints = JointLimits {
+        path: own.and(&joints.path),
+        ..joints
+    };
+    dynamics.keep_to(&joints.path);
+    let verified = Verified {
+        execution,
+        path,
+        in_positions: way.path,
+        turn: way.turn,
+        heading: Some(way.heading),
+        dynamics,
+        joints,
+        termination,
         ending,
-        parameter,
-        data: Planned {
-            execution,
-            dynamics,
-            termination,
-            lead,
-            events: None,
-            pace,
-            heading: Some(way.heading),
-            only_turns: way.path.stands(),
-        },
-    };
-    let at_rest = TakenOver {
-        initial: InitialMotion::default(),
+        events: None,
+        master,
         residual: None,
-        merge: Merge::Disabled,
     };
-    moves::launch(motion, index, planned, way.path, at_rest)
+    verified.launch(motion, index, &taken)
 }
 
 /// Where a move leads and how.

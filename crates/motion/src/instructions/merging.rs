@@ -7,18 +7,19 @@ use arcline_instruction_set::enumerations::Merge;
 use arcline_instruction_set::{MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Limits};
-use arcline_planner::{Ending, InitialMotion, Move, Pace, Parameter};
+use arcline_planner::{Ending, InitialMotion, MasterRate, Move, Parameter, TurnResidual, Turning};
 
 use super::points::command;
+use super::programmed;
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::sum::together;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::system::{Activity, Lead, Planned};
+use crate::system::{Activity, DrivenBy, Planned};
 
 /// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
-pub(super) fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
+fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
         // What a transform gives goes on.
@@ -110,32 +111,126 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     }
 }
 
-/// What is under way by time, by the way of a master.
-pub(super) fn on_the_way(pace: &Pace, initial: &InitialMotion) -> InitialMotion {
-    let mut taken = InitialMotion {
-        velocity: Point::zeros(),
-        acceleration: Point::zeros(),
-        before: None,
-    };
-    for place in 0..taken.velocity.len() {
-        let state = pace.on_the_way(KinematicState {
+/// What a move goes on from: what a merge terminates, or rest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TakenOver {
+    pub(super) merge: Merge,
+    pub(super) initial: InitialMotion,
+    turning: Option<Turning>,
+    /// Speed of the axes, units/s, or per master unit.
+    pub(super) speed: f64,
+}
+
+impl TakenOver {
+    pub(super) fn rest() -> TakenOver {
+        TakenOver {
+            merge: Merge::Disabled,
+            initial: InitialMotion::default(),
+            turning: None,
+            speed: 0.0,
+        }
+    }
+
+    /// At the present.
+    pub(super) fn of(motion: &Motion, index: SystemId, merge: Merge) -> TakenOver {
+        TakenOver {
+            merge,
+            initial: terminated(motion, index, merge),
+            turning: match merge {
+                Merge::Disabled => None,
+                _ => motion.turning(index),
+            },
+            speed: command(motion, index, |axis| axis.command.velocity).norm(),
+        }
+    }
+
+    fn moves(&self) -> bool {
+        let turns = self.turning.is_some_and(|turning| turning.rate != Point::zeros());
+        self.initial.velocity != Point::zeros() || turns
+    }
+
+    /// The turn that ramps out beside the move.
+    pub(super) fn residual(&self) -> Option<TurnResidual> {
+        self.turning.and_then(|turning| turning.ramped_out())
+    }
+
+    /// The same by the displacement of the master that drives the move.
+    ///
+    /// # Errors
+    /// 97, 98, 102: how its master moves, and what is under way, do not let it go on from there.
+    pub(super) fn by_master(
+        &self,
+        motion: &Motion,
+        index: SystemId,
+        master: &Master,
+    ) -> Result<TakenOver, MotionError> {
+        let Master { driven_by, link } = master;
+        let moves = self.moves();
+        let rate = programmed::master_rate(link, driven_by.lock, moves)?;
+        let idle = self.merge != Merge::Disabled && !moves && link.master.velocity() == 0.0;
+        verify_driven(motion, index, self.merge, *driven_by, idle)?;
+        Ok(TakenOver {
+            merge: self.merge,
+            initial: by_displacement(&rate, &self.initial),
+            turning: self.turning.map(|turning| turning.on_the_way(&rate, link.nominal)),
+            speed: if rate.speed > 0.0 { self.speed / rate.speed } else { 0.0 },
+        })
+    }
+}
+
+/// The master that drives a move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Master {
+    pub(super) driven_by: DrivenBy,
+    pub(super) link: MasterLink,
+}
+
+impl Master {
+    /// `None` where the move is driven by time.
+    pub(super) fn of(driven_by: Option<DrivenBy>, link: Option<MasterLink>) -> Option<Master> {
+        let (driven_by, link) = driven_by.zip(link)?;
+        Some(Master { driven_by, link })
+    }
+
+    /// What the move is a function of: the displacement that the move before it is a function of, or one that begins with it.
+    pub(super) fn parameter(&self, motion: &mut Motion, index: SystemId, merge: Merge) -> Parameter {
+        let Master { driven_by, link } = self;
+        let system = &motion.systems[index];
+        if merge == Merge::Disabled && system.activity == Activity::Moving && driven_by.lock.position.is_none() {
+            let same = |last: &&Move<Planned>| {
+                let before = last.data.driven_by;
+                before.is_some_and(|before| before.link == driven_by.link && before.lock.sense == driven_by.lock.sense)
+            };
+            if let Some(last) = system.travel.moves().last().filter(same) {
+                return last.parameter;
+            }
+        }
+        motion.new_parameter(link)
+    }
+}
+
+/// What is under way by time, by the displacement of a master.
+fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion {
+    let mut taken = InitialMotion::default();
+    for index in 0..taken.velocity.len() {
+        let state = rate.on_the_way(KinematicState {
             position: 0.0,
-            velocity: initial.velocity[place],
-            acceleration: initial.acceleration[place],
+            velocity: initial.velocity[index],
+            acceleration: initial.acceleration[index],
         });
-        taken.velocity[place] = state.velocity;
-        taken.acceleration[place] = state.acceleration;
+        taken.velocity[index] = state.velocity;
+        taken.acceleration[index] = state.acceleration;
     }
     taken
 }
 
 /// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
 /// master; then it may have another direction.
-pub(super) fn verify_lead(
+fn verify_driven(
     motion: &Motion,
     index: SystemId,
     merge: Merge,
-    lead: Lead,
+    driven_by: DrivenBy,
     idle: bool,
 ) -> Result<(), MotionError> {
     let system = &motion.systems[index];
@@ -147,34 +242,13 @@ pub(super) fn verify_lead(
     } else {
         system.travel.moves().next()
     };
-    let led = before.and_then(|before| before.data.lead);
-    if !idle && led.is_some_and(|led| led.lock.sense != lead.lock.sense) {
+    let other = before.and_then(|before| before.data.driven_by);
+    if !idle && other.is_some_and(|other| other.lock.sense != driven_by.lock.sense) {
         return Err(MotionError::MdscDirectionMismatch);
     }
-    let waits = |other: &Move<Planned>| other.data.lead.is_some_and(|lead| lead.lock.position.is_some());
-    if lead.lock.position.is_some() && system.travel.moves().any(waits) {
+    let waits = |other: &Move<Planned>| other.data.driven_by.is_some_and(|other| other.lock.position.is_some());
+    if driven_by.lock.position.is_some() && system.travel.moves().any(waits) {
         return Err(MotionError::MdscLockWhileMoving);
     }
     Ok(())
-}
-
-/// What a master driven move is a function of: the way of the move before it, or one that begins with it.
-pub(super) fn parameter(
-    motion: &mut Motion,
-    index: SystemId,
-    merge: Merge,
-    lead: Lead,
-    link: &MasterLink,
-) -> Parameter {
-    let system = &motion.systems[index];
-    if merge == Merge::Disabled && system.activity == Activity::Moving && lead.lock.position.is_none() {
-        let led = |last: &&Move<Planned>| {
-            let before = last.data.lead;
-            before.is_some_and(|before| before.link == lead.link && before.lock.sense == lead.lock.sense)
-        };
-        if let Some(last) = system.travel.moves().last().filter(led) {
-            return last.parameter;
-        }
-    }
-    motion.new_parameter(link)
 }

@@ -8,15 +8,15 @@ use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point, Turn};
 use arcline_planner::{Ending, InitialMotion, Move, Parameter, TurnResidual};
 
-use super::merging::{on_the_way, parameter, terminate, terminated, verify_lead};
+use super::merging::{Master, TakenOver, terminate};
 use super::points::{command, queue_shift, start_point};
 use super::programmed::{self, Programmed};
 use crate::accepted::AcceptedMove;
 use crate::control::Execution;
-use crate::dynamics::Maxima;
-use crate::dynamics::PathLimits;
+use crate::dynamics::{Dynamics, Maxima, PathLimits};
 use crate::events::{Events, Fit};
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
+use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
 use crate::verify;
@@ -66,6 +66,16 @@ impl MoveOperands {
         };
         Ok((settles, ending))
     }
+
+    /// The dynamics with which the move is travelled: with the speed of what it goes on from where Merge Speed asks for it, and as
+    /// fast as the joints of robots permit.
+    fn travelled(&self, mut dynamics: Dynamics, taken: &TakenOver, limits: &PathLimits) -> Dynamics {
+        if self.merge != Merge::Disabled && self.merge_speed == MergeSpeed::Current && taken.speed > 0.0 {
+            dynamics.keep_speed(taken.speed);
+        }
+        dynamics.keep_to(limits);
+        dynamics
+    }
 }
 
 /// Verifies what every coordinated move has in common, lets `path` find the geometry between the start point
@@ -79,179 +89,214 @@ pub(super) fn execute(
 ) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
     motion.verify_operands(call)?;
-    let programmed = &operands.programmed;
+    let (programmed, merge) = (&operands.programmed, operands.merge);
     programmed.verify_units()?;
     let link = motion.systems[index].links.newest().copied();
     programmed.verify_link(link.as_ref())?;
-    let lead = programmed.lead(motion, link.as_ref())?;
+    let master = Master::of(programmed.driven_by(motion, link.as_ref())?, link);
     let events = Events::of(&operands.events, Fit::AtLeast)?;
     let system = &motion.systems[index];
     // What an axis does by time is its master's to decide.
-    if system.description.axis_limits == AxisLimits::Enforce && lead.is_some() {
+    if system.description.axis_limits == AxisLimits::Enforce && master.is_some() {
         return Err(MotionError::FeatureNotSupported);
     }
     verify::axes_ready(system, &motion.axes)?;
     verify::not_homing(system, &motion.axes)?;
-    let mut dynamics = programmed.dynamics(&Maxima::from(&system.description))?;
+    let dynamics = programmed.dynamics(&Maxima::from(&system.description))?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
     let (termination, ending) = operands.termination(&system.description)?;
-    let merge = operands.merge;
-    let start = if merge == Merge::Disabled {
-        start_point(motion, index)
-    } else {
-        command(motion, index, |axis| axis.command.position)
-    };
     // The queue goes on in the frame in which it began, the operands are of the positions as they are now.
-    let shift = match merge {
-        Merge::Disabled => queue_shift(motion, index),
-        _ => Point::zeros(),
+    let (start, shift) = match merge {
+        Merge::Disabled => (start_point(motion, index), queue_shift(motion, index)),
+        _ => (command(motion, index, |axis| axis.command.position), Point::zeros()),
     };
     let in_positions = path(motion, system, start + shift)?;
     let path = in_positions.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
     // What queues begins with the orientation at the end of the queue, and keeps it.
-    let still = (merge == Merge::Disabled).then(|| motion.still(index)).flatten();
-    let mut heading = (merge == Merge::Disabled)
-        .then(|| motion.queued_heading(index))
-        .flatten();
-    let mut pace =
-        motion
-            .present()
-            .verify_reach(index, &path.shifted(&shift), still.as_ref(), motion.heading(index))?;
-    if system.description.joint_limits == AxisLimits::Ignore {
-        pace = PathLimits::UNLIMITED;
-    }
-
-    let mut corner = f64::INFINITY;
-    if merge == Merge::Disabled && system.description.joint_limits == AxisLimits::Enforce {
-        corner = motion.present().corner_speed(index, &path, &shift);
-    }
-    let mut initial = terminated(motion, index, merge);
-    let mut turning = match merge {
-        Merge::Disabled => None,
-        _ => motion.turning(index),
+    let (still, queued_heading) = match merge {
+        Merge::Disabled => (motion.still(index), motion.queued_heading(index)),
+        _ => (None, None),
     };
-    let mut current = command(motion, index, |axis| axis.command.velocity).norm();
-    let mut driven = false;
-    if let (Some(lead), Some(link)) = (lead, &link) {
-        let turns = turning.is_some_and(|turning| turning.rate != Point::zeros());
-        let moves = initial.velocity != Point::zeros() || turns;
-        let by_master = programmed::pace(link, lead.lock, moves)?;
-        let idle = merge != Merge::Disabled && !moves && link.master.velocity() == 0.0;
-        verify_lead(motion, index, merge, lead, idle)?;
-        initial = on_the_way(&by_master, &initial);
-        turning = turning.map(|turning| turning.on_the_way(&by_master, link.nominal));
-        current = if by_master.speed > 0.0 {
-            current / by_master.speed
-        } else {
-            0.0
-        };
-        driven = true;
-        pace = pace.by_master(link.nominal);
-        corner /= link.nominal;
-    }
-    if merge != Merge::Disabled && operands.merge_speed == MergeSpeed::Current && current > 0.0 {
-        dynamics.keep_speed(current);
-    }
-    dynamics.keep_to(&pace);
-    if driven {
-        programmed::verify_reduction(initial.velocity.norm(), &dynamics.limits(), path.length())?;
-    }
-    let parameter = match (lead, &link) {
-        (Some(lead), Some(link)) => parameter(motion, index, merge, lead, link),
-        _ => Parameter::TIME,
+    let joints = JointLimits {
+        path: path_limits(motion, index, &in_positions, still.as_ref(), motion.heading(index))?,
+        corner: corner_speed(motion, index, merge, &path, &shift),
     };
-    let residual = turning.and_then(|turning| turning.ramped_out());
-    heading = residual.map(|residual| residual.end()).or(heading);
-    let planned = Move {
+    let taken = TakenOver::of(motion, index, merge);
+    let (taken, joints) = match &master {
+        Some(master) => (taken.by_master(motion, index, master)?, joints.by_master(&master.link)),
+        None => (taken, joints),
+    };
+    let dynamics = operands.travelled(dynamics, &taken, &joints.path);
+    if master.is_some() {
+        programmed::verify_reduction(taken.initial.velocity.norm(), &dynamics.limits(), path.length())?;
+    }
+    let residual = taken.residual();
+    let heading = residual.map(|residual| residual.end()).or(queued_heading);
+    let verified = Verified {
+        execution,
         path,
+        in_positions,
         turn: heading.map(|heading| Turn::keeping(&heading)),
-        corner,
-        limits: dynamics.limits(),
+        heading,
+        dynamics,
+        joints,
+        termination,
         ending,
-        parameter,
-        data: Planned {
-            execution,
-            dynamics,
-            termination,
-            lead,
-            events,
-            pace,
-            heading,
-            only_turns: false,
-        },
-    };
-    let taken = TakenOver {
-        initial,
+        events,
+        master,
         residual,
-        merge,
     };
-    launch(motion, index, planned, in_positions, taken)
+    verified.launch(motion, index, &taken)
 }
 
-/// What a move goes on from.
+/// How fast a path may be travelled for the sake of the robots that its system leads.
+///
+/// # Errors
+/// 67, 68 or 72: what a transform would fail with on the way.
+pub(super) fn path_limits(
+    motion: &Motion,
+    index: SystemId,
+    path: &Path,
+    turn: Option<&Turn>,
+    heading: Point,
+) -> Result<PathLimits, MotionError> {
+    let limits = motion.present().verify_reach(index, path, turn, heading)?;
+    Ok(match motion.systems[index].description.joint_limits {
+        AxisLimits::Enforce => limits,
+        AxisLimits::Ignore => PathLimits::UNLIMITED,
+    })
+}
+
+/// How fast the corner before a path that is queued may be passed for their sake.
+fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shift: &Point) -> f64 {
+    let enforced = motion.systems[index].description.joint_limits == AxisLimits::Enforce;
+    if merge == Merge::Disabled && enforced {
+        motion.present().corner_speed(index, path, shift)
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// What the joints of robots permit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TakenOver {
-    pub(super) initial: InitialMotion,
-    /// A turn that ramps out beside the move.
-    pub(super) residual: Option<TurnResidual>,
-    pub(super) merge: Merge,
+pub(super) struct JointLimits {
+    pub(super) path: PathLimits,
+    /// At the start of the path, units/s.
+    pub(super) corner: f64,
 }
 
-/// Starts or queues a move that was verified. `programmed`: its path in positions as they are now.
-pub(super) fn launch(
+impl JointLimits {
+    /// The same by the displacement of a master.
+    pub(super) fn by_master(&self, link: &MasterLink) -> JointLimits {
+        JointLimits {
+            path: self.path.by_master(link.nominal),
+            corner: self.corner / link.nominal,
+        }
+    }
+}
+
+/// A move that was verified.
+pub(super) struct Verified {
+    pub(super) execution: Execution,
+    /// In the frame of the queue.
+    pub(super) path: Path,
+    /// In positions as they are now.
+    pub(super) in_positions: Path,
+    pub(super) turn: Option<Turn>,
+    /// Rx, Ry, Rz at its end, degrees, where it turns.
+    pub(super) heading: Option<Point>,
+    pub(super) dynamics: Dynamics,
+    pub(super) joints: JointLimits,
+    pub(super) termination: Termination,
+    pub(super) ending: Ending,
+    pub(super) events: Option<Events>,
+    pub(super) master: Option<Master>,
+    /// A turn that ramps out beside it.
+    pub(super) residual: Option<TurnResidual>,
+}
+
+impl Verified {
+    /// Starts or queues it.
+    pub(super) fn launch(self, motion: &mut Motion, index: SystemId, taken: &TakenOver) -> Result<(), MotionError> {
+        let parameter = match &self.master {
+            Some(master) => master.parameter(motion, index, taken.merge),
+            None => Parameter::TIME,
+        };
+        let driven_by = self.master.map(|master| master.driven_by);
+        let planned = Move {
+            path: self.path,
+            turn: self.turn,
+            corner: self.joints.corner,
+            limits: self.dynamics.limits(),
+            ending: self.ending,
+            parameter,
+            data: Planned {
+                execution: self.execution,
+                dynamics: self.dynamics,
+                termination: self.termination,
+                driven_by,
+                events: self.events,
+                path_limits: self.joints.path,
+                heading: self.heading,
+                only_turns: self.path.stands(),
+            },
+        };
+        let accepted = self.accepted(index, motion.clock.tick);
+        if taken.merge != Merge::Disabled {
+            terminate(motion, index, taken.merge);
+        }
+        if motion.systems[index].travel.begins_at_once(&taken.initial) {
+            start(motion, index, planned, &taken.initial, self.residual)?;
+        } else {
+            let queued = motion.systems[index].push(planned, &motion.clock);
+            queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;
+            if self.heading.is_some() {
+                motion.join_turned_axes(index, self.dynamics.is_s_curve());
+            }
+        }
+        motion.accept(accepted);
+        let bits = Flag::Dn.mask() | Flag::Ip.mask();
+        motion.controls.write(self.execution, bits, 0, motion.clock.tick);
+        Ok(())
+    }
+
+    fn accepted(&self, system: SystemId, tick: u64) -> AcceptedMove {
+        AcceptedMove {
+            tick,
+            ticket: self.execution.ticket,
+            control: self.execution.control,
+            mnemonic: self.execution.mnemonic,
+            system,
+            path: self.in_positions,
+            tolerance: match self.ending {
+                Ending::Blend { tolerance } if !self.path.stands() => tolerance,
+                Ending::Blend { .. } | Ending::Stop | Ending::Contour { .. } => 0.0,
+            },
+        }
+    }
+}
+
+/// Starts a move in place of what was terminated.
+fn start(
     motion: &mut Motion,
     index: SystemId,
     planned: Move<Planned>,
-    programmed: Path,
-    taken: TakenOver,
+    initial: &InitialMotion,
+    residual: Option<TurnResidual>,
 ) -> Result<(), MotionError> {
-    let Planned { execution, lead, .. } = planned.data;
-    let TakenOver {
-        initial,
-        residual,
-        merge,
-    } = taken;
-    let accepted = Flag::Dn.mask() | Flag::Ip.mask();
-    let tick = motion.clock.tick;
-    let accepted_move = AcceptedMove {
-        tick,
-        ticket: execution.ticket,
-        control: execution.control,
-        mnemonic: execution.mnemonic,
-        system: index,
-        path: programmed,
-        tolerance: match planned.ending {
-            Ending::Blend { tolerance } if !planned.data.only_turns => tolerance,
-            Ending::Blend { .. } | Ending::Stop | Ending::Contour { .. } => 0.0,
-        },
-    };
-    if merge != Merge::Disabled {
-        terminate(motion, index, merge);
-    }
-    let at_once = motion.systems[index].travel.begins_at_once(&initial);
-    if at_once {
-        motion.lead_system(index, lead, motion.clock.now())?;
-        let system = &mut motion.systems[index];
-        let base = system.time_base(&motion.clock);
-        let enforced = system.description.axis_limits == AxisLimits::Enforce;
-        let kept = enforced.then_some(&system.axis_limits);
-        system.travel.merge(planned, initial, residual, kept, &base);
-        system.activity = Activity::Moving;
-        system.shown.has_moved = system.guide.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
-        system.stale = true;
-        motion.activate(index);
-        motion.set_axis_commands(index);
-    } else {
-        let queued = motion.systems[index].push(planned, &motion.clock);
-        queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;
-        if planned.data.heading.is_some() {
-            motion.join_turned_axes(index, planned.data.dynamics.is_s_curve());
-        }
-    }
-    motion.accept(accepted_move);
-    motion.controls.write(execution, accepted, 0, tick);
+    motion.lead_system(index, planned.data.driven_by, motion.clock.now())?;
+    let system = &mut motion.systems[index];
+    let base = system.time_base(&motion.clock);
+    let enforced = system.description.axis_limits == AxisLimits::Enforce;
+    let kept = enforced.then_some(&system.axis_limits);
+    system.travel.merge(planned, *initial, residual, kept, &base);
+    system.activity = Activity::Moving;
+    system.shown.has_moved = system.guide.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
+    system.stale = true;
+    motion.activate(index);
+    motion.set_axis_commands(index);
     Ok(())
 }
 

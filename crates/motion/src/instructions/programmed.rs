@@ -5,7 +5,7 @@
 use arcline_instruction_set::enumerations::{JerkUnits, LockDirection, NoYes, RateUnits, SpeedUnits, VelocityProfile};
 use arcline_instruction_set::operands::{DynamicsOperands, LockOperands, OperandValue, StopOperands};
 use arcline_instruction_set::{MotionError, OperandIndex};
-use arcline_planner::Pace;
+use arcline_planner::MasterRate;
 use arcline_planner::profile::{Limits, stop_distance};
 
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
@@ -14,7 +14,7 @@ use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::rotary::Turn;
-use crate::system::Lead;
+use crate::system::DrivenBy;
 
 /// Speed, rates and jerks with their units, of a move, a jog or a change.
 #[derive(Clone, Copy, Debug)]
@@ -161,11 +161,15 @@ impl Programmed {
     ///
     /// # Errors
     /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
-    pub(super) fn lead(&self, motion: &Motion, link: Option<&MasterLink>) -> Result<Option<Lead>, MotionError> {
+    pub(super) fn driven_by(
+        &self,
+        motion: &Motion,
+        link: Option<&MasterLink>,
+    ) -> Result<Option<DrivenBy>, MotionError> {
         let Some(link) = link.filter(|_| self.is_master_driven()) else {
             return Ok(None);
         };
-        lead(motion, &self.lock, link).map(Some)
+        driven_by(motion, &self.lock, link).map(Some)
     }
 }
 
@@ -188,7 +192,7 @@ pub(super) fn verify_lock(
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
-pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> Result<Lead, MotionError> {
+pub(super) fn driven_by(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> Result<DrivenBy, MotionError> {
     let LockOperands {
         lock_position,
         lock_direction,
@@ -206,7 +210,7 @@ pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> R
     {
         return Err(lock_position.out_of_range());
     }
-    Ok(Lead {
+    Ok(DrivenBy {
         link: link.id,
         lock: LockTo { sense, position },
     })
@@ -214,18 +218,18 @@ pub(super) fn lead(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> R
 
 /// With what a master driven motion takes over one at a speed: how its master moves (97, 98). One that waits for a lock takes
 /// over nothing (102).
-pub(super) fn pace(link: &MasterLink, lock: LockTo, moves: bool) -> Result<Pace, MotionError> {
-    let pace = MasterFollower::pace_of(&link.master, lock.sense);
+pub(super) fn master_rate(link: &MasterLink, lock: LockTo, moves: bool) -> Result<MasterRate, MotionError> {
+    let rate = MasterFollower::rate_of(&link.master, lock.sense);
     if !moves {
-        Ok(pace)
+        Ok(rate)
     } else if link.master.velocity() == 0.0 {
         Err(MotionError::MdscIdleMasterAndSlaveMoving)
-    } else if pace.speed <= 0.0 {
+    } else if rate.speed <= 0.0 {
         Err(MotionError::MdscDirectionMismatch)
     } else if lock.position.is_some() {
         Err(MotionError::MdscLockWhileMoving)
     } else {
-        Ok(pace)
+        Ok(rate)
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! Not here: those motions. Units: master units, seconds.
 
-use arcline_planner::{Clock, Instant, Pace};
+use arcline_planner::{Clock, Instant, MasterRate};
 
 use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
@@ -107,20 +107,20 @@ impl MasterFollower {
     }
 
     /// How the displacement goes on.
-    pub(crate) fn pace(&self) -> Pace {
+    pub(crate) fn rate(&self) -> MasterRate {
         let sign = self.sense.sign();
         let speed = sign * self.master.reader.now.velocity;
         let acceleration = sign * self.master.reader.now.acceleration;
         let stands = speed < 0.0 || (speed == 0.0 && acceleration < 0.0);
         if !self.follows || self.has_position_lock() || stands {
-            return Pace::default();
+            return MasterRate::default();
         }
-        Pace { speed, acceleration }
+        MasterRate { speed, acceleration }
     }
 
     /// How the displacement would go on from now if it were locked: a motion under way is taken over at this pace.
-    pub(crate) fn pace_of(master: &Master, sense: Sense) -> Pace {
-        Pace {
+    pub(crate) fn rate_of(master: &Master, sense: Sense) -> MasterRate {
+        MasterRate {
             speed: (sense.sign() * master.reader.now.velocity).max(0.0),
             acceleration: sense.sign() * master.reader.now.acceleration,
         }

@@ -138,7 +138,7 @@ impl Motion {
             return Ok(moment.own);
         }
         verify_same_link(last, next)?;
-        self.lead_system(index, next.data.lead, moment.time)?;
+        self.lead_system(index, next.data.driven_by, moment.time)?;
         let guide = &self.systems[index].guide;
         Ok(guide.as_ref().map_or(moment.time, |_| Clock::of_way(0.0).now()))
     }
@@ -379,7 +379,7 @@ struct Moment {
 
 /// A move of another mode or master than the one before cannot follow that without rest (spec/coordinated-instructions.md §7.11).
 fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Result<(), MotionError> {
-    let link = |motion: &Move<Planned>| motion.data.lead.map(|lead| lead.link);
+    let link = |motion: &Move<Planned>| motion.data.driven_by.map(|driven_by| driven_by.link);
     match last {
         Some(last) if last.ending != Ending::Stop && link(last) != link(next) => {
             Err(MotionError::MdscInvalidModeOrMasterChange)

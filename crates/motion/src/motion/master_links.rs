@@ -14,7 +14,7 @@ use crate::masters::cam::Cam;
 use crate::masters::follower::{Beginning, LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::masters::master::Master;
-use crate::system::{Activity, Lead};
+use crate::system::{Activity, DrivenBy};
 use arcline_instruction_set::enumerations::Reference;
 
 impl Motion {
@@ -61,12 +61,12 @@ impl Motion {
     pub(crate) fn lead_system(
         &mut self,
         index: SystemId,
-        lead: Option<Lead>,
+        driven_by: Option<DrivenBy>,
         since: Instant,
     ) -> Result<(), MotionError> {
-        let guide = match lead {
+        let guide = match driven_by {
             None => None,
-            Some(Lead { link, lock }) => {
+            Some(DrivenBy { link, lock }) => {
                 let taken = self.systems[index].links.take_up(link);
                 let (link, ended) = taken.ok_or(MotionError::MdscNotActivated)?;
                 self.end_link(ended);
@@ -80,10 +80,10 @@ impl Motion {
     }
 
     /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
-    pub(crate) fn lead_axis(&mut self, axis: AxisId, lead: Lead) -> Option<MasterFollower> {
-        let (link, ended) = self.axes[axis].links.take_up(lead.link)?;
+    pub(crate) fn lead_axis(&mut self, axis: AxisId, driven_by: DrivenBy) -> Option<MasterFollower> {
+        let (link, ended) = self.axes[axis].links.take_up(driven_by.link)?;
         self.end_link(ended);
-        Some(self.guide(&link, lead.lock, self.clock.now()))
+        Some(self.guide(&link, driven_by.lock, self.clock.now()))
     }
 
     /// The link by which a cam begins on an axis is the active one from now on.

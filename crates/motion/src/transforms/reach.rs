@@ -50,12 +50,12 @@ impl Present<'_> {
         turn: Option<&Turn>,
         heading: Vector,
     ) -> Result<PathLimits, MotionError> {
-        let mut pace = PathLimits::UNLIMITED;
+        let mut limits = PathLimits::UNLIMITED;
         let course = Course { path, turn, heading };
         for transform in self.robots_led_by(system) {
-            self.verify_course(system, transform, &course, &mut pace)?;
+            self.verify_course(system, transform, &course, &mut limits)?;
         }
-        Ok(pace)
+        Ok(limits)
     }
 
     /// Transforms to robots' joints that a coordinate system leads.
@@ -151,7 +151,7 @@ impl Present<'_> {
         system: SystemId,
         transform: &Transform,
         course: &Course<'_>,
-        pace: &mut PathLimits,
+        limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
@@ -162,7 +162,7 @@ impl Present<'_> {
         let length = course.path.length();
         let (mut looks, mut extremes) = (LOOKS, EXTREMES);
         let mut joints = robot.begin(&source(0.0))?;
-        self.verify_joints(transform, &joints, pace)?;
+        self.verify_joints(transform, &joints, limits)?;
         let mut here = 0.0;
         for step in 1..=STEPS {
             let goal = f64::from(step) / f64::from(STEPS);
@@ -177,7 +177,7 @@ impl Present<'_> {
                     next = 0.5 * (here + next);
                     continue;
                 }
-                self.verify_joints(transform, &there, pace)?;
+                self.verify_joints(transform, &there, limits)?;
                 for place in 0..transform.target.len() {
                     let way = Between {
                         place,
@@ -186,7 +186,7 @@ impl Present<'_> {
                     };
                     if extremes > 0 && way.turns_round(length) {
                         extremes -= 1;
-                        self.verify_extreme(transform, &robot, &way, &mut source, pace)?;
+                        self.verify_extreme(transform, &robot, &way, &mut source, limits)?;
                     }
                 }
                 robot.follow_joints(&there);
@@ -206,14 +206,14 @@ impl Present<'_> {
         robot: &RobotMap,
         way: &Between<'_>,
         source: &mut impl FnMut(f64) -> Side,
-        pace: &mut PathLimits,
+        limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let [mut low, mut high] = way.ends;
         let rises = way.joints[0][way.place].velocity > 0.0;
         for _ in 0..HALVES {
             let middle = 0.5 * (low + high);
             let joints = robot.place(&source(middle))?;
-            self.verify_joints(transform, &joints, pace)?;
+            self.verify_joints(transform, &joints, limits)?;
             if (joints[way.place].velocity > 0.0) == rises {
                 low = middle;
             } else {
@@ -224,14 +224,14 @@ impl Present<'_> {
     }
 
     /// Within their soft travel; what they do per unit of the path slows it down.
-    fn verify_joints(&self, transform: &Transform, joints: &Side, pace: &mut PathLimits) -> Result<(), MotionError> {
+    fn verify_joints(&self, transform: &Transform, joints: &Side, limits: &mut PathLimits) -> Result<(), MotionError> {
         for (place, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
             let axis = &self.axes[*axis];
             if axis.faults.forbids_position(joint.position) {
                 return Err(MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)));
             }
             let dynamics = &axis.dynamics;
-            pace.slow(joint, dynamics.speed, [dynamics.acceleration, dynamics.deceleration]);
+            limits.slow(joint, dynamics.speed, [dynamics.acceleration, dynamics.deceleration]);
         }
         Ok(())
     }

@@ -26,7 +26,7 @@ impl<T: Copy> ContourQueue<T> {
     pub fn stopping(
         &self,
         limits: &Limits,
-        way: Option<&crate::Pace>,
+        way: Option<&crate::MasterRate>,
         clock: &Clock,
         time: &Clock,
     ) -> Option<ContourStopping> {
@@ -52,7 +52,7 @@ impl<T: Copy> ContourQueue<T> {
 }
 
 impl Run {
-    fn stopping(&self, limits: &Limits, way: Option<&crate::Pace>, clock: &Clock, time: &Clock) -> Pace {
+    fn stopping(&self, limits: &Limits, way: Option<&crate::MasterRate>, clock: &Clock, time: &Clock) -> Pace {
         let now: KinematicState = self.pace.at(clock);
         let now = way.map_or(now, |way| way.in_time(now));
         let speed = self

@@ -20,7 +20,7 @@ impl<T: Copy> Travel<T> {
             return Some((sample, planned));
         };
         let rate = match contour {
-            Some(_) => self.contour_pace(base),
+            Some(_) => self.contour_rate(base),
             None => master.rate,
         };
         Some((rate.sample(sample), planned))

@@ -31,10 +31,10 @@ impl PathStopping {
 impl<T: Copy> Travel<T> {
     /// Brakes on the path, by time from now on. The moves are the caller's to end.
     pub fn stop(&mut self, limits: &Limits, base: &TimeBase) {
-        let (clock, pace) = (self.contour_clock(base), self.contour_pace(base));
+        let (clock, rate) = (self.contour_clock(base), self.contour_rate(base));
         match (self.contour_in_force_mut(), &base.master) {
             (Some(contour), None) => contour.stop(limits, &clock),
-            (Some(contour), Some(_)) => contour.stop_in_time(limits, &pace, &clock, &base.time),
+            (Some(contour), Some(_)) => contour.stop_in_time(limits, &rate, &clock, &base.time),
             (None, None) => self.planner.stop(limits, &base.time),
             (None, Some(master)) => self
                 .planner
@@ -56,8 +56,8 @@ impl<T: Copy> Travel<T> {
         let time = &base.time;
         match (self.contour_in_force(), &base.master) {
             (Some(contour), master) => {
-                let pace = master.as_ref().map(|_| self.contour_pace(base));
-                let stopping = contour.stopping(limits, pace.as_ref(), &self.contour_clock(base), time);
+                let rate = master.as_ref().map(|_| self.contour_rate(base));
+                let stopping = contour.stopping(limits, rate.as_ref(), &self.contour_clock(base), time);
                 stopping.map(PathStopping::Contour)
             }
             (None, None) => self.planner.stopping(limits, time).map(PathStopping::Superposed),

@@ -3,11 +3,11 @@
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
 use arcline_profile::{Bounds, KinematicState, Limits, Phase, Profile};
 
-use crate::{Clock, Instant, Pace, ROUNDING};
+use crate::{Clock, Instant, MasterRate, ROUNDING};
 
 /// A path with the profile along it, from an instant on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Track {
+pub(crate) struct MoveTrajectory {
     pub(crate) path: Path,
     /// How the orientation turns along `path`.
     pub(crate) turn: Option<Turn>,
@@ -45,7 +45,7 @@ pub(crate) struct Residual {
     pub(crate) start: Instant,
     /// Share of the move's limits that its own profile may use, so that path and compensation together keep
     /// them: at most 1.
-    pub(crate) pace: f64,
+    pub(crate) share: f64,
 }
 
 /// A displacement along one direction.
@@ -57,7 +57,7 @@ pub(crate) struct Part {
     whole: f64,
 }
 
-/// Where a track, or a whole coordinate system, is at one instant.
+/// Where a trajectory, or a whole coordinate system, is at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Position of the axes, position units.
@@ -74,7 +74,7 @@ pub struct Sample {
     pub turned: Option<Turned>,
 }
 
-impl Track {
+impl MoveTrajectory {
     pub(crate) fn sample(&self, clock: &Clock) -> Sample {
         let elapsed = self.start.elapsed(clock);
         if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
@@ -105,7 +105,7 @@ impl Track {
         sample
     }
 
-    /// As [`Track::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
+    /// As [`MoveTrajectory::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
     pub(crate) fn sample_along<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
         let mut sample = self.sample(clock);
         let (mut length, mut place) = (self.path.length(), sample.along.position);
@@ -152,8 +152,8 @@ impl Track {
     }
 
     /// The share of the limits of the move that the profile may use.
-    pub(crate) fn pace(&self) -> f64 {
-        self.residual.map_or(1.0, |residual| residual.pace)
+    pub(crate) fn share(&self) -> f64 {
+        self.residual.map_or(1.0, |residual| residual.share)
     }
 
     fn along(&self, elapsed: f64) -> KinematicState {
@@ -187,12 +187,19 @@ impl Track {
 
     /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's way, from now on of
     /// time. What ramps out beside the path brakes too.
-    pub(crate) fn stop_in_time(&mut self, limits: &Limits, bounds: Bounds, pace: &Pace, clock: &Clock, time: &Clock) {
-        let from = pace.in_time(self.state(clock));
+    pub(crate) fn stop_in_time(
+        &mut self,
+        limits: &Limits,
+        bounds: Bounds,
+        rate: &MasterRate,
+        clock: &Clock,
+        time: &Clock,
+    ) {
+        let from = rate.in_time(self.state(clock));
         if let Some(residual) = &mut self.residual {
             let elapsed = residual.start.elapsed(clock);
             for part in &mut residual.parts {
-                let now = pace.in_time(part.profile.at(elapsed));
+                let now = rate.in_time(part.profile.at(elapsed));
                 part.profile = Profile::stop_within(now, limits, None, bounds);
             }
             residual.start = time.now();
@@ -219,12 +226,12 @@ impl Track {
         self.approach.is_some() && self.start.elapsed(clock) < 0.0
     }
 
-    /// Whether everything of this track has come to its end at an instant.
+    /// Whether everything of this trajectory has come to its end at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
         self.start.elapsed(clock) - at.elapsed(clock) >= self.duration(clock) - ROUNDING
     }
 
-    /// Seconds after the start at which everything of this track has come to its end.
+    /// Seconds after the start at which everything of this trajectory has come to its end.
     pub(crate) fn duration(&self, clock: &Clock) -> f64 {
         let own = self.profile.duration();
         self.residual.map_or(own, |residual| {
@@ -250,12 +257,12 @@ impl Residual {
         Residual {
             parts,
             start,
-            pace: Residual::pace_of(&parts, path),
+            share: Residual::share_of(&parts, path),
         }
     }
 
     /// How much slower a path is travelled beside what ramps out.
-    pub(crate) fn pace_of(parts: &[Part; 3], path: &Path) -> f64 {
+    pub(crate) fn share_of(parts: &[Part; 3], path: &Path) -> f64 {
         let length = path.length();
         let total: Point = parts.iter().map(Part::total).sum();
         let way = match path {

@@ -7,11 +7,11 @@
 use arcline_geometry::{Path, Point};
 use arcline_profile::{KinematicState, Lead, Limits, Phase, Profile};
 
+use crate::move_trajectory::Part;
 use crate::ramp_out::{ROUNDING_SHARE, forward};
-use crate::track::Part;
 
 /// A path that is travelled while something ramps out.
-pub(crate) struct Beside<'a> {
+pub(crate) struct PathWithResidual<'a> {
     pub(crate) path: &'a Path,
     pub(crate) parts: &'a [Part; 3],
     /// Seconds for which the parts have ramped out when the path is at the beginning of its profile.
@@ -20,7 +20,7 @@ pub(crate) struct Beside<'a> {
     pub(crate) bound: f64,
 }
 
-impl Beside<'_> {
+impl PathWithResidual<'_> {
     /// The fastest profile along the path with which both keep the bound: as `plan` makes it, or behind a hold. `removal`: the
     /// jerk with which an acceleration is taken away before a hold. `None` where a hold is too fast.
     pub(crate) fn profile(
