@@ -3,6 +3,7 @@
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
 use arcline_profile::{Bounds, KinematicState, Limits, Phase, Profile};
 
+use crate::running::scaled_limits;
 use crate::{Clock, Instant, MasterRate, ROUNDING};
 
 /// A path with the profile along it, from an instant on.
@@ -204,7 +205,20 @@ impl MoveTrajectory {
             }
             residual.start = time.now();
         }
-        self.replan(Profile::stop_within(from, limits, None, bounds), time.now());
+        self.replan(self.stop_from(from, limits, None, bounds), time.now());
+    }
+
+    /// A stop along the path. `limits` are of the axes together, so a path whose compensation makes its way longer has its share of them.
+    pub(crate) fn stop_from(
+        &self,
+        from: KinematicState,
+        limits: &Limits,
+        before: Option<&Limits>,
+        bounds: Bounds,
+    ) -> Profile {
+        let share = self.share();
+        let before = before.map(|before| scaled_limits(before, 1.0, share));
+        Profile::stop_within(from, &scaled_limits(limits, 1.0, share), before.as_ref(), bounds)
     }
 
     /// The acceleration across the path at the present tick.

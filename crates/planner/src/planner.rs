@@ -230,8 +230,7 @@ impl<T: Copy> Planner<T> {
         let before = self.before();
         let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
         for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            let from = trajectory.state(clock);
-            let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+            let stop = trajectory.stop_from(trajectory.state(clock), limits, before.as_ref(), self.bounds);
             trajectory.replan(stop, clock.now());
         }
         if let Some(running) = &mut self.active {

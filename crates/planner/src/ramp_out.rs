@@ -125,6 +125,14 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
     if widest.is_nan() || widest <= 0.0 || fits(limits) {
         return *limits;
     }
+    let limits = &(if braking {
+        *limits
+    } else {
+        removed_sooner(limits, &fits)
+    });
+    if fits(limits) {
+        return *limits;
+    }
     // Of the braking alone, or of all.
     let faster = |factor: f64| {
         let all = limits.hastened(factor);
@@ -159,6 +167,34 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
         }
     }
     faster(more)
+}
+
+/// Limits that take an acceleration away sooner, as little as need be, and with no more than the jerk of the deceleration. To take it
+/// away slowly and hasten the braking behind it would need a far harder deceleration.
+fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
+    let with = |removal: f64| Limits {
+        jerk: limits.jerk.map(|jerk| Jerk {
+            acceleration: removal,
+            ..jerk
+        }),
+        ..*limits
+    };
+    let Some(jerk) = limits.jerk.filter(|jerk| jerk.acceleration < jerk.deceleration) else {
+        return *limits;
+    };
+    let (mut less, mut more) = (jerk.acceleration, jerk.deceleration);
+    if !fits(&with(more)) {
+        return with(more);
+    }
+    for _ in 0..HALVINGS {
+        let middle = (less * more).sqrt();
+        if fits(&with(middle)) {
+            more = middle;
+        } else {
+            less = middle;
+        }
+    }
+    with(more)
 }
 
 /// The way of a stop that does not pass through rest.

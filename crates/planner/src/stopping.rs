@@ -4,7 +4,7 @@
 //! nothing. Nothing here allocates. Position units, seconds.
 
 use arcline_geometry::Path;
-use arcline_profile::{Bounds, Limits, Profile};
+use arcline_profile::{Bounds, Limits};
 
 use crate::move_trajectory::MoveTrajectory;
 use crate::planner::Planner;
@@ -123,7 +123,7 @@ impl Stopping {
 impl MoveTrajectory {
     /// Brakes from the clock's instant on, unless its own profile comes to rest sooner.
     fn halt(&mut self, limits: &Limits, before: Option<&Limits>, bounds: Bounds, clock: &Clock) {
-        let stop = Profile::stop_within(self.state(clock), limits, before, bounds);
+        let stop = self.stop_from(self.state(clock), limits, before, bounds);
         let left = self.profile.duration() - self.start.elapsed(clock);
         if self.profile.end().velocity != 0.0 || left > stop.duration() {
             self.replan(stop, clock.now());

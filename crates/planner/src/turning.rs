@@ -189,8 +189,8 @@ impl<T: Copy> Planner<T> {
     /// What the active move blends with brakes with limits of its own; everything has just been stopped.
     pub fn stop_tail(&mut self, limits: &Limits, clock: &Clock) {
         if let Some(tail) = &mut self.tail {
-            let from = tail.state(clock);
-            tail.replan(Profile::stop_within(from, limits, None, self.bounds), clock.now());
+            let stop = tail.stop_from(tail.state(clock), limits, None, self.bounds);
+            tail.replan(stop, clock.now());
         }
     }
 

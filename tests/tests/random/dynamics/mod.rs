@@ -5,6 +5,7 @@
 #![allow(missing_docs)]
 
 mod bounds;
+mod found;
 
 use std::fmt::Write;
 
@@ -492,7 +493,7 @@ impl Program {
         ));
         self.largest[0] = self.largest[0].max(100.0);
         self.harder(0, 2000.0);
-        (self.equal, self.coasting) = (None, None);
+        (self.equal, self.coasting, self.beside) = (None, None, None);
         for _ in 0..120_000 {
             let still = ["X", "Y"].iter().all(|axis| self.bench.axis(axis).command[1] == 0.0);
             if still && self.bench.system("XY").status & 4 == 0 {

@@ -1,0 +1,90 @@
+//! Programs that random ones have found: their velocity stepped.
+
+use arcline_tests::bench::Bench;
+
+use super::bounds::PERIOD;
+
+/// Calls, each followed by the ticks until the next one.
+struct Found {
+    calls: &'static [(&'static str, u64)],
+    /// The largest change of the velocity of an axis, units/s².
+    hardest: f64,
+}
+
+const FOUND: [Found; 3] = [
+    // A trapezoid that speeds up with a gentle rate and may brake hard, and a merge with an S-curve: its acceleration was taken away
+    // slowly, so that the rest of a stop had to be three times as hard as any programmed one.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M1, 0, [-42.224, 42.305], 69.346, 0, 233.807, 0, 1512.077, 0, 0, 100, 100, 2, 6, 2, 1, 5)",
+                88,
+            ),
+            (
+                "MCLM(XY, M2, 1, [9.802, 26.312], 52.809, 0, 174.321, 0, 1770.456, 0, 1, 51.521, 51.521, 2, 3, 1, 0, 5)",
+                155,
+            ),
+        ],
+        hardest: 2.5 * 1770.456,
+    },
+    // The same onto an arc.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M1, 0, [41.370, 49.599], 46.046, 0, 439.443, 0, 108.122, 0, 1, 73.877, 73.877, 2, 6, 0, 1, 5)",
+                224,
+            ),
+            (
+                "MCCD(XY, C2, 1, 1, 108.414, 0, 0, 381.948, 0, 0, 82.399, 0, 0, 0, 0, 0, 0, 1)",
+                96,
+            ),
+            (
+                "MCCM(XY, M3, 1, [-106.386, -33.238], 3, [-53.193, -16.619], 0, 181.083, 0, 161.807, 0, 1762.715, 0, 0, 100, 100, 2, 6, 1, 0, 5)",
+                238,
+            ),
+            (
+                "MCCM(XY, M4, 1, [29.620, -92.128], 3, [14.810, -46.064], 0, 151.867, 0, 116.996, 0, 3416.243, 0, 1, 74.790, 74.790, 2, 6, 1, 1, 5)",
+                148,
+            ),
+        ],
+        hardest: 2.5 * 3416.243,
+    },
+    // A merge onto a short line, back against a fast motion: the compensation is 15 times as long as the line. A stop braked the line
+    // with all of its rate, and so the axes with 16 times as much.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M2, 1, [54.521, -2.440], 164.596, 0, 445.258, 0, 260.876, 0, 0, 100, 100, 2, 6, 2, 1, 5)",
+                103,
+            ),
+            (
+                "MCLM(XY, M3, 1, [29.942, -31.972], 164.596, 0, 445.258, 0, 260.876, 0, 0, 100, 100, 2, 3, 0, 1, 5)",
+                205,
+            ),
+            (
+                "MCLM(XY, M4, 0, [19.008, -0.951], 164.596, 0, 445.258, 0, 260.876, 0, 0, 100, 100, 2, 3, 1, 0, 5)",
+                144,
+            ),
+            ("MCS(XY, S5, 2, 1, 1132.322, 0, 1, 100, 2)", 199),
+        ],
+        hardest: 1132.322 + 260.876,
+    },
+];
+
+#[test]
+fn what_stepped_once_does_so_no_more() {
+    for Found { calls, hardest } in &FOUND {
+        let mut bench = Bench::new();
+        for (call, ticks) in *calls {
+            assert_eq!(bench.call(call).0, 0, "{call}");
+            for _ in 0..*ticks {
+                let before = ["X", "Y"].map(|axis| bench.axis(axis).command[1]);
+                bench.tick();
+                for (axis, before) in ["X", "Y"].into_iter().zip(before) {
+                    let rate = (bench.axis(axis).command[1] - before) / PERIOD;
+                    assert!(rate.abs() <= hardest + 1e-6, "{axis}: {rate} units/s² behind {call}");
+                }
+            }
+        }
+    }
+}
