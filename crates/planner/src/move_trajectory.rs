@@ -1,7 +1,7 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
 use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
-use arcline_profile::{Bounds, KinematicState, Limits, Phase, Profile};
+use arcline_profile::{Bounds, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
 
 use crate::running::scaled_limits;
 use crate::{Clock, Instant, MasterRate, ROUNDING};
@@ -186,7 +186,7 @@ impl MoveTrajectory {
         self.start = at;
     }
 
-    /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's way, from now on of
+    /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's displacement, from now on of
     /// time. What ramps out beside the path brakes too.
     pub(crate) fn stop_in_time(
         &mut self,
@@ -208,7 +208,8 @@ impl MoveTrajectory {
         self.replan(self.stop_from(from, limits, None, bounds), time.now());
     }
 
-    /// A stop along the path. `limits` are of the axes together, so a path whose compensation makes its way longer has its share of them.
+    /// A stop along the path. `limits` are of the axes together, so a path whose compensation makes its way longer has its share of them. It is no
+    /// faster than half more than the limits `before`, or than the profile so far was to become.
     pub(crate) fn stop_from(
         &self,
         from: KinematicState,
@@ -217,7 +218,13 @@ impl MoveTrajectory {
         bounds: Bounds,
     ) -> Profile {
         let share = self.share();
-        let before = before.map(|before| scaled_limits(before, 1.0, share));
+        let before = before.map(|before| {
+            let own = scaled_limits(before, 1.0, share);
+            Limits {
+                speed: own.speed.max(self.profile.top_speed(0.0) / MOST_OVERSHOOT),
+                ..own
+            }
+        });
         Profile::stop_within(from, &scaled_limits(limits, 1.0, share), before.as_ref(), bounds)
     }
 

@@ -184,18 +184,20 @@ impl Profile {
         }
     }
 
-    /// A stop within the bounds (spec/coordinated-instructions.md §5.4): `before` are the limits with which the motion ran so far. With bits 0 and 1 its speed
-    /// neither passes through rest nor rises above 1.5 times the larger of the present and the programmed one.
+    /// A stop within the bounds (spec/coordinated-instructions.md §5.4). With bits 0 and 1 its speed neither passes through rest nor rises
+    /// above 1.5 times that of `before`: the limits with which the motion ran so far. Where these are not known it is 1.5 times the present
+    /// speed.
     #[must_use]
     pub fn stop_within(from: KinematicState, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
         let mut limits = *limits;
         if let Some(jerk) = &mut limits.jerk {
             if from.velocity * from.acceleration >= 0.0 {
                 if bounds.stop_delay {
+                    let speed = from.velocity.abs();
                     let own = before.and_then(|before| before.jerk);
-                    let programmed = before.map_or(0.0, |before| before.speed);
-                    let ceiling = MOST_OVERSHOOT * from.velocity.abs().max(programmed);
-                    let least = 0.5 * from.acceleration * from.acceleration / (ceiling - from.velocity.abs());
+                    let ceiling = MOST_OVERSHOOT * before.map_or(speed, |before| before.speed);
+                    let room = if ceiling > speed { ceiling - speed } else { MORE * speed };
+                    let least = 0.5 * from.acceleration * from.acceleration / room;
                     jerk.acceleration = jerk
                         .acceleration
                         .max(jerk.deceleration)
@@ -261,5 +263,7 @@ fn critical_jerk(from: &KinematicState) -> Option<f64> {
     brakes.then_some(jerk * (1.0 + ROUNDING))
 }
 
+/// Share of the present speed by which a stop may overshoot it where that is above its ceiling already.
+const MORE: f64 = MOST_OVERSHOOT - 1.0;
 /// Share of a speed or a jerk that is rounding.
 const ROUNDING: f64 = 1e-13;

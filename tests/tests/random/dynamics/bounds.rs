@@ -54,7 +54,14 @@ impl Dynamics {
                 deceleration: jerk,
             }),
         };
-        Profile::stop_within(from, &limits, Some(&self.limits()), Bounds::ALL).reach()
+        // It may have been on its way to a higher speed than programmed.
+        let before = self.limits();
+        let most = Profile::stop(from, &before).top_speed(0.0).max(from.velocity.abs());
+        let before = Limits {
+            speed: self.speed.max(most),
+            ..before
+        };
+        Profile::stop_within(from, &limits, Some(&before), Bounds::ALL).reach()
     }
 }
 
@@ -62,6 +69,8 @@ impl Dynamics {
 #[derive(Clone, Debug)]
 pub(crate) struct Coasting {
     pub(crate) why: String,
+    /// The tag of the move that pauses: where it ends, its successor begins.
+    pub(crate) paused: Option<String>,
     /// Travelled since.
     pub(crate) gone: f64,
     pub(crate) most: f64,

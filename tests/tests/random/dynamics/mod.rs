@@ -243,11 +243,18 @@ impl Program {
                         }
                     }
                 }
-                None => self.alone.iter_mut().for_each(|(_, dynamics)| change(dynamics)),
+                None => {
+                    if let Some((kind, dynamics)) = &mut self.alone {
+                        change(dynamics);
+                        of_the_whole_change(*kind, dynamics, from);
+                    }
+                }
             }
             if let (Some(before), true) = (before, speed == 0.0) {
+                let active = self.moves.iter().find(|(tag, _)| self.bench.control(tag).has(Flag::Ac));
                 self.coasting = Some(Coasting {
                     why: format!("{whole} of {before:?} at {from:?}"),
+                    paused: active.map(|(tag, _)| tag.clone()),
                     gone: 0.0,
                     most: at_most(before.way(from), from),
                 });
@@ -268,10 +275,10 @@ impl Program {
                     dynamics.changed(60.0, None, None);
                 }
             }
-            if scope.is_none() {
-                self.alone
-                    .iter_mut()
-                    .for_each(|(_, dynamics)| dynamics.changed(60.0, None, None));
+            let from = self.state();
+            if let (None, Some((kind, dynamics))) = (scope, &mut self.alone) {
+                dynamics.changed(60.0, None, None);
+                of_the_whole_change(*kind, dynamics, from);
             }
         }
     }
@@ -333,12 +340,9 @@ impl Program {
                 let way = u32::from(backwards);
                 let call = format!("MAJ(X, {tag}, {way}, {}, 1, 0)", text(&dynamics));
                 if self.execute(&call) {
-                    // Its jerks in percent of time are of the whole change of the velocity (spec/axis-and-data-types.md §10.3).
-                    let whole = Dynamics {
-                        speed: dynamics.speed + from.velocity,
-                        ..dynamics
-                    };
-                    self.alone = Some((0, whole));
+                    let mut whole = dynamics;
+                    of_the_whole_change(JOG, &mut whole, from);
+                    self.alone = Some((JOG, whole));
                     self.turning(&call, before, from, backwards == (velocity > 0.0));
                 }
             }
@@ -368,6 +372,7 @@ impl Program {
             .filter(|_| turns && from.velocity > 0.0)
             .map(|(_, before)| Coasting {
                 why: format!("{call} of {before:?} at {from:?}"),
+                paused: None,
                 gone: 0.0,
                 most: at_most(before.way(from).max(own), from),
             });
@@ -377,6 +382,7 @@ impl Program {
         let own = before.way_of_a_stop(from, rate, 100.0);
         self.coasting = Some(Coasting {
             why: format!("{call} of {before:?} at {from:?}"),
+            paused: None,
             gone: 0.0,
             most: at_most(before.way(from).max(own), from),
         });
@@ -451,15 +457,19 @@ impl Program {
         let rests = after.iter().all(|now| now[1] == 0.0);
         let turns = self.kind == Kind::OneAxis && after[0][1] * before[0][1] <= 0.0;
         if let Some(coasting) = &mut self.coasting {
+            let ended = coasting
+                .paused
+                .as_ref()
+                .is_some_and(|tag| self.bench.control(tag).has(Flag::Pc));
             coasting.gone += (after[0][0] - before[0][0]).hypot(after[1][0] - before[1][0]);
             assert!(
-                coasting.gone <= coasting.most,
+                ended || coasting.gone <= coasting.most,
                 "{} units since {}, not {}",
                 coasting.gone,
                 coasting.why,
                 coasting.most
             );
-            if rests || turns {
+            if rests || turns || ended {
                 self.coasting = None;
             }
         }
@@ -505,6 +515,13 @@ impl Program {
     }
 }
 
+/// Jerks in percent of time of a jog are of the whole change of its velocity (spec/axis-and-data-types.md §10.3).
+fn of_the_whole_change(kind: u64, dynamics: &mut Dynamics, from: KinematicState) {
+    if kind == JOG {
+        dynamics.speed += from.velocity;
+    }
+}
+
 /// Operands of a call.
 fn text(dynamics: &Dynamics) -> String {
     let Dynamics {
@@ -536,6 +553,8 @@ fn program(program: &mut Program) {
     program.finish();
 }
 
+/// The Motion Type of a MCD of a jog.
+const JOG: u64 = 0;
 /// Maximum Acceleration and Deceleration of X and Y, units/s².
 const AXIS_MAXIMUM: f64 = 10_000.0;
 /// How many times the hardest programmed rate there may be at once: two moves of a blend; or a path and what ramps out beside it, hastened
