@@ -102,13 +102,13 @@ impl Axes {
         }
         for kind in GeneratorKind::GUIDED {
             let generator = self[axis].sum.get(kind);
-            let Some(master) = generator.and_then(|generator| Some(&generator.guide.as_ref()?.master)) else {
+            let Some(master) = generator.and_then(|generator| Some(&generator.follower.as_ref()?.master)) else {
                 continue;
             };
             let at = self.master_at(master.axis, master.reference, clock);
             let generator = self[axis].sum.get_mut(kind);
-            if let Some(guide) = generator.and_then(|generator| generator.guide.as_mut()) {
-                guide.advance(&at, clock);
+            if let Some(follower) = generator.and_then(|generator| generator.follower.as_mut()) {
+                follower.advance(&at, clock);
             }
         }
     }

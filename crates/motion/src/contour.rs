@@ -90,7 +90,7 @@ impl Motion {
         // One that begins does so at the displacement 0 of its master.
         let driven_by = system.travel.moves().next().and_then(|first| first.data.driven_by);
         let mut base = system.time_base(&self.clock);
-        if driven_by.is_some() && system.guide.is_none() {
+        if driven_by.is_some() && system.follower.is_none() {
             base.master = Some(MasterMotion::default());
         }
         let installed = system.travel.install(generation, planned, &base);

@@ -128,7 +128,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     let runs = |kind| axis.sum.get(kind).is_some_and(|generator| !generator.stopping);
     let locked = |kind| {
         let generator = axis.sum.get(kind);
-        generator.is_some_and(|generator| generator.guide.is_some_and(|guide| guide.follows()))
+        generator.is_some_and(|generator| generator.follower.is_some_and(|follower| follower.follows()))
     };
     let pends = |kind| axis.cams(kind).pending.is_some();
     let cam_locked = |kind| axis.cam(kind).is_some_and(Cam::follows);
@@ -292,7 +292,7 @@ pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot
         (role.source, motion::TRANSFORM_SOURCE_STATUS),
         (role.target, motion::TRANSFORM_TARGET_STATUS),
         (
-            moving && system.guide.is_some_and(|guide| guide.follows()),
+            moving && system.follower.is_some_and(|follower| follower.follows()),
             motion::COORDINATE_SYSTEM_LOCK_STATUS,
         ),
     ]

@@ -138,7 +138,7 @@ pub(crate) struct System {
     /// The MDCC whose motion is being stopped.
     pub(crate) stopping_link: Option<Execution>,
     /// What the active move is a function of, where that is not time.
-    pub(crate) guide: Option<MasterFollower>,
+    pub(crate) follower: Option<MasterFollower>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
     pub(crate) ended: Option<Instant>,
     /// Since when the commands stand at the end of a move that waits for its axes; they are looked at behind the next exchange.
@@ -200,7 +200,7 @@ impl System {
             shutdown: false,
             links: MasterLinks::default(),
             stopping_link: None,
-            guide: None,
+            follower: None,
             ended: None,
             settling: None,
             settled: None,
@@ -222,22 +222,22 @@ impl System {
     pub(crate) fn time_base(&self, time: &Clock) -> TimeBase {
         TimeBase {
             time: *time,
-            master: self.guide.as_ref().map(|guide| MasterMotion {
-                displacement: guide.displacement(),
-                rate: guide.rate(),
+            master: self.follower.as_ref().map(|follower| MasterMotion {
+                displacement: follower.displacement(),
+                rate: follower.rate(),
             }),
         }
     }
 
     /// Whether it has masters, active or not: it is computed behind them then.
     pub(crate) fn follows(&self) -> bool {
-        self.guide.is_some() || !self.links.is_empty()
+        self.follower.is_some() || !self.links.is_empty()
     }
 
     /// Seconds until the active move is at its end or its successor becomes active, as planned now. `None` where no time is known:
     /// nothing is active, it is held, it is stopped, or a master leads it.
     pub(crate) fn time_left(&self, time: &Clock) -> Option<f64> {
-        if self.activity != Activity::Moving || self.guide.is_some() {
+        if self.activity != Activity::Moving || self.follower.is_some() {
             return None;
         }
         self.travel.time_left(time)
@@ -246,12 +246,12 @@ impl System {
     /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
     pub(crate) fn will_end(&self, time: &Clock) -> bool {
         let at_end = || self.travel.event(&self.time_base(time)).is_some();
-        self.is_busy() && self.guide.is_none_or(|guide| guide.will_go_on() || at_end())
+        self.is_busy() && self.follower.is_none_or(|follower| follower.will_go_on() || at_end())
     }
 
-    /// Whether the active move has its full speed by its master's. `planned`: its speed by the master's way.
+    /// Whether the active move has its full speed by its master's. `planned`: its speed by the master's displacement.
     pub(crate) fn is_tracking(&self, planned: f64) -> bool {
-        self.guide.is_some_and(|guide| guide.has_begun())
+        self.follower.is_some_and(|follower| follower.has_begun())
             && self.activity == Activity::Moving
             && self.shown.phase == Phase::Steady
             && planned > 0.0
@@ -333,8 +333,8 @@ impl System {
     }
 
     /// Whether it moves an axis as a master leads it.
-    pub(crate) fn guides(&self, axis: AxisId) -> bool {
-        self.guide.is_some() && self.has(axis)
+    pub(crate) fn followers(&self, axis: AxisId) -> bool {
+        self.follower.is_some() && self.has(axis)
     }
 
     pub(crate) fn has(&self, axis: AxisId) -> bool {

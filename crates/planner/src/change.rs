@@ -56,7 +56,7 @@ impl<T: Copy> Planner<T> {
         let distance = self.active.map_or(0.0, |running| {
             let now = running.trajectory.state(clock);
             let top = now.velocity.max(limits.speed * self.queue.rate());
-            // By a master's way: as much as may be.
+            // By a master's displacement: as much as may be.
             let way = if clock.period_ns == 0 {
                 f64::INFINITY
             } else {

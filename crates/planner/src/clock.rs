@@ -1,8 +1,8 @@
 //! What moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
-//! the way of a master (§10.4).
+//! the displacement of a master (§10.4).
 //!
-//! A master's way has no ticks: a clock of it shows the way itself, in master units. Everything that is planned over it has
-//! master units where it has seconds otherwise. How fast the way goes on is its [`MasterRate`].
+//! A master's displacement has no ticks: a clock of it shows the displacement itself, in master units. Everything that is planned over it has
+//! master units where it has seconds otherwise. How fast it goes on is its [`MasterRate`].
 
 use arcline_profile::KinematicState;
 
@@ -19,9 +19,9 @@ pub const ROUNDING: f64 = 1e-10;
 pub struct Clock {
     /// Coarse updates since the start; tick 0 is the first.
     pub tick: u64,
-    /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's way.
+    /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's displacement.
     pub period_ns: u64,
-    /// The way of a master, master units; seconds behind the tick where the clock shows time.
+    /// The displacement of a master, master units; seconds behind the tick where the clock shows time.
     way: f64,
 }
 
@@ -36,7 +36,7 @@ impl Clock {
     }
 
     /// A master has gone so far, master units.
-    pub const fn of_way(way: f64) -> Self {
+    pub const fn of_displacement(way: f64) -> Self {
         Clock {
             tick: 0,
             period_ns: 0,
@@ -63,7 +63,7 @@ impl Clock {
         }
     }
 
-    /// The clock `seconds` later, between two ticks too: only to be read. Master units on a master's way.
+    /// The clock `seconds` later, between two ticks too: only to be read. Master units by a master's displacement.
     #[must_use]
     pub fn later(&self, seconds: f64) -> Clock {
         Clock {
@@ -81,7 +81,7 @@ impl Clock {
     }
 }
 
-/// A point in time between two ticks: exact however long the controller has been running. On a clock of a master's way: a
+/// A point in time between two ticks: exact however long the controller has been running. On a clock of a master's displacement: a
 /// place on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
@@ -91,7 +91,7 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// Seconds from this instant to the clock's tick; negative when the instant lies ahead. Master units on a master's way.
+    /// Seconds from this instant to the clock's tick; negative when the instant lies ahead. Master units by a master's displacement.
     pub fn elapsed(&self, clock: &Clock) -> f64 {
         // Centuries are not exact.
         let nanoseconds = |ticks: u64| {
@@ -121,7 +121,7 @@ impl Instant {
     }
 }
 
-/// How a master's way goes on: what turns derivatives by the way into derivatives by time, and back.
+/// How a master's displacement goes on: what turns derivatives by the displacement into derivatives by time, and back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MasterRate {
     /// Master units/s, at least 0.
@@ -131,7 +131,7 @@ pub struct MasterRate {
 }
 
 impl MasterRate {
-    /// A state by the way as one by time.
+    /// A state by the displacement as one by time.
     pub fn in_time(&self, state: KinematicState) -> KinematicState {
         KinematicState {
             velocity: state.velocity * self.speed,
@@ -140,8 +140,8 @@ impl MasterRate {
         }
     }
 
-    /// A state by time as one by the way; at rest where the way does not go on.
-    pub fn on_the_way(&self, state: KinematicState) -> KinematicState {
+    /// A state by time as one by the displacement; at rest where that does not change.
+    pub fn by_displacement(&self, state: KinematicState) -> KinematicState {
         if self.speed <= 0.0 {
             return KinematicState {
                 position: state.position,
@@ -156,7 +156,7 @@ impl MasterRate {
         }
     }
 
-    /// A sample by the way as one by time. What its phase says stays that of the move itself.
+    /// A sample by the displacement as one by time. What its phase says stays that of the move itself.
     pub fn sample(&self, sample: Sample) -> Sample {
         Sample {
             acceleration: sample.acceleration * (self.speed * self.speed) + sample.velocity * self.acceleration,
@@ -197,7 +197,7 @@ impl TimeBase {
     /// What the active move is a function of, as a clock.
     pub fn clock(&self) -> Clock {
         self.master
-            .map_or(self.time, |master| Clock::of_way(master.displacement))
+            .map_or(self.time, |master| Clock::of_displacement(master.displacement))
     }
 }
 
@@ -223,9 +223,11 @@ mod tests {
 
     #[test]
     fn a_way_has_no_ticks() {
-        let place = Clock::of_way(2.5).now().after(10.0, &Clock::of_way(2.5));
-        assert_eq!(place.elapsed(&Clock::of_way(14.0)), 1.5);
-        assert_eq!(place.elapsed(&Clock::of_way(12.0)), -0.5);
+        let place = Clock::of_displacement(2.5)
+            .now()
+            .after(10.0, &Clock::of_displacement(2.5));
+        assert_eq!(place.elapsed(&Clock::of_displacement(14.0)), 1.5);
+        assert_eq!(place.elapsed(&Clock::of_displacement(12.0)), -0.5);
     }
 
     #[test]
@@ -242,8 +244,8 @@ mod tests {
         let timed = rate.in_time(state);
         // d²s/dt² = s'' (dm/dt)² + s' d²m/dt²
         assert_eq!((timed.velocity, timed.acceleration), (100.0, -1250.0 + 60.0));
-        assert_eq!(rate.on_the_way(timed), state);
-        let standing = MasterRate::default().on_the_way(timed);
+        assert_eq!(rate.by_displacement(timed), state);
+        let standing = MasterRate::default().by_displacement(timed);
         assert_eq!((standing.velocity, standing.acceleration), (0.0, 0.0));
     }
 }

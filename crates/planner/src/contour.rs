@@ -6,7 +6,7 @@
 //! (spec/motion-core.md §10.3), and so does an override below 100 % (`pace`), within all limits (`guard`).
 //! Nothing here allocates or frees: trajectories are handed back.
 //!
-//! Moves over a master's way are planned by time too, for a master at the speed of their [`crate::Parameter`], and travelled by the
+//! Moves over a master's displacement are planned by time too, for a master at the speed of their [`crate::Parameter`], and travelled by the
 //! time that a master at that speed would have taken for its way: all clocks that a queue is given show that, but where
 //! they are said to show time. Limits are by time ([`crate::Parameter::in_time`]).
 

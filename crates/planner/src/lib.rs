@@ -8,7 +8,7 @@
 //! the one interface to both.
 //!
 //! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
-//! position units, seconds; master units in place of seconds for moves that are functions of a master's way
+//! position units, seconds; master units in place of seconds for moves that are functions of a master's displacement
 //! ([`Parameter`]). Nothing here allocates after [`Planner::new`].
 
 #![forbid(unsafe_code)]

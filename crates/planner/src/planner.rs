@@ -260,7 +260,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// As [`Planner::stop`], for an active move that is a function of a master's way: `clock` shows it, and `rate` how it goes
+    /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows it, and `rate` how it goes
     /// on. From now on the planner's clock is `time`.
     pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
         self.hand_over_at = None;

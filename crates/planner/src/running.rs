@@ -44,7 +44,7 @@ impl Parameter {
     /// Time.
     pub const TIME: Parameter = Parameter { number: 0, speed: 1.0 };
 
-    /// Limits by the way as such by time, while it goes on at its speed.
+    /// Limits by the displacement as such by time, while it goes on at its speed.
     #[must_use]
     pub fn in_time(&self, limits: &Limits) -> Limits {
         let (once, twice) = (self.speed, self.speed * self.speed);

@@ -44,7 +44,7 @@ impl<T: Copy> Planner<T> {
         Some(Stopping::of(active, tail, self.ramping_out, clock))
     }
 
-    /// What [`Planner::stop_in_time`] would do, where `clock` shows the way that the master will have gone at `time`, and
+    /// What [`Planner::stop_in_time`] would do, where `clock` shows the displacement that the master will have at `time`, and
     /// `rate` how that goes on. Real-time.
     pub fn stopping_in_time(
         &self,

@@ -327,9 +327,9 @@ impl<T: Copy> Travel<T> {
     /// What contours are functions of: time, or the time that a master at the speed that they are planned for would have taken for its
     /// displacement.
     fn contour_clock(&self, base: &TimeBase) -> Clock {
-        base.master
-            .as_ref()
-            .map_or(base.time, |master| Clock::of_way(master.displacement / self.nominal()))
+        base.master.as_ref().map_or(base.time, |master| {
+            Clock::of_displacement(master.displacement / self.nominal())
+        })
     }
 
     /// How that goes on, where a master leads.

@@ -36,12 +36,12 @@ pub struct TurnResidual {
 }
 
 impl Turning {
-    /// By the way of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
+    /// By the displacement of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
     #[must_use]
-    pub fn on_the_way(&self, rate: &MasterRate, nominal: f64) -> Turning {
+    pub fn by_displacement(&self, rate: &MasterRate, nominal: f64) -> Turning {
         let mut own = *self;
         for place in 0..own.rate.len() {
-            let state = rate.on_the_way(KinematicState {
+            let state = rate.by_displacement(KinematicState {
                 position: 0.0,
                 velocity: self.rate[place],
                 acceleration: self.change[place],
@@ -134,7 +134,7 @@ impl RampingOut {
         longest(&self.residual.profiles) + since.elapsed(clock) - self.start.elapsed(clock)
     }
 
-    /// From the instant that both clocks show it is no function of a master's way any more but of time.
+    /// From the instant that both clocks show it is no function of a master's displacement any more but of time.
     fn in_time(&self, parameter: &Parameter, rate: &MasterRate, clock: &Clock, time: &Clock) -> RampingOut {
         let turned = self.beside(None, clock).in_time(rate.speed, rate.acceleration);
         let turning = Turning {

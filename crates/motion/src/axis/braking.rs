@@ -23,12 +23,12 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
-        let before = generator.in_force.filter(|_| generator.guide.is_none());
+        let before = generator.in_force.filter(|_| generator.follower.is_none());
         let kept = stopping(limits, before.as_ref());
         let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
         generator.jerk = generator.highest_jerk();
         // A stop is a function of time, whatever it stops.
-        generator.guide = None;
+        generator.follower = None;
         generator.follow(stop, now);
         generator.keeps(&kept);
         generator.execution = execution;

@@ -1,7 +1,7 @@
 //! A generator of an axis: its instruction, its program and its present position.
 //!
 //! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds; a profile over a
-//! master's way has master units in place of seconds.
+//! master's displacement has master units in place of seconds.
 
 use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
 use arcline_planner::{Clock, Instant, ROUNDING};
@@ -63,7 +63,7 @@ pub(crate) struct Generator {
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
     /// What a planned one is a function of, where that is not time.
-    pub(crate) guide: Option<MasterFollower>,
+    pub(crate) follower: Option<MasterFollower>,
     /// TrackingMaster of its instruction, as last written.
     pub(crate) shown_tracking: bool,
     /// Event Distance and Calculated Data of its instruction.
@@ -103,7 +103,7 @@ impl Generator {
             brake: None,
             s_curve,
             shown_phase: Phase::Steady,
-            guide: None,
+            follower: None,
             shown_tracking: false,
             events: None,
             shown_segment: 0,
@@ -141,7 +141,7 @@ impl Generator {
 
     /// The highest jerk that it was programmed with, units/s³; 0 where that is not limited, or of a master.
     pub(crate) fn highest_jerk(&self) -> f64 {
-        let program = self.program.filter(|_| self.guide.is_none());
+        let program = self.program.filter(|_| self.follower.is_none());
         let jerk = program.and_then(|program| program.dynamics.limits().jerk);
         jerk.map_or(self.jerk, |jerk| {
             self.jerk.max(jerk.acceleration).max(jerk.deceleration)
@@ -156,17 +156,17 @@ impl Generator {
 
     /// Whether it runs along a profile over time.
     pub(crate) fn is_planned(&self) -> bool {
-        matches!(self.equation, Equation::Planned { .. }) && self.guide.is_none()
+        matches!(self.equation, Equation::Planned { .. }) && self.follower.is_none()
     }
 
-    /// What it is a function of at the present tick: time, or a master's way.
+    /// What it is a function of at the present tick: time, or a master's displacement.
     pub(crate) fn clock(&self, time: &Clock) -> Clock {
-        self.guide.map_or(*time, |guide| guide.clock())
+        self.follower.map_or(*time, |follower| follower.clock())
     }
 
     /// Its state by what it is a function of.
     pub(crate) fn planned_state(&self, time: &Clock) -> KinematicState {
-        match (&self.equation, &self.guide) {
+        match (&self.equation, &self.follower) {
             (Equation::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
             _ => self.now,
         }
@@ -175,7 +175,7 @@ impl Generator {
     /// What the profile does at the present tick; nothing yet while a lock is waited for.
     pub(crate) fn phase(&self, time: &Clock) -> Phase {
         match &self.equation {
-            Equation::Planned { profile, start } if self.guide.is_none_or(|guide| guide.has_begun()) => {
+            Equation::Planned { profile, start } if self.follower.is_none_or(|follower| follower.has_begun()) => {
                 profile.phase(start.elapsed(&self.clock(time)))
             }
             _ => Phase::Steady,
@@ -184,7 +184,7 @@ impl Generator {
 
     /// Whether it has its full speed by its master's.
     pub(crate) fn is_tracking(&self, time: &Clock) -> bool {
-        self.guide.is_some_and(|guide| guide.has_begun())
+        self.follower.is_some_and(|follower| follower.has_begun())
             && !self.over
             && self.phase(time) == Phase::Steady
             && self.planned_state(time).velocity != 0.0
@@ -193,7 +193,8 @@ impl Generator {
     /// A jog at constant speed goes back by the whole turns of a rotary axis that it has gone, once they are many, so that its
     /// position keeps its digits for ever. Returns the shift of its position: 0 for everything else.
     pub(super) fn fold(&mut self, unwind: f64, clock: &Clock) -> f64 {
-        let (Equation::Planned { profile, start }, Some(program), None) = (&self.equation, &self.program, &self.guide)
+        let (Equation::Planned { profile, start }, Some(program), None) =
+            (&self.equation, &self.program, &self.follower)
         else {
             return 0.0;
         };
@@ -232,7 +233,7 @@ impl Generator {
             self.now = if self.over {
                 KinematicState::at_rest(profile.end().position)
             } else {
-                self.guide.map_or(state, |guide| guide.rate().in_time(state))
+                self.follower.map_or(state, |follower| follower.rate().in_time(state))
             };
         }
     }

@@ -208,7 +208,7 @@ impl Axis {
             GeneratorKind::PositionCam | GeneratorKind::TimeCam => !self.cam(kind).is_some_and(Cam::will_end),
             _ => false,
         };
-        let waits = |generator: &Generator| generator.guide.is_some_and(|guide| !guide.will_go_on());
+        let waits = |generator: &Generator| generator.follower.is_some_and(|follower| !follower.will_go_on());
         let mut active = self.sum.active();
         active.any(|(kind, generator)| generator.stopping || !(endless(kind) || waits(generator)))
     }
@@ -303,7 +303,7 @@ impl Axis {
     pub(crate) fn follows_a_master(&self) -> bool {
         let mut active = self.sum.active();
         active.any(|(kind, generator)| {
-            generator.guide.is_some()
+            generator.follower.is_some()
                 || matches!(
                     kind,
                     GeneratorKind::Gear

@@ -157,7 +157,7 @@ impl Sum {
         let mut all: Option<Limits> = None;
         for (_, generator) in self.moving().filter(|(kind, _)| which(*kind)) {
             let still = generator.now.velocity == 0.0 && generator.now.acceleration == 0.0;
-            let own = generator.in_force.filter(|_| generator.guide.is_none());
+            let own = generator.in_force.filter(|_| generator.follower.is_none());
             match (own, still) {
                 (Some(own), _) => all = Some(all.map_or(own, |all| together(&all, &own))),
                 (None, true) => {}

@@ -54,11 +54,11 @@ impl AxisMove {
         }
     }
 
-    /// The limits of what the instruction takes over, by time or by a master's way as the instruction itself.
+    /// The limits of what the instruction takes over, by time or by a master's displacement as the instruction itself.
     fn in_force(&self, axis: &Axis, kind: GeneratorKind, led: bool) -> Option<Limits> {
         let own = axis.sum.get(kind);
         if led || kind == GeneratorKind::MasterOffset {
-            return own.filter(|own| own.guide.is_some() == led)?.in_force;
+            return own.filter(|own| own.follower.is_some() == led)?.in_force;
         }
         axis.sum
             .in_force(|other| other == kind || (self.merges() && other.is_single_axis()))
@@ -81,23 +81,23 @@ impl AxisMove {
             events,
         } = beginning;
         let taken = self.taken_over(&motion.axes[axis], kind);
-        let taken = led.map_or(taken, |(_, rate)| rate.on_the_way(taken));
+        let taken = led.map_or(taken, |(_, rate)| rate.by_displacement(taken));
         let from = steady(taken, &dynamics.limits());
         let before = self.in_force(&motion.axes[axis], kind, led.is_some());
         if self.merges_into(kind) {
             motion.end_single_axis(axis, Some(kind));
         }
         motion.end_generator(axis, kind);
-        let guide = led.and_then(|(driven_by, _)| motion.lead_axis(axis, driven_by));
+        let follower = led.and_then(|(driven_by, _)| motion.lead_axis(axis, driven_by));
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
         };
         let lead = relief(motion.axes[axis].bounds, from, &limits, before.as_ref());
         let profile = Profile::led(lead, from, plan);
-        let start = guide.map_or(motion.clock, |guide| guide.clock()).now();
+        let start = follower.map_or(motion.clock, |follower| follower.clock()).now();
         let mut generator = Generator::planned(profile, start);
-        generator.guide = guide;
+        generator.follower = follower;
         generator.keeps(&limits);
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
@@ -114,7 +114,7 @@ impl AxisMove {
         motion.axes[axis].begin(kind, generator);
         motion.axes[axis].stale = true;
         let mut accepted = Flag::Dn.mask() | Flag::Ip.mask();
-        if guide.is_some() {
+        if follower.is_some() {
             accepted |= Flag::Ac.mask();
         }
         motion.controls.write(execution, accepted, 0, motion.clock.tick);
@@ -139,7 +139,7 @@ impl AxisMove {
         };
         let moves = self.taken_over(state, kind).velocity != 0.0;
         let rate = programmed::master_rate(link, driven_by.lock, moves)?;
-        if let Some(running) = state.sum.get(kind).and_then(|generator| generator.guide) {
+        if let Some(running) = state.sum.get(kind).and_then(|generator| generator.follower) {
             if running.sense != driven_by.lock.sense {
                 return Err(MotionError::MdscDirectionMismatch);
             }
@@ -150,10 +150,12 @@ impl AxisMove {
         Ok(Some((driven_by, rate)))
     }
 
-    /// The present speed of what is taken over, by time or by the way of the master: what Merge Speed Current goes on with.
+    /// The present speed of what is taken over, by time or by the displacement of the master: what Merge Speed Current goes on with.
     pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(DrivenBy, MasterRate)>) -> f64 {
         let taken = self.taken_over(axis, kind);
-        led.map_or(taken, |(_, rate)| rate.on_the_way(taken)).velocity.abs()
+        led.map_or(taken, |(_, rate)| rate.by_displacement(taken))
+            .velocity
+            .abs()
     }
 }
 

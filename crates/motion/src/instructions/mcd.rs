@@ -55,8 +55,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let clock = motion.clock;
     let state = &mut motion.axes[axis];
-    let guide = state.sum.get(kind).and_then(|generator| generator.guide);
-    operands.verify_mode(guide.is_some())?;
+    let follower = state.sum.get(kind).and_then(|generator| generator.follower);
+    operands.verify_mode(follower.is_some())?;
     let running = state.sum.get(kind).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     axis_moves::not_stopping(state)?;

@@ -1,9 +1,9 @@
 //! MCPM, Motion Coordinated Path Move (spec/coordinated-instructions.md §23): X, Y, Z on a straight line, and Rx, Ry, Rz turned
 //! along it about one fixed axis.
 //!
-//! The turn is a function of the place on the line, so that an override, a change of dynamics and a stop leave the tool on its way.
+//! The turn is a function of the place on the line, so that an override, a change of dynamics and a stop leave the tool on its path.
 //! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
-//! angle as its way. Units: position units, degrees.
+//! angle as its path length. Units: position units, degrees.
 
 use arcline_instruction_set::enumerations::{
     InterpolationType, Merge, MoveType, TerminationType, TimeUnits, UnitsMode, VelocityProfile,
@@ -110,25 +110,25 @@ pub(super) fn execute(
     )?;
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
     let headings = [motion.heading(index), motion.heading_shift(index)];
-    let way = Way::of(&tags.path, &(start + shift), headings);
+    let path_move = PathMove::of(&tags.path, &(start + shift), headings);
     range::verify_point(
         &motion.systems[index],
         &motion.axes,
-        &way.path.end(),
+        &path_move.path.end(),
         path_operand.index,
     )?;
-    let (termination, ending) = termination(&tags.path, &system.description, &way)?;
+    let (termination, ending) = termination(&tags.path, &system.description, &path_move)?;
     let maxima = Maxima::from(&system.description);
     let [moves_by, turns_by] = rates(&tags.dynamics, &maxima, &orientation, link.as_ref());
-    let (mut dynamics, own) = way.dynamics(moves_by, turns_by);
+    let (mut dynamics, own) = path_move.dynamics(moves_by, turns_by);
     if !(dynamics.acceleration > 0.0 && dynamics.deceleration > 0.0) {
         return Err(dynamics_operand.out_of_range());
     }
-    let path = way.path.shifted(&-shift);
+    let path = path_move.path.shifted(&-shift);
     moves::verify_conflicts(motion, index, Merge::Disabled)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
     let joints = JointLimits {
-        path: moves::path_limits(motion, index, &way.path, way.turn.as_ref(), headings[0])?,
+        path: moves::path_limits(motion, index, &path_move.path, path_move.turn.as_ref(), headings[0])?,
         corner: f64::INFINITY,
     };
     let rest = TakenOver::rest();
@@ -144,9 +144,9 @@ pub(super) fn execute(
     let verified = Verified {
         execution,
         path,
-        in_positions: way.path,
-        turn: way.turn,
-        heading: Some(way.heading),
+        in_positions: path_move.path,
+        turn: path_move.turn,
+        heading: Some(path_move.heading),
         dynamics,
         joints,
         termination,
@@ -159,18 +159,18 @@ pub(super) fn execute(
 }
 
 /// Where a move leads and how.
-struct Way {
+struct PathMove {
     path: Path,
     turn: Option<Turn>,
     /// Rx, Ry, Rz at its end.
     heading: Point,
 }
 
-impl Way {
+impl PathMove {
     /// From a point and an orientation, that of the queue's frame; `shift`: from it to that of now. The turns counter of J6 counts whole
     /// turns of Rz, that of J4, which turns the other way round, as many less; of an absolute move those of the end, of an incremental one
-    /// those beside its way.
-    fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> Way {
+    /// those beside its path.
+    fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> PathMove {
         let [x, y, z, rx, ry, rz] = data.position;
         let [_, fourth, sixth, _] = data.turns_counters;
         let turns = f64::from(i32::from(sixth) - i32::from(fourth));
@@ -186,14 +186,14 @@ impl Way {
         if path.length() == 0.0 {
             path = Path::standing(*start, turn.angle());
         }
-        Way {
+        PathMove {
             path,
             turn: Some(turn),
             heading: turn.ended().near,
         }
     }
 
-    /// What the move is programmed with along its way, and how fast its turn lets it be.
+    /// What the move is programmed with along its path, and how fast its turn lets it be.
     fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, PathLimits) {
         let (length, angle) = (self.path.length(), self.turn.map_or(0.0, |turn| turn.angle()));
         if self.path.stands() {
@@ -212,9 +212,13 @@ impl Way {
     }
 }
 
-/// How the move completes, and what happens there if it has a successor. What only turns has no tolerance: its whole way may be
+/// How the move completes, and what happens there if it has a successor. What only turns has no tolerance: its whole path may be
 /// blended, or half of it where both ends are.
-fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<(Termination, Ending), MotionError> {
+fn termination(
+    data: &PathData,
+    system: &CoordinateSystem,
+    path_move: &PathMove,
+) -> Result<(Termination, Ending), MotionError> {
     match data.termination_type {
         Some(TerminationType::ActualTolerance) if system.actual_tolerance <= 0.0 => {
             Err(MotionError::InvalidActualTolerance)
@@ -224,7 +228,7 @@ fn termination(data: &PathData, system: &CoordinateSystem, way: &Way) -> Result<
             Err(MotionError::FeatureNotSupported)
         }
         Some(TerminationType::CommandToleranceProgrammed) => {
-            let tolerance = if way.path.stands() {
+            let tolerance = if path_move.path.stands() {
                 f64::MAX
             } else {
                 data.command_tolerance_linear

@@ -94,10 +94,10 @@ impl Rates {
     /// For a stop along the path of the active move.
     fn along_path(&self, motion: &Motion, index: SystemId) -> Limits {
         let system = &motion.systems[index];
-        // The limits of a master driven move are by its master's way.
+        // The limits of a master driven move are by its master's displacement.
         let active = system
             .active()
-            .filter(|_| system.guide.is_none())
+            .filter(|_| system.follower.is_none())
             .map(|active| active.dynamics.limits());
         let deceleration = motion.kept_by_turn(index, self.deceleration);
         Limits {

@@ -27,9 +27,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     let active = state.links.of(serves).active;
     let driven = |link: u32| {
-        let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
+        let mut followers = state.sum.active().filter_map(|(_, generator)| generator.follower);
         let cam = state.cam(GeneratorKind::TimeCam).and_then(Cam::link);
-        cam == Some(link) || guides.any(|guide| guide.link == link)
+        cam == Some(link) || followers.any(|follower| follower.link == link)
     };
     if let Some(active) = active
         && active.master.axis == master

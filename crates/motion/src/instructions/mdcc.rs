@@ -23,7 +23,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let order = motion.plan_order(Follower::System(index, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let system = &motion.systems[index];
-    let other_reference = |guided: AxisId, read: Reference| guided == master && read != reference;
+    let other_reference = |driving: AxisId, read: Reference| driving == master && read != reference;
     let active = system.links.active.map(|link| link.master);
     if system.is_busy() && active.is_some_and(|active| other_reference(active.axis, active.reference)) {
         return Err(MotionError::MdscInvalidModeOrMasterChange);

@@ -50,7 +50,7 @@ fn centripetal(motion: &Motion, index: SystemId, merge: Merge) -> Point {
 /// together, each in the direction of its motion.
 fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
     let system = &motion.systems[index];
-    if merge == Merge::Disabled || system.guide.is_some() {
+    if merge == Merge::Disabled || system.follower.is_some() {
         return None;
     }
     let own = system.travel.limits_in_force(&system.time_base(&motion.clock));
@@ -172,7 +172,7 @@ impl TakenOver {
         Ok(TakenOver {
             merge: self.merge,
             initial: by_displacement(&rate, &self.initial),
-            turning: self.turning.map(|turning| turning.on_the_way(&rate, link.nominal)),
+            turning: self.turning.map(|turning| turning.by_displacement(&rate, link.nominal)),
             speed: if rate.speed > 0.0 { self.speed / rate.speed } else { 0.0 },
         })
     }
@@ -213,7 +213,7 @@ impl Master {
 fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion {
     let mut taken = InitialMotion::default();
     for index in 0..taken.velocity.len() {
-        let state = rate.on_the_way(KinematicState {
+        let state = rate.by_displacement(KinematicState {
             position: 0.0,
             velocity: initial.velocity[index],
             acceleration: initial.acceleration[index],

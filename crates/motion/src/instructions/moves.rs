@@ -293,7 +293,7 @@ fn start(
     let kept = enforced.then_some(&system.axis_limits);
     system.travel.merge(planned, *initial, residual, kept, &base);
     system.activity = Activity::Moving;
-    system.shown.has_moved = system.guide.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
+    system.shown.has_moved = system.follower.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
     system.stale = true;
     motion.activate(index);
     motion.set_axis_commands(index);

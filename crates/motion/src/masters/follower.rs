@@ -103,7 +103,7 @@ impl MasterFollower {
 
     /// The displacement as the clock of the motion.
     pub(crate) fn clock(&self) -> Clock {
-        Clock::of_way(self.displacement())
+        Clock::of_displacement(self.displacement())
     }
 
     /// How the displacement goes on.
@@ -164,7 +164,7 @@ impl MasterFollower {
     /// The displacement at an instant of the update that ends now.
     pub(crate) fn displacement_at(&self, instant: Instant, clock: &Clock) -> Instant {
         let gone = self.sense.sign() * (self.master.reader.position_at(instant, clock) - self.displacement.from);
-        Clock::of_way(gone.clamp(0.0, self.displacement())).now()
+        Clock::of_displacement(gone.clamp(0.0, self.displacement())).now()
     }
 }
 
@@ -263,7 +263,7 @@ mod tests {
         );
         let clock = Clock::at(7, PERIOD_NS);
         follower.advance(&at(4.0), &clock);
-        let place = Clock::of_way(1.0).now();
+        let place = Clock::of_displacement(1.0).now();
         let instant = follower.instant_of(place, &clock);
         assert!((instant.elapsed(&clock) - 0.75e-3).abs() < 1e-15);
         assert!((follower.displacement_at(instant, &clock).elapsed(&follower.clock()) - 3.0).abs() < 1e-12);

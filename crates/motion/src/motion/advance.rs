@@ -25,7 +25,7 @@ impl Motion {
         system.travel.steer(&base);
         for _ in 0..MAX_ENDS_PER_TICK {
             let system = &self.systems[index];
-            if system.guide.is_some_and(|guide| guide.has_position_lock()) {
+            if system.follower.is_some_and(|follower| follower.has_position_lock()) {
                 break;
             }
             let moment = match system.travel.event(&system.time_base(&self.clock)) {
@@ -51,8 +51,10 @@ impl Motion {
 
     /// An instant of this update by what the active move is a function of, and in time.
     fn moment(&self, index: SystemId, own: Instant) -> Moment {
-        let guide = &self.systems[index].guide;
-        let time = guide.as_ref().map_or(own, |guide| guide.instant_of(own, &self.clock));
+        let follower = &self.systems[index].follower;
+        let time = follower
+            .as_ref()
+            .map_or(own, |follower| follower.instant_of(own, &self.clock));
         Moment { own, time }
     }
 
@@ -75,16 +77,16 @@ impl Motion {
             return Some(moment);
         }
         let system = &mut self.systems[index];
-        // Where the end was come to inside an earlier update, the way of the master tells no more when that was.
-        let time = match system.guide {
+        // Where the end was come to inside an earlier update, the displacement of the master tells no more when that was.
+        let time = match system.follower {
             Some(_) => *system.ended.get_or_insert(moment.time),
             None => moment.time,
         };
         let time = self.settled(index, time)?;
-        let guide = &self.systems[index].guide;
-        let own = guide
+        let follower = &self.systems[index].follower;
+        let own = follower
             .as_ref()
-            .map_or(time, |guide| guide.displacement_at(time, &self.clock));
+            .map_or(time, |follower| follower.displacement_at(time, &self.clock));
         Some(Moment { own, time })
     }
 
@@ -139,8 +141,10 @@ impl Motion {
         }
         verify_same_link(last, next)?;
         self.lead_system(index, next.data.driven_by, moment.time)?;
-        let guide = &self.systems[index].guide;
-        Ok(guide.as_ref().map_or(moment.time, |_| Clock::of_way(0.0).now()))
+        let follower = &self.systems[index].follower;
+        Ok(follower
+            .as_ref()
+            .map_or(moment.time, |_| Clock::of_displacement(0.0).now()))
     }
 
     /// A move that would have to follow the one that has just ended without rest, and cannot.
@@ -237,9 +241,9 @@ impl Motion {
             speed => speed,
         };
         // Nothing has begun while a lock is waited for.
-        let waits = system.guide.is_some_and(|guide| !guide.has_begun());
+        let waits = system.follower.is_some_and(|follower| !follower.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
-        let (moves, trend) = match &system.guide {
+        let (moves, trend) = match &system.follower {
             // Its master may stand.
             Some(_) => (sample.along.velocity != 0.0, sample.along.phase()),
             None => (!system.travel.is_paused() && length > 0.0, phase),

@@ -60,7 +60,7 @@ impl Motion {
             return true;
         }
         let before = [last.position, last.velocity];
-        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.guides(id));
+        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.followers(id));
         axis.command_limits
             .allow(before, next, follows, axis, self.clock.period())
     }

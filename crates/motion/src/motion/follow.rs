@@ -79,8 +79,11 @@ impl Motion {
             link.master
                 .read(&axes.master_at(link.master.axis, link.master.reference, clock), clock);
         }
-        if let Some(guide) = &mut system.guide {
-            guide.advance(&axes.master_at(guide.master.axis, guide.master.reference, clock), clock);
+        if let Some(follower) = &mut system.follower {
+            follower.advance(
+                &axes.master_at(follower.master.axis, follower.master.reference, clock),
+                clock,
+            );
         }
     }
 
@@ -134,16 +137,16 @@ impl Motion {
 pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = AxisId> {
     let gear = axis.gear().map(|gear| gear.master.axis);
     let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
-    let guided = axis.sum.active().filter_map(|(_, generator)| generator.guide);
+    let driven = axis.sum.active().filter_map(|(_, generator)| generator.follower);
     let links = axis.links.iter().map(|link| link.master.axis);
     gear.into_iter()
         .chain(cams)
         .chain(links)
-        .chain(guided.map(|guide| guide.master.axis))
+        .chain(driven.map(|follower| follower.master.axis))
 }
 
 fn masters_of_system(system: &System) -> impl Iterator<Item = AxisId> {
-    let guide = system.guide.map(|guide| guide.master.axis);
+    let follower = system.follower.map(|follower| follower.master.axis);
     let links = system.links.iter().map(|link| link.master.axis);
-    links.chain(guide)
+    links.chain(follower)
 }

@@ -64,17 +64,17 @@ impl Motion {
         driven_by: Option<DrivenBy>,
         since: Instant,
     ) -> Result<(), MotionError> {
-        let guide = match driven_by {
+        let follower = match driven_by {
             None => None,
             Some(DrivenBy { link, lock }) => {
                 let taken = self.systems[index].links.take_up(link);
                 let (link, ended) = taken.ok_or(MotionError::MdscNotActivated)?;
                 self.end_link(ended);
-                Some(self.guide(&link, lock, since))
+                Some(self.follower(&link, lock, since))
             }
         };
         let system = &mut self.systems[index];
-        system.guide = guide;
+        system.follower = follower;
         system.ended = None;
         Ok(())
     }
@@ -83,7 +83,7 @@ impl Motion {
     pub(crate) fn lead_axis(&mut self, axis: AxisId, driven_by: DrivenBy) -> Option<MasterFollower> {
         let (link, ended) = self.axes[axis].links.take_up(driven_by.link)?;
         self.end_link(ended);
-        Some(self.guide(&link, driven_by.lock, self.clock.now()))
+        Some(self.follower(&link, driven_by.lock, self.clock.now()))
     }
 
     /// The link by which a cam begins on an axis is the active one from now on.
@@ -93,7 +93,7 @@ impl Motion {
         }
     }
 
-    fn guide(&self, link: &MasterLink, lock: LockTo, since: Instant) -> MasterFollower {
+    fn follower(&self, link: &MasterLink, lock: LockTo, since: Instant) -> MasterFollower {
         let Master { axis, reference, .. } = link.master;
         let at = self.axes.master_at(axis, reference, &self.clock);
         let unwind = self.axes[axis].unwind;
@@ -126,8 +126,8 @@ impl Motion {
     pub(crate) fn unlink_master(&mut self, master: AxisId) {
         for index in self.systems.ids() {
             let system = &self.systems[index];
-            let guided = system.guide.is_some_and(|guide| guide.master.axis == master);
-            if guided || system.links.iter().any(|link| link.master.axis == master) {
+            let follows = system.follower.is_some_and(|follower| follower.master.axis == master);
+            if follows || system.links.iter().any(|link| link.master.axis == master) {
                 self.unlink_system(index);
                 for place in 0..self.systems[index].description.axes.len() {
                     self.unlink_slave(self.systems[index].description.axes[place]);
@@ -136,12 +136,12 @@ impl Motion {
         }
         for axis in self.axes.ids() {
             let state = &self.axes[axis];
-            let mut guides = state.sum.active().filter_map(|(_, generator)| generator.guide);
+            let mut followers = state.sum.active().filter_map(|(_, generator)| generator.follower);
             let cam = state.cam(GeneratorKind::TimeCam).filter(|cam| cam.link().is_some());
             let cammed = cam.is_some() && state.cam_master(GeneratorKind::TimeCam) == Some(master);
-            let guided = cammed || guides.any(|guide| guide.master.axis == master);
-            drop(guides);
-            if guided || state.links.iter().any(|link| link.master.axis == master) {
+            let follows = cammed || followers.any(|follower| follower.master.axis == master);
+            drop(followers);
+            if follows || state.links.iter().any(|link| link.master.axis == master) {
                 self.unlink_slave(axis);
             }
         }
@@ -171,7 +171,7 @@ impl Motion {
             .chain(cam.map(|_| GeneratorKind::TimeCam))
         {
             let generator = self.axes[axis].sum.get(kind);
-            let driven = |generator: &&Generator| generator.guide.is_some() || kind == GeneratorKind::TimeCam;
+            let driven = |generator: &&Generator| generator.follower.is_some() || kind == GeneratorKind::TimeCam;
             if let Some(generator) = generator.filter(driven) {
                 let limits = self.axes[axis].dynamics.stop(generator.s_curve);
                 self.stop_generator(axis, kind, &limits, None);
@@ -191,7 +191,7 @@ impl Motion {
             }
         }
         let system = &self.systems[index];
-        if system.guide.is_none() {
+        if system.follower.is_none() {
             return;
         }
         let mut limits = system.path_stop();
@@ -214,7 +214,7 @@ impl Motion {
                 continue;
             }
             let moving = system.activity == Activity::Moving;
-            let used = system.guide.filter(|_| moving).map(|guide| guide.link);
+            let used = system.follower.filter(|_| moving).map(|follower| follower.link);
             let stopping = system.stopping_link;
             for link in self.systems[index].links.iter_mut() {
                 let is_used = used == Some(link.id) || stopping == Some(link.execution);
@@ -222,9 +222,9 @@ impl Motion {
             }
         }
         for axis in self.axes.iter_mut().filter(|axis| !axis.links.is_empty()) {
-            let guide = |kind| axis.sum.get(kind)?.guide.map(|guide| guide.link);
+            let follower = |kind| axis.sum.get(kind)?.follower.map(|follower| follower.link);
             let cam = axis.cam(GeneratorKind::TimeCam).and_then(Cam::link);
-            let [moves, jogs, offsets] = GeneratorKind::GUIDED.map(guide);
+            let [moves, jogs, offsets] = GeneratorKind::GUIDED.map(follower);
             let used = [moves, jogs, offsets, cam];
             for link in axis.links.iter_mut() {
                 link.show_active(used.contains(&Some(link.id)), &mut self.controls, self.clock.tick);
@@ -235,8 +235,8 @@ impl Motion {
     /// The link by which the active move of a system is driven goes on to show AC while an instruction stops that move.
     pub(crate) fn keep_stopping_link(&mut self, index: SystemId) {
         let system = &mut self.systems[index];
-        let guide = system.guide.filter(|_| system.activity == Activity::Moving);
-        if let Some(used) = guide.and_then(|guide| system.links.active.filter(|link| link.id == guide.link)) {
+        let follower = system.follower.filter(|_| system.activity == Activity::Moving);
+        if let Some(used) = follower.and_then(|follower| system.links.active.filter(|link| link.id == follower.link)) {
             system.stopping_link = Some(used.execution);
         }
     }

@@ -44,7 +44,7 @@ impl Motion {
         if let Some(tail) = tail {
             system.travel.stop_tail(&tail, &self.clock);
         }
-        system.guide = None;
+        system.follower = None;
         system.activity = Activity::Stopping;
         system.stale = true;
     }
@@ -54,7 +54,7 @@ impl Motion {
     /// on with that.
     pub(crate) fn stop_on_path_at_once(&mut self, index: SystemId, limits: &Limits) {
         let system = &mut self.systems[index];
-        if system.guide.is_some() {
+        if system.follower.is_some() {
             self.stop_on_path(index, limits);
             return;
         }
@@ -199,7 +199,7 @@ impl Motion {
         let system = &mut self.systems[index];
         system.activity = Activity::Idle;
         system.shown = system.shown.at_rest();
-        system.guide = None;
+        system.follower = None;
         system.ended = None;
         system.stale = false;
     }

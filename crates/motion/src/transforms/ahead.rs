@@ -148,7 +148,7 @@ impl Present<'_> {
                 continue;
             }
             let own = match &generator.equation {
-                Equation::Planned { profile, start } if generator.guide.is_none() => {
+                Equation::Planned { profile, start } if generator.follower.is_none() => {
                     Some((profile, start.elapsed(&self.clock.next())))
                 }
                 // The coordinate system says.
@@ -262,7 +262,7 @@ impl Generator {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
-        let before = self.in_force.filter(|_| self.guide.is_none());
+        let before = self.in_force.filter(|_| self.follower.is_none());
         let stop = Profile::stop_within(from, limits, before.as_ref(), bounds);
         let sooner =
             own.is_some_and(|(own, since)| own.end().velocity == 0.0 && own.duration() - since <= stop.duration());
@@ -272,7 +272,7 @@ impl Generator {
     /// Its own profile by time, and how much of it is over at the present tick.
     pub(crate) fn timed(&self, clock: &Clock) -> Option<(&Profile, f64)> {
         match &self.equation {
-            Equation::Planned { profile, start } if self.guide.is_none() => Some((profile, start.elapsed(clock))),
+            Equation::Planned { profile, start } if self.follower.is_none() => Some((profile, start.elapsed(clock))),
             _ => None,
         }
     }

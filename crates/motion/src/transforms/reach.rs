@@ -16,7 +16,7 @@ use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
 
 /// What a coordinate system does on a way.
-struct Course<'a> {
+struct MovedPath<'a> {
     path: &'a Path,
     turn: Option<&'a Turn>,
     /// Rx, Ry, Rz where it begins, degrees.
@@ -51,9 +51,9 @@ impl Present<'_> {
         heading: Vector,
     ) -> Result<PathLimits, MotionError> {
         let mut limits = PathLimits::UNLIMITED;
-        let course = Course { path, turn, heading };
+        let moved = MovedPath { path, turn, heading };
         for transform in self.robots_led_by(system) {
-            self.verify_course(system, transform, &course, &mut limits)?;
+            self.verify_moved_path(system, transform, &moved, &mut limits)?;
         }
         Ok(limits)
     }
@@ -118,15 +118,15 @@ impl Present<'_> {
         &self,
         system: SystemId,
         transform: &Transform,
-        course: &Course<'_>,
+        moved: &MovedPath<'_>,
         share: f64,
         near: &mut Vector,
     ) -> Side {
         let description = &self.systems[system].description;
-        let length = course.path.length();
-        let at = course.path.at(share * length);
+        let length = moved.path.length();
+        let at = moved.path.at(share * length);
         let linear = [at.position, at.tangent, at.curvature];
-        let turned = course.turn.map(|turn| {
+        let turned = moved.turn.map(|turn| {
             let turned = turn.at(share).in_time(length.recip(), 0.0);
             *near = angles(&turned.rotation, near);
             let [rate, change] = angle_rates(near, &turned.rate, &turned.change);
@@ -146,20 +146,20 @@ impl Present<'_> {
         })
     }
 
-    fn verify_course(
+    fn verify_moved_path(
         &self,
         system: SystemId,
         transform: &Transform,
-        course: &Course<'_>,
+        moved: &MovedPath<'_>,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
         let mut robot = *robot;
-        let mut heading = course.heading;
-        let mut source = |share: f64| self.source_on(system, transform, course, share, &mut heading);
-        let length = course.path.length();
+        let mut heading = moved.heading;
+        let mut source = |share: f64| self.source_on(system, transform, moved, share, &mut heading);
+        let length = moved.path.length();
         let (mut looks, mut extremes) = (LOOKS, EXTREMES);
         let mut joints = robot.begin(&source(0.0))?;
         self.verify_joints(transform, &joints, limits)?;
