@@ -2,7 +2,7 @@
 //!
 //! Plain numbers: who measures them is `arcline-realtime`. Times are microseconds, but for the coarse update period.
 
-use arcline_instruction_set::predefined::{self, HISTOGRAM_BUCKETS, real_time_offset};
+use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, real_time_offset as at};
 use arcline_tag::Value;
 
 use crate::machine::Machine;
@@ -52,7 +52,7 @@ pub struct Measured {
     pub mean: f64,
     /// Mean with a time constant of 250 ticks.
     pub average: f64,
-    /// How many fell in each bucket ([`predefined::histogram_bucket`]).
+    /// How many fell in each bucket ([`arcline_instruction_set::predefined::histogram_bucket`]).
     pub histogram: [u64; HISTOGRAM_BUCKETS],
 }
 
@@ -84,27 +84,24 @@ impl Measured {
 impl Health {
     /// Writes the REAL_TIME structure.
     pub(super) fn encode(&self, bytes: &mut [u8]) {
-        let template = predefined::real_time();
-        let mut put = |name: &str, element: usize, value: Value| {
-            let Some(member) = template.member(name) else { return };
-            let offset = member.offset as usize + element * member.data_type.size();
+        let mut put = |offset: usize, value: Value| {
             // A member is inside its template.
             let _ = bytes.get_mut(offset..).and_then(|place| value.write(place));
         };
-        put("Ticks", 0, Value::Lint(self.ticks as i64));
-        put("Overruns", 0, count(self.overruns));
-        for (name, measured) in [("Lateness", &self.lateness), ("Compute", &self.compute)] {
-            let numbers = [
-                ("Last", measured.last),
-                ("Mean", measured.mean),
-                ("P99", measured.p99()),
-                ("Max", measured.max),
-            ];
-            for (what, number) in numbers {
-                put(&format!("{name}{what}"), 0, Value::Real(number as f32));
+        put(at::TICKS, Value::Lint(self.ticks as i64));
+        put(at::OVERRUNS, count(self.overruns));
+        let lateness = [at::LATENESS_LAST, at::LATENESS_MEAN, at::LATENESS_P99, at::LATENESS_MAX];
+        let compute = [at::COMPUTE_LAST, at::COMPUTE_MEAN, at::COMPUTE_P99, at::COMPUTE_MAX];
+        for (measured, numbers, histogram) in [
+            (&self.lateness, lateness, at::LATENESS_HISTOGRAM),
+            (&self.compute, compute, at::COMPUTE_HISTOGRAM),
+        ] {
+            let shown = [measured.last, measured.mean, measured.p99(), measured.max];
+            for (offset, number) in numbers.into_iter().zip(shown) {
+                put(offset, Value::Real(number as f32));
             }
             for (element, number) in measured.histogram.iter().enumerate() {
-                put(&format!("{name}Histogram"), element, count(*number));
+                put(histogram + element * size_of::<i32>(), count(*number));
             }
         }
         let state = [self.fifo, self.memory_locked, self.core.is_some()];
@@ -112,7 +109,7 @@ impl Health {
             .iter()
             .enumerate()
             .fold(0, |word, (bit, on)| word | i32::from(*on) << bit);
-        put("State", 0, Value::Dint(state));
+        put(at::STATE, Value::Dint(state));
     }
 }
 
@@ -121,7 +118,7 @@ pub(super) fn encode_period(machine: &Machine, bytes: &mut [u8]) {
     let milliseconds = Value::Real((machine.period_ns as f64 / 1e6) as f32);
     // A member is inside its template.
     let _ = bytes
-        .get_mut(real_time_offset::UPDATE_PERIOD..)
+        .get_mut(at::UPDATE_PERIOD..)
         .and_then(|place| milliseconds.write(place));
 }
 
