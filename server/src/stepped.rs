@@ -11,8 +11,9 @@ use std::time::Duration;
 use arcline_config::Project;
 use arcline_controller::{Controller, Snapshot};
 use arcline_realtime::{Planning, Rings};
-use arcline_state::{Disk, Ended, Place, Task};
+use arcline_state::{Disk, Ended, Pace, Place, Task};
 
+pub use crate::eip::Datagrams;
 use crate::eip::Settings;
 use crate::eip::stepped::SteppedFace;
 pub use crate::eip::stepped::{Duplex, Held};
@@ -36,19 +37,23 @@ pub struct Stepped<D: Disk> {
 pub struct StartError(String);
 
 impl<D: Disk> Stepped<D> {
-    /// Starts the server of a project with the state of a file on a disk, which it keeps there; `None`: nothing is kept.
+    /// Starts the server of a project with the state of a file on a disk, which it keeps there at a pace; `None`: nothing is kept.
     ///
     /// # Errors
     /// The disk cannot be used.
     ///
     /// # Panics
     /// Outside of a tokio runtime.
-    pub fn start(mut project: Project, disk: Option<(D, PathBuf)>, settings: Settings) -> Result<Self, StartError> {
+    pub fn start(
+        mut project: Project,
+        disk: Option<(D, PathBuf, Pace)>,
+        settings: Settings,
+    ) -> Result<Self, StartError> {
         let failed = |error: &dyn std::fmt::Display| StartError(error.to_string());
         let state = match disk {
-            Some((disk, file)) => {
+            Some((disk, file, pace)) => {
                 let place = Place::lock_on(disk, file).map_err(|error| failed(&error))?;
-                Some(SteppedState::open(place, &mut project).map_err(|error| failed(&error))?)
+                Some(SteppedState::open(place, pace, &mut project).map_err(|error| failed(&error))?)
             }
             None => None,
         };
@@ -88,6 +93,11 @@ impl<D: Disk> Stepped<D> {
     /// One turn of the trace.
     pub fn trace(&self) {
         self.plant.trace().step();
+    }
+
+    /// One turn of implicit I/O. On the clock of the runtime of [`Stepped::start`], which the caller has entered.
+    pub fn exchange(&mut self) {
+        self.face.exchange();
     }
 
     /// One turn of the writer of the retained state, at a time since the start, with the end of a synchronisation. Returns the next

@@ -434,7 +434,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     /// Whether a request is within the rate of the client's role; stops always are.
     fn is_within_rate(&mut self, request: &Request) -> bool {
         let Some(rate) = &mut self.rate else { return true };
-        rate.allows(self.host.peer, std::time::Instant::now()) || self.router.is_stop(request)
+        rate.allows(self.host.peer, Instant::now().into_std()) || self.router.is_stop(request)
     }
 
     /// Answers a request, in a turn of its own if it is long work.

@@ -1,6 +1,7 @@
 //! What all connections of the server share: the plant, the identity, limits and counters.
 
 use std::collections::BTreeMap;
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,7 +16,7 @@ use tokio::sync::watch;
 use tracing::{error, warn};
 
 use super::adapter::Adapters;
-use super::io::{AssemblyData, Io};
+use super::io::{AssemblyData, Datagrams, Io};
 use super::limiter::{ClientLimiter, Limits};
 use super::objects::Objects;
 use super::turns::Turns;
@@ -38,6 +39,8 @@ pub struct Settings {
     pub session: session::Settings,
     /// Where session handles and connection ids come from; `None` where there are no random numbers.
     pub random: fn() -> Option<u32>,
+    /// The socket of implicit I/O and its address; `None`: one of the system's.
+    pub datagrams: Option<(Arc<dyn Datagrams>, SocketAddr)>,
     /// The side of TLS, where EtherNet/IP over TLS listens.
     pub(crate) tls: Option<Arc<Tls>>,
 }
@@ -59,6 +62,7 @@ impl Settings {
                 },
                 ..session::Settings::default()
             },
+            datagrams: None,
             tls: None,
             config: config.clone(),
             random: system_random,
@@ -119,9 +123,11 @@ impl Device {
     /// Its address cannot be bound.
     pub(crate) fn new(plant: Plant, mut settings: Settings) -> std::io::Result<Self> {
         let assembly_data = AssemblyData::new(plant.machine(), settings.config.io_loss);
-        let io = match settings.config.io.address(settings.config.listen) {
-            Some(address) => Some(Arc::new(Io::bind(address, *assembly_data.assemblies())?)),
-            None => None,
+        let assemblies = *assembly_data.assemblies();
+        let io = match (settings.config.io.address(settings.config.listen), &settings.datagrams) {
+            (Some(_), Some((socket, local))) => Some(Arc::new(Io::over(socket.clone(), *local, assemblies)?)),
+            (Some(address), None) => Some(Arc::new(Io::bind(address, assemblies)?)),
+            (None, _) => None,
         };
         if io.is_some() {
             settings.session.capability |= Service::UDP_IO;

@@ -32,6 +32,7 @@ mod turns;
 mod tests;
 
 pub use device::Settings;
+pub use io::Datagrams;
 pub use listener::{BindError, Listener};
 
 /// The tables of docs/IO.md and docs/OBJECTS.md.

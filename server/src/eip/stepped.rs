@@ -15,6 +15,7 @@ use tokio::sync::{Mutex, mpsc};
 use super::accept::Accept;
 use super::connection::Socket;
 use super::device::{Device, Settings};
+use super::io::IoTurns;
 use super::listener::accept_clients;
 use crate::plant::Plant;
 
@@ -31,6 +32,7 @@ pub(crate) type Incoming = io::Result<(Box<dyn Duplex>, SocketAddr)>;
 pub(crate) struct SteppedFace {
     device: Arc<Device>,
     incoming: mpsc::UnboundedSender<Incoming>,
+    io: Option<IoTurns>,
 }
 
 /// What the face holds of its clients.
@@ -40,6 +42,8 @@ pub struct Held {
     pub clients: usize,
     /// Class 3 connections that are open.
     pub connections: usize,
+    /// Class 0 and 1 connections that are open.
+    pub io: usize,
 }
 
 impl SteppedFace {
@@ -55,7 +59,15 @@ impl SteppedFace {
             let network = Network(Mutex::new(clients));
             accept_clients(&network, &served).await;
         });
-        Ok(SteppedFace { device, incoming })
+        let io = device.io().map(|io| IoTurns::new(device.clone(), io.clone()));
+        Ok(SteppedFace { device, incoming, io })
+    }
+
+    /// A turn of implicit I/O.
+    pub(crate) fn exchange(&mut self) {
+        if let Some(io) = &mut self.io {
+            io.turn();
+        }
     }
 
     /// A client comes in.
@@ -69,6 +81,7 @@ impl SteppedFace {
         Held {
             clients: self.device.limiter.clients(),
             connections: self.device.open_connections(),
+            io: self.device.io().map_or(0, |io| io.open_connections()),
         }
     }
 }

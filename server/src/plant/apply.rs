@@ -9,6 +9,7 @@ use arcline_config::Role;
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
 use arcline_controller::{Series, Ticket, UNNAMED};
 use arcline_instruction_set::{SystemId, bind};
+use arcline_state::planted::is_planted;
 use arcline_tag::{DataType, TagPath, Value};
 use tokio::sync::oneshot;
 
@@ -234,7 +235,9 @@ impl Transaction<'_> {
 
     fn authorized(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
         let (image, machine) = (self.state.image(), &self.shared.machine);
-        policy::authorize_role(self.principal, self.role, &command, image)?;
+        if !is_planted("role not checked") {
+            policy::authorize_role(self.principal, self.role, &command, image)?;
+        }
         policy::authorize(self.principal, &command, image, machine, &self.shared.control())?;
         self.check_alone(&command)?;
         self.execute(command)

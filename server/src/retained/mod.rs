@@ -19,7 +19,7 @@ use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
-use arcline_state::{Axis, AxisState, Damage, Disk, Kept, OpenError, Place, ReadError, State, Tag};
+use arcline_state::{Axis, AxisState, Damage, Disk, Kept, OpenError, Pace, Place, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
 use crate::plant::image_of;
@@ -195,7 +195,7 @@ impl<D: Disk> SteppedState<D> {
     ///
     /// # Errors
     /// See [`RetainError`].
-    pub(crate) fn open(place: Place<D>, project: &mut Project) -> Result<Self, RetainError> {
+    pub(crate) fn open(place: Place<D>, pace: Pace, project: &mut Project) -> Result<Self, RetainError> {
         let Start {
             place,
             image,
@@ -204,7 +204,7 @@ impl<D: Disk> SteppedState<D> {
         } = Start::from(place, project)?;
         let (jobs, next) = mpsc::channel();
         let watch = ChangeTracker::new(jobs, state.axes.clone(), tags, project.machine.period_ns);
-        let keeper = Keeper::start(place, state, Duration::ZERO, next);
+        let keeper = Keeper::start(place, state, pace, Duration::ZERO, next);
         Ok(SteppedState { image, watch, keeper })
     }
 }

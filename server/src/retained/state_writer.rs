@@ -54,7 +54,7 @@ impl StateWriter {
             }
         })?;
         let begun = Instant::now();
-        let keeper = Keeper::start(place, state, begun.elapsed(), next);
+        let keeper = Keeper::start(place, state, Pace::default(), begun.elapsed(), next);
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
             .spawn(move || run(keeper, begun, &disk))?;
@@ -120,8 +120,8 @@ pub(crate) enum Turn<D: Disk> {
 
 impl<D: Disk> Keeper<D> {
     /// Writes a state to its file.
-    pub(crate) fn start(place: Place<D>, state: State, now: Duration, jobs: mpsc::Receiver<Job>) -> Self {
-        let mut writer = Writer::start(place, state, Pace::default(), now);
+    pub(crate) fn start(place: Place<D>, state: State, pace: Pace, now: Duration, jobs: mpsc::Receiver<Job>) -> Self {
+        let mut writer = Writer::start(place, state, pace, now);
         carry_out(&mut writer);
         Keeper { writer, jobs }
     }

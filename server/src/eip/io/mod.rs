@@ -1,20 +1,22 @@
 //! Implicit I/O: class 0 and 1 connections over one UDP socket (spec/ethernet-ip.md §14, docs/IO.md).
 //!
-//! Which connections may open, and when a datagram is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the thread that
-//! keeps the times, and what the assemblies mean. The tick knows nothing of it: inputs come from its snapshots, outputs
+//! Which connections may open, and when a datagram is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the turns that take
+//! and send datagrams, the thread that makes the turns, and what the assemblies mean. The tick knows nothing of it: inputs come from its snapshots, outputs
 //! go through the ring of its commands.
 
 mod lateness;
 pub(crate) mod layout;
 mod outputs;
 pub(crate) mod page;
+mod socket;
 mod thread;
+mod turn;
 
 use std::collections::BTreeMap;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use arcline_config::IoLoss;
 use arcline_controller::machine::Machine;
@@ -26,7 +28,7 @@ use arcline_proto::session::{Host, IoOpen, IoOpened};
 use bytes::{Bytes, BytesMut};
 use rustix::event::{EventfdFlags, eventfd};
 use rustix::fd::OwnedFd;
-use rustix::net::sockopt::set_ip_multicast_if;
+use tokio::time::Instant;
 use tracing::{debug, warn};
 
 use self::layout::{Head, status};
@@ -34,7 +36,9 @@ use self::outputs::Outputs;
 use crate::eip::device::Device;
 use crate::plant::Plant;
 
+pub use socket::Datagrams;
 pub(crate) use thread::IoThread;
+pub(crate) use turn::IoTurns;
 
 /// Connections of all originators.
 const MAX_CONNECTIONS: usize = 64;
@@ -127,7 +131,7 @@ impl AssemblyData {
 #[derive(Debug)]
 pub(crate) struct Io {
     connections: Mutex<IoConnections>,
-    socket: UdpSocket,
+    socket: Arc<dyn Datagrams>,
     local: SocketAddr,
     epoch: Instant,
     /// Through which of our addresses a group is reached.
@@ -149,6 +153,14 @@ impl Io {
             socket.set_multicast_ttl_v4(1)?;
         }
         let local = socket.local_addr()?;
+        Self::over(Arc::new(socket), local, assemblies)
+    }
+
+    /// Over a socket at an address.
+    ///
+    /// # Errors
+    /// The system has no descriptor left.
+    pub(crate) fn over(socket: Arc<dyn Datagrams>, local: SocketAddr, assemblies: Assemblies) -> io::Result<Self> {
         let settings = IoSettings {
             assemblies,
             max_connections: MAX_CONNECTIONS,
@@ -169,6 +181,11 @@ impl Io {
     /// The address that was really bound.
     pub(crate) fn local(&self) -> SocketAddr {
         self.local
+    }
+
+    /// How many connections are open.
+    pub(crate) fn open_connections(&self) -> usize {
+        lock(&self.connections).len()
     }
 
     /// What the outputs are at present.
@@ -224,7 +241,7 @@ impl Io {
     fn route(&self, group: Ipv4Addr) {
         let via = lock(&self.groups).get(&group).copied();
         if let Some(via) = via
-            && let Err(error) = set_ip_multicast_if(&self.socket, &via)
+            && let Err(error) = self.socket.send_through(via)
         {
             debug!(%error, %group, %via, "no way to a multicast group");
         }

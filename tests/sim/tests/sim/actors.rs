@@ -1,9 +1,12 @@
 //! The clients of a scenario. Each draws from a generator of its own, so that another one can be left out without changing what it does.
 
 mod motion;
+mod onlooker;
+mod owner;
 mod peers;
 pub(crate) mod tags;
 
+use std::collections::BTreeSet;
 use std::future::Future;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::pin::Pin;
@@ -14,6 +17,7 @@ use std::time::Duration;
 use arcline_tests::random::Random;
 
 use crate::client::{Answer, Client, NoAnswer, PATIENCE_MS};
+use crate::datagrams::Post;
 use crate::history::History;
 use crate::motion::Deadline;
 use crate::network::{End, Network, Weather};
@@ -51,6 +55,8 @@ pub(crate) const ACTORS: &[Actor] = &[
     actor!("lines", motion::lines),
     actor!("jogger", motion::jogger),
     actor!("stopper", motion::stopper),
+    actor!("owner of outputs", owner::owner),
+    actor!("onlooker", onlooker::onlooker),
 ];
 
 /// Actors whose absence no other one notices (N2, T2).
@@ -62,21 +68,49 @@ pub(crate) struct Common {
     pub(crate) record: Record,
     pub(crate) history: History,
     pub(crate) network: Network,
+    pub(crate) post: Post,
     pub(crate) incoming: Arc<Mutex<Vec<(End, SocketAddr)>>>,
     pub(crate) deadlines: Arc<Mutex<Vec<Order>>>,
-    /// The server's starts so far.
-    pub(crate) starts: Arc<AtomicU64>,
+    /// The server's starts and ends so far.
+    pub(crate) lives: Arc<AtomicU64>,
+    /// Session handles and connection ids that clients use.
+    pub(crate) alive: Arc<Mutex<BTreeSet<u32>>>,
     /// ms: from then on nothing fails.
     pub(crate) quiet_from: u64,
     /// ms: from then on actors leave.
     pub(crate) leave_from: u64,
 }
 
+impl Common {
+    /// The least handle or id that a client uses, 0 where there is none.
+    pub(crate) fn some_alive(&self) -> u32 {
+        lock(&self.alive).first().copied().unwrap_or_default()
+    }
+}
+
 /// To the watch of motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
+    /// An axis must stand at a time.
     Rest(Deadline),
+    /// An axis is moved again on purpose.
     Moves(usize),
+    /// A line of CS1 may begin, to this position of X, Y and Z.
+    Line([f64; 3]),
+    /// It was refused.
+    NoLine([f64; 3]),
+}
+
+/// A session or a connection that a client uses, until it is dropped.
+pub(crate) struct Alive {
+    id: u32,
+    all: Arc<Mutex<BTreeSet<u32>>>,
+}
+
+impl Drop for Alive {
+    fn drop(&mut self) {
+        lock(&self.all).remove(&self.id);
+    }
 }
 
 /// Where an actor acts.
@@ -106,7 +140,11 @@ impl Stage {
             common,
             random,
             weather,
-            address: Ipv4Addr::new(10, 0, 1, number),
+            address: match name {
+                // An address with the least role.
+                "onlooker" => Ipv4Addr::new(127, 0, 0, number),
+                _ => Ipv4Addr::new(10, 0, 1, number),
+            },
             port: 1024,
         }
     }
@@ -123,12 +161,26 @@ impl Stage {
 
     /// A client with a session.
     pub(crate) async fn client(&mut self) -> Answer<Client> {
-        let client = Client::register(self.connect()).await?;
-        let session = client.session();
-        if session == 0 {
-            self.common.record.violated("L4", "the session handle 0");
-        }
+        let mut client = Client::register(self.connect()).await?;
+        client.alive.push(self.alive(client.session()));
         Ok(client)
+    }
+
+    /// A handle or id that the server gave: it is not 0, and no one else has it (L4).
+    pub(crate) fn alive(&self, id: u32) -> Alive {
+        let is_new = lock(&self.common.alive).insert(id);
+        if id == 0 || !is_new {
+            let why = format!("{}: the handle or id {id:08X} is 0 or in use", self.name);
+            self.common.record.violated("L4", &why);
+        }
+        Alive {
+            id,
+            all: self.common.alive.clone(),
+        }
+    }
+
+    pub(crate) fn ip(&self) -> Ipv4Addr {
+        self.address
     }
 
     pub(crate) fn now(&self) -> u64 {
@@ -181,8 +233,8 @@ impl Stage {
         self.common.record.sometimes(state);
     }
 
-    pub(crate) fn starts(&self) -> u64 {
-        self.common.starts.load(Ordering::Relaxed)
+    pub(crate) fn lives(&self) -> u64 {
+        self.common.lives.load(Ordering::Relaxed)
     }
 
     pub(crate) fn order(&self, order: Order) {

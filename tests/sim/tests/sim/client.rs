@@ -2,6 +2,7 @@
 //! time, or the connection ends.
 
 use std::fmt;
+use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;
 
 use arcline_instruction_set::Mnemonic;
@@ -10,7 +11,7 @@ use arcline_proto::cip::{Reply, Request, join_multiple, service, split_multiple_
 use arcline_proto::connection::{
     ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
 };
-use arcline_proto::cpf::{ConnectionId, Packet};
+use arcline_proto::cpf::{ConnectionId, Item, Packet};
 use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{ReadReply, ReadTag, Typed, WireType, WriteTag, encode_operands};
@@ -18,6 +19,7 @@ use arcline_tag::{Elementary, TagPath, Value};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
+use crate::actors::Alive;
 use crate::network::End;
 
 pub(crate) const DINT: WireType = WireType::Atomic(0xC4);
@@ -30,6 +32,8 @@ pub(crate) struct Client {
     buf: BytesMut,
     session: SessionHandle,
     context: u64,
+    /// Its session, and the connections that it opened.
+    pub(crate) alive: Vec<Alive>,
 }
 
 /// A class 3 connection.
@@ -37,6 +41,13 @@ pub(crate) struct Connected {
     id: ConnectionId,
     sequence: u16,
     key: ConnectionKey,
+}
+
+impl Connected {
+    /// The id that the server gave.
+    pub(crate) fn id(&self) -> u32 {
+        self.id.0
+    }
 }
 
 /// Why a client has no answer.
@@ -76,6 +87,7 @@ impl Client {
             buf: BytesMut::new(),
             session: SessionHandle(0),
             context: 0,
+            alive: Vec::new(),
         };
         let reply = client
             .exchange(Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes())
@@ -195,10 +207,37 @@ impl Client {
         }))
     }
 
+    /// Opens a connection of implicit I/O whose datagrams are to come to a port. `None`: it was refused.
+    pub(crate) async fn open_io(&mut self, open: &ForwardOpen, port: u16) -> Answer<Option<ForwardOpenReply>> {
+        let wrong = |what: &str| NoAnswer::Wrong(what.to_owned());
+        let data = open
+            .to_bytes(false)
+            .map_err(|error| NoAnswer::Wrong(error.to_string()))?;
+        let request = Request::new(service::FORWARD_OPEN, Epath::object(6, 1), data);
+        let message = request.to_bytes().map_err(|error| NoAnswer::Wrong(error.to_string()))?;
+        let mut packet = Packet::unconnected(message);
+        let here = SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, port);
+        packet.items.push(Item::SockaddrTToO(here));
+        let frame = self.exchange(Command::SEND_RR_DATA, packet.to_bytes()).await?;
+        let packet = Packet::decode(&frame.data).map_err(|error| NoAnswer::Wrong(error.to_string()))?;
+        let message = packet.unconnected_message().map_err(|_| wrong("no message"))?;
+        let reply = Reply::decode(message).ok_or_else(|| wrong("no reply"))?;
+        if !reply.status.is_success() {
+            return Ok(None);
+        }
+        let opened = ForwardOpenReply::decode(&reply.data).ok_or_else(|| wrong("Forward Open"))?;
+        Ok(Some(opened))
+    }
+
     pub(crate) async fn close(&mut self, connected: Connected) -> Answer<()> {
+        self.forward_close(connected.key).await
+    }
+
+    /// Closes the connection of a key.
+    pub(crate) async fn forward_close(&mut self, key: ConnectionKey) -> Answer<()> {
         let close = ForwardClose {
             time: TickTime::DEFAULT,
-            key: connected.key,
+            key,
             path: Epath::object(2, 1),
         };
         let data = close.to_bytes().map_err(|error| NoAnswer::Wrong(error.to_string()))?;

@@ -1,9 +1,10 @@
-//! What each tick must hold, M1 to M3, and the deadlines of stops, L1.
+//! What each tick must hold, M1 to M3, and the deadlines of stops, L1 and L2.
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::axis_status;
 
+use crate::path::Path;
 use crate::record::Record;
 
 /// Looks at every tick.
@@ -14,6 +15,7 @@ pub(crate) struct Watch {
     /// How many ticks motion has been inhibited for.
     inhibited: u64,
     deadlines: Vec<Deadline>,
+    path: Path,
     /// Hash of the command positions of all ticks.
     pub(crate) hash: crate::record::Fnv,
     pub(crate) moving: bool,
@@ -40,6 +42,7 @@ impl Watch {
             before: None,
             inhibited: 0,
             deadlines: Vec::new(),
+            path: Path::default(),
             hash: crate::record::Fnv::default(),
             moving: false,
         }
@@ -50,6 +53,7 @@ impl Watch {
         self.before = None;
         self.inhibited = 0;
         self.deadlines.clear();
+        self.path.restart();
     }
 
     pub(crate) fn expect_rest(&mut self, deadline: Deadline) {
@@ -61,10 +65,23 @@ impl Watch {
         self.deadlines.retain(|deadline| deadline.axis != axis);
     }
 
+    /// A line of CS1 may begin.
+    pub(crate) fn expect_line(&mut self, target: [f64; 3]) {
+        self.path.expect(target);
+    }
+
+    /// It was refused.
+    pub(crate) fn forget_line(&mut self, target: [f64; 3]) {
+        self.path.forget(target);
+    }
+
     /// Looks at a tick; `is_inhibited` as it was before it.
     pub(crate) fn see(&mut self, snapshot: &Snapshot, is_inhibited: bool, record: &Record) {
         self.inhibited = if is_inhibited { self.inhibited + 1 } else { 0 };
         self.moving = false;
+        if let Some(off) = self.path.see(&snapshot.axes, is_inhibited) {
+            record.violated("M1", &format!("a line of CS1 is left by {off}"));
+        }
         for (index, (axis, [speed, rate])) in snapshot.axes.iter().zip(&self.limits).enumerate() {
             let [position, velocity, acceleration] = axis.command;
             self.hash.add(&position.to_bits().to_le_bytes());

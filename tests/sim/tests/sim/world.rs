@@ -3,16 +3,18 @@
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
-use arcline_config::{IoListen, Project};
+use arcline_config::Project;
+use arcline_proto::io::IO_PORT;
 use arcline_server::eip::Settings;
-use arcline_server::stepped::Stepped;
-use arcline_state::Task;
+use arcline_server::stepped::{Held, Stepped};
 use arcline_state::recording::{Call, Kind, Recording, Rules};
+use arcline_state::{Pace, Task};
 use arcline_tag::TagPath;
 use arcline_tests::random::Random;
 use tokio::runtime::{Builder, Runtime};
@@ -49,6 +51,7 @@ fn handles() -> Option<u32> {
 const CONFIG: &str = r#"
 [security]
 remote_plain = "engineer"
+loopback = "viewer"
 [[instruction]]
 tag = "StepA"
 type = "MAM"
@@ -128,6 +131,7 @@ struct World<'s> {
     failing: Arc<AtomicU8>,
     failing_until: u64,
     sync_takes: u64,
+    pace: Pace,
     /// Writes that were answered by then are on the disk, whatever becomes of the power.
     durable: u64,
     beside: Option<u64>,
@@ -152,6 +156,11 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
     };
     let mut draw = scenario.random("world");
     let clients_first = draw.below(2) == 0;
+    // Often so little that the file is written anew some times.
+    let pace = Pace {
+        growth: *draw.one_of(&[8 * 1024, 64 * 1024, 1024 * 1024]),
+        ..Pace::default()
+    };
     let mut world = World {
         watch: Watch::new(&projects.0[0].machine),
         scenario,
@@ -164,6 +173,7 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
         failing: Arc::default(),
         failing_until: 0,
         sync_takes: 2,
+        pace,
         durable: 0,
         beside: None,
         late_until: 0,
@@ -198,6 +208,7 @@ impl World<'_> {
             self.now = now;
             self.common.record.begin(now);
             self.common.network.begin(now);
+            self.common.post.begin(now);
             while faults.front().is_some_and(|(at, _)| *at <= now) {
                 if let Some((_, fault)) = faults.pop_front() {
                     self.strike(fault);
@@ -268,6 +279,10 @@ impl World<'_> {
         if let Some(running) = &self.running {
             turn(&running.runtime, running.began, self.now - running.since);
         }
+        if let Some(running) = &mut self.running {
+            let _guard = running.runtime.enter();
+            running.server.exchange();
+        }
     }
 
     /// A turn of the writer of the state.
@@ -297,16 +312,16 @@ impl World<'_> {
 
     fn start(&mut self) {
         let runtime = runtime();
-        let mut config = self.projects.0[0].server.clone();
-        config.io = IoListen::Off;
-        let mut settings = Settings::new(&config);
+        let mut settings = Settings::new(&self.projects.0[0].server);
+        let post = Arc::new(self.common.post.clone());
+        settings.datagrams = Some((post, SocketAddr::from((Ipv4Addr::new(10, 0, 0, 1), IO_PORT))));
         settings.write_timeout = Duration::from_secs(2);
         settings.system = PathBuf::from("/nonexistent");
         settings.random = handles;
         let project = self.projects.0[0].clone();
         let started = {
             let _guard = runtime.enter();
-            Stepped::start(project, Some((self.disk.clone(), file())), settings)
+            Stepped::start(project, Some((self.disk.clone(), file(), self.pace)), settings)
         };
         let server = match started {
             Ok(server) => server,
@@ -338,8 +353,7 @@ impl World<'_> {
                 .record
                 .violated("W2", "a message that writes two tags was kept half");
         }
-        let started = self.common.starts.fetch_add(1, Ordering::Relaxed);
-        if started > 0 {
+        if self.common.lives.fetch_add(1, Ordering::Relaxed) > 0 {
             self.common.record.sometimes("a restart");
         }
         self.common.record.note("world", &format!("starts with {values:?}"));
@@ -365,6 +379,8 @@ impl World<'_> {
 
     fn end_server(&mut self) {
         self.running = None;
+        self.common.lives.fetch_add(1, Ordering::Relaxed);
+        self.common.post.lose_server();
         self.watch.restart();
         lock(&self.common.deadlines).clear();
     }
@@ -377,7 +393,9 @@ impl World<'_> {
             Fault::Planner(ms) => self.planner_until = now + ms,
             Fault::Partition(ms) => {
                 self.common.record.sometimes("a partition");
-                self.common.network.hold((now + ms).min(self.scenario.quiet_from()));
+                let until = (now + ms).min(self.scenario.quiet_from());
+                self.common.network.hold(until);
+                self.common.post.hold(until);
             }
             Fault::Reset => {
                 self.common.record.sometimes("connections are reset");
@@ -460,6 +478,10 @@ impl World<'_> {
         self.late_until = 0;
         self.planner_until = 0;
         self.common.network.hold(0);
+        // A synchronisation that waits for a slow disk waits no longer.
+        if let Some((due, _, _)) = self.running.as_mut().and_then(|running| running.task.as_mut()) {
+            *due = self.now;
+        }
     }
 
     /// The disk fails as the present bits say.
@@ -480,6 +502,8 @@ impl World<'_> {
             match order {
                 Order::Rest(deadline) => self.watch.expect_rest(deadline),
                 Order::Moves(axis) => self.watch.forget(axis),
+                Order::Line(target) => self.watch.expect_line(target),
+                Order::NoLine(target) => self.watch.forget_line(target),
             }
         }
         // A late tick is caught up before it is judged.
@@ -499,12 +523,25 @@ impl World<'_> {
         for wrong in self.common.history.check() {
             record.violated("history", &wrong);
         }
+        // An owner whose Forward Open was answered to nobody has so long for its first datagram.
+        for _ in 0..FIRST_DATAGRAM {
+            if self
+                .running
+                .as_ref()
+                .is_none_or(|running| running.server.held().io == 0)
+            {
+                break;
+            }
+            self.now += 1;
+            self.common.network.begin(self.now);
+            self.serve();
+        }
         let Some(running) = &self.running else {
             record.violated("N1", "the server does not run at the end");
             return;
         };
         let held = running.server.held();
-        if held.clients != 0 || held.connections != 0 {
+        if held != Held::default() {
             record.violated("L3", &format!("{held:?} are held for clients that have left"));
         }
         let health = running.server.plant().health();
@@ -533,5 +570,7 @@ fn file() -> PathBuf {
 
 /// Before the end actors leave; that long it takes until a client that vanished is noticed, ms.
 const LEAVING: u64 = 5_000;
+/// The longest silence before the first datagram of an I/O connection, ms (docs/IO.md).
+const FIRST_DATAGRAM: u64 = 10_100;
 /// As the thread of the tick has it.
 const CATCH_UP: u64 = 1000;

@@ -63,25 +63,26 @@ pub(crate) async fn stepper(mut stage: Stage) {
     }
 }
 
-/// What the tag and its axis show, of one tick.
-async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(MotionControl, f64)>> {
-    let replies = client
-        .ask_all(&[read("StepA.MotionControl", 1), read("A.CommandPosition", 1)])
-        .await?;
-    let Some([control, position]) = replies.as_deref() else {
+/// What the tag and its axis show, of one tick: the axis's position, and its velocity.
+async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(MotionControl, f64, f64)>> {
+    let tags = ["StepA.MotionControl", "A.CommandPosition", "A.CommandVelocity"];
+    let replies = client.ask_all(&tags.map(|tag| read(tag, 1))).await?;
+    let Some([control, position, velocity]) = replies.as_deref() else {
         return Ok(None);
     };
     stage.common.record.saw(stage.name, &control.to_bytes());
     stage.common.record.saw(stage.name, &position.to_bytes());
-    let both = control_of(control).zip(real(position));
-    match both {
-        Some((control, position)) => {
+    let numbers = real(position).zip(real(velocity));
+    let shown = control_of(control).zip(numbers);
+    let shown = shown.map(|(control, (position, velocity))| (control, position, velocity));
+    match shown {
+        Some((control, position, _)) => {
             stage.note(&format!("{:08X} ERR {} at {position}", control.flags, control.err));
             check_bits(control, stage, "StepA");
         }
         None => stage.common.record.violated("N1", "StepA cannot be read"),
     }
-    Ok(both)
+    Ok(shown)
 }
 
 async fn step_for_a_while(stage: &mut Stage, client: &mut Client) -> Answer<()> {
@@ -97,23 +98,19 @@ async fn step_for_a_while(stage: &mut Stage, client: &mut Client) -> Answer<()> 
 }
 
 async fn step(stage: &mut Stage, client: &mut Client) -> Answer<()> {
-    // An instruction of a connection before may still run.
-    let mut before = None;
+    // An instruction of a connection before may still run, and a STOP ends an instruction before the axis stands.
+    let mut from = None;
     for _ in 0..100 {
-        let now = look(stage, client).await?;
-        // A STOP ends the instruction before the axis stands.
-        let stands = before
-            .zip(now)
-            .is_some_and(|((_, before), (control, now))| !control.has(Flag::Ip) && now == before);
-        before = now;
-        if stands {
+        if let Some((control, at, velocity)) = look(stage, client).await?
+            && !control.has(Flag::Ip)
+            && velocity == 0.0
+        {
+            from = Some(at);
             break;
         }
         stage.pause(20).await;
-        // Longer than a tick, also after late ones.
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
     }
-    let Some((_, from)) = before else { return Ok(()) };
+    let Some(from) = from else { return Ok(()) };
     let distance = stage.random.between(0.5, 4.0) as f32;
     let operands = [
         write("StepA.EnableIn", BOOL, 1, &[0]),
@@ -133,7 +130,7 @@ async fn step(stage: &mut Stage, client: &mut Client) -> Answer<()> {
     }
     stage.sometimes("an edge of EnableIn");
     for _ in 0..400 {
-        let Some((control, at)) = look(stage, client).await? else {
+        let Some((control, at, _)) = look(stage, client).await? else {
             return Ok(());
         };
         let moved = at - from;
@@ -199,16 +196,16 @@ async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (
             break;
         }
         for control in ["Line1", "Line2"] {
-            let started = stage.starts();
-            let reply = client.ask(&line(stage, control)).await?;
+            let lives = stage.lives();
+            let reply = draw_line(stage, client, control).await?;
             stage.common.record.saw(stage.name, &reply.to_bytes());
             if let Some(instance) = reply.status.is_success().then(|| reply.data.get(..4)).flatten() {
                 let instance = u32::from_le_bytes([instance[0], instance[1], instance[2], instance[3]]);
-                if *newest >= (started, instance) && started == stage.starts() {
+                if *newest >= (lives, instance) && lives == stage.lives() {
                     let why = format!("instance {instance} behind {}", newest.1);
                     stage.common.record.violated("E1", &why);
                 }
-                *newest = (started, instance);
+                *newest = (lives, instance);
                 if let Some(control) = reply.data.get(4..).and_then(<[u8]>::first_chunk) {
                     check_bits(MotionControl::from_bytes(*control), stage, "the answer of MCLM");
                 }
@@ -217,7 +214,7 @@ async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (
         until_complete(stage, client).await?;
         if stage.chance(20) {
             stage.sometimes("a line is stopped by MCS");
-            client.ask(&line(stage, "Line1")).await?;
+            draw_line(stage, client, "Line1").await?;
             stage.pause(60).await;
             // All, at the programmed deceleration.
             client
@@ -233,11 +230,21 @@ async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (
     Ok(())
 }
 
+/// Asks for a line to a drawn position.
+async fn draw_line(stage: &mut Stage, client: &mut Client, control: &str) -> Answer<Reply> {
+    let position = [0; 3].map(|_| stage.random.between(-30.0, 30.0));
+    stage.order(Order::Line(position));
+    let reply = client.ask(&line(control, position)).await?;
+    if !reply.status.is_success() {
+        stage.order(Order::NoLine(position));
+    }
+    Ok(reply)
+}
+
 /// An absolute MCLM, trapezoidal.
-fn line(stage: &mut Stage, control: &str) -> arcline_proto::cip::Request {
+fn line(control: &str, position: [f64; 3]) -> arcline_proto::cip::Request {
     use arcline_proto::logix::{Typed, encode_operands};
     use arcline_tag::{Elementary, Value};
-    let position: Vec<f64> = (0..3).map(|_| stage.random.between(-30.0, 30.0)).collect();
     let numbers = |numbers: &[f64]| {
         let values = numbers.iter().map(|number| Value::from_f64(Elementary::Lreal, *number));
         Typed::Numbers(Elementary::Lreal, values.collect())
@@ -361,7 +368,7 @@ async fn jog(stage: &mut Stage, mut client: Client) -> Answer<()> {
 }
 
 /// The stop itself, and the latest tick.
-const LATE: u64 = 150;
+pub(super) const LATE: u64 = 150;
 
 /// Stops everything and releases it.
 pub(crate) async fn stopper(mut stage: Stage) {
@@ -394,8 +401,8 @@ async fn stop(stage: &mut Stage, client: &mut Client) -> Answer<()> {
     }
     stage.sometimes("STOP");
     let shown = client.ask(&read("MotionInhibit", 1)).await?;
-    let started = stage.starts();
-    if value(&shown).is_some_and(|value| value[0] == 0) && started == stage.starts() {
+    let lives = stage.lives();
+    if value(&shown).is_some_and(|value| value[0] == 0) && lives == stage.lives() {
         stage
             .common
             .record

@@ -1,9 +1,14 @@
 //! Clients that only load the network: hostile ones, silent ones, ones that do not read.
 
+use std::net::SocketAddr;
 use std::time::Duration;
 
 use arcline_proto::cip::Request;
+use arcline_proto::cpf::ConnectionId;
 use arcline_proto::epath::Epath;
+use arcline_proto::io::{Datagram, IO_PORT};
+use arcline_tests::random::Random;
+use bytes::BytesMut;
 
 use super::Stage;
 use crate::client::{Answer, Client, DINT, NoAnswer, read, write};
@@ -11,7 +16,24 @@ use crate::network::Window;
 
 /// Sends bytes that are no frames, frames of other sessions, and messages that no client sends.
 pub(crate) async fn hostile(mut stage: Stage) {
+    let address = SocketAddr::new(stage.ip().into(), IO_PORT);
+    let random = Random(stage.random.bits());
+    let mut mailbox = stage.common.post.open(address, stage.weather, random);
     while !stage.is_over() {
+        // Datagrams of no connection, and forged ones of another client's.
+        let mut bytes = BytesMut::new();
+        let data: Vec<u8> = (0..stage.random.below(40)).map(|_| stage.random.bits() as u8).collect();
+        let id = ConnectionId(stage.common.some_alive());
+        let sequence = stage.random.bits() as u32;
+        Datagram {
+            id,
+            sequence,
+            data: &data,
+        }
+        .encode(&mut bytes);
+        bytes.truncate(stage.random.below(80) as usize);
+        mailbox.send(&bytes);
+        stage.sometimes("a forged datagram");
         if stage.chance(50) {
             let mut end = stage.connect();
             let count = 1 + stage.random.below(200);

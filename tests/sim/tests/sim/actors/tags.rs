@@ -10,6 +10,8 @@ use crate::history::Written;
 pub(crate) const TAGS: [&str; 4] = ["D0", "D1", "D2", "D3"];
 /// Two tags that are always written in one message, with the same value.
 pub(crate) const PAIR: [&str; 2] = ["P0", "P1"];
+/// How soon the state is kept again when the disk works again, ms: the writer tries after a second, and synchronises twice.
+const RECOVERY: u64 = 1_200;
 
 pub(crate) async fn writer_1(stage: Stage) {
     writer(stage, 1_000_000).await;
@@ -54,11 +56,16 @@ async fn write_for_a_while(stage: &mut Stage, client: &mut Client, next: &mut i3
     Ok(())
 }
 
-fn written(stage: &Stage, reply: &Reply) -> Written {
+/// The outcome of a write that was asked for at a time.
+fn written(stage: &Stage, asked: u64, reply: &Reply) -> Written {
     match reply.status.general() {
         0 => Written::Kept,
         0x19 => {
             stage.sometimes("a write that is not kept");
+            if asked >= stage.common.quiet_from + RECOVERY {
+                let why = format!("{}: a write is not kept though the disk works again", stage.name);
+                stage.common.record.violated("W2", &why);
+            }
             Written::NotKept
         }
         _ => Written::Refused,
@@ -73,7 +80,7 @@ async fn write_one(stage: &mut Stage, client: &mut Client, next: &mut i32) -> An
     stage.common.history.asks(tag, value);
     let reply = client.ask(&write(tag, DINT, 1, &value.to_le_bytes())).await?;
     stage.in_time(asked);
-    let answer = written(stage, &reply);
+    let answer = written(stage, asked, &reply);
     if answer == Written::Refused {
         let why = format!("{}: a write of {tag} was refused: {}", stage.name, reply.status);
         stage.common.record.violated("N1", &why);
@@ -100,7 +107,7 @@ async fn write_pair(stage: &mut Stage, client: &mut Client, next: &mut i32) -> A
         return Ok(());
     };
     for (index, reply) in order.into_iter().zip(&replies) {
-        let answer = written(stage, reply);
+        let answer = written(stage, asked, reply);
         stage.common.history.has(PAIR[index], value, answer);
         stage.common.record.saw(stage.name, &reply.to_bytes());
     }
@@ -197,6 +204,7 @@ async fn read_connected(stage: &mut Stage, client: &mut Client, serial: u16) -> 
         stage.note("Forward Open was refused");
         return Ok(());
     };
+    client.alive.push(stage.alive(connected.id()));
     stage.sometimes("a class 3 connection");
     for _ in 0..20 + stage.random.below(60) {
         if stage.is_over() {
@@ -255,6 +263,7 @@ async fn fall_silent(stage: &mut Stage, client: &mut Client, serial: u16) -> Ans
     let Some(mut connected) = client.open(serial).await? else {
         return Ok(());
     };
+    client.alive.push(stage.alive(connected.id()));
     for _ in 0..stage.random.below(10) {
         let reply = client.ask_connected(&mut connected, &read("D0", 1)).await?;
         stage.common.record.saw(stage.name, &reply.to_bytes());

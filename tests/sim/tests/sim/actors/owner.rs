@@ -1,0 +1,218 @@
+//! The owner of the outputs of implicit I/O: it moves an axis, and is lost in each way in which an owner can be.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use arcline_instruction_set::Mnemonic;
+use arcline_proto::connection::{ConnectionKey, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime};
+use arcline_proto::cpf::ConnectionId;
+use arcline_proto::epath::{Epath, Segment};
+use arcline_proto::io::{Datagram, IO_PORT};
+use bytes::BytesMut;
+
+use super::{Order, Stage};
+use crate::client::{Answer, Client, instruction};
+use crate::datagrams::Mailbox;
+use crate::motion::Deadline;
+
+/// The instance of axis C.
+const C: u32 = 7;
+/// Bytes of the assemblies of the machine: four coordinate systems and seven axes.
+const INPUT_SIZE: u16 = 12 + 4 * 24 + 7 * 20;
+const OUTPUT_SIZE: u16 = 4 + 4 * 4;
+/// The connection points of the outputs and inputs, and the configuration (docs/IO.md).
+const OUTPUT: u32 = 150;
+const INPUT: u32 = 100;
+const CONFIGURATION: u32 = 151;
+/// Run, in the header of the outputs.
+const RUN: u32 = 1;
+
+/// Owns the outputs again and again.
+pub(crate) async fn owner(mut stage: Stage) {
+    let mut serial = 0;
+    while !stage.is_over() {
+        let asked = stage.now();
+        match stage.client().await {
+            Ok(mut client) => {
+                serial += 1;
+                match own(&mut stage, &mut client, serial).await {
+                    Err(error) => stage.judge(asked, &error),
+                    Ok(()) => client.leave().await,
+                }
+            }
+            Err(error) => stage.judge(asked, &error),
+        }
+        stage.pause(600).await;
+    }
+}
+
+/// An owner's connection.
+struct Owned {
+    id: ConnectionId,
+    mailbox: Mailbox,
+    sequence: u32,
+    /// Between two datagrams, ms.
+    interval: u64,
+    /// Silence after which the connection ends, ms.
+    timeout: u64,
+    /// When the newest datagram arrives at the server, ms.
+    heard: Option<u64>,
+    /// When the server sent its newest datagram, ms.
+    sent: u64,
+}
+
+impl Owned {
+    /// Sends outputs that command nothing, in run.
+    fn produce(&mut self) {
+        self.sequence += 1;
+        let mut data = (self.sequence as u16).to_le_bytes().to_vec();
+        data.extend(RUN.to_le_bytes());
+        data.resize(2 + 4 + usize::from(OUTPUT_SIZE), 0);
+        let mut bytes = BytesMut::new();
+        let datagram = Datagram {
+            id: self.id,
+            sequence: self.sequence,
+            data: &data,
+        };
+        datagram.encode(&mut bytes);
+        self.heard = self.mailbox.send(&bytes).or(self.heard);
+    }
+
+    /// Whether the server still sends inputs, and has heard outputs.
+    fn is_open(&self, now: u64) -> bool {
+        self.heard.is_some() && now <= self.sent + 3 * self.interval
+    }
+
+    /// Takes what has come.
+    fn consume(&mut self, stage: &Stage) {
+        while let Some((sent, bytes)) = self.mailbox.receive() {
+            self.sent = sent;
+            stage.common.record.saw(stage.name, &bytes[..12]);
+        }
+    }
+}
+
+async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
+    let interval = *stage.random.one_of(&[5, 10, 20]);
+    let multiplier = *stage.random.one_of(&[2, 3]);
+    let lives = stage.lives();
+    let key = ConnectionKey {
+        serial,
+        vendor: 0x1337,
+        originator: 43,
+    };
+    let open = forward_open(key, interval, multiplier);
+    let address = SocketAddr::new(stage.ip().into(), IO_PORT);
+    let random = arcline_tests::random::Random(stage.random.bits());
+    let mailbox = stage.common.post.open(address, stage.weather, random);
+    let Some(opened) = client.open_io(&open, IO_PORT).await? else {
+        stage.note("the outputs have another owner still");
+        return Ok(());
+    };
+    let ForwardOpenReply {
+        o_to_t_id, o_to_t_api, ..
+    } = opened;
+    let _io = stage.alive(o_to_t_id.0);
+    let mut owned = Owned {
+        id: o_to_t_id,
+        mailbox,
+        sequence: 0,
+        interval,
+        timeout: u64::from(o_to_t_api) / 1000 * (4 << multiplier),
+        heard: None,
+        sent: 0,
+    };
+    stage.sometimes("the outputs have an owner");
+    owned.produce();
+    client.ask(&instruction(Mnemonic::Mso, C, "", &[])).await?;
+    stage.order(Order::Moves(C as usize - 1));
+    // By 200 units at 20 units/s: longer than the owner lives.
+    let far = [1.0, 200.0, 20.0, 0.0, 1000.0, 0.0, 1000.0, 0.0];
+    client.ask(&instruction(Mnemonic::Mam, C, "FarC", &far)).await?;
+    for _ in 0..stage.random.below(80) {
+        owned.produce();
+        tokio::time::sleep(Duration::from_millis(owned.interval)).await;
+        owned.consume(stage);
+    }
+    // A partition may have ended it before the move began.
+    if !owned.is_open(stage.now()) {
+        stage.note("the connection of the outputs has ended");
+        // Or no datagram has arrived: then the server waits for the first one.
+        return client.forward_close(key).await;
+    }
+    if stage.chance(30) || stage.is_over() {
+        stage.sometimes("the owner of the outputs closes its connection");
+        // The newest outputs arrive first.
+        tokio::time::sleep(Duration::from_millis(stage.weather.delay + 2)).await;
+        client.forward_close(key).await?;
+        let at = stage.now() + owned.interval + super::motion::LATE;
+        stage.order(rest(at, "the owner of the outputs has closed its connection"));
+    } else {
+        fall_silent(stage, &mut owned, lives).await;
+    }
+    Ok(())
+}
+
+/// The server ends the connection after its time-out, never before, and stops what moves (L2).
+async fn fall_silent(stage: &mut Stage, owned: &mut Owned, lives: u64) {
+    let Some(heard) = owned.heard else { return };
+    stage.sometimes("the owner of the outputs falls silent");
+    let ends = heard + owned.timeout;
+    stage.order(rest(
+        ends + owned.interval + super::motion::LATE,
+        "the owner of the outputs is lost",
+    ));
+    while stage.now() < ends + 3 * owned.interval {
+        tokio::time::sleep(Duration::from_millis(1)).await;
+        owned.consume(stage);
+    }
+    // The connection may have ended with the server, or the datagrams of either were lost on the way.
+    let is_disturbed = stage.lives() != lives || stage.common.post.held_until() + owned.timeout >= heard;
+    if is_disturbed || owned.sent == 0 {
+        return;
+    }
+    stage.sometimes("a silent owner is judged");
+    let (first, last) = (ends.saturating_sub(owned.interval + 2), ends + owned.interval + 2);
+    if !(first..=last).contains(&owned.sent) {
+        let why = format!(
+            "its connection, heard last at {heard} with a time-out of {} ms, was last sent inputs at {}",
+            owned.timeout, owned.sent
+        );
+        stage.common.record.violated("L2", &why);
+    }
+}
+
+fn rest(at: u64, why: &'static str) -> Order {
+    Order::Rest(Deadline {
+        axis: C as usize - 1,
+        at,
+        why,
+    })
+}
+
+/// Of an exclusive owner; the interval in ms.
+fn forward_open(key: ConnectionKey, interval: u64, multiplier: u8) -> ForwardOpen {
+    let parameters = |size| NetworkParameters {
+        variable: false,
+        priority: 2,
+        ..NetworkParameters::explicit(size)
+    };
+    ForwardOpen {
+        time: TickTime::DEFAULT,
+        o_to_t_id: ConnectionId(0),
+        t_to_o_id: ConnectionId(u32::from(key.serial)),
+        key,
+        multiplier,
+        o_to_t_rpi: interval as u32 * 1000,
+        o_to_t: parameters(OUTPUT_SIZE + 6),
+        t_to_o_rpi: interval as u32 * 1000,
+        t_to_o: parameters(INPUT_SIZE + 2),
+        transport: 1,
+        path: Epath(vec![
+            Segment::Class(4),
+            Segment::Instance(CONFIGURATION),
+            Segment::ConnectionPoint(OUTPUT),
+            Segment::ConnectionPoint(INPUT),
+        ]),
+    }
+}
