@@ -1,6 +1,8 @@
-//! STOP that holds, counters of commands, and the identification of this client: class 0x0305.
+//! STOP that holds, the mode of the controller, counters of commands, and the identification of this client: class 0x0305.
 
-use arcline_proto::arcline::machine::{self, CommandCount, Identification, attribute, decode_counts, service};
+use arcline_proto::arcline::machine::{
+    self, CommandCount, ControllerMode, Identification, attribute, decode_counts, decode_text, service,
+};
 use arcline_proto::cip;
 use arcline_proto::epath::Epath;
 use bytes::Bytes;
@@ -43,6 +45,42 @@ impl Client {
         decode_counts(&value).ok_or(ClientError::Malformed {
             what: "the counters of commands are cut",
         })
+    }
+
+    /// The mode of the controller's program.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] when the server does not have the attribute.
+    pub async fn controller_mode(&self) -> Result<ControllerMode, ClientError> {
+        let value = self.machine_attribute(attribute::MODE).await?;
+        let mode = value.first().copied().and_then(ControllerMode::from_number);
+        mode.ok_or(ClientError::Malformed {
+            what: "the mode of the controller",
+        })
+    }
+
+    /// The major fault that has stopped the controller's program, in words; `None`: there is none.
+    ///
+    /// # Errors
+    /// As [`Client::controller_mode`].
+    pub async fn major_fault(&self) -> Result<Option<String>, ClientError> {
+        let value = self.machine_attribute(attribute::MAJOR_FAULT).await?;
+        let words = decode_text(&value).ok_or(ClientError::Malformed {
+            what: "the major fault of the controller",
+        })?;
+        Ok(Some(words).filter(|words| !words.is_empty()))
+    }
+
+    /// Lets the controller's program run ([`ControllerMode::Run`]), or stops it and all motion ([`ControllerMode::Program`]). The change comes
+    /// between two scans.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] when the controller has no program, the role may not, or there is no such mode to set.
+    pub async fn set_controller_mode(&self, mode: ControllerMode) -> Result<(), ClientError> {
+        let path = Epath::attribute(machine::CLASS, machine::INSTANCE, attribute::MODE);
+        let data = Bytes::copy_from_slice(&[mode.number()]);
+        let set = cip::service::SET_ATTRIBUTE_SINGLE;
+        self.ask("the mode", set, path, data).await.map(drop)
     }
 
     /// Tells the server the product, the user and the program of this client. The server shows them where this client moves an axis or a

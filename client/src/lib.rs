@@ -79,7 +79,7 @@ mod write;
 pub use arcline_instruction_set::{
     ATTRIBUTES, Attribute, FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object,
 };
-pub use arcline_proto::arcline::machine::{CommandCount, Identification};
+pub use arcline_proto::arcline::machine::{CommandCount, ControllerMode, Identification};
 pub use arcline_proto::arcline::motion::{Mover, MoverKind};
 pub use arcline_proto::identity::Identity;
 pub use arcline_tag::{Elementary, StructureValue, TagType, TagValue, Value, WriteValue, nearest};

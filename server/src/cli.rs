@@ -28,8 +28,8 @@ struct Cli {
 
 #[derive(Subcommand, Debug)]
 enum Command {
-    /// Run the server (the default).
-    Run(RunArgs),
+    /// Run the server (the default), and the program of a project beside its motion.
+    Run(RunProgram),
     /// Validate a configuration and print what it would create.
     Check {
         /// The configuration file.
@@ -91,6 +91,19 @@ pub(crate) struct RunArgs {
     /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
     #[arg(long)]
     pub(crate) open_to_network: bool,
+}
+
+/// `run`: flags, and the program of the controller.
+#[derive(Args, Debug)]
+pub(crate) struct RunProgram {
+    /// The project of a controller whose tasks run beside the motion. Without --config the machine is the project's.
+    #[arg(value_name = "PROJECT.L5X")]
+    program: Option<PathBuf>,
+    /// Run a project whose unsupported instructions are named and passed over.
+    #[arg(long, requires = "program")]
+    allow_missing: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Flags of `simulate`.
@@ -265,8 +278,12 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
     let result = match cli.command {
-        None => run::run(&cli.run),
-        Some(Command::Run(args)) => run::run(&args),
+        None => run::run(&cli.run, None),
+        Some(Command::Run(RunProgram {
+            program,
+            allow_missing,
+            run,
+        })) => run::run(&run, program.map(|file| (file, allow_missing))),
         Some(Command::Check { config, json: false }) => check(&config),
         Some(Command::Check { config, json: true }) => check_as_json(&config),
         Some(Command::Config {

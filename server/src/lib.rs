@@ -13,6 +13,7 @@ mod guard;
 pub mod hmi;
 mod l5x;
 mod limits;
+mod live;
 mod names;
 #[cfg(test)]
 mod pages;

@@ -3,11 +3,12 @@
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
+use arcline_routine::Missing;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
 
@@ -15,13 +16,17 @@ use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::Hmi;
-use crate::plant::{Plant, Principal};
+use crate::live;
+use crate::plant::{Mode, Plant, Principal, image_of};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::tls::Tls;
 
 /// Runs the server until SIGTERM or SIGINT.
-pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
-    let mut project = project(args.config.as_deref())?;
+pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<ExitCode, Failure> {
+    let mut project = match (&args.config, &program) {
+        (None, Some((file, _))) => live::configuration(file)?,
+        (config, _) => project(config.as_deref())?,
+    };
     // As it was read: what a reload is compared with.
     let configured = project.clone();
     if let Some((first, also)) = args.listen.split_first() {
@@ -54,6 +59,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode, Failure> {
         retained,
         audit,
         config: args.config.as_deref(),
+        program: program_of(&project.server, args.config.as_deref(), program),
     };
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
@@ -73,6 +79,37 @@ struct Start<'a> {
     retained: Option<(Image, ChangeTracker)>,
     audit: Option<Audit>,
     config: Option<&'a Path>,
+    program: Option<live::Given>,
+}
+
+/// The program of the command line, or of the configuration.
+fn program_of(server: &ServerConfig, config: Option<&Path>, given: Option<(PathBuf, bool)>) -> Option<live::Given> {
+    let has_machine = config.is_none() && given.is_some();
+    let controller = &server.controller;
+    let (file, allow_missing) = match (given, &controller.program) {
+        (Some(given), _) => given,
+        (None, Some(program)) => {
+            let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
+            (folder.join(program), controller.allow_missing)
+        }
+        (None, None) => return None,
+    };
+    let mode = if controller.begins_stopped {
+        Mode::Program
+    } else {
+        Mode::Run
+    };
+    let missing = if allow_missing {
+        Missing::Allowed
+    } else {
+        Missing::Refused
+    };
+    Some(live::Given {
+        file,
+        mode,
+        missing,
+        has_machine,
+    })
 }
 
 /// The audit, where there is to be one.
@@ -97,15 +134,19 @@ async fn serve(
         retained,
         audit,
         config,
+        program,
     } = start;
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
     let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
     let mut hangup = signal(SignalKind::hangup()).map_err(|error| failed("SIGHUP", &error))?;
-    let started = match retained {
-        None => Plant::start(project),
-        Some((image, watch)) => Plant::start_with(project, image, Some(watch)),
+    let (mut image, watch) = match retained {
+        None => (image_of(project), None),
+        Some((image, watch)) => (image, Some(watch)),
     };
+    let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
+    let program = program.transpose()?;
+    let started = Plant::start_with(project, image, watch);
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     if let Some(audit) = audit {
         plant.set_audit(audit);
@@ -132,6 +173,8 @@ async fn serve(
         None => None,
         Some(at) => Some(bind_hmi(at, plant.clone()).await?),
     };
+    let live = program.map(|program| program.spawn(&plant)).transpose();
+    let live = live.map_err(|error| failed("no thread for the program", &error))?;
     ready(
         listener.local_addr(),
         hmi.as_ref().map(Hmi::local_addr),
@@ -154,7 +197,12 @@ async fn serve(
                     plant.record(Principal::Server, What::Reload, "the certificates of TLS".to_owned(), "done");
                     tls.reload(&plant);
                 }
-                reload(&plant, config, &mut configured).await;
+                if config.is_some() || live.is_none() {
+                    reload(&plant, config, &mut configured).await;
+                }
+                if let Some(live) = &live {
+                    reload_program(&plant, live);
+                }
             }
             _ = terminate.recv() => {
                 tracing::info!("SIGTERM: stopping");
@@ -166,7 +214,26 @@ async fn serve(
             }
         }
     }
+    if let Some(live) = live {
+        live.stop();
+    }
     Ok((plant, handle))
+}
+
+/// SIGHUP: takes over the program of the controller as its file is now, or logs the reason.
+fn reload_program(plant: &Plant, live: &live::Live) {
+    match tokio::task::block_in_place(|| live.reload(plant)) {
+        Ok(()) => {
+            plant.record(
+                Principal::Server,
+                What::Reload,
+                "the program of the controller".to_owned(),
+                "done",
+            );
+            tracing::warn!("Reloaded the program of the controller");
+        }
+        Err(failure) => tracing::error!("Reload refused: {failure}"),
+    }
 }
 
 /// Refuses to listen beyond this computer without `[security]`, unless the user says so; then a banner says what that means.

@@ -10,6 +10,7 @@ mod gcode;
 mod identify;
 mod inhibit;
 mod margin;
+mod mode;
 mod moves;
 mod operands;
 mod output;
@@ -291,6 +292,7 @@ async fn on_machine(client: &Client, command: MachineCommand, output: &Output) -
         MachineCommand::Stop(command) if command.hold => inhibit::inhibit(client, output).await,
         MachineCommand::Stop(command) => moves::stop(client, command, output).await,
         MachineCommand::Release => inhibit::release(client, output).await,
+        MachineCommand::Mode(command) => mode::mode(client, &command, output).await,
         MachineCommand::Home(command) => moves::home(client, command, output).await,
         MachineCommand::Servo(command) => moves::servo(client, command, output).await,
         MachineCommand::Status(command) => status::status(client, &command.of.names, output).await,

@@ -91,6 +91,19 @@ pub struct ServerConfig {
     pub jog_silence: u16,
     /// The `[security]` table.
     pub security: Security,
+    /// The `[controller]` table.
+    pub controller: ControllerConfig,
+}
+
+/// The `[controller]` table: the program of the controller.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct ControllerConfig {
+    /// The L5X file, relative to the folder of the configuration; `None`: no program.
+    pub program: Option<String>,
+    /// Whether the program does not run at first.
+    pub begins_stopped: bool,
+    /// Whether instructions that there are not are passed over.
+    pub allow_missing: bool,
 }
 
 /// Where implicit I/O (class 0 and 1 connections) listens.
@@ -214,6 +227,7 @@ impl Default for ServerConfig {
             connection_loss: ConnectionLoss::default(),
             jog_silence: 2000,
             security: Security::default(),
+            controller: ControllerConfig::default(),
         }
     }
 }

@@ -56,6 +56,16 @@ pub fn table(project: &Project) -> Table {
     if project.server.security.is_given {
         root.insert("security".into(), keys(security(&project.server.security)));
     }
+    let controller = &project.server.controller;
+    if let Some(program) = &controller.program {
+        let mode = if controller.begins_stopped { "program" } else { "run" };
+        let all = [
+            ("program", text(program)),
+            ("mode", text(mode)),
+            ("allow_missing", Value::Boolean(controller.allow_missing)),
+        ];
+        root.insert("controller".into(), keys(all));
+    }
     let group = [
         ("name", text(&machine.group)),
         ("coarse_update_period_ms", Value::Float(machine.period_ns as f64 / 1e6)),

@@ -6,8 +6,8 @@ mod modules;
 use std::collections::BTreeMap;
 
 use arcline_routine::source::{
-    Content, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource, RungSource,
-    TagSource, TaskSource, Trigger, TypeSource, Usage,
+    Access, Content, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
+    RungSource, TagSource, TaskSource, Trigger, TypeSource, Usage,
 };
 use roxmltree::Node;
 
@@ -205,9 +205,19 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
         dimensions: dimensions(node, "Dimensions"),
         alias: node.attribute("AliasFor").filter(|_| is_alias).map(str::to_owned),
         value: data::value(node, "Data"),
+        access: access(node),
         is_module: false,
         attributes: BTreeMap::new(),
     })
+}
+
+fn access(node: Node<'_, '_>) -> Access {
+    match node.attribute("ExternalAccess") {
+        Some("None") => Access::Hidden,
+        Some("Read Only") => Access::ReadOnly,
+        _ if flag(node, "Constant") => Access::ReadOnly,
+        _ => Access::ReadWrite,
+    }
 }
 
 fn program(source: &Source<'_>, node: Node<'_, '_>) -> Result<ProgramSource, L5xError> {

@@ -1,14 +1,13 @@
 //! A project that runs: its memory, its tasks, and what is due in a tick (spec/programs.md §8, §14).
 
 use arcline_instruction_set::{ControlSlot, MotionControl, Object};
-use arcline_tag::{DataType, Elementary};
 
-use crate::code::{Code, When};
+use crate::code::{Argument, Code, When};
 use crate::compile::{Compiler, Directory};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
-use crate::run::{BUDGET, Exit, Fault, FaultAt, Host, Scan, State};
+use crate::run::{Exit, Fault, FaultAt, Host, Scan, State};
 use crate::source::Project;
 
 /// A project in the memory of a controller.
@@ -137,19 +136,51 @@ impl Cell {
         self.state.faults.iter().map(|fault| fault.told(&self.code))
     }
 
-    /// Enters Run: prescan of every scheduled program.
+    /// The motion control structures: first byte and slot.
+    pub fn controls(&self) -> &[(u32, ControlSlot)] {
+        &self.state.controls
+    }
+
+    /// Loses the releases of periodic tasks up to a time, ns, but the last of each, and counts them: a task that still ran then is
+    /// not released again.
+    pub fn lose_releases(&mut self, until: u64) {
+        let tasks = self
+            .code
+            .tasks
+            .iter()
+            .zip(&mut self.releases)
+            .zip(&mut self.state.overlaps);
+        for ((task, release), overlaps) in tasks {
+            if let When::Periodic(rate) = task.when
+                && *release < until
+            {
+                let lost = (until - *release) / rate;
+                *release += lost * rate;
+                *overlaps = overlaps.saturating_add(i32::try_from(lost).unwrap_or(i32::MAX));
+            }
+        }
+    }
+
+    /// Enters Run at a time, ns: periodic tasks are released from then on, first scans come again, and every scheduled program is
+    /// prescanned.
     ///
     /// # Errors
     /// A major fault.
-    pub fn start(&mut self, host: &mut dyn Host) -> Result<(), Fault> {
+    pub fn start(&mut self, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        self.releases.fill(now);
+        self.scanned.fill(false);
+        self.next_scan = 0;
         let Cell { code, state, .. } = self;
+        state.triggered.fill(false);
+        (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
         for task in &code.tasks {
             for program in &task.programs {
                 let Some(main) = code.programs.get(*program as usize).and_then(|one| one.main) else {
                     continue;
                 };
                 state.program = *program;
-                state.budget = BUDGET;
+                state.begin_run(task.watchdog_us, host);
+                state.begin();
                 state.prescan = true;
                 let mut scan = Scan {
                     code,
@@ -269,7 +300,8 @@ impl Cell {
         if state.inhibited.get(task) == Some(&true) {
             return Ok(());
         }
-        (state.now, state.now_ms, state.budget) = (now, (now / 1_000_000) as i64, BUDGET);
+        (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
+        state.begin_run(of.watchdog_us, host);
         for program in &of.programs {
             let place = *program as usize;
             let main = code.programs.get(place).and_then(|one| one.main);
@@ -332,31 +364,56 @@ impl Cell {
         value.is_ok_and(|value| value != 0)
     }
 
-    /// Writes a number to a tag: `Go`, `Program:Main.T1.PRE`.
+    /// Writes of values to tags in the controller's scope: `Go`, `Program:Main.T1.PRE`.
     ///
     /// # Errors
-    /// What is wrong with the tag or the number, in words.
-    pub fn write(
-        &mut self,
+    /// The first tag that cannot be written, and why in words.
+    pub fn writes(
+        &self,
         project: &Project,
         directory: &mut dyn Directory,
-        host: &mut dyn Host,
-        (tag, value): (&str, &str),
-    ) -> Result<(), String> {
+        given: &[(&str, &str)],
+    ) -> Result<Writes, (String, String)> {
         let mut compiler = Compiler::new(project, directory, false);
         compiler.owner = crate::compile::Owner::Program(usize::MAX);
-        let target = Expression::parse(&program_scopes(tag)).map_err(|error| error.to_string())?;
-        let (to, from) = compiler.value_for(&target, value)?;
+        let mut all = Vec::new();
+        for (tag, value) in given {
+            let write = Expression::parse(&program_scopes(tag))
+                .map_err(|error| error.to_string())
+                .and_then(|target| compiler.value_for(&target, value))
+                .map_err(|reason| ((*tag).to_owned(), reason))?;
+            all.push(((*tag).to_owned(), write));
+        }
         let code = std::mem::take(&mut compiler.code);
+        Ok(Writes { all, code })
+    }
+
+    /// Writes values to tags.
+    ///
+    /// # Errors
+    /// The first tag whose subscript is out of range.
+    pub fn write(&mut self, writes: &Writes, host: &mut dyn Host) -> Result<(), String> {
         let mut scan = Scan {
-            code: &code,
+            code: &writes.code,
             s: &mut self.state,
             host,
             caller: None,
         };
-        scan.copy_value(&from, &to)
-            .map_err(|_| format!("{tag} cannot be written"))
+        for (tag, (to, from)) in &writes.all {
+            let written = scan.copy_value(from, to);
+            let _ = scan.take_fault();
+            written.map_err(|_| tag.clone())?;
+        }
+        Ok(())
     }
+}
+
+/// Values that are written to tags.
+#[derive(Clone, Debug)]
+pub struct Writes {
+    /// The tag as it was given, the place and the value.
+    all: Vec<(String, (Argument, Argument))>,
+    code: Code,
 }
 
 /// An expression of tags.
@@ -378,11 +435,6 @@ fn program_scopes(text: &str) -> String {
     }
     result.push_str(rest);
     result
-}
-
-/// Whether the type of a tag is a number or a bit.
-pub fn is_number(data_type: &DataType) -> bool {
-    matches!(data_type, DataType::Elementary(kind) if *kind != Elementary::Dword)
 }
 
 /// Releases of a task in one tick.

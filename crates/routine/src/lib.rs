@@ -23,14 +23,14 @@ pub mod st;
 mod table;
 mod types;
 
-pub use cell::{Cell, Condition, Loaded, Missing, is_number, load};
+pub use cell::{Cell, Condition, Loaded, Missing, Writes, load};
 pub use compile::Directory;
 pub use docs::ladder_page;
 pub use error::{Finding, FindingKind, Line, SyntaxError};
 pub use expression::{Binary, Expression, MAX_DEPTH, MAX_TEXT, Reference, Step, Unary};
 pub use memory::Tag;
 pub use rll::Rung;
-pub use run::{Fault, Host};
+pub use run::{Fault, Host, Pace};
 pub use st::Text;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use arcline_tag::{DataType, Elementary, Member, TagType, Template, TemplateBuild
 
 use crate::Expression;
 use crate::error::{Finding, FindingKind};
-use crate::source::{Datum, InstructionSource, Project, TagSource, Usage};
+use crate::source::{Access, Datum, InstructionSource, Project, TagSource, Usage};
 use crate::types::{Types, text_layout};
 
 /// A tag and its place in the memory.
@@ -18,6 +18,8 @@ pub struct Tag {
     pub program: Option<String>,
     /// Its type.
     pub tag_type: TagType,
+    /// What clients may do with it.
+    pub access: Access,
     /// Its first byte.
     pub at: u32,
     /// Bits of an array of BOOLs, whose words may have more.
@@ -160,6 +162,7 @@ impl Tags {
             name: source.name.clone(),
             program: program.map(str::to_owned),
             tag_type,
+            access: source.access,
             at: at as u32,
             bits,
         });

@@ -33,6 +33,21 @@ pub trait Host {
     fn set_attribute(&mut self, number: u32, value: f64) -> bool;
     /// Year, month, day, hour, minute, second, microsecond at a virtual time, ns.
     fn date(&self, now: u64) -> [i32; 7];
+    /// A run of a task begins, whose longest time is this, µs; 0: that of the controller.
+    fn begin_task(&mut self, _watchdog_us: i32) {}
+    /// Between two rungs or statements: writes of clients come to the memory here.
+    fn between(&mut self, _memory: &mut [u8]) -> Pace {
+        Pace::InTime
+    }
+}
+
+/// Whether the run of a task is within its time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Pace {
+    /// It goes on.
+    InTime,
+    /// The watchdog ends it.
+    TooLong,
 }
 
 /// Where execution goes on, other than at the next instruction.
@@ -74,11 +89,17 @@ pub(crate) struct State {
     pub(crate) now: u64,
     /// Instructions that the run of the task may still execute.
     pub(crate) budget: i64,
+    /// Longest time of the run of the task, µs.
+    pub(crate) watchdog_us: i32,
+    /// How often the watchdog has ended an instruction in this run.
+    pub(crate) watchdogs: u32,
     depth: usize,
     add_ons: usize,
     /// Routines that are prescanned now.
     path: Vec<u32>,
     fault: Option<FaultAt>,
+    /// Whether the fault routines have seen it.
+    is_handled: bool,
     pub(crate) faults: Vec<FaultAt>,
     in_fault: bool,
     pub(crate) records: Vec<[i32; 11]>,
@@ -119,6 +140,12 @@ impl State {
 }
 
 impl State {
+    /// The beginning of a task's run.
+    pub(crate) fn begin_run(&mut self, watchdog_us: i32, host: &mut dyn Host) {
+        (self.budget, self.watchdog_us, self.watchdogs) = (BUDGET, watchdog_us, 0);
+        host.begin_task(watchdog_us);
+    }
+
     /// The beginning of a program's scan.
     pub(crate) fn begin(&mut self) {
         (self.overflow, self.zero, self.negative, self.carry, self.minor) = (false, false, false, false, false);

@@ -103,10 +103,24 @@ pub struct TagSource {
     pub alias: Option<String>,
     /// Its first value; `None`: zeros.
     pub value: Option<Datum>,
+    /// What clients may do with it.
+    pub access: Access,
     /// The type of a module's tag, whose members are those of its value.
     pub is_module: bool,
     /// Further data of the tag: parameters of a message.
     pub attributes: BTreeMap<String, String>,
+}
+
+/// What clients may do with a tag (`ExternalAccess`, `Constant`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Access {
+    /// Read and write it.
+    #[default]
+    ReadWrite,
+    /// Read it.
+    ReadOnly,
+    /// Nothing: they do not see it.
+    Hidden,
 }
 
 /// A first value.

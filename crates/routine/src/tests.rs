@@ -81,6 +81,7 @@ pub(crate) fn tags(text: &str) -> Vec<TagSource> {
             dimensions,
             alias: None,
             value,
+            access: Default::default(),
             is_module: false,
             attributes: Default::default(),
         }
@@ -140,15 +141,17 @@ pub(crate) fn started(why: &str, project: &Project) -> Cell {
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     assert!(findings.is_empty(), "{why}: {findings:?}");
     let mut cell = loaded.cell;
-    cell.start(&mut Nothing)
+    cell.start(0, &mut Nothing)
         .unwrap_or_else(|fault| panic!("{why}: {fault}"));
     cell
 }
 
 pub(crate) fn set(why: &str, cell: &mut Cell, project: &Project, text: &str) {
     let (tag, value) = text.split_once('=').unwrap_or((text, "1"));
-    cell.write(project, &mut Nothing, &mut Nothing, (tag.trim(), value.trim()))
-        .unwrap_or_else(|reason| panic!("{why}: {text}: {reason}"));
+    let writes = cell.writes(project, &mut Nothing, &[(tag.trim(), value.trim())]);
+    let writes = writes.unwrap_or_else(|(_, reason)| panic!("{why}: {text}: {reason}"));
+    cell.write(&writes, &mut Nothing)
+        .unwrap_or_else(|tag| panic!("{why}: {text}: {tag} is not written"));
 }
 
 pub(crate) fn expect(why: &str, cell: &mut Cell, project: &Project, text: &str) {

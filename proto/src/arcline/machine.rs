@@ -35,6 +35,63 @@ pub mod attribute {
     pub const MOTION_INHIBITED: u16 = 1;
     /// The commands since the start by their kind, a list of [`encode_counts`](super::encode_counts).
     pub const COMMANDS: u16 = 2;
+    /// The mode of the controller's program, a [`ControllerMode`](super::ControllerMode) as USINT. It can be set to 1 and 2.
+    pub const MODE: u16 = 3;
+    /// The major fault that has stopped the program, in words, as `length UINT` and UTF-8; empty: none.
+    pub const MAJOR_FAULT: u16 = 4;
+}
+
+/// The mode of the controller's program.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ControllerMode {
+    /// The controller has no program.
+    None,
+    /// The tasks do not run.
+    Program,
+    /// The tasks run.
+    Run,
+    /// A major fault has stopped the tasks.
+    Faulted,
+}
+
+impl ControllerMode {
+    const ALL: [Self; 4] = [Self::None, Self::Program, Self::Run, Self::Faulted];
+
+    /// Its number.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// The mode of a number; `None`: there is no such mode.
+    pub fn from_number(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.number() == number)
+    }
+
+    /// Its word, for people.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::None => "no program",
+            Self::Program => "program",
+            Self::Run => "run",
+            Self::Faulted => "faulted",
+        }
+    }
+}
+
+/// A text as `length UINT` and UTF-8.
+pub fn encode_text(text: &str) -> Bytes {
+    let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
+    let mut out = BytesMut::with_capacity(2 + usize::from(length));
+    out.put_u16_le(length);
+    out.put_slice(text.as_bytes().get(..length.into()).unwrap_or_default());
+    out.freeze()
+}
+
+/// The other direction of [`encode_text`]; `None` when it is cut or no UTF-8.
+pub fn decode_text(data: &[u8]) -> Option<String> {
+    let mut reader = Reader::new(data);
+    let length = reader.u16()?;
+    String::from_utf8(reader.take(length.into())?.to_vec()).ok()
 }
 
 /// What a client tells of itself: `product, user, program`, each a SHORT_STRING. An empty one is not told.
@@ -275,6 +332,22 @@ mod tests {
         }
         let budget = REPLY_HEAD + data.len();
         assert_eq!([SeriesReply::room(budget - 1), SeriesReply::room(budget)], [1, 2]);
+    }
+
+    #[test]
+    fn modes_and_texts_are_read_as_they_were_written() {
+        for (number, mode) in (0..).zip(ControllerMode::ALL) {
+            assert_eq!(
+                (mode.number(), ControllerMode::from_number(number)),
+                (number, Some(mode))
+            );
+        }
+        assert_eq!(ControllerMode::from_number(4), None);
+        let data = encode_text("major fault 4/20");
+        assert_eq!(decode_text(&data).as_deref(), Some("major fault 4/20"));
+        for cut in 0..data.len() {
+            assert_eq!(decode_text(&data[..cut]), None, "{cut}");
+        }
     }
 
     #[test]

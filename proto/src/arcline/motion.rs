@@ -97,6 +97,8 @@ impl MoverKind {
     pub const IO: Self = Self(4);
     /// The server, such as the stop of a lost client.
     pub const SERVER: Self = Self(5);
+    /// The program of the controller.
+    pub const CONTROLLER: Self = Self(6);
 }
 
 /// The source of the motion of an axis or coordinate system: `kind USINT, line UDINT`, then `address, product, user, program`, each a
@@ -154,6 +156,7 @@ impl fmt::Display for Mover {
             MoverKind::NONE => f.write_str("nothing"),
             MoverKind::IO => f.write_str("the outputs of implicit I/O"),
             MoverKind::SERVER => f.write_str("the server"),
+            MoverKind::CONTROLLER => f.write_str("the program of the controller"),
             MoverKind::PROGRAM => write!(f, "the program of {address}{told}, line {line}"),
             _ => write!(f, "{address}{told}"),
         }

@@ -5,6 +5,8 @@
 //! Only the stops that must wait for no lock do not take it: [`Plant::stop_all`], [`Plant::inhibit`] and the end of jogs of lost
 //! clients (`crate::guard`).
 
+use std::sync::Arc;
+
 use arcline_config::Role;
 use arcline_controller::image::{Edge, Image, ReadError, WriteError};
 use arcline_controller::{Series, Ticket, UNNAMED};
@@ -152,6 +154,16 @@ impl Plant {
     }
 }
 
+impl Pending {
+    /// Whether every instruction that was sent is answered.
+    pub(crate) fn is_answered(&mut self) -> bool {
+        use oneshot::error::TryRecvError;
+        let waits = |answer: &mut oneshot::Receiver<()>| matches!(answer.try_recv(), Err(TryRecvError::Empty));
+        self.answers.retain_mut(|(_, answer)| waits(answer));
+        self.answers.is_empty()
+    }
+}
+
 /// Why a transaction is not done.
 pub(super) enum Unsettled {
     NoAnswer,
@@ -280,6 +292,16 @@ impl Transaction<'_> {
                 });
             }
             Command::Call(call) => return self.call(call),
+            Command::Execute(call) => return self.send(None, *call),
+            Command::RungFalse(mnemonic, control) => {
+                self.send_edges();
+                self.state.rung_false(mnemonic, control);
+                None
+            }
+            Command::SetMode(mode) => {
+                self.shared.program.get().ok_or(Refused::NoProgram)?.ask(mode);
+                None
+            }
             Command::CreateTag(tag) => return Ok(Outcome::Created(self.state.image_mut().create(tag)?)),
             Command::DeleteTag(tag) => {
                 self.state.image_mut().delete(tag)?;
@@ -351,6 +373,15 @@ impl Transaction<'_> {
         let mut call = bind(mnemonic, target, UNNAMED, given, self.state.image()).map_err(CallRefused::from)?;
         if let Some(name) = control {
             call.control = self.state.image_mut().control_slot(name).map_err(CallRefused::from)?;
+        }
+        self.send(text, call)
+    }
+
+    /// Sends a bound call.
+    fn send(&mut self, text: Option<Arc<str>>, call: arcline_instruction_set::Call) -> Result<Outcome, Refused> {
+        self.send_edges();
+        if !self.state.has_room(call.mnemonic) {
+            return Err(CallRefused::Busy.into());
         }
         let (ticket, answer) = self.state.send(self.principal, text, call, self.series);
         self.pending.answers.push((ticket, answer));

@@ -122,6 +122,9 @@ impl Shared {
                 let object = call.mnemonic.instruction().object;
                 (What::Motion, format!("{} {object:?}{target}{control}", call.mnemonic))
             }
+            Command::SetMode(mode) => (What::Config, format!("mode {}", mode.word())),
+            // A program that runs is one change, not each of its instructions.
+            Command::Execute(_) | Command::RungFalse(..) => return None,
             Command::CreateTag(tag) => (What::Config, format!("create {}", tag.name)),
             Command::DeleteTag(tag) => (What::Config, format!("delete {}", name_of(image, *tag))),
             Command::Reload { .. } => (What::Reload, "the tags of the configuration".to_owned()),
@@ -143,7 +146,7 @@ impl Shared {
             }
             Err(Refused::NoControl { .. }) => "no control",
             Err(Refused::MovedByAnother { .. }) => "moved by another",
-            Err(Refused::Write(_) | Refused::Table(_) | Refused::Call(_)) => "refused",
+            Err(Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NoProgram) => "refused",
             Err(Refused::NotPersisted(_)) => "not kept",
         };
     }
@@ -156,6 +159,7 @@ impl Shared {
         let door = match principal {
             Principal::Server => "server",
             Principal::Io => "io",
+            Principal::Controller => "controller",
             Principal::Client { .. } if from.contains(" cn:") => "enips",
             Principal::Client { .. } => "enip",
             Principal::Viewer(_) | Principal::Button(_) => "page",

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
-use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, SystemId};
+use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Given, Mnemonic, SystemId};
 
-use super::{CallRefused, Executed, Lost, Mover, Principal, Right};
+use super::{CallRefused, Executed, Lost, Mode, Mover, Principal, Right};
 use crate::retained::NotPersisted;
 
 /// A change of the machine.
@@ -64,6 +64,12 @@ pub enum Command<'a> {
     Resume(Systems),
     /// Executes an instruction.
     Call(Call<'a>),
+    /// Executes an instruction whose operands are bound already: one of the controller's program.
+    Execute(&'a arcline_instruction_set::Call),
+    /// The rung condition of an instruction of the controller's program is false.
+    RungFalse(Mnemonic, ControlSlot),
+    /// Lets the controller's program run, or stops it.
+    SetMode(Mode),
     /// Creates a tag.
     CreateTag(&'a PlainTag),
     /// Deletes a tag that was created.
@@ -167,6 +173,11 @@ pub enum Refused {
     /// An instruction was not executed.
     #[error(transparent)]
     Call(#[from] CallRefused),
+    /// There is no program to run or to stop.
+    #[error(
+        "the controller has no program: start it with one (arcline-server run PROJECT.L5X, or `program` in [controller])"
+    )]
+    NoProgram,
     /// It is done, but may not be so after a restart.
     #[error(transparent)]
     NotPersisted(#[from] NotPersisted),

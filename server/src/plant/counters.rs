@@ -21,11 +21,13 @@ pub enum Counter {
     Owners,
     /// Stops of everything.
     Stops,
+    /// Changes of the controller's mode.
+    Modes,
 }
 
 impl Counter {
     /// Every kind, in their order.
-    pub const ALL: [Counter; 8] = [
+    pub const ALL: [Counter; 9] = [
         Counter::Writes,
         Counter::Attributes,
         Counter::InjectedFaults,
@@ -34,6 +36,7 @@ impl Counter {
         Counter::Tables,
         Counter::Owners,
         Counter::Stops,
+        Counter::Modes,
     ];
 
     /// Its name, for people.
@@ -47,6 +50,7 @@ impl Counter {
             Self::Tables => "tag tables",
             Self::Owners => "ended clients",
             Self::Stops => "stops",
+            Self::Modes => "modes",
         }
     }
 }

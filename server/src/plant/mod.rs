@@ -23,6 +23,7 @@ mod moves;
 mod owned;
 mod policy;
 mod principal;
+mod program;
 mod records;
 mod reload;
 mod rights;
@@ -33,7 +34,7 @@ mod series;
 mod state;
 
 use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError, Weak};
 use std::time::{Duration, SystemTime};
 
@@ -66,9 +67,12 @@ pub use movers::{Mover, Movers};
 pub use moves::{LiveMove, LiveMoves};
 pub use owned::Lost;
 pub use principal::Principal;
+pub(crate) use program::Program;
+pub use program::{Mode, ProgramState, ProgramStatus};
 pub(crate) use records::Executions;
 use records::instance_of;
 pub use reload::ReloadError;
+pub(crate) use reload::machine_changes;
 pub use rights::Right;
 #[cfg(test)]
 pub(crate) use rights::page as rights_page;
@@ -141,6 +145,8 @@ pub(crate) struct Shared {
     /// The role of each client.
     roles: Roles,
     audit: OnceLock<Audit>,
+    /// The controller's own program, where it has one.
+    program: OnceLock<Arc<Program>>,
     /// Something was sent: the pump looks sooner.
     sent: Notify,
 }
@@ -189,12 +195,13 @@ impl Plant {
         Plant::with(project, link, image_of(project), None)
     }
 
-    fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
+    pub(crate) fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
             movers: ArcSwap::default(),
             changes: ChangeLog::default(),
+            foreign_changes: AtomicBool::new(false),
         };
         let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
@@ -220,6 +227,7 @@ impl Plant {
             log_limit: LogLimit::default(),
             roles: Roles::default(),
             audit: OnceLock::new(),
+            program: OnceLock::new(),
             sent: Notify::new(),
         }))
     }

@@ -115,6 +115,7 @@ impl Mover {
             kind: match self.principal {
                 Principal::Server => MoverKind::SERVER,
                 Principal::Io => MoverKind::IO,
+                Principal::Controller => MoverKind::CONTROLLER,
                 Principal::Client { .. } => MoverKind::CLIENT,
                 Principal::Viewer(_) | Principal::Button(_) => MoverKind::VIEWER,
                 Principal::Program { .. } => MoverKind::PROGRAM,

@@ -93,7 +93,11 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
             .map(MotionObject::System)
             .collect(),
         Command::Call(call) => called(call, image),
-        Command::Hold(_)
+        // The program of the controller is no viewer.
+        Command::Execute(_)
+        | Command::RungFalse(..)
+        | Command::SetMode(_)
+        | Command::Hold(_)
         | Command::CreateTag(_)
         | Command::DeleteTag(_)
         | Command::Reload { .. }
@@ -160,6 +164,9 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::Hold(_)
         | Command::Resume(_)
         | Command::Call(_)
+        | Command::Execute(_)
+        | Command::RungFalse(..)
+        | Command::SetMode(_)
         | Command::Lose { .. }
         | Command::Disown(_)
         | Command::StopAll
@@ -220,7 +227,8 @@ pub(super) fn counter(command: &Command<'_>) -> Counter {
         Command::SetAttribute { .. } => Counter::Attributes,
         Command::InjectFaults { .. } => Counter::InjectedFaults,
         Command::SetFeedOverride { .. } | Command::Hold(_) | Command::Resume(_) => Counter::Overrides,
-        Command::Call(_) => Counter::Instructions,
+        Command::Call(_) | Command::Execute(_) | Command::RungFalse(..) => Counter::Instructions,
+        Command::SetMode(_) => Counter::Modes,
         Command::CreateTag(_) | Command::DeleteTag(_) | Command::Reload { .. } => Counter::Tables,
         Command::Lose { .. } | Command::Disown(_) => Counter::Owners,
         Command::StopAll | Command::Inhibit | Command::Release => Counter::Stops,

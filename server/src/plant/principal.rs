@@ -11,6 +11,8 @@ pub enum Principal {
     Server,
     /// The owner of the outputs of implicit I/O.
     Io,
+    /// The controller's own program.
+    Controller,
     /// A CIP session, or a class 3 connection of it.
     Client {
         /// The session's number; never used again.
@@ -36,14 +38,16 @@ impl Principal {
     pub fn owner(self) -> Principal {
         match self {
             Self::Program { viewer, .. } => Self::Viewer(viewer),
-            Self::Server | Self::Io | Self::Client { .. } | Self::Viewer(_) | Self::Button(_) => self,
+            Self::Server | Self::Io | Self::Controller | Self::Client { .. } | Self::Viewer(_) | Self::Button(_) => {
+                self
+            }
         }
     }
 
     /// The session by which the guard knows the client; `None`: it cannot be lost like a client.
     pub(crate) fn session(self) -> Option<u64> {
         match self {
-            Self::Server | Self::Io => None,
+            Self::Server | Self::Io | Self::Controller => None,
             Self::Client { session, .. } => Some(session),
             Self::Viewer(viewer) | Self::Button(viewer) | Self::Program { viewer, .. } => Some(VIEWERS | viewer),
         }
@@ -52,7 +56,7 @@ impl Principal {
     /// The viewer of the page that needs control of what it moves; `None`: no viewer.
     pub(crate) fn viewer(self) -> Option<u64> {
         match self {
-            Self::Server | Self::Io | Self::Client { .. } => None,
+            Self::Server | Self::Io | Self::Controller | Self::Client { .. } => None,
             Self::Viewer(viewer) | Self::Button(viewer) | Self::Program { viewer, .. } => Some(viewer),
         }
     }
@@ -61,7 +65,9 @@ impl Principal {
     pub fn line(self) -> Option<u32> {
         match self {
             Self::Program { line, .. } => Some(line),
-            Self::Server | Self::Io | Self::Client { .. } | Self::Viewer(_) | Self::Button(_) => None,
+            Self::Server | Self::Io | Self::Controller | Self::Client { .. } | Self::Viewer(_) | Self::Button(_) => {
+                None
+            }
         }
     }
 }
@@ -71,6 +77,7 @@ impl fmt::Display for Principal {
         match self {
             Self::Server => f.write_str("the server"),
             Self::Io => f.write_str("the owner of the outputs"),
+            Self::Controller => f.write_str("the program of the controller"),
             Self::Client { .. } => f.write_str("an EtherNet/IP client"),
             Self::Viewer(_) | Self::Button(_) => f.write_str("a viewer of the page"),
             Self::Program { .. } => f.write_str("a program of the page"),

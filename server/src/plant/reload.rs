@@ -2,6 +2,7 @@
 
 use arcline_config::Project;
 use arcline_controller::image::TableError;
+use arcline_controller::machine::Machine;
 use arcline_state::planted::is_planted;
 
 use super::{Command, Plant, Principal, Refused};
@@ -54,7 +55,8 @@ impl Plant {
                 | Refused::NoControl { .. }
                 | Refused::MovedByAnother { .. }
                 | Refused::Write(_)
-                | Refused::Call(_),
+                | Refused::Call(_)
+                | Refused::NoProgram,
             ) => Ok(()),
         }
     }
@@ -66,7 +68,13 @@ fn needs_restart(old: &Project, new: &Project) -> Vec<String> {
     if old.server != new.server {
         parts.push("[server]".to_owned());
     }
-    let (was, is) = (&old.machine, &new.machine);
+    parts.extend(machine_changes(&old.machine, &new.machine));
+    parts
+}
+
+/// What of a machine is another one in a file that is read again.
+pub(crate) fn machine_changes(was: &Machine, is: &Machine) -> Vec<String> {
+    let mut parts = Vec::new();
     if (&was.group, was.period_ns) != (&is.group, is.period_ns) {
         parts.push("[motion_group]".to_owned());
     }

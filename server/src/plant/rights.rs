@@ -54,6 +54,7 @@ rights! {
     TakeByForce:       Engineer,      "take by force",       "take control that another viewer has";
     OverrideAbove:     Engineer,      "override above 100",  "set feed overrides above 100 %";
     RunProgram:        Engineer,      "run programs",        "run Structured Text and G-code on the page; step and continue";
+    ChangeMode:        Engineer,      "change the mode",     "let the program of the controller run, or stop it (Run and Program mode)";
     ChangeTags:        Engineer,      "change tags",         "create and delete tags";
     SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
     InjectFaults:      Engineer,      "inject faults",       "inject faults";
@@ -90,6 +91,10 @@ impl Right {
             Command::Resume(_) => Right::Override,
             Command::Release => Right::ReleaseStop,
             Command::Call(Call { mnemonic, .. }) => executed(*mnemonic),
+            Command::Execute(call) => executed(call.mnemonic),
+            // The instruction was executed before.
+            Command::RungFalse(..) => Right::Stop,
+            Command::SetMode(_) => Right::ChangeMode,
             Command::CreateTag(_) | Command::DeleteTag(_) => Right::ChangeTags,
             Command::Reload { .. } | Command::Lose { .. } | Command::Disown(_) => Right::Serve,
         }

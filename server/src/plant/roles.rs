@@ -40,6 +40,7 @@ impl Roles {
         let known = self.lock();
         let role = match principal {
             Principal::Server => Some(Role::Administrator),
+            Principal::Controller => Some(Role::Engineer),
             Principal::Io => known.io,
             Principal::Client { .. } | Principal::Viewer(_) | Principal::Button(_) | Principal::Program { .. } => {
                 principal

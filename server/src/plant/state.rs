@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
@@ -40,6 +40,8 @@ pub(super) struct Published {
     pub(super) movers: ArcSwap<Movers>,
     /// The tags that have changed.
     pub(super) changes: ChangeLog,
+    /// Whether there are changes that the controller's program has not taken.
+    pub(super) foreign_changes: AtomicBool,
 }
 
 /// Everything behind the plant's lock.
@@ -221,6 +223,9 @@ impl State {
             let before = published.image.swap(Arc::new(self.image.clone()));
             published.changes.note(&before, &self.image);
         }
+        published
+            .foreign_changes
+            .store(self.image.has_foreign_changes(), Ordering::Release);
         let movers = self.motion_tickets.movers(&self.records);
         if !Arc::ptr_eq(&movers, &published.movers.load()) {
             published.movers.store(movers);
@@ -230,6 +235,13 @@ impl State {
             // The caller may have given up.
             let _ = answer.send(());
         }
+    }
+
+    /// The tag memory for the controller's program, which takes what others have changed. It is published anew if the program shows
+    /// changes of its own.
+    pub(super) fn image_of_program(&mut self, shows: bool) -> &mut Image {
+        self.changed |= shows;
+        &mut self.image
     }
 
     /// Sends new writes to the writer of the retained state.
@@ -521,7 +533,7 @@ impl State {
     }
 
     /// The rung condition of an instruction is false. It never overtakes the instruction, which was sent before.
-    fn rung_false(&mut self, mnemonic: Mnemonic, control: ControlSlot) {
+    pub(super) fn rung_false(&mut self, mnemonic: Mnemonic, control: ControlSlot) {
         let lane = Lane::of(mnemonic);
         if self.has_room_to_wait(lane) {
             self.later.rungs.remove(&control);

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Condition, Fault, Finding, FindingKind, Loaded, Missing};
+use arcline_routine::{Cell, Condition, Fault, Finding, Loaded, Missing};
 
 use super::cell_tags;
 use super::output::{Files, Output, is_standard_output};
@@ -15,6 +15,7 @@ use super::plant::Plant;
 use super::summary::Summary;
 use super::{Observer, cannot_write};
 use crate::cli::{Failure, SimulateArgs};
+use crate::live::{Names, blocking, configuration};
 
 /// Longest simulated time of a project, s.
 const LONGEST: f64 = 60.0;
@@ -37,20 +38,20 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let file = args.program.display().to_string();
     let text = crate::l5x::read(&args.program)?;
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
-    let import = arcline_l5x::import(&text, &file).map_err(wrong)?;
+    let project = configuration(&args.program)?;
     let source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
-    let machine = &import.project.machine;
-    let mut plant = Plant::new(machine, crate::plant::image_of(&import.project));
+    let machine = &project.machine;
+    let mut plant = Plant::new(machine, crate::plant::image_of(&project));
     let missing = if args.allow_missing {
         Missing::Allowed
     } else {
         Missing::Refused
     };
-    let Loaded { mut cell, findings } = arcline_routine::load(&source, &mut plant, missing);
+    let loaded = plant.load(&source, missing);
+    let Loaded { mut cell, findings } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
     refuse(&file, &findings, missing)?;
-    plant.show_tags(&cell);
     let until = args.until.as_deref().map(|text| {
-        let condition = cell.condition(&source, &mut plant, text);
+        let condition = plant.with_names(|names| cell.condition(&source, names, text));
         condition.map_err(|reason| Failure::usage(format!("--until {text}: {reason}")))
     });
     let until = until.transpose()?;
@@ -126,8 +127,9 @@ pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> 
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
     let import = arcline_l5x::import(text, file).map_err(wrong)?;
     let source = arcline_l5x::logic(text, file).map_err(wrong)?;
-    let mut plant = Plant::new(&import.project.machine, crate::plant::image_of(&import.project));
-    Ok(arcline_routine::load(&source, &mut plant, Missing::Refused).findings)
+    let mut image = crate::plant::image_of(&import.project);
+    let mut names = Names::new(&import.project.machine, &mut image);
+    Ok(arcline_routine::load(&source, &mut names, Missing::Refused).findings)
 }
 
 /// How to run.
@@ -153,18 +155,10 @@ enum End {
 fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Files) -> Result<End, Failure> {
     files.begin(plant.machine());
     plant.begin_tick(cell);
-    if let Err(fault) = cell.start(plant) {
+    if let Err(fault) = cell.start(0, plant) {
         return Ok(End::Fault(fault));
     }
-    for set in setup.sets {
-        let (tag, value) = set
-            .split_once('=')
-            .ok_or_else(|| Failure::usage(format!("--set {set}: expected TAG=VALUE")))?;
-        // The directory and the host of this write are of a machine that is not yet running.
-        let mut directory = plant.twin();
-        cell.write(setup.source, &mut directory, plant, (tag.trim(), value.trim()))
-            .map_err(|reason| Failure::usage(format!("--set {set}: {reason}")))?;
-    }
+    set_tags(cell, plant, setup)?;
     let period = plant.machine().period_ns;
     loop {
         let scanned = cell.tick(plant.tick(), period, plant);
@@ -182,19 +176,28 @@ fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Fi
     }
 }
 
+/// Writes the values of `--set`.
+fn set_tags(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>) -> Result<(), Failure> {
+    let mut given = Vec::new();
+    for set in setup.sets {
+        let (tag, value) = set
+            .split_once('=')
+            .ok_or_else(|| Failure::usage(format!("--set {set}: expected TAG=VALUE")))?;
+        given.push((tag.trim(), value.trim()));
+    }
+    let writes = plant.with_names(|names| cell.writes(setup.source, names, &given));
+    let writes = writes.map_err(|(tag, reason)| Failure::usage(format!("--set {tag}: {reason}")))?;
+    let written = cell.write(&writes, plant);
+    written.map_err(|tag| Failure::usage(format!("--set {tag}: it cannot be written")))
+}
+
 /// Refuses a project whose parts do not all run.
 fn refuse(file: &str, findings: &[Finding], missing: Missing) -> Result<(), Failure> {
-    // A tag of another type is left out: routines that name it do not compile.
-    let blocks = |finding: &&Finding| match finding.kind {
-        FindingKind::Error => true,
-        FindingKind::Type => false,
-        _ => missing == Missing::Refused,
-    };
-    let count = findings.iter().filter(blocks).count();
+    let count = blocking(findings, missing).count();
     for finding in findings.iter().take(SHOWN) {
         eprintln!("{file}: {finding}");
     }
-    match findings.iter().find(blocks) {
+    match blocking(findings, missing).next() {
         None => Ok(()),
         Some(first) => Err(Failure::usage(format!(
             "{file}: {first}; {count} parts of the project do not run"

@@ -1,15 +1,14 @@
 //! The machine beside a project's tasks: its controller, its tags, and the door through which instructions of motion go.
 
-use arcline_controller::image::{Image, PlainTag, TagId, TagKind};
+use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
 use arcline_controller::{ArrayWrite, ContourRequest, Controller, Event, Snapshot, Ticket};
-use arcline_instruction_set::{
-    Argument, Attribute, Call, ControlSlot, Directory as _, Flag, MotionControl, Object, TagAddress,
-};
-use arcline_routine::{Cell, Directory, Host};
-use arcline_tag::TagType;
+use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
+use arcline_routine::source::Project;
+use arcline_routine::{Cell, Host, Loaded, Missing};
 
 use super::Observer;
+use crate::live::{Names, NotPlaced, Placed, Places, blocking};
 
 /// A machine under control of a project.
 pub(super) struct Plant<'m> {
@@ -21,12 +20,8 @@ pub(super) struct Plant<'m> {
     executed: u64,
     events: Vec<Event>,
     accepted: Vec<(Ticket, Call)>,
-    /// Axes, coordinate systems and the group: first byte in the project's memory, and the tag.
-    shown: Vec<(u32, TagId)>,
-    /// Tags that both have: first byte, end, and the tag.
-    shared: Vec<(u32, u32, TagId)>,
-    /// Attributes that the project reads or sets.
-    attributes: Vec<(&'static Attribute, u16)>,
+    /// Where the project's tags stand.
+    places: Places,
 }
 
 impl<'m> Plant<'m> {
@@ -40,15 +35,24 @@ impl<'m> Plant<'m> {
             executed: 0,
             events: Vec::new(),
             accepted: Vec::new(),
-            shown: Vec::new(),
-            shared: Vec::new(),
-            attributes: Vec::new(),
+            places: Places::default(),
         }
     }
 
-    /// The names of the machine, for what is compiled while it runs.
-    pub(super) fn twin(&self) -> Plant<'m> {
-        Plant::new(self.machine, self.image.clone())
+    /// Loads a project on the machine, and makes its tags tags of the machine.
+    pub(super) fn load(&mut self, source: &Project, missing: Missing) -> Result<Loaded, NotPlaced> {
+        let mut names = Names::new(self.machine, &mut self.image);
+        let mut loaded = arcline_routine::load(source, &mut names, missing);
+        if blocking(&loaded.findings, missing).next().is_none() {
+            self.places = names.place(&mut loaded.cell, source)?;
+        }
+        Ok(loaded)
+    }
+
+    /// Looks for names of the machine, for what is compiled while it runs.
+    pub(super) fn with_names<R>(&self, look: impl FnOnce(&mut Names<'_>) -> R) -> R {
+        let mut copy = self.image.clone();
+        look(&mut Names::new(self.machine, &mut copy))
     }
 
     pub(super) fn machine(&self) -> &'m Machine {
@@ -69,28 +73,6 @@ impl<'m> Plant<'m> {
         (self.tick() as f64 * self.machine.period_ns as f64) / 1e9
     }
 
-    /// Learns where a project has the tags of the machine.
-    pub(super) fn show_tags(&mut self, cell: &Cell) {
-        let of_machine = cell
-            .tags()
-            .iter()
-            .filter(|tag| tag.program.is_none())
-            .filter_map(|tag| {
-                let known = self.image.find(&tag.name)?;
-                let is_object = matches!(
-                    known.kind,
-                    TagKind::Axis(_) | TagKind::CoordinateSystem(_) | TagKind::MotionGroup
-                );
-                is_object.then_some((tag.at, known.id))
-            });
-        self.shown = of_machine.collect();
-        self.shared = cell
-            .shared()
-            .iter()
-            .map(|(from, to, id)| (*from, *to, TagId(*id)))
-            .collect();
-    }
-
     /// Begins a tick, and shows the machine's state to the project.
     pub(super) fn begin_tick(&mut self, cell: &mut Cell) {
         self.controller.begin_tick();
@@ -101,7 +83,7 @@ impl<'m> Plant<'m> {
     fn show(&mut self, memory: &mut [u8]) {
         self.controller.snapshot(&mut self.snapshot);
         self.image.apply_snapshot(&self.snapshot);
-        for (at, id) in &self.shown {
+        for (at, id) in &self.places.objects {
             let bytes = self.image.bytes(*id);
             let from = *at as usize;
             if let Some(place) = memory.get_mut(from..from + bytes.len()) {
@@ -121,9 +103,9 @@ impl<'m> Plant<'m> {
             .take_fault_changes(|change| observer.fault(change, time, machine));
         let events = &mut self.events;
         self.controller.end_tick(|event| events.push(*event));
-        let (image, shared, memory) = (&mut self.image, &self.shared, cell.memory_mut());
+        let (image, places, memory) = (&mut self.image, &self.places, cell.memory_mut());
         self.controller.take_array_writes(|write| {
-            take_array(image, shared, memory, write);
+            take_array(image, places, memory, write);
         });
         for event in self.events.drain(..) {
             self.image.apply_event(&event);
@@ -139,10 +121,10 @@ impl<'m> Plant<'m> {
     /// Brings the bytes of a tag that a call names from the project to the machine's tags, or back.
     fn exchange(&mut self, address: TagAddress, memory: &mut [u8], direction: Direction) {
         let id = TagId(address.tag());
-        let Some((from, to, _)) = self.shared.iter().find(|(.., of)| *of == id).copied() else {
+        let Some(Placed { from, to, .. }) = self.places.tag(id) else {
             return;
         };
-        let Some(bytes) = memory.get_mut(from as usize..to as usize) else {
+        let Some(bytes) = memory.get_mut(from..to) else {
             return;
         };
         match direction {
@@ -175,76 +157,20 @@ enum Direction {
 }
 
 /// What an instruction wrote to an array.
-fn take_array(image: &mut Image, shared: &[(u32, u32, TagId)], memory: &mut [u8], write: &ArrayWrite) {
+fn take_array(image: &mut Image, places: &Places, memory: &mut [u8], write: &ArrayWrite) {
     let id = TagId(write.tag.tag());
-    let tag = shared.iter().find(|(.., of)| *of == id);
-    if let Some((from, to, _)) = tag
-        && let Some(bytes) = memory.get(*from as usize..*to as usize)
+    let tag = places.tag(id);
+    if let Some(Placed { from, to, .. }) = tag
+        && let Some(bytes) = memory.get(from..to)
     {
         image.store(id, bytes);
     }
     image.apply_array_write(write);
-    if let Some((from, to, _)) = tag
-        && let Some(bytes) = memory.get_mut(*from as usize..*to as usize)
+    if let Some(Placed { from, to, .. }) = tag
+        && let Some(bytes) = memory.get_mut(from..to)
         && image.bytes(id).len() == bytes.len()
     {
         bytes.copy_from_slice(image.bytes(id));
-    }
-}
-
-impl Directory for Plant<'_> {
-    fn object_type(&self, name: &str) -> Option<TagType> {
-        let tag = self.image.find(name)?;
-        let is_object = matches!(
-            tag.kind,
-            TagKind::Axis(_) | TagKind::CoordinateSystem(_) | TagKind::MotionGroup
-        );
-        is_object.then(|| tag.tag_type.clone())
-    }
-
-    fn object(&self, object: Object, name: &str) -> Option<u16> {
-        self.image.object(object, name)
-    }
-
-    fn control(&mut self, name: &str) -> Option<ControlSlot> {
-        // A member, an element or a tag of a program has a name of its own in events.
-        let plain: String = name
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-            .collect();
-        let short: String = plain.chars().skip(plain.len().saturating_sub(40)).collect();
-        let short = if short.starts_with(|c: char| c.is_ascii_digit()) {
-            short.replacen(|_| true, "_", 1)
-        } else {
-            short
-        };
-        let known = |image: &mut Image, name: &str| image.control_slot(name).ok();
-        if name == plain {
-            return known(&mut self.image, name).or_else(|| known(&mut self.image, &format!("{short:.36}_mi")));
-        }
-        known(&mut self.image, &short)
-    }
-
-    fn tag(&mut self, name: &str, tag_type: &TagType) -> Option<u32> {
-        if let Some(tag) = self.image.find(name) {
-            return (tag.kind == TagKind::Plain && tag.tag_type.size() == tag_type.size()).then_some(tag.id.0);
-        }
-        let (program, name) = match name.strip_prefix("Program:").and_then(|name| name.split_once('.')) {
-            Some((program, name)) => (Some(program.to_owned()), name),
-            None => (None, name),
-        };
-        let tag = PlainTag {
-            program,
-            ..PlainTag::new(name, tag_type.clone())
-        };
-        self.image.create(&tag).ok().map(|id| id.0)
-    }
-
-    fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)> {
-        let attribute = Attribute::named(object, name)?;
-        self.image.attribute(self.machine, attribute, index)?;
-        self.attributes.push((attribute, index));
-        Some((self.attributes.len() as u32 - 1, 4))
     }
 }
 
@@ -272,13 +198,13 @@ impl Host for Plant<'_> {
     }
 
     fn attribute(&mut self, number: u32) -> f64 {
-        let attribute = self.attributes.get(number as usize);
+        let attribute = self.places.attributes.get(number as usize);
         let value = attribute.and_then(|(attribute, index)| self.image.attribute(self.machine, attribute, *index));
         value.unwrap_or_default()
     }
 
     fn set_attribute(&mut self, number: u32, value: f64) -> bool {
-        let Some((attribute, index)) = self.attributes.get(number as usize) else {
+        let Some((attribute, index)) = self.places.attributes.get(number as usize) else {
             return false;
         };
         if self.image.set_attribute(attribute, *index, value).is_err() {

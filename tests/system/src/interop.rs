@@ -29,6 +29,21 @@ pub fn python(client: &str, script: &str) {
     }
 }
 
+/// Runs `tests/python/SCRIPT HOST:PORT` against a server that runs the program of `config/Cell.L5X`.
+///
+/// # Panics
+/// When the script fails, or something needed is missing in CI.
+pub fn python_on_program(client: &str, script: &str) {
+    match Python::with(client) {
+        Ok(python) => {
+            let file = crate::fixture("config/Cell.L5X");
+            let server = Server::start_with(&[file.to_str().expect("the project's paths are UTF-8")]);
+            print!("{}", python.run(script, &[&server.address().to_string()]));
+        }
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
 /// Runs `tests/python/SCRIPT HOST:PORT`, which jogs the axis S by its instruction tag `Jog1`, and halts its process while the axis moves:
 /// its connections stay open, and the axis must stand within `jog_silence_ms` of the configuration and the time of a look and a ramp.
 ///

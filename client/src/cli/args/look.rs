@@ -1,9 +1,25 @@
-//! `status`, `watch`, `identify` and `shell`.
+//! `status`, `mode`, `watch`, `identify` and `shell`.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::common::Names;
 use super::values::seconds;
+
+#[derive(Args, Debug)]
+pub(crate) struct Mode {
+    /// The mode to change to; none: show it
+    #[arg(value_enum)]
+    pub(crate) mode: Option<ModeWord>,
+}
+
+/// A mode of the controller's program.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum ModeWord {
+    /// The tasks run.
+    Run,
+    /// The tasks do not run.
+    Program,
+}
 
 #[derive(Args, Debug)]
 pub(crate) struct Watch {

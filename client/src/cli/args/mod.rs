@@ -24,7 +24,7 @@ pub(crate) use common::{Axis, Speed};
 pub(crate) use common::{Motion, Ramps, System, Waiting};
 pub(crate) use faults::{FaultClear, FaultCommand, FaultInject, FaultList};
 pub(crate) use help::command;
-pub(crate) use look::{Identify, Shell, Status, Watch};
+pub(crate) use look::{Identify, Mode, ModeWord, Shell, Status, Watch};
 pub(crate) use margin::Margin;
 pub(crate) use moves::{Arc, Change, Circle, Direction, Dynamics, Home, Move, OnOff, Override, Servo, Stop, StopType};
 pub(crate) use pictures::{Gcode, Plot, Unit};
@@ -156,6 +156,12 @@ pub(crate) enum MachineCommand {
         Example: arcline release"
     )]
     Release,
+    /// Show the mode of the controller's program, or let it run or stop it
+    #[command(
+        after_help = "In the mode `program` the tasks do not run, and the change stops all motion. A major fault is cleared by it.\n\
+        Example: arcline mode\n         arcline mode run"
+    )]
+    Mode(Mode),
     /// Switch the servo of axes on (MSO) or off (MSF)
     #[command(
         after_help = "--all means every axis that has a drive; virtual axes have none.\nExample: arcline servo on X Y Z"

@@ -23,6 +23,12 @@ pub(crate) static ROOT: Keys = Keys {
             meaning: "roles and limits",
         },
         Key {
+            name: "controller",
+            kind: Kind::Table(&CONTROLLER),
+            default: Default::Prose(""),
+            meaning: "the program of the controller",
+        },
+        Key {
             name: "motion_group",
             kind: Kind::Table(&MOTION_GROUP),
             default: Default::Prose(""),
@@ -270,6 +276,31 @@ pub(crate) static CERTIFICATE: Keys = Keys {
             kind: Kind::Word(&["viewer", "operator", "engineer", "administrator"]),
             default: Default::Required,
             meaning: "its role",
+        },
+    ],
+};
+
+pub(crate) static CONTROLLER: Keys = Keys {
+    heading: "## `[controller]`",
+    expected: "a table, [controller]",
+    keys: &[
+        Key {
+            name: "program",
+            kind: Kind::Text(&FILE),
+            default: Default::Prose("none"),
+            meaning: "the L5X file of a project whose tasks run beside the motion, with its tags and programs; relative to the folder of the configuration. Its axes and coordinate systems are those of the configuration with the same names",
+        },
+        Key {
+            name: "mode",
+            kind: Kind::Word(&["run", "program"]),
+            default: Default::Text("run"),
+            meaning: r#"the mode at the start: `"run"` or `"program"`, in which the tasks do not run"#,
+        },
+        Key {
+            name: "allow_missing",
+            kind: Kind::Boolean,
+            default: Default::Boolean(false),
+            meaning: "whether instructions that Arcline does not have are passed over; otherwise the project is refused",
         },
     ],
 };

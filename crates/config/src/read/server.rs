@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use super::security;
 use crate::section::Section;
-use crate::{ConnectionLoss, IoListen, IoLoss, ServerConfig};
+use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, ServerConfig};
 
 pub(super) fn server(root: &Section<'_>) -> ServerConfig {
     let (section, _) = root.table("server");
@@ -47,6 +47,16 @@ pub(super) fn server(root: &Section<'_>) -> ServerConfig {
         connection_loss: ConnectionLoss::of_word(connection_loss.unwrap_or_default()),
         jog_silence: short("jog_silence_ms"),
         security: security(root),
+        controller: controller(root),
+    }
+}
+
+fn controller(root: &Section<'_>) -> ControllerConfig {
+    let (section, _) = root.table("controller");
+    ControllerConfig {
+        program: section.text("program").map(|file| file.value),
+        begins_stopped: section.word("mode") == Some("program"),
+        allow_missing: section.boolean("allow_missing").unwrap_or_default(),
     }
 }
 

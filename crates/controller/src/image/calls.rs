@@ -46,6 +46,7 @@ impl Image {
         for (value, place) in values.zip(bytes.chunks_exact_mut(4)) {
             place.copy_from_slice(&(*value as f32).to_le_bytes());
         }
+        self.note_part(id, offset, 4 * numbers.len().min(elements), 0xFF);
     }
 
     /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.

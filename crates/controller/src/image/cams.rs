@@ -272,6 +272,7 @@ impl Image {
         {
             place.copy_from_slice(data);
         }
+        self.note_part(id, offset, data.len(), 0xFF);
     }
 }
 

@@ -84,6 +84,9 @@ impl Image {
 
     /// The name of the tag that shows a slot; empty for the unnamed one.
     pub fn control_name(&self, slot: ControlSlot) -> &str {
+        if let Some(path) = self.placed_name(slot) {
+            return path;
+        }
         let tag = self.controls.get(slot.0 as usize).and_then(|(id, _)| self.tag(*id));
         tag.map_or("", |tag| &tag.name)
     }

@@ -23,6 +23,7 @@ mod inputs;
 mod motion_inhibit;
 mod names;
 mod outputs;
+mod program;
 mod read;
 mod shared;
 mod structures;
@@ -54,6 +55,7 @@ pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, Measured, REAL_TIME_TAG};
 pub use motion_inhibit::MOTION_INHIBIT_TAG;
+pub use program::{ChangedPart, ForeignChanges};
 pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use written::Written;
@@ -115,6 +117,10 @@ pub struct Image {
     attributes: Shared<attributes::Attributes>,
     /// What attributes show of the newest snapshot.
     shown: attributes::Shown,
+    /// The tags of the controller's own program.
+    program_tags: Shared<program::ProgramTags>,
+    /// What others change of them.
+    notes: program::Notes,
 }
 
 impl Image {
@@ -147,6 +153,8 @@ impl Image {
             outputs: outputs::Outputs::default(),
             attributes: Shared::new(attributes::Attributes::new(machine)),
             shown: attributes::Shown::default(),
+            program_tags: Shared::default(),
+            notes: program::Notes::default(),
         };
         image.add(
             &machine.group,
@@ -247,6 +255,7 @@ impl Image {
         if !event.owner || event.control == UNNAMED {
             return;
         }
+        self.note_event(event);
         let mut control = self.control(event.control);
         event.apply(&mut control);
         self.set_control(event.control, control);

@@ -181,6 +181,7 @@ impl Image {
         let tag = self.tag(id).ok_or(TableError::NoSuchTag)?;
         let name = self.full_name(tag);
         match tag.kind {
+            _ if self.is_of_program(id) => return Err(TableError::NotPlain { name }),
             TagKind::Alias(_) => {}
             TagKind::Plain if tag.access == Access::ReadWrite || self.is_created(id) => {}
             _ => return Err(TableError::NotPlain { name }),
@@ -203,6 +204,8 @@ impl Image {
     pub fn reload(&mut self, old: Configured<'_>, new: Configured<'_>) -> Result<(), TableError> {
         let mut next = self.clone();
         next.try_reload(old, new)?;
+        // A copy has no notes for a program.
+        next.notes = std::mem::take(&mut self.notes);
         if next.table.changes != self.table.changes {
             next.table.reloads = next.table.reloads.wrapping_add(1);
         }
@@ -238,6 +241,7 @@ impl Image {
             .collect();
         for (id, name, kind) in &known {
             match kind {
+                _ if self.is_of_program(*id) => {}
                 TagKind::Plain => self.reload_plain(*id, was.get(name), is.get(name)),
                 TagKind::Instruction(instruction) => match is_instruction.get(name) {
                     Some(tag) if tag.mnemonic == instruction.mnemonic => {
@@ -260,6 +264,9 @@ impl Image {
         // After what they stand for.
         for (id, name, kind) in &known {
             let TagKind::Alias(alias) = kind else { continue };
+            if self.is_of_program(*id) {
+                continue;
+            }
             let same = match (was.get(name), is.get(name), self.tag(*id)) {
                 (Some(before), Some(after), Some(tag)) => before.alias == after.alias && tag.tag_type == after.tag_type,
                 _ => false,
@@ -387,7 +394,7 @@ impl Image {
     }
 
     /// Forgets programs without tags and types that nothing has.
-    fn sweep(&mut self) {
+    pub(super) fn sweep(&mut self) {
         let empty: Vec<TagId> = self
             .tags
             .iter()
@@ -415,7 +422,7 @@ impl Image {
         }
     }
 
-    fn adopt_type(&mut self, tag_type: &TagType) -> TagType {
+    pub(super) fn adopt_type(&mut self, tag_type: &TagType) -> TagType {
         let data_type = match &tag_type.data_type {
             DataType::Structure(template) => DataType::Structure(self.adopt(template)),
             elementary => elementary.clone(),

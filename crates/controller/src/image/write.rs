@@ -62,19 +62,6 @@ impl Image {
         Ok(self.note_inputs(id, offset, data.len()))
     }
 
-    /// Takes the bytes of a plain tag from the program that has it too: no client writes, so access does not matter. Bytes of
-    /// another length, and those of other tags, are not taken.
-    pub fn store(&mut self, id: TagId, data: &[u8]) {
-        let is_plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
-        if !is_plain || self.bytes(id).len() != data.len() || self.bytes(id) == data {
-            return;
-        }
-        if let Some(bytes) = self.bytes_mut(id) {
-            bytes.copy_from_slice(data);
-        }
-        self.note_written(id, 0, data.len());
-    }
-
     /// Writes a bit of a tag: a BOOL member, or bit 0 to 63 of an integer at `offset`.
     ///
     /// # Errors
@@ -108,7 +95,7 @@ impl Image {
         let before = bytes[offset] & mask != 0;
         put_bit(&mut bytes[offset], mask, on);
         if enable.is_none() {
-            self.note_written(id, offset, 1);
+            self.note_written_bits(id, offset, mask);
             return Ok(self.note_inputs(id, offset, 1));
         }
         if let Some((offset, mask)) = out {

@@ -32,7 +32,23 @@ impl Image {
         self.written.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
+    /// Notes a part that was written, for the retained state and the program.
     pub(super) fn note_written(&mut self, id: TagId, offset: usize, length: usize) {
+        self.note_part(id, offset, length, 0xFF);
+        self.note_retained(id, offset, length);
+    }
+
+    /// As [`Image::note_written`], of some bits of a byte.
+    pub(super) fn note_written_bits(&mut self, id: TagId, offset: usize, mask: u8) {
+        self.note_part(id, offset, 1, mask);
+        self.note_retained(id, offset, 1);
+    }
+
+    /// The tags of a program begin as its file has them.
+    fn note_retained(&mut self, id: TagId, offset: usize, length: usize) {
+        if self.is_of_program(id) {
+            return;
+        }
         let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
         if let Some(written) = self.written.as_mut().filter(|_| plain && length > 0) {
             written.push(Written { id, offset, length });

@@ -49,6 +49,7 @@ pub(super) fn module(node: Node<'_, '_>, project: &mut Project) {
             dimensions: Vec::new(),
             alias: None,
             value: Some(value),
+            access: Default::default(),
             is_module: true,
             attributes: BTreeMap::new(),
         });

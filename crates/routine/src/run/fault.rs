@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Exit, Run, Scan};
+use super::{Exit, Pace, Run, Scan};
 use crate::code::{Code, TextId};
 use crate::error::Line;
 
@@ -108,6 +108,7 @@ fn meaning(kind: u16, code: u16) -> &'static str {
 impl Scan<'_> {
     /// A major fault with an operand at fault.
     pub(crate) fn fault(&mut self, kind: u16, code: u16, operand: Option<(TextId, i64)>) -> Exit {
+        self.s.is_handled = false;
         self.s.fault = Some(FaultAt {
             kind,
             code,
@@ -134,11 +135,25 @@ impl Scan<'_> {
     pub(crate) fn spend(&mut self, count: usize) -> Run<()> {
         self.s.budget -= count as i64;
         if self.s.budget < 0 {
-            // What runs after the fault may run.
-            self.s.budget = super::BUDGET;
-            return Err(self.fault(6, 1, None));
+            return Err(self.watchdog());
         }
         Ok(())
+    }
+
+    /// Lets clients write between two rungs or statements; the host's watchdog may end the run there.
+    pub(crate) fn pass(&mut self) -> Run<()> {
+        match self.host.between(&mut self.s.memory) {
+            Pace::InTime => Ok(()),
+            Pace::TooLong => Err(self.watchdog()),
+        }
+    }
+
+    /// The watchdog: fault routines have the time of one more run, and a run that needs more than that ends.
+    fn watchdog(&mut self) -> Exit {
+        self.s.watchdogs += 1;
+        self.s.budget = super::BUDGET;
+        self.host.begin_task(self.s.watchdog_us);
+        self.fault(6, 1, None)
     }
 
     /// Runs the fault routine of the program, then the controller's fault handler: true, when one of them cleared the fault,
@@ -149,7 +164,8 @@ impl Scan<'_> {
             self.s.fault = None;
             return true;
         }
-        if self.s.in_fault || self.s.add_ons > 0 {
+        let is_over = fault.kind == 6 && self.s.watchdogs > 1;
+        if self.s.in_fault || self.s.add_ons > 0 || self.s.is_handled || is_over {
             return false;
         }
         if self.s.faults.len() < MAX_FAULTS {
@@ -182,6 +198,7 @@ impl Scan<'_> {
         }
         self.s.routine = routine;
         self.s.fault = Some(fault);
+        self.s.is_handled = true;
         false
     }
 

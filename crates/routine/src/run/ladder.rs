@@ -39,7 +39,13 @@ impl<'s> Scan<'s> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
             self.s.line = rung.number;
-            self.spend(rung.nodes.len() + 1)?;
+            match self.spend(rung.nodes.len() + 1).and_then(|()| self.pass()) {
+                Err(Exit::Fault) if self.recovers() => {
+                    next += 1;
+                    continue;
+                }
+                passed => passed?,
+            }
             let power = !self.s.prescan && !self.s.zone;
             match self.nodes(&rung.nodes, power) {
                 Ok(_) => next += 1,
@@ -267,6 +273,9 @@ impl<'s> Scan<'s> {
             };
             let count = length(source, from).min(length(target, to));
             return self.copy_bytes(source.at, target.at, count);
+        }
+        if let (Argument::Text(from), Argument::Text(to)) = (from, to) {
+            return self.copy_text(from, to);
         }
         let value = self.argument(from)?;
         self.assign(to, value)

@@ -9,8 +9,11 @@ impl<'s> Scan<'s> {
     pub(crate) fn statements(&mut self, statements: &'s [Statement]) -> Run<()> {
         for statement in statements {
             self.s.line = statement.line;
-            self.spend(1)?;
-            match self.statement(statement) {
+            match self
+                .spend(1)
+                .and_then(|()| self.pass())
+                .and_then(|()| self.statement(statement))
+            {
                 Err(Exit::Fault) if self.recovers() => {}
                 done => done?,
             }

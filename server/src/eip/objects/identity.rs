@@ -1,10 +1,19 @@
 //! Identity, class 0x01 (CIP Vol. 1, 5A-2): vendor, product, serial number. Clients cannot reset the device.
 
+use arcline_proto::arcline::machine::ControllerMode;
 use arcline_proto::cip::{CipStatus, Reply, class, service};
+use arcline_proto::identity::STATUS_NOT_RUNNING;
 use bytes::Bytes;
 
+use super::machine::mode;
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
+use super::values::u16_value;
 use crate::plant::Right;
+
+/// The status word.
+const STATUS: u16 = 5;
+/// Bit 10 of it: a major fault from which the controller recovers.
+const MAJOR_FAULT: u16 = 0x0400;
 
 #[derive(Debug)]
 pub(super) struct Identity;
@@ -28,7 +37,16 @@ impl Object for Identity {
     }
 
     fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        cx.device().settings.identity.attribute(id)
+        let device = cx.device();
+        if id == STATUS {
+            return u16_value(match mode(&device.plant) {
+                // Without a program the machine is always ready.
+                ControllerMode::None | ControllerMode::Run => device.settings.identity.status,
+                ControllerMode::Program => STATUS_NOT_RUNNING,
+                ControllerMode::Faulted => STATUS_NOT_RUNNING | MAJOR_FAULT,
+            });
+        }
+        device.settings.identity.attribute(id)
     }
 
     fn services(&self) -> &'static [OwnService] {

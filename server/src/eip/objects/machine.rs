@@ -1,14 +1,14 @@
 //! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
 //! Series of moves are in [`series`](super::series).
 
-use arcline_proto::arcline::machine::{self, CommandCount, Identification, attribute, service};
+use arcline_proto::arcline::machine::{self, CommandCount, ControllerMode, Identification, attribute, service};
 use arcline_proto::cip::{CipStatus, Reply};
 use bytes::Bytes;
 
 use super::object::{Access, Extent, Object, ObjectContext, On, OwnService};
 use super::values::{no_attribute, u8_value};
 use crate::eip::context::Memory;
-use crate::plant::{Command, Counter, Right};
+use crate::plant::{Command, Counter, Mode, Plant, ProgramState, Right};
 
 #[derive(Debug)]
 pub(super) struct MachineObject;
@@ -65,7 +65,7 @@ impl Object for MachineObject {
     }
 
     fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        Extent::dense(1, attribute::COMMANDS)
+        Extent::dense(1, attribute::MAJOR_FAULT)
     }
 
     fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
@@ -86,12 +86,48 @@ impl Object for MachineObject {
                     .collect();
                 Ok(machine::encode_counts(&counts))
             }
+            attribute::MODE => u8_value(mode(plant).number()),
+            attribute::MAJOR_FAULT => {
+                let fault = match plant.program_status().map(|status| status.state) {
+                    Some(ProgramState::Faulted(words)) => words,
+                    _ => String::new(),
+                };
+                Ok(machine::encode_text(&fault))
+            }
             _ => no_attribute(),
         }
     }
 
+    fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
+        (id == attribute::MODE).then_some(1)
+    }
+
+    fn right_to_set(&self) -> Right {
+        Right::ChangeMode
+    }
+
+    fn set(&self, cx: &mut ObjectContext<'_, '_>, _instance: u32, _id: u16, value: &[u8]) -> Result<(), CipStatus> {
+        let mode = value.first().copied().and_then(ControllerMode::from_number);
+        let mode = match mode {
+            Some(ControllerMode::Program) => Mode::Program,
+            Some(ControllerMode::Run) => Mode::Run,
+            _ => return Err(CipStatus::INVALID_ATTRIBUTE_VALUE),
+        };
+        cx.apply(Command::SetMode(mode)).map(drop)
+    }
+
     fn all(&self) -> &'static [u16] {
         &[attribute::MOTION_INHIBITED, attribute::COMMANDS]
+    }
+}
+
+/// The mode of the controller's program.
+pub(super) fn mode(plant: &Plant) -> ControllerMode {
+    match plant.program_status().map(|status| status.state) {
+        None => ControllerMode::None,
+        Some(ProgramState::Stopped) => ControllerMode::Program,
+        Some(ProgramState::Running) => ControllerMode::Run,
+        Some(ProgramState::Faulted(_)) => ControllerMode::Faulted,
     }
 }
 

@@ -73,8 +73,8 @@ const ATTRIBUTES: &[(u16, u32, u16, &str)] = &[
     (0xF6, 1, 11, "0200000000"),
     // The motion classes: 1 group, 7 axes, 4 coordinate systems, and nothing executed.
     (0x300, 0, 2, "0100"), (0x301, 0, 2, "0700"), (0x302, 0, 2, "0400"), (0x303, 0, 3, "0000"),
-    // Machine: no STOP.
-    (0x305, 0, 1, "0100"), (0x305, 0, 7, "0200"), (0x305, 1, 1, "00"),
+    // Machine: no STOP, no program.
+    (0x305, 0, 1, "0100"), (0x305, 0, 7, "0400"), (0x305, 1, 1, "00"), (0x305, 1, 3, "00"), (0x305, 1, 4, "0000"),
     // A Cartesian coordinate system has no links.
     (0x302, 1, 12, "0000000000000000"), (0x302, 1, 25, "0000000000000000"),
 ];

@@ -146,6 +146,7 @@ impl From<Refused> for Refusal {
             | Refused::Write(_)
             | Refused::Table(_)
             | Refused::Call(_)
+            | Refused::NoProgram
             | Refused::NotPersisted(_) => Self::new(refused.to_string()),
         }
     }

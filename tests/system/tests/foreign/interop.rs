@@ -1,7 +1,9 @@
 //! Clients that others have written, unmodified: what each can browse, every type and shape of tag, moves, refusals. The scripts and
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
-use arcline_system_tests::interop::{libplctag, libplctag_hangs, node, python, python_hangs, python_io};
+use arcline_system_tests::interop::{
+    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program,
+};
 
 #[test]
 fn cm_ethernetip_works_unmodified() {
@@ -41,6 +43,11 @@ fn pycomm3_works_unmodified() {
 #[test]
 fn pycomm3_reads_and_writes_every_type_and_shape() {
     python("pycomm3", "pycomm3_tags.py");
+}
+
+#[test]
+fn pycomm3_reads_and_writes_the_tags_of_a_program_that_runs() {
+    python_on_program("pycomm3", "pycomm3_program.py");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod cli;
 mod client_examples;
+mod controller;
 mod guide;
 mod l5x;
 mod masters;

@@ -1,0 +1,345 @@
+//! The tags of the controller's own program, which keeps its memory itself: the image shows it to clients, and notes for the program
+//! all that others change. Motion control structures may stand anywhere in these tags.
+//!
+//! Not here: the memory of the program, and the order in which both exchange their changes (`arcline_server`'s `live`).
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use arcline_instruction_set::ControlSlot;
+use arcline_tag::{DataType, TagType};
+
+use super::{Image, PlainTag, TableError, TagId, TagKind};
+use crate::Event;
+
+/// Changes of tags that the program did not make, since it took the last ones.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct ForeignChanges {
+    /// Parts of tags, in order. Their bytes are those that the tags have now.
+    pub parts: Vec<ChangedPart>,
+    /// Changes of instructions, in order.
+    pub events: Vec<Event>,
+    /// There were more changes than are listed: any part of any tag may be another one.
+    pub is_cut: bool,
+}
+
+/// A part of a tag that has changed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ChangedPart {
+    /// The tag.
+    pub tag: TagId,
+    /// The first byte.
+    pub offset: usize,
+    /// Bytes.
+    pub length: usize,
+    /// The bits of each byte that have changed.
+    pub mask: u8,
+}
+
+/// The notes for a program; `None`: there is no program. A copy of the image takes none.
+#[derive(Debug, Default)]
+pub(super) struct Notes(pub(super) Option<ForeignChanges>);
+
+impl Clone for Notes {
+    fn clone(&self) -> Self {
+        Notes(None)
+    }
+}
+
+/// What the image knows of the program's tags.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ProgramTags {
+    tags: BTreeSet<TagId>,
+    /// The slots of motion control structures inside of them, with their paths.
+    controls: BTreeMap<u32, String>,
+}
+
+impl Image {
+    /// From now on notes changes for the program, until [`Image::take_foreign_changes`] takes them.
+    pub fn follow_for_program(&mut self) {
+        self.notes.0.get_or_insert_default();
+    }
+
+    /// Whether there are changes that the program has not taken.
+    pub fn has_foreign_changes(&self) -> bool {
+        let noted = self.notes.0.as_ref();
+        noted.is_some_and(|noted| !noted.parts.is_empty() || !noted.events.is_empty() || noted.is_cut)
+    }
+
+    /// The changes since the last call.
+    pub fn take_foreign_changes(&mut self) -> ForeignChanges {
+        self.notes.0.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Whether a tag is the program's.
+    pub fn is_of_program(&self, id: TagId) -> bool {
+        self.program_tags.tags.contains(&id)
+    }
+
+    /// Adds a tag of the program, or takes over a plain one of its name and type with the bytes that it has.
+    ///
+    /// # Errors
+    /// Another tag has its name, or there is no room; then nothing has changed.
+    pub fn add_program_tag(&mut self, tag: &PlainTag) -> Result<TagId, TableError> {
+        let tag = PlainTag {
+            tag_type: self.adopt_type(&tag.tag_type),
+            ..tag.clone()
+        };
+        let id = match self.names.get(tag.program.as_deref(), &tag.name) {
+            Some(known) => {
+                let fits = |known: &super::Tag| match known.kind {
+                    TagKind::Plain | TagKind::MotionControl(_) => known.tag_type == tag.tag_type,
+                    _ => false,
+                };
+                if !self.tag(known).is_some_and(fits) {
+                    return Err(TableError::Taken { name: tag.name });
+                }
+                if let Some(place) = self.place(known)
+                    && self.tags[place].kind == TagKind::Plain
+                {
+                    self.tags[place].access = tag.access;
+                }
+                known
+            }
+            None if self.tags.len() + 2 > MAX_TAGS => return Err(TableError::NoRoom),
+            None => self.add_plain(&tag).ok_or(TableError::NoRoom)?,
+        };
+        if matches!(self.tag(id).map(|tag| tag.kind), Some(TagKind::MotionControl(_))) {
+            self.table.configured_controls.insert(id);
+        }
+        self.program_tags.tags.insert(id);
+        Ok(id)
+    }
+
+    /// Adds another name for a part of a tag, as the program has it; `false`: there is no such part, or another tag has the name.
+    pub fn add_program_alias(&mut self, alias: &PlainTag) -> bool {
+        if self.names.get(alias.program.as_deref(), &alias.name).is_some() {
+            return false;
+        }
+        let added = self.add_plain(alias);
+        self.program_tags.tags.extend(added);
+        added.is_some()
+    }
+
+    /// Removes the tags of the program but for those to keep.
+    pub fn remove_program_tags(&mut self, keep: impl Fn(TagId) -> bool) {
+        let gone: Vec<TagId> = self.program_tags.tags.iter().copied().filter(|id| !keep(*id)).collect();
+        for id in gone {
+            for slot in self.slots_in(id) {
+                self.release_control(slot);
+            }
+            self.program_tags.tags.remove(&id);
+            self.remove(id);
+        }
+        self.sweep();
+    }
+
+    /// The type of a tag, with the instances of structures that clients know.
+    pub fn adopted(&mut self, tag_type: &TagType) -> TagType {
+        let adopted = self.adopt_type(tag_type);
+        if let DataType::Structure(template) = &adopted.data_type {
+            self.note_type(template);
+        }
+        adopted
+    }
+
+    /// Takes a slot for a motion control structure that [`Image::place_control`] places; `None`: there is none left.
+    pub fn reserve_control(&mut self) -> Option<ControlSlot> {
+        let slot = self.free_slot()?;
+        self.use_slot(slot, TagId(0), 0);
+        Some(slot)
+    }
+
+    /// The slot of a structure by its path, such as `Program:Main.Moves[2].Control`.
+    pub fn placed_control(&self, path: &str) -> Option<ControlSlot> {
+        let controls = &self.program_tags.controls;
+        let place = controls.iter().find(|(_, known)| known.eq_ignore_ascii_case(path));
+        place.map(|(slot, _)| ControlSlot(*slot))
+    }
+
+    /// Makes a reserved slot show in a tag of the program, from a byte on.
+    pub fn place_control(&mut self, slot: ControlSlot, id: TagId, offset: usize, path: &str) {
+        self.use_slot(slot, id, offset);
+        self.program_tags.controls.insert(slot.0, path.to_owned());
+    }
+
+    /// Gives a slot back that stands in no tag any more.
+    pub fn release_control(&mut self, slot: ControlSlot) {
+        if let Some(place) = self.controls.get_mut(slot.0 as usize) {
+            *place = (TagId(0), 0);
+            self.table.spare_slots.push(slot.0);
+        }
+        self.program_tags.controls.remove(&slot.0);
+    }
+
+    /// The path of a placed slot.
+    pub(super) fn placed_name(&self, slot: ControlSlot) -> Option<&str> {
+        self.program_tags.controls.get(&slot.0).map(String::as_str)
+    }
+
+    /// Shows the bytes that the program has in a tag of its own. It is no change for the program, and nothing of it is kept over a
+    /// restart. Bytes of another length are not taken.
+    pub fn store(&mut self, id: TagId, data: &[u8]) {
+        let is_data = self
+            .tag(id)
+            .is_some_and(|tag| matches!(tag.kind, TagKind::Plain | TagKind::MotionControl(_)));
+        if !is_data || self.bytes(id).len() != data.len() || self.bytes(id) == data {
+            return;
+        }
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes.copy_from_slice(data);
+        }
+    }
+
+    /// Notes a part that has changed, for the program.
+    pub(super) fn note_part(&mut self, tag: TagId, offset: usize, length: usize, mask: u8) {
+        let is_known = self.program_tags.tags.contains(&tag);
+        let Some(noted) = self.notes.0.as_mut().filter(|_| is_known && length > 0) else {
+            return;
+        };
+        let part = ChangedPart {
+            tag,
+            offset,
+            length,
+            mask,
+        };
+        if noted.parts.last() == Some(&part) {
+            return;
+        }
+        if noted.parts.len() >= MAX_NOTES {
+            noted.is_cut = true;
+            noted.parts.clear();
+        }
+        if !noted.is_cut {
+            noted.parts.push(part);
+        }
+    }
+
+    /// Notes a change of an instruction, for the program.
+    pub(super) fn note_event(&mut self, event: &Event) {
+        let Some(noted) = self.notes.0.as_mut() else { return };
+        if noted.events.len() >= MAX_NOTES {
+            noted.is_cut = true;
+            noted.events.clear();
+        }
+        if !noted.is_cut {
+            noted.events.push(*event);
+        }
+    }
+
+    fn slots_in(&self, id: TagId) -> Vec<ControlSlot> {
+        let placed = self.program_tags.controls.keys().map(|slot| ControlSlot(*slot));
+        let inside = |slot: &ControlSlot| self.controls.get(slot.0 as usize).is_some_and(|(tag, _)| *tag == id);
+        placed.filter(inside).collect()
+    }
+}
+
+/// Changes that are listed; the program takes them between two rungs.
+const MAX_NOTES: usize = 4096;
+/// Tags that there can be: what every client can browse.
+const MAX_TAGS: usize = 0xFFFF;
+
+#[cfg(test)]
+mod tests {
+    use arcline_instruction_set::{Flag, Mnemonic, predefined};
+    use arcline_tag::{Elementary, TemplateBuilder};
+
+    use super::*;
+    use crate::image::tests::machine;
+    use crate::{Cause, Ticket};
+
+    fn image() -> Image {
+        let mut image = Image::new(&machine(), &[], &[]);
+        image.follow_for_program();
+        image
+    }
+
+    fn dint(name: &str) -> PlainTag {
+        PlainTag::new(name, TagType::scalar(Elementary::Dint))
+    }
+
+    #[test]
+    fn what_clients_write_is_noted_for_the_program_and_its_own_stores_are_not() {
+        let mut image = image();
+        let mine = image.add_program_tag(&dint("Mine")).expect("room");
+        let other = image.create(&dint("Other")).expect("room");
+        image.write(other, 0, &[1]).expect("writable");
+        assert!(!image.has_foreign_changes(), "it is no tag of the program");
+        image.store(mine, &[9, 0, 0, 0]);
+        assert!(!image.has_foreign_changes(), "the program knows what it stores");
+        image.write(mine, 1, &[7, 8]).expect("writable");
+        image.write_bit(mine, 0, 2, true).expect("writable");
+        let part = |offset, length, mask| ChangedPart {
+            tag: mine,
+            offset,
+            length,
+            mask,
+        };
+        assert_eq!(image.take_foreign_changes().parts, [part(1, 2, 0xFF), part(0, 1, 4)]);
+        assert_eq!(image.bytes(mine), [13, 7, 8, 0]);
+        assert!(!image.has_foreign_changes(), "they are taken");
+        assert!(!image.clone().has_foreign_changes());
+    }
+
+    #[test]
+    fn notes_are_bounded() {
+        let mut image = image();
+        let mine = image.add_program_tag(&dint("Mine")).expect("room");
+        for number in 0..3 * MAX_NOTES {
+            image.write(mine, number % 4, &[1]).expect("writable");
+        }
+        let changes = image.take_foreign_changes();
+        assert!(changes.is_cut && changes.parts.len() <= MAX_NOTES);
+    }
+
+    #[test]
+    fn a_motion_control_structure_inside_of_a_tag_has_its_slot() {
+        let mut image = image();
+        let cell = TemplateBuilder::new("CELL", 0x200)
+            .member("Count", Elementary::Dint)
+            .member("Control", predefined::motion_instruction())
+            .build();
+        let offset = cell.member("Control").map_or(0, |member| member.offset as usize);
+        let tag = PlainTag {
+            program: Some("Main".into()),
+            ..PlainTag::new("Cell", TagType::scalar(cell))
+        };
+        let slot = image.reserve_control().expect("a slot");
+        let id = image.add_program_tag(&tag).expect("room");
+        image.place_control(slot, id, offset, "Program:Main.Cell.Control");
+        assert_eq!(image.control_name(slot), "Program:Main.Cell.Control");
+        let event = Event {
+            tick: 1,
+            ticket: Ticket(1),
+            control: slot,
+            owner: true,
+            mnemonic: Mnemonic::Mam,
+            set: Flag::Ip.mask(),
+            clear: 0,
+            err: 0,
+            exerr: 0,
+            segment: 0,
+            cause: Cause::Itself,
+        };
+        image.apply_event(&event);
+        let path = "Program:Main.Cell.Control.IP".parse().expect("a path");
+        assert!(image.read(&path).expect("it is there").as_bool());
+        assert_eq!(image.take_foreign_changes().events, [event]);
+        image.remove_program_tags(|_| false);
+        assert!(image.find("Program:Main.Cell").is_none() && image.programs().len() == 1);
+        assert_eq!(image.control(slot).flags, 0, "it shows nowhere");
+    }
+
+    #[test]
+    fn names_of_others_are_not_taken_and_clients_do_not_delete() {
+        let mut image = image();
+        let axis = image.tags()[1].name.clone();
+        assert!(matches!(
+            image.add_program_tag(&dint(&axis)),
+            Err(TableError::Taken { .. })
+        ));
+        let mine = image.add_program_tag(&dint("Mine")).expect("room");
+        assert!(matches!(image.delete(mine), Err(TableError::NotPlain { .. })));
+        let same = image.add_program_tag(&dint("mine"));
+        assert_eq!(same, Ok(mine), "with the bytes that it has");
+    }
+}

@@ -1,0 +1,320 @@
+//! The machine around the program's routines: its tags, exchanged with those that clients see, and the door for its instructions.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::{Duration, Instant, SystemTime};
+
+use arcline_controller::image::{ChangedPart, ForeignChanges, Image, TagId};
+use arcline_instruction_set::{Argument, Call, ControlSlot, Mnemonic, MotionControl, MotionError, TagAddress};
+use arcline_routine::{Cell, Host, Pace};
+use time::OffsetDateTime;
+
+use super::names::{Placed, Places};
+use crate::plant::{ANSWER_WITHIN, Command, Outcome, Plant, Principal};
+
+/// Lets a moment pass while an instruction waits for the tick.
+pub(crate) type Pause = Box<dyn FnMut() + Send>;
+
+/// The host of a program on a running machine.
+pub(super) struct LiveHost {
+    plant: Plant,
+    places: Places,
+    /// First bytes of motion control structures by slot.
+    controls: BTreeMap<u32, usize>,
+    /// The numbers of the placed tags.
+    numbers: BTreeMap<TagId, usize>,
+    /// The memory as clients see it.
+    shown: Vec<u8>,
+    /// The instructions that were executed last with each slot.
+    executed: BTreeMap<u32, Mnemonic>,
+    /// Slots whose false rung condition was sent.
+    false_rungs: BTreeSet<u32>,
+    pause: Pause,
+    /// The end of the time that a run of a task may take.
+    deadline: Option<Instant>,
+    /// Rungs until the clock is looked at.
+    unseen: u32,
+    shown_at: Instant,
+    /// The tick of the tags.
+    tick: u64,
+}
+
+impl LiveHost {
+    pub(super) fn new(plant: Plant, cell: &Cell, places: Places, pause: Pause) -> Self {
+        let controls = cell.controls().iter().map(|(at, slot)| (slot.0, *at as usize));
+        let numbers = (0..).zip(&places.tags).map(|(number, tag)| (tag.id, number));
+        LiveHost {
+            controls: controls.collect(),
+            numbers: numbers.collect(),
+            shown: cell.memory().to_vec(),
+            plant,
+            places,
+            executed: BTreeMap::new(),
+            false_rungs: BTreeSet::new(),
+            pause,
+            deadline: None,
+            unseen: LOOK_EVERY,
+            shown_at: Instant::now(),
+            tick: 0,
+        }
+    }
+
+    /// Becomes the host of another program on the same machine.
+    pub(super) fn take_over(&mut self, cell: &Cell, places: Places) {
+        let pause = std::mem::replace(&mut self.pause, Box::new(|| {}));
+        *self = LiveHost::new(self.plant.clone(), cell, places, pause);
+    }
+
+    /// Takes what others have changed and shows what the program has changed: from now on both memories are the same. Returns the tick.
+    pub(super) fn exchange(&mut self, memory: &mut [u8]) -> u64 {
+        let Self {
+            places,
+            controls,
+            numbers,
+            shown,
+            ..
+        } = self;
+        let differs = |tag: &&Placed| shown.get(tag.from..tag.to) != memory.get(tag.from..tag.to);
+        let changed: Vec<Placed> = places.tags.iter().filter(differs).copied().collect();
+        self.tick = self.plant.exchange(!changed.is_empty(), |image| {
+            let foreign = image.take_foreign_changes();
+            let mut both = Both { image, memory, shown };
+            both.take(&foreign, &places.tags, numbers, controls);
+            for (at, id) in &places.objects {
+                both.take_whole(*id, *at as usize);
+            }
+            for tag in &changed {
+                both.show(*tag);
+            }
+            both.image.snapshot_tick()
+        });
+        self.shown_at = Instant::now();
+        self.tick
+    }
+
+    /// Takes what others have changed, between two rungs.
+    fn take(&mut self, memory: &mut [u8]) {
+        let Self {
+            places,
+            controls,
+            numbers,
+            shown,
+            ..
+        } = self;
+        self.plant.exchange(false, |image| {
+            let foreign = image.take_foreign_changes();
+            Both { image, memory, shown }.take(&foreign, &places.tags, numbers, controls);
+        });
+    }
+
+    /// Takes the tags that an instruction names as a whole: it may have written to them.
+    fn take_arguments(&mut self, call: &Call, memory: &mut [u8]) {
+        let tags = call.arguments.iter().filter_map(|argument| match argument {
+            Argument::Tag(address) => Some(address),
+            Argument::Written(array) => Some(&array.tag),
+            _ => None,
+        });
+        let named: Vec<Placed> = tags.filter_map(|address| self.placed(*address)).collect();
+        let shown = &mut self.shown;
+        self.plant.exchange(false, |image| {
+            let mut both = Both { image, memory, shown };
+            for tag in named {
+                both.take_whole(tag.id, tag.from);
+            }
+        });
+    }
+
+    fn placed(&self, address: TagAddress) -> Option<Placed> {
+        let number = self.numbers.get(&TagId(address.tag()))?;
+        self.places.tags.get(*number).copied()
+    }
+
+    /// Sends a command of the program through the plant's door, and waits until its instructions are answered.
+    fn command(&mut self, command: Command<'_>) -> Option<Outcome> {
+        let began = Instant::now();
+        let door = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
+        let (outcome, mut pending) = self.plant.transact(Principal::Controller, door);
+        while !pending.is_answered() && began.elapsed() < ANSWER_WITHIN {
+            (self.pause)();
+            // Takes the answers of the newest tick.
+            self.plant.with_image(|_| ());
+        }
+        let waited = began.elapsed();
+        // The time of the motion is not that of the program.
+        self.deadline = self.deadline.and_then(|deadline| deadline.checked_add(waited));
+        outcome.ok()
+    }
+}
+
+/// Both memories during an exchange.
+struct Both<'a> {
+    image: &'a mut Image,
+    memory: &'a mut [u8],
+    shown: &'a mut Vec<u8>,
+}
+
+impl Both<'_> {
+    fn take(
+        &mut self,
+        foreign: &ForeignChanges,
+        tags: &[Placed],
+        numbers: &BTreeMap<TagId, usize>,
+        controls: &BTreeMap<u32, usize>,
+    ) {
+        if foreign.is_cut {
+            for tag in tags {
+                self.take_differences(*tag);
+            }
+        }
+        for part in &foreign.parts {
+            if let Some(tag) = numbers.get(&part.tag).and_then(|number| tags.get(*number)) {
+                self.take_part(part, tag.from);
+            }
+        }
+        for event in foreign.events.iter().filter(|event| event.owner) {
+            let place = controls.get(&event.control.0);
+            let place = place.and_then(|at| self.memory.get_mut(*at..)?.first_chunk_mut());
+            if let Some(place) = place {
+                let mut control = MotionControl::from_bytes(*place);
+                event.apply(&mut control);
+                *place = control.to_bytes();
+            }
+        }
+    }
+
+    fn take_part(&mut self, part: &ChangedPart, from: usize) {
+        let bytes = self.image.bytes(part.tag);
+        let bytes = bytes.get(part.offset..).unwrap_or_default();
+        let at = from + part.offset;
+        for memory in [&mut *self.memory, self.shown.as_mut_slice()] {
+            for (place, byte) in memory.iter_mut().skip(at).zip(bytes.iter().take(part.length)) {
+                *place = *place & !part.mask | byte & part.mask;
+            }
+        }
+    }
+
+    /// Takes the bytes that differ from those that were shown.
+    fn take_differences(&mut self, tag: Placed) {
+        let bytes = self.image.bytes(tag.id).iter();
+        let both = self.memory.iter_mut().zip(self.shown.iter_mut()).skip(tag.from);
+        for (byte, (place, shown)) in bytes.zip(both) {
+            if byte != shown {
+                (*place, *shown) = (*byte, *byte);
+            }
+        }
+    }
+
+    fn take_whole(&mut self, id: TagId, from: usize) {
+        let bytes = self.image.bytes(id);
+        for memory in [&mut *self.memory, self.shown.as_mut_slice()] {
+            if let Some(place) = memory.get_mut(from..from + bytes.len()) {
+                place.copy_from_slice(bytes);
+            }
+        }
+    }
+
+    fn show(&mut self, tag: Placed) {
+        let (Some(bytes), Some(shown)) = (self.memory.get(tag.from..tag.to), self.shown.get_mut(tag.from..tag.to))
+        else {
+            return;
+        };
+        self.image.store(tag.id, bytes);
+        shown.copy_from_slice(bytes);
+    }
+}
+
+impl Host for LiveHost {
+    fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl {
+        // Operands in tags go to the machine.
+        self.exchange(memory);
+        self.executed.insert(call.control.0, call.mnemonic);
+        self.false_rungs.remove(&call.control.0);
+        let control = match self.command(Command::Execute(call)) {
+            Some(Outcome::Begun(instance)) => self.plant.instruction_instance(instance).unwrap_or_default(),
+            _ => MotionControl::refused(MotionError::ExecutionCollision),
+        };
+        self.exchange(memory);
+        self.take_arguments(call, memory);
+        control
+    }
+
+    fn rung_false(&mut self, slot: ControlSlot) {
+        let Some(mnemonic) = self.executed.get(&slot.0).copied() else {
+            return;
+        };
+        // The controller remembers it until the instruction executes again.
+        if self.false_rungs.insert(slot.0) {
+            self.command(Command::RungFalse(mnemonic, slot));
+        }
+    }
+
+    fn attribute(&mut self, number: u32) -> f64 {
+        let Some((attribute, index)) = self.places.attributes.get(number as usize).copied() else {
+            return 0.0;
+        };
+        let machine = self.plant.machine();
+        let value = self
+            .plant
+            .with_image(|image| image.attribute(machine, attribute, index));
+        value.unwrap_or_default()
+    }
+
+    fn set_attribute(&mut self, number: u32, value: f64) -> bool {
+        let Some((attribute, index)) = self.places.attributes.get(number as usize).copied() else {
+            return false;
+        };
+        let command = Command::SetAttribute {
+            attribute,
+            index,
+            value,
+        };
+        self.command(command).is_some()
+    }
+
+    fn date(&self, _now: u64) -> [i32; 7] {
+        let now = OffsetDateTime::from(SystemTime::now());
+        [
+            now.year(),
+            i32::from(u8::from(now.month())),
+            i32::from(now.day()),
+            i32::from(now.hour()),
+            i32::from(now.minute()),
+            i32::from(now.second()),
+            now.microsecond() as i32,
+        ]
+    }
+
+    fn begin_task(&mut self, watchdog_us: i32) {
+        let longest = match u64::try_from(watchdog_us) {
+            Ok(us) if us > 0 => Duration::from_micros(us),
+            _ => LONGEST_RUN,
+        };
+        self.deadline = Instant::now().checked_add(longest);
+        self.unseen = LOOK_EVERY;
+    }
+
+    fn between(&mut self, memory: &mut [u8]) -> Pace {
+        if self.plant.has_foreign_changes() {
+            self.take(memory);
+        }
+        self.unseen -= 1;
+        if self.unseen > 0 {
+            return Pace::InTime;
+        }
+        self.unseen = LOOK_EVERY;
+        let now = Instant::now();
+        if self.deadline.is_some_and(|deadline| now > deadline) {
+            return Pace::TooLong;
+        }
+        if now.duration_since(self.shown_at) > SHOW_WITHIN {
+            self.exchange(memory);
+        }
+        Pace::InTime
+    }
+}
+
+/// Rungs between two looks at the clock.
+const LOOK_EVERY: u32 = 64;
+/// Clients see what a long scan has done so far within this time.
+const SHOW_WITHIN: Duration = Duration::from_millis(10);
+/// The watchdog of a task without one (spec/programs.md §8).
+const LONGEST_RUN: Duration = Duration::from_millis(500);

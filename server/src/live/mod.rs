@@ -1,0 +1,260 @@
+//! The controller's own program on the running machine (spec/programs.md §14): the tasks of an L5X project on a thread of their own,
+//! below the tick, which they can never delay. Clients see its tags in the tag memory and write between two rungs.
+//!
+//! Not here: what a routine does (`arcline-routine`), and a project on a virtual clock (`simulate`).
+
+mod host;
+mod names;
+mod scanner;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use arcline_config::Project as Configuration;
+use arcline_controller::image::Image;
+use arcline_controller::machine::Machine;
+use arcline_routine::source::Project;
+use arcline_routine::{Cell, Finding, FindingKind, Loaded, Missing};
+
+use crate::cli::Failure;
+use crate::plant::{Mode, Plant, Program, machine_changes};
+use names::remove_others;
+pub(crate) use names::{Names, NotPlaced, Placed, Places};
+use scanner::Scanner;
+
+/// Why a project does not run on a machine.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LoadError {
+    /// Parts of it do not run.
+    #[error("{first}; {count} parts of the project do not run{}", others(.rest))]
+    Findings {
+        /// The first one.
+        first: Finding,
+        /// Further ones.
+        rest: Vec<Finding>,
+        /// All.
+        count: usize,
+    },
+    /// A tag cannot be one of the machine.
+    #[error(transparent)]
+    Tag(#[from] NotPlaced),
+}
+
+/// Further findings, a line each.
+fn others(rest: &[Finding]) -> String {
+    rest.iter().map(|finding| format!("\n  {finding}")).collect()
+}
+
+/// The findings that keep a project from running. A tag of an unknown type is left out: routines that name it do not compile.
+pub(crate) fn blocking(findings: &[Finding], missing: Missing) -> impl Iterator<Item = &Finding> {
+    findings.iter().filter(move |finding| match finding.kind {
+        FindingKind::Error => true,
+        FindingKind::Type => false,
+        _ => missing == Missing::Refused,
+    })
+}
+
+/// A project that is to take the place of another one.
+#[derive(Clone, Debug)]
+pub(crate) struct Replacement {
+    source: Project,
+    missing: Missing,
+}
+
+/// A project on a machine, before the machine runs.
+pub(crate) struct Prepared {
+    cell: Cell,
+    places: Places,
+    given: Given,
+}
+
+/// A program as the command line or the configuration names it.
+#[derive(Clone, Debug)]
+pub(crate) struct Given {
+    /// The L5X file.
+    pub(crate) file: PathBuf,
+    /// The mode at the start.
+    pub(crate) mode: Mode,
+    /// What becomes of instructions that there are not.
+    pub(crate) missing: Missing,
+    /// Whether the machine is that of the file too.
+    pub(crate) has_machine: bool,
+}
+
+/// The thread of a program. Dropped, it ends the thread.
+#[derive(Debug)]
+pub(crate) struct Live {
+    over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+    replacements: Arc<Mutex<Option<Order>>>,
+    given: Given,
+}
+
+/// A project to run from the next scan on, and the place of the answer.
+#[derive(Debug)]
+struct Order {
+    replacement: Replacement,
+    answer: mpsc::SyncSender<Result<(), String>>,
+}
+
+/// Reads the program of a project's file.
+fn read(file: &Path) -> Result<Project, Failure> {
+    let text = crate::l5x::read(file)?;
+    let source = arcline_l5x::logic(&text, &file.display().to_string());
+    source.map_err(|error| Failure::usage(error.to_string()))
+}
+
+/// The configuration of the machine that a project's file describes. Its tags are the program's.
+pub(crate) fn configuration(file: &Path) -> Result<Configuration, Failure> {
+    let text = crate::l5x::read(file)?;
+    let import = arcline_l5x::import(&text, &file.display().to_string());
+    let mut project = import.map_err(|error| Failure::usage(error.to_string()))?.project;
+    project.tags.clear();
+    Ok(project)
+}
+
+impl Prepared {
+    /// Loads the project of a file on a machine, and makes its tags tags of the machine.
+    pub(crate) fn load(given: Given, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
+        let Given { file, missing, .. } = &given;
+        let source = read(file)?;
+        let bound = bind(machine, image, &source, *missing);
+        let (cell, places) = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
+        Ok(Prepared { cell, places, given })
+    }
+
+    /// Runs it on a thread of its own.
+    pub(crate) fn spawn(self, plant: &Plant) -> std::io::Result<Live> {
+        let Prepared { cell, places, given } = self;
+        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode));
+        plant.set_program(program.clone());
+        plant.exchange(false, Image::follow_for_program);
+        let pause = Box::new(|| std::thread::sleep(MOMENT));
+        let mut scanner = Scanner::new(plant.clone(), program, cell, places, pause);
+        let over = Arc::new(AtomicBool::new(false));
+        let replacements: Arc<Mutex<Option<Order>>> = Arc::default();
+        let (ended, ordered) = (over.clone(), replacements.clone());
+        // Half a tick at most, so that none is missed while the tasks are short.
+        let pause = Duration::from_nanos(plant.machine().period_ns / 4).clamp(MOMENT, Duration::from_millis(5));
+        let thread = std::thread::Builder::new()
+            .name("arcline-program".to_owned())
+            .stack_size(STACK);
+        let thread = thread.spawn(move || {
+            while !ended.load(Ordering::Acquire) {
+                let order = ordered.lock().unwrap_or_else(PoisonError::into_inner).take();
+                if let Some(order) = order {
+                    let done = scanner.replace(&order.replacement);
+                    // The caller may have given up.
+                    let _ = order.answer.send(done.map_err(|error| error.to_string()));
+                }
+                if !scanner.step() {
+                    std::thread::sleep(pause);
+                }
+            }
+        })?;
+        Ok(Live {
+            over,
+            thread: Some(thread),
+            replacements,
+            given,
+        })
+    }
+}
+
+impl Live {
+    /// Reads the file again. The new program is loaded and checked as a whole on a copy of the tags before it replaces anything.
+    ///
+    /// # Errors
+    /// Why the program stays as it is.
+    pub(crate) fn reload(&self, plant: &Plant) -> Result<(), Failure> {
+        let Given {
+            file,
+            missing,
+            has_machine,
+            ..
+        } = &self.given;
+        let shown = file.display();
+        let wrong = |error: String| Failure::usage(format!("{shown}: {error}"));
+        if *has_machine {
+            let changes = machine_changes(plant.machine(), &configuration(file)?.machine);
+            if !changes.is_empty() {
+                return Err(wrong(format!("{} changed, which needs a restart", changes.join(", "))));
+            }
+        }
+        let source = read(file)?;
+        let mut copy = plant.with_image(Image::clone);
+        rebind(plant.machine(), &mut copy, &source, *missing).map_err(|error| wrong(error.to_string()))?;
+        let (answer, done) = mpsc::sync_channel(1);
+        let replacement = Replacement {
+            source,
+            missing: *missing,
+        };
+        let order = Order { replacement, answer };
+        *self.replacements.lock().unwrap_or_else(PoisonError::into_inner) = Some(order);
+        match done.recv_timeout(REPLACED_WITHIN) {
+            Ok(done) => done.map_err(wrong),
+            Err(_) => Err(wrong("the program did not come to the end of a scan".to_owned())),
+        }
+    }
+
+    /// Ends the thread between two scans.
+    pub(crate) fn stop(mut self) {
+        self.over.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            // A scan that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.over.store(true, Ordering::Release);
+    }
+}
+
+/// Loads a project on a machine, and makes its tags tags of the machine.
+fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
+    let mut names = Names::new(machine, image);
+    let Loaded { mut cell, findings } = arcline_routine::load(source, &mut names, missing);
+    let mut wrong = blocking(&findings, missing).cloned();
+    if let Some(first) = wrong.next() {
+        let rest: Vec<Finding> = wrong.collect();
+        return Err(LoadError::Findings {
+            first,
+            count: rest.len() + 1,
+            rest: rest.into_iter().take(SHOWN).collect(),
+        });
+    }
+    let places = names.place(&mut cell, source)?;
+    Ok((cell, places))
+}
+
+/// The same on a machine that has a program, whose other tags go.
+fn rebind(
+    machine: &Machine,
+    image: &mut Image,
+    source: &Project,
+    missing: Missing,
+) -> Result<(Cell, Places), LoadError> {
+    // On a copy without the tags of the present program, whatever is wrong changes nothing.
+    let mut copy = image.clone();
+    copy.remove_program_tags(|_| false);
+    let (cell, _) = bind(machine, &mut copy, source, missing)?;
+    remove_others(image, &cell);
+    bind(machine, image, source, missing)
+}
+
+/// A moment of a thread that waits for the tick.
+const MOMENT: Duration = Duration::from_micros(100);
+/// Longest wait for the end of a scan.
+const REPLACED_WITHIN: Duration = Duration::from_secs(10);
+/// Further findings that are shown.
+const SHOWN: usize = 20;
+/// Stack of the thread that scans, bytes: routines call one another.
+const STACK: usize = 256 << 20;

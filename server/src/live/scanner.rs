@@ -1,0 +1,127 @@
+//! The scan of a program on a running machine, a step at a time: the thread of the program makes the steps, a test may make them too.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use arcline_routine::source::Project;
+use arcline_routine::{Cell, Fault};
+
+use super::host::{LiveHost, Pause};
+use super::names::Places;
+use super::{LoadError, Replacement, rebind};
+use crate::audit::What;
+use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
+
+/// A program and what it has done so far.
+pub(crate) struct Scanner {
+    plant: Plant,
+    program: Arc<Program>,
+    cell: Cell,
+    host: LiveHost,
+    state: State,
+    /// The newest tick whose tasks have run.
+    tick: u64,
+    period: u64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    Stopped,
+    Running,
+    Faulted,
+}
+
+impl Scanner {
+    pub(crate) fn new(plant: Plant, program: Arc<Program>, cell: Cell, places: Places, pause: Pause) -> Self {
+        Scanner {
+            period: plant.machine().period_ns,
+            host: LiveHost::new(plant.clone(), &cell, places, pause),
+            plant,
+            program,
+            cell,
+            state: State::Stopped,
+            tick: 0,
+        }
+    }
+
+    /// Takes a mode that was asked for, exchanges tags, and scans the tasks that are due in a tick that has not been scanned yet.
+    /// Returns whether there was one.
+    pub(crate) fn step(&mut self) -> bool {
+        let tick = self.host.exchange(self.cell.memory_mut());
+        match (self.program.mode(), self.state) {
+            (Mode::Run, State::Stopped) => self.run(tick),
+            (Mode::Program, State::Running | State::Faulted) => self.stop(),
+            _ => {}
+        }
+        if self.state != State::Running || tick == self.tick {
+            return false;
+        }
+        self.tick = tick;
+        let began = Instant::now();
+        self.cell.lose_releases(tick.saturating_sub(1) * self.period);
+        let scanned = self.cell.tick(tick, self.period, &mut self.host);
+        self.host.exchange(self.cell.memory_mut());
+        let took = u64::try_from(began.elapsed().as_micros()).unwrap_or(u64::MAX);
+        self.program.show(|status| {
+            status.scans += 1;
+            status.last_us = took;
+            status.longest_us = status.longest_us.max(took);
+        });
+        if let Err(fault) = scanned {
+            self.fault(&fault);
+        }
+        true
+    }
+
+    /// Takes another project in place of this one, between two scans. Tags that both have with one type keep their values.
+    pub(crate) fn replace(&mut self, replacement: &Replacement) -> Result<(), LoadError> {
+        self.host.exchange(self.cell.memory_mut());
+        let Replacement { source, missing } = replacement;
+        let (cell, places) = self.bind(source, *missing)?;
+        self.host.take_over(&cell, places);
+        self.cell = cell;
+        if self.state == State::Running {
+            self.run(self.tick);
+        }
+        Ok(())
+    }
+
+    fn bind(&self, source: &Project, missing: arcline_routine::Missing) -> Result<(Cell, Places), LoadError> {
+        let machine = self.plant.machine();
+        self.plant
+            .exchange(true, |image| rebind(machine, image, source, missing))
+    }
+
+    /// Enters Run.
+    fn run(&mut self, tick: u64) {
+        self.state = State::Running;
+        self.tick = tick;
+        let status = ProgramState::Running;
+        self.program.show(|shown| {
+            shown.state = status;
+            (shown.scans, shown.last_us, shown.longest_us) = (0, 0, 0);
+        });
+        let began = self.cell.start(tick * self.period, &mut self.host);
+        self.host.exchange(self.cell.memory_mut());
+        if let Err(fault) = began {
+            self.fault(&fault);
+        }
+    }
+
+    /// Leaves Run: motion stops, tags stay.
+    fn stop(&mut self) {
+        self.state = State::Stopped;
+        self.plant.stop_all();
+        self.program.show(|status| status.state = ProgramState::Stopped);
+    }
+
+    fn fault(&mut self, fault: &Fault) {
+        self.state = State::Faulted;
+        self.plant.stop_all();
+        let words = fault.to_string();
+        tracing::error!("the program of the controller has stopped: {words}");
+        self.plant
+            .record(Principal::Controller, What::Stop, words.clone(), "major fault");
+        self.program.show(|status| status.state = ProgramState::Faulted(words));
+    }
+}

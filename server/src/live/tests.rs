@@ -1,0 +1,379 @@
+//! Programs on a machine whose ticks the test makes.
+
+use std::sync::{Arc, Mutex};
+
+use arcline_config::Role;
+use arcline_controller::Controller;
+use arcline_realtime::Rings;
+use arcline_tag::Value;
+
+use super::*;
+use crate::plant::{Command, Principal, ProgramState, Refused, Right, image_of};
+
+/// A machine, a program on it, and a client with the role of an engineer.
+struct Bench {
+    plant: Plant,
+    machine: Arc<Mutex<(Controller, Rings)>>,
+    scanner: Scanner,
+}
+
+const CLIENT: Principal = Principal::Client {
+    session: 1,
+    connection: 0,
+};
+
+/// An L5X of the default machine: tags as `NAME TYPE`, add-on instructions, and the lines of the program Main, which has local tags too.
+fn cell(of_controller: &[&str], local: &[&str], add_ons: &str, rungs: &[&str]) -> String {
+    let default = arcline_config::load(arcline_config::DEFAULT, "default").expect("it is valid");
+    let tags = |all: &[&str]| -> String {
+        let words = all.iter().map(|tag| tag.split_once(' ').expect("NAME TYPE"));
+        words
+            .map(|(name, kind)| {
+                let (kind, dimensions) = kind.split_once('[').map_or((kind, ""), |(kind, sizes)| {
+                    (kind, sizes.trim_end_matches(']'))
+                });
+                let dimensions = match dimensions {
+                    "" => String::new(),
+                    sizes => format!(" Dimensions=\"{sizes}\""),
+                };
+                format!("<Tag Name=\"{name}\" TagType=\"Base\" DataType=\"{kind}\"{dimensions} ExternalAccess=\"Read/Write\"/>")
+            })
+            .collect()
+    };
+    let rows = (0..).zip(rungs);
+    let rows: String = rows
+        .map(|(number, text)| format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{text}]]></Text></Rung>"))
+        .collect();
+    let programs = format!(
+        "<Programs><Program Name=\"Main\" MainRoutineName=\"Go\"><Tags>{}</Tags><Routines><Routine Name=\"Go\" Type=\"RLL\"><RLLContent>{rows}\
+         </RLLContent></Routine></Routines></Program></Programs><Tasks><Task Name=\"T\" Type=\"PERIODIC\" Rate=\"4\" Priority=\"5\" \
+         Watchdog=\"500\"><ScheduledPrograms><ScheduledProgram Name=\"Main\"/></ScheduledPrograms></Task></Tasks>",
+        tags(local)
+    );
+    let text = arcline_l5x::export(&default);
+    let text = text.replacen("</Tags>", &format!("{}</Tags>", tags(of_controller)), 1);
+    let add_ons = format!("</DataTypes><AddOnInstructionDefinitions>{add_ons}</AddOnInstructionDefinitions>");
+    let text = text.replacen("</DataTypes>", &add_ons, 1);
+    let begin = text.find("<Programs>").expect("an export has programs");
+    let end = text.find("</Programs>").expect("an end") + "</Programs>".len();
+    format!("{}{programs}{}", &text[..begin], &text[end..])
+}
+
+fn source(text: &str) -> Project {
+    arcline_l5x::logic(text, "Cell.L5X").expect("it is read")
+}
+
+impl Bench {
+    fn new(text: &str, mode: Mode) -> Self {
+        let mut project = arcline_l5x::import(text, "Cell.L5X").expect("it is read").project;
+        project.tags.clear();
+        let mut image = image_of(&project);
+        let bound = bind(&project.machine, &mut image, &source(text), Missing::Refused);
+        let (cell, places) = bound.unwrap_or_else(|error| panic!("{error}"));
+        let (rings, link) = arcline_realtime::link(&project.machine);
+        let machine = Arc::new(Mutex::new((Controller::new(&project.machine), rings)));
+        let plant = Plant::with(&project, link, image, None);
+        plant.roles().set(1, Role::Engineer);
+        let program = Arc::new(Program::new("Cell.L5X".to_owned(), mode));
+        plant.set_program(program.clone());
+        plant.exchange(false, Image::follow_for_program);
+        let other = machine.clone();
+        let pause = Box::new(move || step(&other));
+        let scanner = Scanner::new(plant.clone(), program, cell, places, pause);
+        Bench {
+            plant,
+            machine,
+            scanner,
+        }
+    }
+
+    /// So many ticks, with the scans that are due in each.
+    fn ticks(&mut self, count: usize) {
+        for _ in 0..count {
+            step(&self.machine);
+            self.scanner.step();
+        }
+    }
+
+    fn until(&mut self, path: &str) {
+        for _ in 0..5000 {
+            if self.number(path) != 0.0 {
+                return;
+            }
+            self.ticks(1);
+        }
+        panic!("{path} stays 0: {:?}", self.state());
+    }
+
+    fn number(&self, path: &str) -> f64 {
+        let parsed = path.parse().expect("a path");
+        let value = self.plant.with_image(|image| image.read(&parsed));
+        value.unwrap_or_else(|error| panic!("{path}: {error}")).as_f64()
+    }
+
+    fn write(&self, path: &str, value: f64) {
+        let path = path.parse().expect("a path");
+        let (done, _) = self.plant.transact(CLIENT, |transaction| {
+            transaction.write_value(&path, Value::Lreal(value))
+        });
+        done.unwrap_or_else(|error| panic!("{path}: {error}"));
+    }
+
+    fn apply(&self, principal: Principal, command: Command<'_>) -> Result<(), Refused> {
+        let door = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
+        self.plant.transact(principal, door).0.map(drop)
+    }
+
+    fn state(&self) -> ProgramState {
+        self.plant.program_status().expect("it has a program").state
+    }
+}
+
+/// A tick of the machine.
+fn step(machine: &Mutex<(Controller, Rings)>) {
+    let mut machine = machine.lock().expect("no test panics with it");
+    let (controller, rings) = &mut *machine;
+    arcline_realtime::step(controller, rings);
+}
+
+/// An add-on instruction that adds its input to a total.
+const ADDER: &str = r#"<AddOnInstructionDefinition Name="Adder" Revision="1.0" ExecutePrescan="false" ExecutePostscan="false" ExecuteEnableInFalse="false">
+<Parameters><Parameter Name="EnableIn" TagType="Base" DataType="BOOL" Usage="Input" Required="false" Visible="false"/>
+<Parameter Name="EnableOut" TagType="Base" DataType="BOOL" Usage="Output" Required="false" Visible="false"/>
+<Parameter Name="Step" TagType="Base" DataType="DINT" Usage="Input" Required="true" Visible="true"/>
+<Parameter Name="Total" TagType="Base" DataType="DINT" Usage="Output" Required="false" Visible="true"/></Parameters>
+<LocalTags/><Routines><Routine Name="Logic" Type="RLL"><RLLContent><Rung Number="0" Type="N"><Text><![CDATA[ADD(Total,Step,Total);]]></Text></Rung>
+</RLLContent></Routine></Routines></AddOnInstructionDefinition>"#;
+
+#[test]
+fn clients_see_the_tags_of_programs_and_instances_and_write_them() {
+    let rungs = ["XIC(Go)Adder(Sum,Step);", "ADD(Count,1,Count);", "XIC(Ask)OTE(Answer);"];
+    let tags = ["Go BOOL", "Step DINT", "Ask BOOL", "Answer BOOL"];
+    let mut bench = Bench::new(&cell(&tags, &["Count DINT", "Sum Adder"], ADDER, &rungs), Mode::Run);
+    bench.ticks(10);
+    let before = bench.number("Program:Main.Count");
+    assert!(before >= 2.0, "{before} scans");
+    assert_eq!(bench.number("Program:Main.Sum.Total"), 0.0);
+    bench.write("Step", 5.0);
+    bench.write("Go", 1.0);
+    assert_eq!(bench.number("Step"), 5.0, "a client reads what it wrote");
+    bench.ticks(8);
+    let total = bench.number("Program:Main.Sum.Total");
+    assert!(total >= 5.0 && total % 5.0 == 0.0, "{total}");
+    assert_eq!(bench.number("Program:Main.Sum.EnableIn"), 1.0);
+    bench.write("Program:Main.Sum.Total", -1000.0);
+    bench.write("Program:Main.Count", 7.0);
+    bench.ticks(4);
+    assert!(bench.number("Program:Main.Sum.Total") < -900.0);
+    assert!((8.0..12.0).contains(&bench.number("Program:Main.Count")));
+    bench.write("Ask", 1.0);
+    bench.ticks(4);
+    assert_eq!(bench.number("Answer"), 1.0);
+    let listed = bench.plant.with_image(|image| image.programs().to_vec());
+    assert_eq!(listed, ["Main"]);
+}
+
+#[test]
+fn instructions_of_motion_go_through_the_door_and_stop_holds_for_them() {
+    let rungs = [
+        "XIC(Go)MSO(X,On);",
+        "XIC(On.DN)MAM(X,Move,0,Target,Speed,Units per sec,100,% of Maximum,100,% of Maximum,Trapezoidal,100,100,% of Time,Disabled,0,0,None,0,0);",
+        "XIC(Move.IP)OTL(Seen);",
+        "XIC(Move.PC)OTE(Done);",
+    ];
+    let tags = [
+        "Go BOOL",
+        "Target REAL",
+        "Speed REAL",
+        "Seen BOOL",
+        "Done BOOL",
+        "On MOTION_INSTRUCTION",
+    ];
+    let text = cell(&tags, &["Move MOTION_INSTRUCTION"], "", &rungs);
+    let mut bench = Bench::new(&text, Mode::Run);
+    bench.write("Target", 3.0);
+    bench.write("Speed", 50.0);
+    bench.write("Go", 1.0);
+    bench.until("Done");
+    assert_eq!(bench.number("Seen"), 1.0, "IP in the scan that executed it");
+    assert_eq!(bench.number("X.CommandPosition"), 3.0);
+    let mover = bench.plant.movers();
+    assert!(
+        mover.of_axis(arcline_instruction_set::AxisId(0)).is_none(),
+        "it stands still"
+    );
+    assert_eq!(
+        ["EN", "DN", "IP", "PC"].map(|bit| bench.number(&format!("Program:Main.Move.{bit}"))),
+        [1.0, 1.0, 0.0, 1.0]
+    );
+    bench.plant.inhibit();
+    bench.write("Go", 0.0);
+    bench.ticks(10);
+    bench.write("Target", 9.0);
+    bench.write("Program:Main.Move.EN", 0.0);
+    bench.ticks(10);
+    assert_eq!(
+        ["ER", "ERR"].map(|member| bench.number(&format!("Program:Main.Move.{member}"))),
+        [1.0, 53.0],
+        "STOP refuses what would begin motion"
+    );
+    assert_eq!(bench.number("X.CommandPosition"), 3.0);
+}
+
+#[test]
+fn the_mode_decides_whether_tasks_run_and_needs_its_right() {
+    let text = cell(
+        &["Count DINT", "First DINT"],
+        &[],
+        "",
+        &["ADD(Count,1,Count);", "XIC(S:FS)ADD(First,1,First);"],
+    );
+    let mut bench = Bench::new(&text, Mode::Program);
+    bench.ticks(10);
+    assert_eq!((bench.number("Count"), bench.state()), (0.0, ProgramState::Stopped));
+    bench.plant.roles().set(1, Role::Operator);
+    let refused = bench.apply(CLIENT, Command::SetMode(Mode::Run));
+    assert!(
+        matches!(
+            refused,
+            Err(Refused::Role {
+                right: Right::ChangeMode,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+    bench.plant.roles().set(1, Role::Engineer);
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Run))
+        .expect("an engineer may");
+    bench.ticks(10);
+    assert_eq!(bench.state(), ProgramState::Running);
+    let counted = bench.number("Count");
+    assert!(counted >= 2.0, "{counted}");
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Program))
+        .expect("an engineer may");
+    bench.ticks(10);
+    let stopped = bench.number("Count");
+    bench.write("Count", 100.0);
+    bench.ticks(10);
+    assert!(stopped <= counted + 1.0);
+    assert_eq!(bench.number("Count"), 100.0, "tags stay, and clients write them");
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Run))
+        .expect("an engineer may");
+    bench.ticks(10);
+    assert!(bench.number("Count") > 100.0);
+    assert_eq!(bench.number("First"), 2.0, "a first scan each time");
+}
+
+#[test]
+fn a_major_fault_stops_the_tasks_and_says_where() {
+    let rungs = ["XIC(Go)MOV(1,List[Index]);", "ADD(Count,1,Count);"];
+    let mut bench = Bench::new(
+        &cell(
+            &["Go BOOL", "List DINT[4]", "Index DINT", "Count DINT"],
+            &[],
+            "",
+            &rungs,
+        ),
+        Mode::Run,
+    );
+    bench.write("Index", 4.0);
+    bench.write("Go", 1.0);
+    bench.ticks(10);
+    let ProgramState::Faulted(words) = bench.state() else {
+        panic!("{:?}", bench.state());
+    };
+    assert_eq!(
+        words,
+        "major fault 4/20 (subscript out of range) in Main/Go rung 0, MOV: Index is 4"
+    );
+    let count = bench.number("Count");
+    bench.ticks(10);
+    assert_eq!(bench.number("Count"), count);
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Program))
+        .expect("an engineer may");
+    bench.write("Index", 0.0);
+    bench.ticks(2);
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Run))
+        .expect("an engineer may");
+    bench.ticks(10);
+    assert_eq!((bench.state(), bench.number("List[0]")), (ProgramState::Running, 1.0));
+}
+
+#[test]
+fn another_project_is_checked_whole_and_keeps_what_is_the_same() {
+    let first = cell(
+        &["Count DINT", "Gone REAL", "Other DINT"],
+        &["Mine DINT"],
+        "",
+        &["ADD(Count,1,Count);", "MOV(7,Mine);"],
+    );
+    let mut bench = Bench::new(&first, Mode::Run);
+    bench.ticks(10);
+    bench.write("Other", 3.0);
+    let count = bench.number("Count");
+    let replacement = |text: &str| Replacement {
+        source: source(text),
+        missing: Missing::Refused,
+    };
+    let wrong = cell(
+        &["Count DINT", "New DINT"],
+        &[],
+        "",
+        &["ADD(Count,1,Count);", "NOSUCH(New);"],
+    );
+    let refused = bench
+        .scanner
+        .replace(&replacement(&wrong))
+        .expect_err("it does not run");
+    assert!(
+        refused
+            .to_string()
+            .starts_with("Main/Go rung 1: instruction NOSUCH is not supported"),
+        "{refused}"
+    );
+    assert!(
+        bench
+            .plant
+            .with_image(|image| image.find("New").is_none() && image.find("Gone").is_some())
+    );
+    bench.ticks(8);
+    assert!(bench.number("Count") > count, "it runs on");
+    let second = cell(
+        &["Count DINT", "Other REAL", "New DINT"],
+        &["Mine DINT"],
+        "",
+        &["ADD(Count,10,Count);", "MOV(Mine,New);"],
+    );
+    bench.scanner.replace(&replacement(&second)).expect("it runs");
+    let count = bench.number("Count");
+    assert!(count > 1.0, "its value is kept");
+    bench.ticks(8);
+    assert!(bench.number("Count") >= count + 10.0);
+    assert_eq!(
+        (bench.number("New"), bench.number("Other")),
+        (7.0, 0.0),
+        "another type begins anew"
+    );
+    assert!(bench.plant.with_image(|image| image.find("Gone").is_none()));
+}
+
+#[test]
+fn a_loop_without_end_ends_by_the_watchdog() {
+    let mut bench = Bench::new(
+        &cell(
+            &["Count DINT"],
+            &[],
+            "",
+            &["LBL(Again)ADD(Count,1,Count);", "JMP(Again);"],
+        ),
+        Mode::Run,
+    );
+    bench.ticks(2);
+    assert!(matches!(bench.state(), ProgramState::Faulted(words) if words.starts_with("major fault 6/1")));
+}
