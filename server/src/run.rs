@@ -8,7 +8,6 @@ use std::process::ExitCode;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
-use arcline_routine::Missing;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
 
@@ -16,7 +15,7 @@ use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::Hmi;
-use crate::live;
+use crate::live::{self, Missing};
 use crate::plant::{Mode, Plant, Principal, image_of};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::tls::Tls;

@@ -36,18 +36,9 @@ pub struct Loaded {
     pub findings: Vec<Finding>,
 }
 
-/// Parts that a project may do without.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Missing {
-    /// Named, and the project is refused.
-    Refused,
-    /// Named, and passed over.
-    Allowed,
-}
-
 /// Compiles a project for a machine.
-pub fn load(project: &Project, directory: &mut dyn Directory, missing: Missing) -> Loaded {
-    let mut compiler = Compiler::new(project, directory, missing == Missing::Allowed);
+pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
+    let mut compiler = Compiler::new(project, directory);
     compiler.compile();
     let shared = compiler.shared.iter().filter_map(|(number, id)| {
         let tag = compiler.tags.list.get(*number)?;
@@ -341,7 +332,7 @@ impl Cell {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn condition(&self, project: &Project, directory: &mut dyn Directory, text: &str) -> Result<Condition, String> {
-        let mut compiler = Compiler::new(project, directory, false);
+        let mut compiler = Compiler::new(project, directory);
         let text = program_scopes(text);
         let expression = Expression::parse(&text).map_err(|error| error.to_string())?;
         compiler.owner = crate::compile::Owner::Program(usize::MAX);
@@ -374,7 +365,7 @@ impl Cell {
         directory: &mut dyn Directory,
         given: &[(&str, &str)],
     ) -> Result<Writes, (String, String)> {
-        let mut compiler = Compiler::new(project, directory, false);
+        let mut compiler = Compiler::new(project, directory);
         compiler.owner = crate::compile::Owner::Program(usize::MAX);
         let mut all = Vec::new();
         for (tag, value) in given {

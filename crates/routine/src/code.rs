@@ -53,11 +53,20 @@ pub(crate) struct Bit {
     pub(crate) select: Select,
 }
 
+/// What a call gives by reference: a place, and the bit there for a BOOL.
+#[derive(Clone, Debug)]
+pub(crate) struct Referenced {
+    pub(crate) place: Place,
+    pub(crate) bit: Option<Select>,
+}
+
 /// Which bit behind a place.
 #[derive(Clone, Debug)]
 pub(crate) enum Select {
     /// A mask of the byte there.
     Mask(u8),
+    /// The bit that the call gave by reference.
+    Referenced,
     /// A number below the count of bits; outside it is that fault of type 4.
     Number {
         value: Ex,
@@ -293,7 +302,7 @@ pub(crate) struct AddOnCall {
     pub(crate) inputs: Box<[Copy]>,
     pub(crate) outputs: Box<[Copy]>,
     /// Parameters by reference, in order.
-    pub(crate) references: Box<[Place]>,
+    pub(crate) references: Box<[Referenced]>,
 }
 
 /// A value that a call copies. Parameters are places from base 1, in the callee.

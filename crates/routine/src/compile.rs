@@ -79,16 +79,27 @@ pub(crate) struct Compiler<'p> {
     pub(crate) controls: Vec<(u32, ControlSlot)>,
     /// Tags that instructions of motion take as a whole: index and the host's id.
     pub(crate) shared: BTreeMap<usize, u32>,
-    pub(crate) allow_missing: bool,
+    /// Whether a routine looks at the carry, which costs time.
+    pub(crate) uses_carry: bool,
 }
 
 /// Why an operand or a statement cannot be compiled, in words.
 pub(crate) type Wrong = String;
 
 impl<'p> Compiler<'p> {
-    pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory, allow_missing: bool) -> Self {
+    pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory) -> Self {
         let mut types = Types::new(project);
         let mut findings = Vec::new();
+        for (name, reason) in &types.wrong {
+            findings.push(Finding {
+                kind: FindingKind::Type,
+                name: name.clone(),
+                reason: reason.clone(),
+                program: None,
+                routine: None,
+                place: None,
+            });
+        }
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler {
             project,
@@ -109,7 +120,7 @@ impl<'p> Compiler<'p> {
             objects: Vec::new(),
             controls: Vec::new(),
             shared: BTreeMap::new(),
-            allow_missing,
+            uses_carry: uses_carry(project),
         };
         for text in FIRST_TEXTS {
             compiler.text(text);
@@ -380,6 +391,18 @@ impl<'p> Compiler<'p> {
             self.findings.push(finding);
         }
     }
+}
+
+/// Whether a routine of a project names the carry.
+fn uses_carry(project: &Project) -> bool {
+    let has_carry = |text: &str| text.as_bytes().windows(3).any(|word| word.eq_ignore_ascii_case(b"S:C"));
+    let programs = project.programs.iter().flat_map(|one| &one.routines);
+    let add_ons = project.instructions.iter().flat_map(|one| &one.routines);
+    programs.chain(add_ons).any(|routine| match &routine.content {
+        Content::Ladder(rungs) => rungs.iter().any(|rung| has_carry(&rung.text)),
+        Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
+        Content::Other(_) => false,
+    })
 }
 
 fn labels(rungs: &[(u32, rll::Rung)]) -> BTreeMap<String, u32> {

@@ -91,8 +91,6 @@ pub enum FindingKind {
     Routine,
     /// A data type.
     Type,
-    /// A module.
-    Module,
     /// A task.
     Task,
     /// An operand, a tag or a text that does not fit.
@@ -106,7 +104,6 @@ impl FindingKind {
             Self::Instruction => "instruction",
             Self::Routine => "routine",
             Self::Type => "type",
-            Self::Module => "module",
             Self::Task => "task",
             Self::Error => "error",
         }

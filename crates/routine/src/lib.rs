@@ -23,7 +23,7 @@ pub mod st;
 mod table;
 mod types;
 
-pub use cell::{Cell, Condition, Loaded, Missing, Writes, load};
+pub use cell::{Cell, Condition, Loaded, Writes, load};
 pub use compile::Directory;
 pub use docs::ladder_page;
 pub use error::{Finding, FindingKind, Line, SyntaxError};

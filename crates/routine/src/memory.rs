@@ -308,6 +308,11 @@ pub(crate) fn number(text: &str) -> (i64, f64) {
     let constant = |expression: &Expression| match expression {
         Expression::Integer(value) => Some((*value, *value as f64)),
         Expression::Real(value) => Some((value.round_ties_even() as i64, *value)),
+        // Radix ASCII: the first character is the highest byte.
+        Expression::Text(bytes) => {
+            let whole = bytes.iter().fold(0_i64, |value, byte| value << 8 | i64::from(*byte));
+            Some((whole, whole as f64))
+        }
         _ => None,
     };
     match Expression::parse(text) {

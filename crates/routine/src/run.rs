@@ -73,6 +73,8 @@ pub(crate) struct State {
     pub(crate) memory: Vec<u8>,
     /// Bases of add-on instructions that run, and where those of the innermost begin.
     bases: Vec<u32>,
+    /// The bit of each base that is a BOOL.
+    masks: Vec<u8>,
     frame: usize,
     overflow: bool,
     zero: bool,
@@ -126,6 +128,7 @@ impl State {
         State {
             memory,
             bases: Vec::with_capacity(MAX_BASES),
+            masks: Vec::with_capacity(MAX_BASES),
             path: Vec::with_capacity(MAX_CALLS + 1),
             faults: Vec::with_capacity(MAX_FAULTS),
             records: vec![[0; 11]; code.programs.len()],
@@ -151,8 +154,18 @@ impl State {
         (self.overflow, self.zero, self.negative, self.carry, self.minor) = (false, false, false, false, false);
         self.zone = false;
         (self.depth, self.add_ons, self.frame) = (0, 0, 0);
-        self.bases.clear();
+        self.truncate_bases(0);
         self.path.clear();
+    }
+
+    fn push_base(&mut self, at: u32, mask: u8) {
+        self.bases.push(at);
+        self.masks.push(mask);
+    }
+
+    fn truncate_bases(&mut self, count: usize) {
+        self.bases.truncate(count);
+        self.masks.truncate(count);
     }
 }
 

@@ -7,6 +7,8 @@ mod rows;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use crate::code::Compare;
+
 pub(crate) use rows::ROWS;
 
 /// What an instruction does.
@@ -32,7 +34,7 @@ pub(crate) enum Op {
     Tofr,
     Rtor,
     Ctud,
-    Compare(Relation),
+    Compare(Compare),
     Lim,
     Meq,
     Cmp,
@@ -95,17 +97,6 @@ pub(crate) enum Op {
     AddOn,
     /// One that is missing and passed over.
     Missing,
-}
-
-/// How two values are compared.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Relation {
-    Equal,
-    NotEqual,
-    Greater,
-    GreaterEqual,
-    Less,
-    LessEqual,
 }
 
 /// What an operand is.

@@ -1,6 +1,7 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
 mod instructions;
+mod mended;
 mod projects;
 mod texts;
 
@@ -10,7 +11,7 @@ use arcline_tag::TagType;
 use crate::source::{
     Content, Datum, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
 };
-use crate::{Cell, Directory, Host, Missing, load};
+use crate::{Cell, Directory, Host, load};
 
 /// A machine without motion.
 pub(crate) struct Nothing;
@@ -137,7 +138,7 @@ pub(crate) fn project(tag_text: &str, routines: &[(&str, &str)]) -> Project {
 
 /// A project that loads, after prescan.
 pub(crate) fn started(why: &str, project: &Project) -> Cell {
-    let loaded = load(project, &mut Nothing, Missing::Refused);
+    let loaded = load(project, &mut Nothing);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     assert!(findings.is_empty(), "{why}: {findings:?}");
     let mut cell = loaded.cell;

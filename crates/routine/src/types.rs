@@ -1,6 +1,6 @@
 //! The data types of a project: elementary, predefined, of the project, and those of add-on instructions' instances.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use arcline_instruction_set::predefined;
@@ -12,8 +12,8 @@ use crate::source::{MemberSource, Project, Usage};
 #[derive(Debug, Default)]
 pub(crate) struct Types {
     known: BTreeMap<String, DataType>,
-    /// Types that cannot be made, which are named once.
-    pub(crate) missing: BTreeSet<String>,
+    /// Types of which a member is left out, and why.
+    pub(crate) wrong: Vec<(String, String)>,
     next: u16,
 }
 
@@ -79,13 +79,31 @@ impl Types {
             let word = member.data_type.to_ascii_lowercase();
             self.make(&word, pending, depth + 1);
             let Some(data_type) = self.data_type(&word) else {
-                self.missing.insert(member.data_type.clone());
+                let reason = format!(
+                    "the type {} of its member {} is not known",
+                    member.data_type, member.name
+                );
+                self.wrong.push((source.name.to_owned(), reason));
                 continue;
             };
             let count = member
                 .dimensions
                 .iter()
                 .fold(1_u32, |all, size| all.saturating_mul(*size));
+            let elements = if data_type == DataType::Elementary(Elementary::Bool) {
+                count.div_ceil(32)
+            } else {
+                count
+            };
+            if u16::try_from(elements).is_err() {
+                let reason = format!(
+                    "its member {} has {count} elements, more than {}",
+                    member.name,
+                    u16::MAX
+                );
+                self.wrong.push((source.name.to_owned(), reason));
+                continue;
+            }
             builder = match (&data_type, member.dimensions.is_empty()) {
                 (_, true) => builder.member(&member.name, data_type),
                 (DataType::Elementary(Elementary::Bool), false) => {

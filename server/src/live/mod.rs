@@ -19,7 +19,7 @@ use arcline_config::Project as Configuration;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Finding, FindingKind, Loaded, Missing};
+use arcline_routine::{Cell, Finding, FindingKind, Loaded};
 
 use crate::cli::Failure;
 use crate::plant::{Mode, Plant, Program, machine_changes};
@@ -48,6 +48,15 @@ pub(crate) enum LoadError {
 /// Further findings, a line each.
 fn others(rest: &[Finding]) -> String {
     rest.iter().map(|finding| format!("\n  {finding}")).collect()
+}
+
+/// What becomes of instructions, routines and tasks that do not run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Missing {
+    /// Named, and the project is refused.
+    Refused,
+    /// Named, and passed over.
+    Allowed,
 }
 
 /// The findings that keep a project from running. A tag of an unknown type is left out: routines that name it do not compile.
@@ -221,7 +230,7 @@ impl Drop for Live {
 /// Loads a project on a machine, and makes its tags tags of the machine.
 fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
     let mut names = Names::new(machine, image);
-    let Loaded { mut cell, findings } = arcline_routine::load(source, &mut names, missing);
+    let Loaded { mut cell, findings } = arcline_routine::load(source, &mut names);
     let mut wrong = blocking(&findings, missing).cloned();
     if let Some(first) = wrong.next() {
         let rest: Vec<Finding> = wrong.collect();

@@ -8,7 +8,7 @@ use arcline_routine::{Cell, Fault};
 
 use super::host::{LiveHost, Pause};
 use super::names::Places;
-use super::{LoadError, Replacement, rebind};
+use super::{LoadError, Missing, Replacement, rebind};
 use crate::audit::What;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 
@@ -86,7 +86,7 @@ impl Scanner {
         Ok(())
     }
 
-    fn bind(&self, source: &Project, missing: arcline_routine::Missing) -> Result<(Cell, Places), LoadError> {
+    fn bind(&self, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
         let machine = self.plant.machine();
         self.plant
             .exchange(true, |image| rebind(machine, image, source, missing))

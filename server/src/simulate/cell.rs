@@ -3,19 +3,17 @@
 //! In a tick the machine begins, then the tasks that are due run and call instructions of motion at this instant, then the
 //! machine ends the tick. Nothing else happens, so two runs give the same bytes.
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Condition, Fault, Finding, Loaded, Missing};
+use arcline_routine::{Cell, Condition, Fault, Finding, Loaded};
 
 use super::cell_tags;
-use super::output::{Files, Output, is_standard_output};
+use super::output::{Files, is_standard_output};
 use super::plant::Plant;
-use super::summary::Summary;
 use super::{Observer, cannot_write};
 use crate::cli::{Failure, SimulateArgs};
-use crate::live::{Names, blocking, configuration};
+use crate::live::{Missing, Names, blocking, configuration};
 
 /// Longest simulated time of a project, s.
 const LONGEST: f64 = 60.0;
@@ -58,25 +56,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     if let Some(seed) = args.scan_phase {
         cell.set_phase(seed);
     }
-    let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
-    let outputs = [&args.trace, &args.events, &args.faults, &args.tags];
-    if outputs
-        .into_iter()
-        .flatten()
-        .filter(|path| is_standard_output(path))
-        .count()
-        > 1
-    {
-        return Err(Failure::usage(
-            "only one of --trace, --events, --faults and --tags can be written to standard output",
-        ));
-    }
-    let mut files = Files {
-        trace: args.trace.as_deref().map(create).transpose()?,
-        events: args.events.as_deref().map(create).transpose()?,
-        faults: args.faults.as_deref().map(create).transpose()?,
-        summary: Summary::default(),
-    };
+    let mut files = Files::create(args)?;
     let longest = args.max.unwrap_or(LONGEST);
     let setup = Setup {
         source: &source,
@@ -94,17 +74,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
         }
     }
-    let Files {
-        trace,
-        events,
-        faults,
-        mut summary,
-    } = files;
-    for (output, path) in [(trace, &args.trace), (events, &args.events), (faults, &args.faults)] {
-        if let (Some(output), Some(path)) = (output, path) {
-            output.finish().map_err(|error| cannot_write(path, &error))?;
-        }
-    }
+    let mut summary = files.finish(args)?;
     summary.executed = plant.executed();
     let is_done = matches!(end, End::Reached) || matches!(end, End::Time) && until.is_none();
     eprint!("{}", summary.text(&file, machine, is_done));
@@ -129,7 +99,7 @@ pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> 
     let source = arcline_l5x::logic(text, file).map_err(wrong)?;
     let mut image = crate::plant::image_of(&import.project);
     let mut names = Names::new(&import.project.machine, &mut image);
-    Ok(arcline_routine::load(&source, &mut names, Missing::Refused).findings)
+    Ok(arcline_routine::load(&source, &mut names).findings)
 }
 
 /// How to run.

@@ -1,7 +1,7 @@
 //! The tags of a project as JSON: structures as objects, arrays as arrays, texts as text.
 
 use arcline_routine::{Cell, Line, Tag};
-use arcline_tag::{DataType, Elementary, Template};
+use arcline_tag::{DataType, Elementary, Template, shortest};
 use serde_json::{Map, Value, json};
 
 /// Every tag, the simulated time, and the faults.
@@ -101,31 +101,17 @@ fn text(template: &Template, bytes: &[u8]) -> Option<Value> {
 }
 
 fn number(kind: Elementary, bytes: &[u8]) -> Value {
-    if kind == Elementary::Bool {
-        return Value::Bool(has(bytes, 0, 0));
-    }
-    let word = |size: usize| {
-        let mut wide = [0; 8];
-        for (place, byte) in wide.iter_mut().zip(bytes.iter().take(size)) {
-            *place = *byte;
-        }
-        u64::from_le_bytes(wide)
-    };
-    match kind {
-        Elementary::Real => {
-            let single = f32::from_bits(word(4) as u32);
-            // The shortest digits that read back to the same 32 bits.
-            single
-                .to_string()
-                .parse::<f64>()
-                .map_or(Value::Null, |number| json!(number))
-        }
-        Elementary::Lreal => json!(f64::from_bits(word(8))),
-        Elementary::Sint => json!(word(1) as i8),
-        Elementary::Int => json!(word(2) as i16),
-        Elementary::Dint => json!(word(4) as i32),
-        Elementary::Lint => json!(word(8) as i64),
-        kind => json!(word(kind.size())),
+    use arcline_tag::Value::{Bool, Dint, Int, Lint, Lreal, Real, Sint};
+    match arcline_tag::Value::read(kind, bytes) {
+        Some(Bool(_)) => Value::Bool(has(bytes, 0, 0)),
+        Some(Real(number)) => json!(shortest(number)),
+        Some(Lreal(number)) => json!(number),
+        Some(Sint(number)) => json!(number),
+        Some(Int(number)) => json!(number),
+        Some(Dint(number)) => json!(number),
+        Some(Lint(number)) => json!(number),
+        Some(unsigned) => unsigned.to_whole().map_or(Value::Null, |whole| json!(whole as u64)),
+        None => Value::Null,
     }
 }
 

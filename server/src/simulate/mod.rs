@@ -19,7 +19,7 @@ use arcline_structured_text::{Interpreter, OnError, Policy, RunError};
 use crate::cli::{Failure, SimulateArgs, project};
 use crate::plant::image_of;
 pub(crate) use cell::findings;
-use output::{Files, Output, is_standard_output};
+use output::Files;
 use pieces::Pieces;
 pub(crate) use runner::{End, Observer, Options, Refused, Runner};
 use summary::Summary;
@@ -43,17 +43,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let first = pieces
         .next(&image)?
         .map_or_else(Interpreter::empty, |piece| piece.interpreter);
-    let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
-    let to_output = [&args.trace, &args.events, &args.faults].into_iter().flatten();
-    if to_output.filter(|path| is_standard_output(path)).count() > 1 {
-        return Err(Failure::usage(
-            "only one of --trace, --events and --faults can be written to standard output",
-        ));
-    }
-    let trace = args.trace.as_deref().map(create).transpose()?;
-    let events = args.events.as_deref().map(create).transpose()?;
-    let faults = args.faults.as_deref().map(create).transpose()?;
-
+    let mut files = Files::create(args)?;
     let options = Options {
         until: args.seconds()?,
         policy: Policy {
@@ -66,24 +56,8 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         },
     };
     let mut runner = Runner::new(&project.machine, image, first, options);
-    let mut files = Files {
-        trace,
-        events,
-        faults,
-        summary: Summary::default(),
-    };
     let end = runner.run_pieces(&mut files, &mut |image| pieces.next(image));
-    let Files {
-        trace,
-        events,
-        faults,
-        mut summary,
-    } = files;
-    for (output, path) in [(trace, &args.trace), (events, &args.events), (faults, &args.faults)] {
-        if let (Some(output), Some(path)) = (output, path) {
-            output.finish().map_err(|error| cannot_write(path, &error))?;
-        }
-    }
+    let mut summary = files.finish(args)?;
     summary.stopped = runner.stopped();
     summary.executed = runner.executed();
     eprint!(

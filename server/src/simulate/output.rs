@@ -9,7 +9,8 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event, FaultChange};
 use arcline_instruction_set::{Ending, Flag};
 
-use super::{Observer, Summary};
+use super::{Observer, Summary, cannot_write};
+use crate::cli::{Failure, SimulateArgs};
 
 /// What a simulation writes down.
 pub(super) struct Files {
@@ -17,6 +18,47 @@ pub(super) struct Files {
     pub(super) events: Option<Output>,
     pub(super) faults: Option<Output>,
     pub(super) summary: Summary,
+}
+
+impl Files {
+    /// Creates the files of the command line.
+    ///
+    /// # Errors
+    /// A file that cannot be created, or more than one to standard output.
+    pub(super) fn create(args: &SimulateArgs) -> Result<Self, Failure> {
+        let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
+        let outputs = [&args.trace, &args.events, &args.faults, &args.tags];
+        let to_output = outputs.into_iter().flatten().filter(|path| is_standard_output(path));
+        if to_output.count() > 1 {
+            return Err(Failure::usage(
+                "only one of --trace, --events, --faults and --tags can be written to standard output",
+            ));
+        }
+        Ok(Files {
+            trace: args.trace.as_deref().map(create).transpose()?,
+            events: args.events.as_deref().map(create).transpose()?,
+            faults: args.faults.as_deref().map(create).transpose()?,
+            summary: Summary::default(),
+        })
+    }
+
+    /// Ends the files; the summary of the run.
+    ///
+    /// # Errors
+    /// A file that could not be written.
+    pub(super) fn finish(self, args: &SimulateArgs) -> Result<Summary, Failure> {
+        let outputs = [
+            (self.trace, &args.trace),
+            (self.events, &args.events),
+            (self.faults, &args.faults),
+        ];
+        for (output, path) in outputs {
+            if let (Some(output), Some(path)) = (output, path) {
+                output.finish().map_err(|error| cannot_write(path, &error))?;
+            }
+        }
+        Ok(self.summary)
+    }
 }
 
 impl Observer for Files {

@@ -5,10 +5,10 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{ArrayWrite, ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Host, Loaded, Missing};
+use arcline_routine::{Cell, Host, Loaded};
 
 use super::Observer;
-use crate::live::{Names, NotPlaced, Placed, Places, blocking};
+use crate::live::{Missing, Names, NotPlaced, Placed, Places, blocking};
 
 /// A machine under control of a project.
 pub(super) struct Plant<'m> {
@@ -42,7 +42,7 @@ impl<'m> Plant<'m> {
     /// Loads a project on the machine, and makes its tags tags of the machine.
     pub(super) fn load(&mut self, source: &Project, missing: Missing) -> Result<Loaded, NotPlaced> {
         let mut names = Names::new(self.machine, &mut self.image);
-        let mut loaded = arcline_routine::load(source, &mut names, missing);
+        let mut loaded = arcline_routine::load(source, &mut names);
         if blocking(&loaded.findings, missing).next().is_none() {
             self.places = names.place(&mut loaded.cell, source)?;
         }

@@ -4,8 +4,9 @@ use arcline_tag::DataType;
 
 use super::operand::parse;
 use super::{Compiler, Owner, Wrong};
-use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Select};
-use crate::source::Usage;
+use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Referenced, Select};
+use crate::expression::Expression;
+use crate::source::{MemberSource, Usage};
 
 impl Compiler<'_> {
     pub(crate) fn add_on(&mut self, number: usize) -> AddOn {
@@ -68,16 +69,7 @@ impl Compiler<'_> {
         for (parameter, text) in required.into_iter().zip(rest) {
             let wrong = |reason: Wrong| format!("{} {text}: {reason}", parameter.member.name);
             if parameter.usage == Usage::InOut {
-                let found = self.area_of(text).map_err(wrong)?;
-                self.check_reference(&parameter.member.data_type, &found.data_type)
-                    .map_err(wrong)?;
-                if found.place.base == 0
-                    && matches!(found.data_type, DataType::Structure(_))
-                    && found.place.index.is_empty()
-                {
-                    self.share_if_motion(&found.data_type, found.place.at);
-                }
-                references.push(found.place);
+                references.push(self.referenced(&parameter.member, text).map_err(wrong)?);
                 continue;
             }
             let Some(member) = template.member(&parameter.member.name) else {
@@ -124,6 +116,29 @@ impl Compiler<'_> {
             outputs: outputs.into(),
             references: references.into(),
         }))
+    }
+
+    /// The place that a call gives for a parameter by reference.
+    fn referenced(&mut self, parameter: &MemberSource, text: &str) -> Result<Referenced, Wrong> {
+        let Expression::Reference(reference) = parse(text)? else {
+            return Err("expected a tag".to_owned());
+        };
+        let found = self.resolve(&reference)?;
+        let place = found.place();
+        if parameter.data_type.eq_ignore_ascii_case("BOOL") && parameter.dimensions.is_empty() {
+            let bit = found
+                .as_bit()
+                .ok_or_else(|| format!("is {}, expected BOOL", found.data_type.name()))?;
+            return Ok(Referenced {
+                place,
+                bit: Some(bit.select),
+            });
+        }
+        self.check_reference(&parameter.data_type, &found.data_type)?;
+        if place.base == 0 && matches!(found.data_type, DataType::Structure(_)) && place.index.is_empty() {
+            self.share_if_motion(&found.data_type, place.at);
+        }
+        Ok(Referenced { place, bit: None })
     }
 
     /// A parameter by reference takes data of its own type; any axis for any type of axis.

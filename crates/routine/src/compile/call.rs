@@ -6,7 +6,7 @@ use crate::code::{Argument, Compare, Ex, Instruction, Node, Place, Select, Trans
 use crate::error::FindingKind;
 use crate::expression::{Binary, Expression};
 use crate::rll::Element;
-use crate::table::{self, Form, Op, Relation, Row};
+use crate::table::{self, Form, Op, Row};
 
 impl Compiler<'_> {
     /// The elements of a rung or a leg.
@@ -87,7 +87,7 @@ impl Compiler<'_> {
         }
         let arguments = match row.op {
             Op::Compute => self.compute(row, operands)?,
-            Op::Compare(relation) => vec![Argument::Integer(self.compare(relation, operands)?)],
+            Op::Compare(compare) => vec![Argument::Integer(self.compare(compare, operands)?)],
             Op::Jsr => vec![Argument::Transfer(Box::new(self.transfer(operands)?))],
             Op::Ret => operands
                 .iter()
@@ -96,10 +96,6 @@ impl Compiler<'_> {
             Op::Sbr | Op::Lbl => Vec::new(),
             Op::Gsv | Op::Ssv => match self.system(row.op, operands)? {
                 Some(system) => vec![Argument::System(Box::new(system))],
-                None if self.allow_missing => {
-                    self.find(FindingKind::Instruction, &format!("{name} {}", operands.join(" ")), "");
-                    return Ok(Some(self.missing(name)));
-                }
                 None => {
                     let described = operands.iter().take(3).copied().collect::<Vec<_>>().join(" ");
                     self.find(FindingKind::Instruction, &format!("{name} {described}"), "");
@@ -221,7 +217,7 @@ impl Compiler<'_> {
         let mut arguments = vec![value, target];
         // The carry is that of 32 bits.
         if let ("ADD" | "SUB", [(a, Sort::Whole), (b, Sort::Whole)], false) = (name, values.as_slice(), sort.is_real())
-            && self.uses_carry()
+            && self.uses_carry
         {
             arguments.extend([
                 Argument::Integer(a.clone()),
@@ -253,20 +249,12 @@ impl Compiler<'_> {
         Ok(())
     }
 
-    fn compare(&mut self, relation: Relation, operands: &[&str]) -> Result<Ex, Wrong> {
+    fn compare(&mut self, compare: Compare, operands: &[&str]) -> Result<Ex, Wrong> {
         let [a, b] = operands else {
             return Err("expected 2 operands".to_owned());
         };
         let parse = |text: &str| Expression::parse(text).map_err(|error| format!("{text}: {error}"));
         let (left, right) = (parse(a)?, parse(b)?);
-        let compare = match relation {
-            Relation::Equal => Compare::Equal,
-            Relation::NotEqual => Compare::NotEqual,
-            Relation::Greater => Compare::Greater,
-            Relation::GreaterEqual => Compare::GreaterEqual,
-            Relation::Less => Compare::Less,
-            Relation::LessEqual => Compare::LessEqual,
-        };
         if let Some(texts) = self.texts(compare, &left, &right)? {
             return Ok(texts);
         }
@@ -316,25 +304,6 @@ impl Compiler<'_> {
             returns,
         })
     }
-
-    /// Whether the project looks at the carry, which costs time.
-    fn uses_carry(&self) -> bool {
-        use crate::source::Content;
-        let reads = |content: &Content| match content {
-            Content::Ladder(rungs) => rungs.iter().any(|rung| has_carry(&rung.text)),
-            Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
-            Content::Other(_) => false,
-        };
-        self.project
-            .programs
-            .iter()
-            .flat_map(|one| &one.routines)
-            .any(|routine| reads(&routine.content))
-    }
-}
-
-fn has_carry(text: &str) -> bool {
-    text.to_ascii_uppercase().contains("S:C")
 }
 
 /// The type of a destination.

@@ -11,7 +11,6 @@ use super::operand::parse;
 use super::{Compiler, Wrong};
 use crate::code::{Area, Ex, MotionCall, MotionOperand};
 use crate::expression::Expression;
-use crate::memory::Symbol;
 
 impl Compiler<'_> {
     /// Notes where the machine's objects and the motion control tags stand.
@@ -146,7 +145,7 @@ impl Compiler<'_> {
                 if area.data_type != DataType::Elementary(Elementary::Real) {
                     return Err(format!("is {}, expected an array of REAL", area.data_type.name()));
                 }
-                self.share(text);
+                self.share(&area);
                 Ok(Operand::Read(MotionOperand::Written(area)))
             }
             Kind::Structure(name) | Kind::StructureOrNone(name) => {
@@ -155,7 +154,7 @@ impl Compiler<'_> {
                 if !area.data_type.name().eq_ignore_ascii_case(expected) {
                     return Err(format!("is {}, expected {name}", area.data_type.name()));
                 }
-                self.share(text);
+                self.share(&area);
                 Ok(Operand::Read(MotionOperand::Tag(area)))
             }
             Kind::Target(_) | Kind::MotionControl => Ok(Operand::Fixed(Bound::None)),
@@ -180,40 +179,19 @@ impl Compiler<'_> {
         }
     }
 
-    /// Makes a tag known to the host, which reads and writes it as a whole.
-    fn share(&mut self, text: &str) {
-        let Ok(reference) = Expression::parse_reference(text) else {
-            return;
-        };
-        let mut name = reference.name.to_ascii_lowercase();
-        // What an add-on instruction gets by reference is shared where its call names it.
-        for _ in 0..16 {
-            let local = match self.owner {
-                super::Owner::Program(program) => self.tags.programs.get(program).and_then(|scope| scope.get(&name)),
-                super::Owner::AddOn(_) => None,
-            };
-            match local.or_else(|| self.tags.controller.get(&name)) {
-                Some(Symbol::Tag(number)) => {
-                    let number = *number;
-                    self.share_tag(number);
-                    return;
-                }
-                Some(Symbol::Alias(text)) => match Expression::parse_reference(text) {
-                    Ok(base) => name = base.name.to_ascii_lowercase(),
-                    Err(_) => return,
-                },
-                None => return,
-            }
+    /// Makes the tag of an operand known to the host, which reads and writes it as a whole. What an add-on instruction gets by
+    /// reference is shared where its call names it.
+    fn share(&mut self, area: &Area) {
+        if area.place.base == 0 {
+            self.share_at(area.place.at);
         }
     }
 
-    /// The same for the tag that holds a byte: parameters by reference.
+    /// The same of the tag that holds a byte.
     pub(crate) fn share_at(&mut self, at: u32) {
-        let found = self.tags.list.iter().position(|tag| {
-            let end = tag.at + tag.tag_type.size() as u32;
-            (tag.at..end).contains(&at)
-        });
-        if let Some(number) = found {
+        // Tags stand in the order of their first bytes.
+        let behind = self.tags.list.partition_point(|tag| tag.at <= at);
+        if let Some(number) = behind.checked_sub(1) {
             self.share_tag(number);
         }
     }

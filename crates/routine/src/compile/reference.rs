@@ -133,7 +133,11 @@ impl Compiler<'_> {
                 let tag_type = tag_type.ok_or_else(|| format!("the type {} is not known", member.data_type))?;
                 let is_bool = member.data_type.eq_ignore_ascii_case("BOOL") && !member.dimensions.is_empty();
                 let bits = is_bool.then(|| member.dimensions.iter().product());
-                return Ok(start(base, 0, &tag_type, bits));
+                let mut found = start(base, 0, &tag_type, bits);
+                if tag_type == TagType::scalar(Elementary::Bool) {
+                    found.bit = Some(Select::Referenced);
+                }
+                return Ok(found);
             }
             base = base.saturating_add(1);
         }

@@ -1,7 +1,7 @@
 //! Calls of add-on instructions (spec/programs.md §13).
 
 use super::{MAX_ADD_ONS, MAX_BASES, Run, Scan};
-use crate::code::AddOnCall;
+use crate::code::{AddOnCall, Referenced};
 
 impl<'s> Scan<'s> {
     pub(crate) fn add_on(&mut self, call: &'s AddOnCall, power: bool) -> Run<bool> {
@@ -15,12 +15,12 @@ impl<'s> Scan<'s> {
             return Err(self.fault(4, 84, None));
         }
         // Everything of the caller is looked at with the caller's bases.
-        self.s.bases.push(instance);
+        self.s.push_base(instance, 1);
         for reference in &call.references {
-            match self.address(reference) {
-                Ok(at) => self.s.bases.push(at),
+            match self.reference(reference) {
+                Ok((at, mask)) => self.s.push_base(at, mask),
                 Err(exit) => {
-                    self.s.bases.truncate(frame);
+                    self.s.truncate_bases(frame);
                     return Err(exit);
                 }
             }
@@ -28,8 +28,17 @@ impl<'s> Scan<'s> {
         let outer = self.s.frame;
         let ran = self.add_on_body(call, definition, power, frame);
         self.s.frame = outer;
-        self.s.bases.truncate(frame);
+        self.s.truncate_bases(frame);
         ran
+    }
+
+    /// The address of a parameter by reference, and the mask of its bit.
+    fn reference(&mut self, reference: &Referenced) -> Run<(u32, u8)> {
+        let at = self.address(&reference.place)?;
+        match &reference.bit {
+            Some(select) => self.bit_behind(at, reference.place.base, select),
+            None => Ok((at, 1)),
+        }
     }
 
     fn add_on_body(

@@ -63,7 +63,7 @@ impl Scan<'_> {
         }
         if is_found {
             self.set(bits, FD, false);
-            self.put_dint(at + 8, position + 1);
+            self.put_dint(at + 8, position.wrapping_add(1));
         } else if was && mode <= 0 {
             return Ok(());
         }
@@ -100,14 +100,14 @@ impl Scan<'_> {
                     };
                     if found {
                         self.set(bits, FD | IN, true);
-                        let done = self.dint(at + 8) + 1 >= length;
+                        let done = self.dint(at + 8).wrapping_add(1) >= length;
                         self.set(bits, DN, done);
                         return Ok(());
                     }
                 }
                 _ => return Ok(()),
             }
-            let next = self.dint(at + 8) + 1;
+            let next = self.dint(at + 8).wrapping_add(1);
             self.put_dint(at + 8, next);
         }
         if self.dint(at + 8) >= length {

@@ -215,10 +215,9 @@ impl Scan<'_> {
             None => {
                 let value = self.argument(value)?;
                 let range = self.range(array)?;
-                let to = range.at + next as u32 * array.size;
-                if to + array.size > range.array_end {
+                let Some(to) = element_at(array, range, next) else {
                     return Err(self.fault(4, 20, Some((LEN, length.into()))));
-                }
+                };
                 if let DataType::Elementary(kind) = array.data_type {
                     self.write(to, kind, value);
                 }
@@ -229,13 +228,19 @@ impl Scan<'_> {
 
     fn element(&mut self, array: &Area, position: i32) -> Run<i64> {
         let range = self.range(array)?;
-        let at = range.at + position as u32 * array.size;
-        if at + array.size > range.array_end {
+        let Some(at) = element_at(array, range, position) else {
             return Err(self.fault(4, 20, Some((POS, position.into()))));
-        }
+        };
         Ok(match array.data_type {
             DataType::Elementary(kind) => self.read_whole(at, kind),
             DataType::Structure(_) => 0,
         })
     }
+}
+
+/// The address of an element; `None`: it is beyond the array.
+fn element_at(array: &Area, range: Range, position: i32) -> Option<u32> {
+    let skipped = u32::try_from(position).ok()?.checked_mul(array.size)?;
+    let at = range.at.checked_add(skipped)?;
+    (at.checked_add(array.size)? <= range.array_end).then_some(at)
 }

@@ -32,24 +32,31 @@ impl Scan<'_> {
 
     /// The address of a place; a subscript out of range is a fault.
     pub(crate) fn address(&mut self, place: &Place) -> Run<u32> {
+        self.address_behind(place, 0).map(|(at, _)| at)
+    }
+
+    /// The address of a place, and the bytes that its subscripts from the `outer`th on skip. Each subscript is evaluated once.
+    fn address_behind(&mut self, place: &Place, outer: usize) -> Run<(u32, u32)> {
         let mut at = self.base(place.base) + place.at;
-        for index in &place.index {
+        let mut inner = 0;
+        for (number, index) in place.index.iter().enumerate() {
             let value = self.whole(&index.value)?;
-            match u32::try_from(value) {
-                Ok(number) if number < index.size => at += number * index.stride,
+            let element = match u32::try_from(value) {
+                Ok(element) if element < index.size => element,
                 _ => return Err(self.fault(4, 20, Some((index.text, value)))),
+            };
+            at += element * index.stride;
+            if number >= outer {
+                inner += element * index.stride;
             }
         }
-        Ok(at)
+        Ok((at, inner))
     }
 
     pub(crate) fn range(&mut self, area: &Area) -> Run<Range> {
-        let at = self.address(&area.place)?;
-        let mut skipped = area.skipped;
         let outer = area.place.index.len() - area.inner;
-        for index in area.place.index.iter().skip(outer) {
-            skipped += self.whole(&index.value)? as u32 * index.stride;
-        }
+        let (at, inner) = self.address_behind(&area.place, outer)?;
+        let skipped = area.skipped + inner;
         let array_end = at - skipped + area.length * area.size;
         Ok(Range {
             at,
@@ -90,8 +97,17 @@ impl Scan<'_> {
     /// Byte and mask of a bit.
     pub(crate) fn bit_at(&mut self, bit: &Bit) -> Run<(u32, u8)> {
         let at = self.address(&bit.place)?;
-        match &bit.select {
+        self.bit_behind(at, bit.place.base, &bit.select)
+    }
+
+    /// Byte and mask of a bit behind an address that was reached from a base.
+    pub(crate) fn bit_behind(&mut self, at: u32, base: u8, select: &Select) -> Run<(u32, u8)> {
+        match select {
             Select::Mask(mask) => Ok((at, *mask)),
+            Select::Referenced => {
+                let place = self.s.frame + usize::from(base).saturating_sub(1);
+                Ok((at, self.s.masks.get(place).copied().unwrap_or(1)))
+            }
             Select::Number {
                 value,
                 bits,

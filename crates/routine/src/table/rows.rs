@@ -5,7 +5,8 @@ use super::Kind::{
     self, Bit, Compared, Data, Expression, Label, Mode, MoveTarget, Name, Number, OutBit, Routine, Shown, Structure,
     Target, Task, TextTarget, Unsigned, Word,
 };
-use super::{Op, Relation, Row};
+use super::{Op, Row};
+use crate::code::Compare;
 
 const TIMER: Kind = Structure(&["TIMER"]);
 const COUNTER: Kind = Structure(&["COUNTER"]);
@@ -70,7 +71,7 @@ const fn row(
     }
 }
 
-const fn compared(names: &'static [&'static str], title: &'static str, relation: Relation, on: &'static str) -> Row {
+const fn compared(names: &'static [&'static str], title: &'static str, relation: Compare, on: &'static str) -> Row {
     row(names, title, Op::Compare(relation), COMPARED, Input, ["", "out 0", on])
 }
 
@@ -112,12 +113,12 @@ pub(crate) const ROWS: &[Row] = &[
     row(&["RTOR"], "Retentive Timer On with Reset", Op::Rtor, &[("RTOR tag", Structure(&["FBD_TIMER"]))], Text, ["EN TT := 0", "", "as TONR, ACC stays without TimerEnable"]),
     row(&["CTUD"], "Count Up/Down", Op::Ctud, &[("CTUD tag", Structure(&["FBD_COUNTER"]))], Text, ["no edge follows", "", "edge of CUEnable: ACC + 1; of CDEnable: ACC - 1; Reset clears"]),
     // Compare.
-    compared(&["EQU", "EQ"], "Equal To", Relation::Equal, "out = A = B"),
-    compared(&["NEQ", "NE"], "Not Equal To", Relation::NotEqual, "out = A <> B"),
-    compared(&["GRT", "GT"], "Greater Than", Relation::Greater, "out = A > B"),
-    compared(&["GEQ", "GE"], "Greater Than or Equal To", Relation::GreaterEqual, "out = A >= B"),
-    compared(&["LES", "LT"], "Less Than", Relation::Less, "out = A < B"),
-    compared(&["LEQ", "LE"], "Less Than or Equal To", Relation::LessEqual, "out = A <= B"),
+    compared(&["EQU", "EQ"], "Equal To", Compare::Equal, "out = A = B"),
+    compared(&["NEQ", "NE"], "Not Equal To", Compare::NotEqual, "out = A <> B"),
+    compared(&["GRT", "GT"], "Greater Than", Compare::Greater, "out = A > B"),
+    compared(&["GEQ", "GE"], "Greater Than or Equal To", Compare::GreaterEqual, "out = A >= B"),
+    compared(&["LES", "LT"], "Less Than", Compare::Less, "out = A < B"),
+    compared(&["LEQ", "LE"], "Less Than or Equal To", Compare::LessEqual, "out = A <= B"),
     row(&["LIM", "LIMIT"], "Limit Test", Op::Lim, &[("Low Limit", Number), ("Test", Number), ("High Limit", Number)], Input, ["", "out 0", "low <= high: out = low <= test <= high; else out = test >= low OR test <= high"]),
     row(&["MEQ"], "Masked Equal To", Op::Meq, &[("Source", Unsigned), ("Mask", Unsigned), ("Compare", Unsigned)], Input, ["", "out 0", "out = (source AND mask) = (compare AND mask)"]),
     row(&["CMP"], "Compare Expression", Op::Cmp, &[("Expression", Expression)], Input, ["", "out 0", "out = expression <> 0"]),

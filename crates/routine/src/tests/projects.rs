@@ -11,13 +11,34 @@ fn member(name: &str, data_type: &str) -> MemberSource {
     }
 }
 
-fn parameter(name: &str, data_type: &str, usage: Usage, value: Option<&str>) -> ParameterSource {
+pub(super) fn parameter(name: &str, data_type: &str, usage: Usage, value: Option<&str>) -> ParameterSource {
     ParameterSource {
         member: member(name, data_type),
         usage,
         is_required: value.is_none(),
         alias: None,
         value: value.map(|text| Datum::Number(text.to_owned())),
+    }
+}
+
+/// An add-on instruction with these parameters and routines.
+pub(super) fn add_on(
+    name: &str,
+    parameters: Vec<ParameterSource>,
+    routines: Vec<crate::source::RoutineSource>,
+) -> InstructionSource {
+    let own = [
+        parameter("EnableIn", "BOOL", Usage::Input, Some("1")),
+        parameter("EnableOut", "BOOL", Usage::Output, Some("0")),
+    ];
+    InstructionSource {
+        name: name.to_owned(),
+        parameters: own.into_iter().chain(parameters).collect(),
+        locals: Vec::new(),
+        routines,
+        has_prescan: false,
+        has_enable_in_false: false,
+        is_encoded: false,
     }
 }
 

@@ -1,0 +1,233 @@
+//! A scan allocates nothing, and the same project gives the same bytes each time.
+//!
+//! The global allocator ends the process when the guarded scan asks it for anything (debug builds; release builds have no guard).
+
+use std::collections::BTreeMap;
+
+use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
+use arcline_routine::source::{
+    Access, Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
+    RungSource, TagSource, TaskSource, Trigger, Usage,
+};
+use arcline_routine::{Cell, Directory, Host, load};
+use arcline_tag::TagType;
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// A machine without motion.
+struct Nothing;
+
+impl Directory for Nothing {
+    fn object_type(&self, _: &str) -> Option<TagType> {
+        None
+    }
+    fn object(&self, _: Object, _: &str) -> Option<u16> {
+        None
+    }
+    fn control(&mut self, _: &str) -> Option<ControlSlot> {
+        None
+    }
+    fn tag(&mut self, _: &str, _: &TagType) -> Option<u32> {
+        None
+    }
+    fn attribute(&mut self, _: Object, _: u16, _: &str) -> Option<(u32, usize)> {
+        None
+    }
+}
+
+impl Host for Nothing {
+    fn execute(&mut self, _: &Call, _: &mut [u8]) -> MotionControl {
+        MotionControl::default()
+    }
+    fn rung_false(&mut self, _: ControlSlot) {}
+    fn attribute(&mut self, _: u32) -> f64 {
+        0.0
+    }
+    fn set_attribute(&mut self, _: u32, _: f64) -> bool {
+        false
+    }
+    fn date(&self, _: u64) -> [i32; 7] {
+        [2026, 1, 2, 3, 4, 5, 6]
+    }
+}
+
+fn tag(name: &str, data_type: &str, dimensions: &[u32], value: Option<Datum>) -> TagSource {
+    TagSource {
+        name: name.to_owned(),
+        data_type: data_type.to_owned(),
+        dimensions: dimensions.to_vec(),
+        alias: None,
+        value,
+        access: Access::ReadWrite,
+        is_module: false,
+        attributes: BTreeMap::new(),
+    }
+}
+
+fn ladder(name: &str, rungs: &[&str]) -> RoutineSource {
+    let rungs = (0..).zip(rungs).map(|(number, text)| RungSource {
+        number,
+        kind: "N".to_owned(),
+        text: (*text).to_owned(),
+    });
+    RoutineSource {
+        name: name.to_owned(),
+        content: Content::Ladder(rungs.collect()),
+    }
+}
+
+fn text(name: &str, lines: &str) -> RoutineSource {
+    RoutineSource {
+        name: name.to_owned(),
+        content: Content::Text((0..).zip(lines.lines()).map(|(k, line)| (k, line.to_owned())).collect()),
+    }
+}
+
+/// A project with an instruction of every kind: bits, timers, counters, arithmetic, files, queues, texts, calls, loops, faults.
+fn project() -> Project {
+    let number = |text: &str| Datum::Number(text.to_owned());
+    let preset = |kind: &str, member: &str, value: &str| {
+        Some(Datum::Structure(
+            kind.to_owned(),
+            vec![(member.to_owned(), number(value))],
+        ))
+    };
+    let parameter = |name: &str, data_type: &str, usage, is_required| ParameterSource {
+        member: MemberSource {
+            name: name.to_owned(),
+            data_type: data_type.to_owned(),
+            dimensions: Vec::new(),
+        },
+        usage,
+        is_required,
+        alias: None,
+        value: None,
+    };
+    Project {
+        tags: vec![
+            tag("I", "BOOL", &[], None),
+            tag("O", "BOOL", &[], None),
+            tag("S", "BOOL", &[], None),
+            tag("N", "DINT", &[], None),
+            tag("R", "REAL", &[], None),
+            tag("A", "DINT", &[16], None),
+            tag("B", "DINT", &[16], None),
+            tag("T", "TIMER", &[], preset("TIMER", "PRE", "35")),
+            tag("C", "COUNTER", &[], preset("COUNTER", "PRE", "3")),
+            tag("F", "CONTROL", &[], preset("CONTROL", "LEN", "8")),
+            tag("Q", "CONTROL", &[], preset("CONTROL", "LEN", "8")),
+            tag("Text", "STRING", &[], None),
+            tag("Part", "STRING", &[], Some(Datum::Text(b"abc".to_vec()))),
+            tag("Count", "Counted", &[], None),
+            tag("Message", "MESSAGE", &[], None),
+            tag("Record", "DINT", &[11], None),
+        ],
+        instructions: vec![InstructionSource {
+            name: "Counted".to_owned(),
+            parameters: vec![
+                parameter("EnableIn", "BOOL", Usage::Input, false),
+                parameter("EnableOut", "BOOL", Usage::Output, false),
+                parameter("By", "DINT", Usage::Input, true),
+                parameter("Sum", "DINT", Usage::InOut, true),
+            ],
+            locals: Vec::new(),
+            routines: vec![ladder("Logic", &["ADD(Sum,By,Sum);"])],
+            has_prescan: false,
+            has_enable_in_false: false,
+            is_encoded: false,
+        }],
+        programs: vec![ProgramSource {
+            name: "Main".to_owned(),
+            main: Some("Go".to_owned()),
+            fault: Some("Clear".to_owned()),
+            is_disabled: false,
+            tags: Vec::new(),
+            routines: vec![
+                ladder(
+                    "Go",
+                    &[
+                        "XIO(T.DN)TON(T,?,?);",
+                        "XIC(T.DN)[CTU(C,?,?) ,OTE(O) ];",
+                        "XIC(O)ONS(S)ADD(N,1,N);",
+                        "CPT(R,SIN(N*0.1)+SQR(N));",
+                        "FAL(F,?,?,ALL,B[F.POS],A[F.POS]+N);",
+                        "XIO(O)FFL(N,A[0],Q,?,?);",
+                        "COP(A[0],B[8],8);",
+                        "CONCAT(Part,Part,Text);",
+                        "DTOS(N,Text);",
+                        "Counted(Count,2,A[1]);",
+                        "XIC(O)MSG(Message);",
+                        "GSV(WallClockTime,,DateTime,Record[0]);",
+                        "JSR(Loop,0);",
+                        "EQU(N,3)MOV(A[N_Far],N);",
+                        "EQU(N,2)MOV(1,A[Far]);",
+                    ],
+                ),
+                text(
+                    "Loop",
+                    "FOR N_Far := 0 TO 9 DO\nIF N_Far MOD 2 = 0 THEN A[N_Far] := A[N_Far] + 1; END_IF;\nEND_FOR;\nWHILE N > 100 DO\nN := N - 1;\nEND_WHILE;",
+                ),
+                ladder(
+                    "Clear",
+                    &[
+                        "GSV(Program,THIS,MajorFaultRecord,Record[0]);",
+                        "MOV(0,Record[2])SSV(Program,THIS,MajorFaultRecord,Record[0]);",
+                    ],
+                ),
+            ],
+        }],
+        tasks: vec![TaskSource {
+            name: "T".to_owned(),
+            trigger: Trigger::Periodic(10.0),
+            priority: 5,
+            watchdog_ms: 500.0,
+            is_inhibited: false,
+            programs: vec!["Main".to_owned()],
+        }],
+        ..Project::default()
+    }
+}
+
+fn started() -> Cell {
+    let mut project = project();
+    project.tags.push(tag("N_Far", "DINT", &[], None));
+    project
+        .tags
+        .push(tag("Far", "DINT", &[], Some(Datum::Number("99".to_owned()))));
+    let loaded = load(&project, &mut Nothing);
+    let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
+    assert!(findings.is_empty(), "{findings:?}");
+    let mut cell = loaded.cell;
+    cell.start(0, &mut Nothing).expect("no fault");
+    cell
+}
+
+const TICKS: u64 = 500;
+
+fn run(cell: &mut Cell) {
+    for tick in 0..TICKS {
+        cell.tick(tick, 2_000_000, &mut Nothing)
+            .expect("the fault routine clears every fault");
+    }
+}
+
+#[test]
+fn a_scan_allocates_nothing() {
+    let mut cell = started();
+    assert_no_alloc(|| run(&mut cell));
+    assert!(cell.faults().count() > 0, "a fault was cleared on the way");
+}
+
+#[test]
+fn a_hundred_runs_give_the_same_bytes() {
+    let mut first = started();
+    run(&mut first);
+    assert!(first.memory().iter().any(|byte| *byte != 0));
+    for number in 1..100 {
+        let mut cell = started();
+        run(&mut cell);
+        assert!(cell.memory() == first.memory(), "run {number} differs");
+    }
+}
