@@ -56,10 +56,11 @@ fn default(default: Default) -> String {
 
 const HEAD: &str = "| key | default | meaning |";
 
-const TABLES: [&Keys; 21] = [
+const TABLES: [&Keys; 22] = [
     &keys::SERVER,
     &keys::SECURITY,
     &keys::CERTIFICATE,
+    &keys::CONTROLLER,
     &keys::MOTION_GROUP,
     &keys::AXIS,
     &keys::START,

@@ -34,7 +34,7 @@ pub(crate) enum LoadError {
     #[error("{first}; {count} parts of the project do not run{}", others(.rest))]
     Findings {
         /// The first one.
-        first: Finding,
+        first: Box<Finding>,
         /// Further ones.
         rest: Vec<Finding>,
         /// All.
@@ -235,7 +235,7 @@ fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing
     if let Some(first) = wrong.next() {
         let rest: Vec<Finding> = wrong.collect();
         return Err(LoadError::Findings {
-            first,
+            first: Box::new(first),
             count: rest.len() + 1,
             rest: rest.into_iter().take(SHOWN).collect(),
         });

@@ -33,7 +33,10 @@ fn clients_see_and_write_what_the_program_works_on() {
     eventually("scans", SOON, || {
         (read_numbers(at, &["Program:Main.Scans"])[0] > 5.0).then_some(())
     });
-    assert_eq!(read_numbers(at, &["Batch.Steps[1]", "Middle", "Done"]), [5.0, 5.0, 0.0]);
+    assert_eq!(
+        read_numbers(at, &["Batch.Steps[1]", "Middle", "Program:Main.Sum.Total"]),
+        [5.0, 5.0, 0.0]
+    );
     let _ = arcline(at, &["write", "Middle", "7"]).expect(0);
     assert_eq!(read_numbers(at, &["Batch.Steps[1]"]), [7.0]);
     assert_eq!(arcline(at, &["write", "Fixed", "1"]).code, Some(1), "a constant");
@@ -55,7 +58,7 @@ fn the_same_project_ends_with_the_same_tags_live_and_simulated() {
     let simulated = Command::new(arcline_server())
         .args(["simulate"])
         .arg(fixture("config/Cell.L5X"))
-        .args(["--set", "Start=1", "--until", "Program:Main.Twice > 0", "--tags"])
+        .args(["--set", "Start=1", "--until", "Program:Main.Scans > 300", "--tags"])
         .arg(&tags)
         .output()
         .expect("it can be run");
@@ -72,6 +75,11 @@ fn the_same_project_ends_with_the_same_tags_live_and_simulated() {
     let _ = arcline(at, &["write", "Start", "1"]).expect(0);
     eventually("the end", SOON, || {
         (read_numbers(at, &["Program:Main.Twice"])[0] > 0.0).then_some(())
+    });
+    // The scan behind the one that added.
+    let scans = read_numbers(at, &["Program:Main.Scans"])[0];
+    eventually("a further scan", SOON, || {
+        (read_numbers(at, &["Program:Main.Scans"])[0] > scans + 1.0).then_some(())
     });
     // All but the number of scans and the time.
     for name in [
