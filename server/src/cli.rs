@@ -14,6 +14,7 @@ use serde_json::json;
 
 use crate::audit::verify::{self, AuditCommand};
 use crate::tls::certs::{self, CertsCommand};
+use crate::users::command::{TokensCommand, UsersCommand, run_tokens, run_users};
 use crate::{l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
@@ -54,6 +55,16 @@ enum Command {
     Certs {
         #[command(subcommand)]
         command: CertsCommand,
+    },
+    /// Add, change and list the users of the web page.
+    Users {
+        #[command(subcommand)]
+        command: UsersCommand,
+    },
+    /// Add, remove and list the tokens by which scripts use the web page.
+    Tokens {
+        #[command(subcommand)]
+        command: TokensCommand,
     },
     /// Check the audit.
     Audit {
@@ -294,6 +305,8 @@ pub fn main() -> ExitCode {
         Some(Command::Import(args)) => l5x::import(&args),
         Some(Command::Export(args)) => l5x::export(&args),
         Some(Command::Certs { command }) => certs::run(&command),
+        Some(Command::Users { command }) => run_users(&command),
+        Some(Command::Tokens { command }) => run_tokens(&command),
         Some(Command::Audit { command }) => verify::run(&command),
     };
     match result {

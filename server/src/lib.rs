@@ -24,6 +24,7 @@ mod simulate;
 pub mod stepped;
 mod tls;
 pub mod trace;
+mod users;
 
 pub use cli::main;
 pub use retained::NotPersisted;

@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
@@ -14,7 +15,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
-use crate::hmi::Hmi;
+use crate::hmi::{self, Doors, Hmi, Sessions};
 use crate::live::{self, Missing};
 use crate::plant::{Mode, Plant, Principal, image_of};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
@@ -158,27 +159,38 @@ async fn serve(
     }
     let listen = project.server.listen;
     let mut settings = Settings::new(&project.server);
-    if project.server.security.tls.is_some() {
-        let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
-        let tls = Tls::new(&project.server.security, folder);
+    let security = &project.server.security;
+    let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
+    if security.tls.or(security.hmi_tls).is_some() {
+        let tls = Tls::new(security, folder);
         settings.tls = Some(tls.map_err(|error| Failure::usage(error.to_string()))?);
     }
+    let sessions = Sessions::open(security, folder).map_err(|error| {
+        let hint = "`arcline-server users add FILE NAME --role ROLE` makes the file";
+        Failure::usage(format!("{error}; {hint}"))
+    })?;
     let tls = settings.tls.clone();
     let listener = bind(listen, plant.clone(), settings).await?;
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
-    let hmi = match hmi {
-        None => None,
-        Some(at) => Some(bind_hmi(at, plant.clone()).await?),
+    let doors = Doors {
+        plain: None,
+        tls: security.hmi_tls.zip(tls.clone()),
+        sessions: Some(Arc::new(sessions)),
+    };
+    let hmi = match (hmi, security.hmi_tls) {
+        (None, None) => None,
+        (at, _) => Some(bind_hmi(at, doors, plant.clone()).await?),
     };
     let live = program.map(|program| program.spawn(&plant)).transpose();
     let live = live.map_err(|error| failed("no thread for the program", &error))?;
-    ready(
-        listener.local_addr(),
-        hmi.as_ref().map(Hmi::local_addr),
-        listener.tls_addr(),
-    )
+    ready(&Bound {
+        eip: listener.local_addr(),
+        hmi: hmi.as_ref().and_then(Hmi::local_addr),
+        tls: listener.tls_addr(),
+        hmi_tls: hmi.as_ref().and_then(Hmi::tls_addr),
+    })
     .map_err(|error| failed("standard output", &error))?;
     let served = async {
         tokio::join!(listener.serve(), async {
@@ -193,7 +205,6 @@ async fn serve(
             () = &mut served => break,
             _ = hangup.recv() => {
                 if let Some(tls) = &tls {
-                    plant.record(Principal::Server, What::Reload, "the certificates of TLS".to_owned(), "done");
                     tls.reload(&plant);
                 }
                 if config.is_some() || live.is_none() {
@@ -327,12 +338,27 @@ async fn bind(listen: SocketAddr, plant: Plant, mut settings: Settings) -> Resul
         .map_err(|error| cannot_listen(&error, io))
 }
 
+/// The addresses at which the server listens.
+struct Bound {
+    eip: SocketAddr,
+    hmi: Option<SocketAddr>,
+    tls: Option<SocketAddr>,
+    hmi_tls: Option<SocketAddr>,
+}
+
 /// The line that scripts wait for.
-fn ready(eip: SocketAddr, hmi: Option<SocketAddr>, tls: Option<SocketAddr>) -> io::Result<()> {
+fn ready(bound: &Bound) -> io::Result<()> {
     let mut out = io::stdout().lock();
-    let hmi = hmi.map_or_else(|| "off".to_owned(), |address| address.to_string());
-    let tls = tls.map_or_else(String::new, |address| format!(" tls={address}"));
-    writeln!(out, "ready eip={eip} hmi={hmi}{tls}")?;
+    let hmi = bound
+        .hmi
+        .map_or_else(|| "off".to_owned(), |address| address.to_string());
+    write!(out, "ready eip={} hmi={hmi}", bound.eip)?;
+    for (key, address) in [("tls", bound.tls), ("hmi_tls", bound.hmi_tls)] {
+        if let Some(address) = address {
+            write!(out, " {key}={address}")?;
+        }
+    }
+    writeln!(out)?;
     out.flush()
 }
 
@@ -345,21 +371,28 @@ enum HmiAt {
     Default(SocketAddr),
 }
 
-async fn bind_hmi(at: HmiAt, plant: Plant) -> Result<Hmi, Failure> {
-    let (HmiAt::Chosen(address) | HmiAt::Default(address)) = at;
-    match (Hmi::bind(address, plant.clone()).await, at) {
-        (Ok(hmi), _) => Ok(hmi),
-        (Err(error), HmiAt::Default(_)) if error.kind() == io::ErrorKind::AddrInUse => {
-            tracing::warn!(%address, "another program uses the default port of the web page: the ready line has the port of this server");
-            let any = SocketAddr::new(address.ip(), 0);
-            Hmi::bind(any, plant).await.map_err(|error| no_hmi(any, &error))
-        }
-        (Err(error), _) => Err(no_hmi(address, &error)),
+async fn bind_hmi(at: Option<HmiAt>, doors: Doors, plant: Plant) -> Result<Hmi, Failure> {
+    let plain = at.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
+    let doors = Doors { plain, ..doors };
+    let error = match Hmi::bind_all(doors.clone(), plant.clone()).await {
+        Ok(hmi) => return Ok(hmi),
+        Err(error) => error,
+    };
+    let Some(HmiAt::Default(address)) = at else {
+        return Err(no_hmi(&error));
+    };
+    if error.error.kind() != io::ErrorKind::AddrInUse || error.address != address {
+        return Err(no_hmi(&error));
     }
+    tracing::warn!(%address, "another program uses the default port of the web page: the ready line has the port of this server");
+    let plain = Some(SocketAddr::new(address.ip(), 0));
+    Hmi::bind_all(Doors { plain, ..doors }, plant)
+        .await
+        .map_err(|error| no_hmi(&error))
 }
 
-fn no_hmi(address: SocketAddr, error: &io::Error) -> Failure {
-    let hint = "choose another address with --hmi ADDR:PORT, or --hmi off";
+fn no_hmi(hmi::BindError { address, error }: &hmi::BindError) -> Failure {
+    let hint = "choose another address with --hmi ADDR:PORT or `hmi_tls`, or --hmi off";
     Failure::new(1, format!("cannot listen on {address} for the HMI: {error}; {hint}"))
 }
 

@@ -6,5 +6,6 @@ export * from "./faults.mjs";
 export * from "./hands.mjs";
 export * from "./history.mjs";
 export * from "./layout.mjs";
+export * from "./login.mjs";
 export * from "./looking.mjs";
 export { screenshots } from "./screenshots.mjs";

@@ -6,6 +6,7 @@ import { Executions } from "./executions.js";
 import { History } from "./history.js";
 import { Jogger } from "./jog.js";
 import { Samples } from "./samples.js";
+import { Session } from "./session.js";
 import { TimeCursor } from "./time_cursor.js";
 import { Toasts } from "./toasts.js";
 
@@ -47,6 +48,7 @@ export class App extends Emitter {
     this.timeCursor = new TimeCursor(this.samples);
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.connection = new Connection(`${scheme}://${location.host}/ws`);
+    this.session = new Session(this);
     this.history = new History(this);
     this.jogger = new Jogger(this);
   }

@@ -151,6 +151,15 @@ export class Connection extends Emitter {
     request.reject(new Refusal(answer.error));
   }
 
+  /** Connects anew at once, with the cookies that the browser has now. */
+  renew() {
+    const old = this.#socket;
+    this.#pause = 0;
+    this.#lost();
+    this.#pause = FIRST_PAUSE_MS;
+    old?.close();
+  }
+
   /** A server that says nothing is gone, whatever the operating system thinks of its socket. */
   #watch() {
     if (!this.#socket || performance.now() - this.#heard < SILENCE_MS) return;

@@ -26,7 +26,7 @@ export class ControlBar {
 
   /** Whether this page may move all of the objects. */
   get mine() {
-    return this.objects.every((object) => this.app.store.drives(object));
+    return this.app.store.may("operator") && this.objects.every((object) => this.app.store.drives(object));
   }
 
   update() {
@@ -34,13 +34,16 @@ export class ControlBar {
     const missing = this.objects.filter((object) => !store.drives(object));
     const holder = missing.map((object) => store.driver(object)).find((driver) => driver !== null && driver !== store.viewer) ?? null;
     const asked = performance.now() < this.sure;
-    const key = [...this.objects, "of", ...missing, holder, asked].join("|");
+    const { role, locked, can_log_in: canLogIn } = store.session;
+    const may = store.may("operator");
+    const key = [...this.objects, "of", ...missing, holder, asked, role, locked, canLogIn].join("|");
     if (key === this.#key) return;
     this.#key = key;
     const focused = this.element.contains(document.activeElement);
-    state(this.element, "kind", this.mine ? "mine" : holder ? "other" : "free");
+    state(this.element, "kind", this.mine && may ? "mine" : holder ? "other" : "free");
     const names = (/** @type {string[]} */ list) => list.join(", ");
-    if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You have control of "), names(this.objects)), this.#button("Release", () => this.#release()));
+    if (!may) fill(this.element, icon("lock"), h("span", {}, locked ? "This page is locked: you may look and stop" : `As ${role} you may look and stop`), canLogIn && !locked && this.#button("Log in", () => this.app.session.open(), "primary"));
+    else if (this.mine) fill(this.element, icon("unlock"), h("span", {}, h("b", {}, "You have control of "), names(this.objects)), this.#button("Release", () => this.#release()));
     else if (holder) fill(this.element, icon("lock"), h("span", {}, h("b", {}, holder), ` has control of ${names(missing)}`), this.#takeOver(holder, asked));
     else fill(this.element, icon("lock"), h("span", {}, `No page has control of ${names(missing)}`), this.#button("Take control", () => this.#take(), "primary"));
     if (focused) this.element.querySelector("button")?.focus();

@@ -344,7 +344,8 @@ export class InstructionForm {
     this.table?.update();
     const { store, connection } = this.app;
     const { object } = this;
-    const reason = !connection.isOpen ? "No connection." : !store.drives(object) && !STOPS.has(this.instruction.mnemonic) ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
+    const stops = STOPS.has(this.instruction.mnemonic);
+    const reason = !connection.isOpen ? "No connection." : !store.may("operator") && !stops ? `As ${store.session.role} you may look and stop.` : !store.drives(object) && !stops ? `Take control of ${object} first.` : !this.line ? "The form is not complete." : "";
     this.run.disabled = reason !== "";
     const asks = this.line !== null && this.sure === this.line;
     text(this.runText, asks ? "Run anyway" : "Run");

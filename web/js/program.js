@@ -220,12 +220,13 @@ export class Program {
     this.control.update();
     const { store, connection } = this.app;
     const missing = (this.needed ?? []).filter((name) => !store.drives(name));
-    const may = connection.isOpen && !missing.length;
+    const mayRun = store.may("engineer");
+    const may = connection.isOpen && mayRun && !missing.length;
     this.runButton.disabled = this.active || !may;
-    this.step.disabled = this.active ? !this.paused : !may;
+    this.step.disabled = this.active ? !this.paused || !mayRun : !may;
     this.pause.disabled = !this.active || (this.paused && !may);
     this.end.disabled = !this.active;
-    text(this.why, this.active || may ? "" : !connection.isOpen ? "No connection." : `Take control of ${missing.join(", ")} first.`);
+    text(this.why, this.active || may ? "" : !connection.isOpen ? "No connection." : !mayRun ? `As ${store.session.role} you may not run programs.` : `Take control of ${missing.join(", ")} first.`);
     // Control answers the refusal that asked for it.
     if (this.refusedFor && store.drives(this.refusedFor)) this.#forget();
   }

@@ -37,22 +37,22 @@ export class Shell {
     this.bar = h("header.bar", {},
       this.heading,
       h("a.brand", { href: "#/machine" }, icon("arc"), h("span.brand-name", {}, app.store.machine.name), h("span.heard", {}, ", machine view")),
-      this.link, this.motion, this.control, this.tick, h("span.spring"), this.theme, this.stop);
+      this.link, this.motion, this.control, this.tick, h("span.spring"), app.session.button, this.theme, this.stop);
     this.nav = h("nav.views", { "aria-label": "Views" }, views.map(([key, picture, view]) => {
       const link = h("a", { href: `#/${key}` }, icon(picture), h("span", {}, view.title));
       this.links.set(key, link);
       return link;
     }));
     this.banner = h("div.lost", { role: "alert", hidden: true });
-    this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP. No axis can move until you release it."),
-      h("button.release-stop", { type: "button", onclick: () => app.releaseStop() }, "Release STOP"));
+    this.release = h("button.release-stop", { type: "button", onclick: () => app.releaseStop() }, "Release STOP");
+    this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP. No axis can move until it is released."), this.release);
     this.main = h("main", { id: "view", tabindex: "-1" });
     this.pausedText = h("span");
     this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
       h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Return to live"));
     app.timeCursor.on("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
-      this.bar, this.banner, this.nav, h("div.page", {}, this.inhibited, this.paused, this.main), app.toasts.element);
+      this.bar, this.banner, this.nav, h("div.page", {}, h("div.notes", {}, app.session.note, this.inhibited, this.paused), this.main), app.toasts.element);
     theme.onchange(() => this.#showTheme());
     this.#showTheme();
     addEventListener("hashchange", () => this.#route());
@@ -132,6 +132,8 @@ export class Shell {
     if (this.tick.title !== title) this.tick.title = title;
     state(this.tick, "kind", missed ? "warn" : "calm");
     this.inhibited.hidden = !status.inhibited;
+    this.release.disabled = !store.may("operator");
+    this.release.title = this.release.disabled ? "An operator may release STOP" : "";
     this.view?.update?.();
   }
 

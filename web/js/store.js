@@ -5,17 +5,22 @@ import { found } from "./dom.js";
 import { Emitter } from "./emitter.js";
 import { seriesOf } from "./theme.js";
 
+/** The roles, the least first. */
+const ROLES = ["viewer", "operator", "engineer", "administrator"];
+
 /** @import { AxisConfiguration, Catalogue, Event, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
 
 /**
  * Events: `status` 15 times a second, `program`, `values` of watched tags, `events`.
- * @extends {Emitter<{ status: void, program: void, values: Record<string, unknown>, events: Event[] }>}
+ * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[] }>}
  */
 export class Store extends Emitter {
   /** The newest status, with every part. @type {Status | null} */
   status = null;
   /** This viewer's name, as it stands in `status.drivers`. @type {string | null} */
   viewer = null;
+  /** The newest `session` push: what this viewer may do. @type {Omit<Extract<Push, { push: "session" }>, "push">} */
+  session = { role: "engineer", user: null, locked: false, can_log_in: false };
   /** The newest `program` push. @type {ProgramStatus | null} */
   program = null;
 
@@ -44,6 +49,10 @@ export class Store extends Emitter {
       case "hello":
         this.viewer = message.viewer;
         break;
+      case "session":
+        this.session = message;
+        this.emit("session", undefined);
+        break;
       case "program":
         this.program = { ...this.program, ...message };
         this.emit("program", undefined);
@@ -57,6 +66,11 @@ export class Store extends Emitter {
       default:
         unknown(message);
     }
+  }
+
+  /** Whether this viewer's role is this one or a greater one. @param {"operator" | "engineer"} role */
+  may(role) {
+    return ROLES.indexOf(this.session.role) >= ROLES.indexOf(role);
   }
 
   /** The configuration of an axis that there is. @param {string} name */

@@ -8,6 +8,11 @@ export interface Requests {
     fields: {};
     answer: Done;
   };
+  /** Says that a person is at the page: without that its session is locked after a time. */
+  active: {
+    fields: {};
+    answer: Done;
+  };
   /** Takes control of a coordinate system and its axes, of one axis, or of the group. */
   take: {
     fields: {
@@ -237,6 +242,17 @@ export type Push =
       trace_signals: string[];
       /** This viewer's name, as `drivers` has it. */
       viewer: string;
+    }
+  | {
+      /** Whether a user could log in on this connection. */
+      can_log_in: boolean;
+      /** Whether the session is locked: this viewer may look and stop until the user logs in again. */
+      locked: boolean;
+      push: "session";
+      /** The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`. */
+      role: string;
+      /** The user who has logged in; null: nobody. */
+      user: string | null;
     }
   | Status & {
       push: "status";

@@ -102,6 +102,16 @@ pub struct Security {
     pub loopback: Role,
     /// The role of clients elsewhere, without TLS.
     pub remote_plain: Role,
+    /// Where the web page listens over HTTPS; `None`: nowhere.
+    pub hmi_tls: Option<SocketAddr>,
+    /// Names of the host by which browsers reach the page, beside those of the certificate.
+    pub hmi_names: Vec<String>,
+    /// The file with the users of the page and the tokens of scripts; `None`: nobody can log in.
+    pub users: Option<String>,
+    /// Time without a person at the page after which its session is locked, s.
+    pub idle: u32,
+    /// The longest session of the page, s.
+    pub session: u32,
     /// The most requests a second of one EtherNet/IP client, by its role; 0: any number.
     pub max_requests: [u32; 4],
 }
@@ -135,6 +145,11 @@ impl Default for Security {
             certificates: Vec::new(),
             loopback: Role::Engineer,
             remote_plain: Role::Viewer,
+            hmi_tls: None,
+            hmi_names: Vec::new(),
+            users: None,
+            idle: 1800,
+            session: 43_200,
             max_requests: [0; 4],
         }
     }

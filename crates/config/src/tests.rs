@@ -877,6 +877,11 @@ io_over_tls = "plain"
 default_role = "operator"
 check_expiration = false
 remote_plain = "operator"
+hmi_tls = "0.0.0.0:8443"
+hmi_names = ["cell-4", "cell-4.plant.example"]
+users = "users.toml"
+idle_s = 600
+session_s = 3600
 max_requests_per_s_viewer = 50
 [[security.certificates]]
 cn = "line3-hmi"
@@ -893,6 +898,12 @@ role = "administrator"
         (security.plain, security.refuses_io_over_tls),
         (PlainAccess::Discovery, false)
     );
+    assert_eq!(security.hmi_tls, "0.0.0.0:8443".parse().ok());
+    assert_eq!(security.hmi_names, ["cell-4", "cell-4.plant.example"]);
+    assert_eq!(
+        (security.users.as_deref(), security.idle, security.session),
+        (Some("users.toml"), 600, 3600)
+    );
     let written = format_table(&table(&project));
     assert_eq!(
         load(&written, "written").expect("it is valid").server,
@@ -906,6 +917,9 @@ role = "administrator"
         ("plain = \"off\"".to_owned(),                                        "plain"),
         ("loopback = \"administrator\"".to_owned(),                           "loopback"),
         ("password = \"x\"".to_owned(),                                       "password"),
+        ("idle_s = 59".to_owned(),                                            "idle_s"),
+        ("hmi_tls = \"8443\"".to_owned(),                                     "hmi_tls"),
+        (format!("hmi_names = [{}]", "\"a\", ".repeat(33)),                  "hmi_names"),
         (format!("[[security.certificates]]\n{bad}"),                          "issuer"),
         (format!("[[security.certificates]]\n{twice}"),                        "sha256"),
         ("[[security.certificates]]\nsha256 = \"12\"\nrole = \"viewer\"".to_owned(), "sha256"),

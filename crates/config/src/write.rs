@@ -1,6 +1,8 @@
 //! From a [`Project`] back to the tables of its configuration, and tables as text. The way back of `read`: what
 //! [`table`] writes, [`load`](crate::load) reads as the same project. Comments and the order of keys are not kept.
 
+use std::net::SocketAddr;
+
 use arcline_controller::image::Access;
 use arcline_controller::machine::{
     Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Feed, Geometry, Home,
@@ -104,9 +106,9 @@ pub fn table(project: &Project) -> Table {
 
 fn security(security: &Security) -> Vec<(&'static str, Value)> {
     let [viewer, operator, engineer, _] = security.max_requests.map(|rate| Value::Integer(rate.into()));
-    let tls = security.tls.map_or_else(|| "off".to_owned(), |tls| tls.to_string());
+    let off_or = |address: Option<SocketAddr>| address.map_or_else(|| "off".to_owned(), |one| one.to_string());
     let mut all = vec![
-        ("tls", text(&tls)),
+        ("tls", text(&off_or(security.tls))),
         ("certificate", text(&security.certificate)),
         ("key", text(&security.key)),
         ("clients", text(&security.clients)),
@@ -141,6 +143,16 @@ fn security(security: &Security) -> Vec<(&'static str, Value)> {
     all.extend([
         ("loopback", text(security.loopback.word())),
         ("remote_plain", text(security.remote_plain.word())),
+        ("hmi_tls", text(&off_or(security.hmi_tls))),
+    ]);
+    if !security.hmi_names.is_empty() {
+        let names = security.hmi_names.iter().map(|name| text(name));
+        all.push(("hmi_names", Value::Array(names.collect())));
+    }
+    all.extend(security.users.as_deref().map(|file| ("users", text(file))));
+    all.extend([
+        ("idle_s", Value::Integer(security.idle.into())),
+        ("session_s", Value::Integer(security.session.into())),
         ("max_requests_per_s_viewer", viewer),
         ("max_requests_per_s_operator", operator),
         ("max_requests_per_s_engineer", engineer),

@@ -15,6 +15,8 @@ const LONGEST: u64 = 16 * 1024 * 1024;
 const FILES: usize = 16;
 /// Time between two synchronisations.
 const SYNC: Duration = Duration::from_secs(1);
+/// A wait without anything to synchronise.
+const IDLE: Duration = Duration::from_secs(3600);
 
 /// The files, open at their end.
 #[derive(Debug)]
@@ -43,19 +45,19 @@ impl Files {
         };
         let mut number = 1;
         let mut repaired = 0;
-        if let Some((newest, file)) = numbered(folder)?.pop() {
-            number = newest;
-            let bytes = fs::read(&file)?;
-            let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
-            repaired = bytes.len() - whole;
-            if repaired > 0 {
-                OpenOptions::new().write(true).open(&file)?.set_len(whole as u64)?;
-            }
-            let text = String::from_utf8_lossy(bytes.get(..whole).unwrap_or_default()).into_owned();
+        let all = numbered(folder)?;
+        if let Some((newest, file)) = all.last() {
+            number = *newest;
+            repaired = cut_last_line(file)?;
+        }
+        // The newest file has no line when a crash came right behind its beginning.
+        for (_, file) in all.iter().rev() {
+            let text = String::from_utf8_lossy(&fs::read(file)?).into_owned();
             if let Some(last) = text.lines().last() {
                 let of: serde_json::Value = serde_json::from_str(last).unwrap_or_default();
                 chain.next = of["n"].as_u64().unwrap_or(0) + 1;
                 chain.prev = chain::hash(last.as_bytes());
+                break;
             }
         }
         let (file, length) = append_to(&folder.join(name(number)))?;
@@ -89,14 +91,27 @@ impl Files {
         self.write(event, count)
     }
 
-    /// Synchronises what was written, once a second.
-    pub(super) fn sync(&mut self) {
-        if self.is_dirty && self.synced.elapsed() >= SYNC {
-            // A disk that fails shows with the next write.
-            let _ = self.file.sync_data();
-            self.synced = Instant::now();
-            self.is_dirty = false;
+    /// How long nothing is to be synchronised.
+    pub(super) fn due(&self) -> Duration {
+        match self.is_dirty {
+            true => SYNC.saturating_sub(self.synced.elapsed()),
+            false => IDLE,
         }
+    }
+
+    /// Synchronises what was written, once a second.
+    pub(super) fn sync_at(&mut self, now: Instant) {
+        if self.is_dirty && now.saturating_duration_since(self.synced) >= SYNC {
+            self.sync();
+        }
+    }
+
+    /// Synchronises what was written.
+    pub(super) fn sync(&mut self) {
+        // A disk that fails shows with the next write.
+        let _ = self.file.sync_data();
+        self.synced = Instant::now();
+        self.is_dirty = false;
     }
 
     fn write(&mut self, event: &Event, count: u64) -> io::Result<()> {
@@ -142,6 +157,11 @@ impl Files {
     }
 
     #[cfg(test)]
+    pub(super) fn is_dirty(&self) -> bool {
+        self.is_dirty
+    }
+
+    #[cfg(test)]
     pub(super) fn set_file(&mut self, file: &str) {
         self.file = OpenOptions::new().append(true).open(file).expect("it is there");
     }
@@ -150,6 +170,16 @@ impl Files {
     pub(super) fn set_longest(&mut self, longest: u64) {
         self.longest = longest;
     }
+}
+
+/// Removes a last line that has no end; the number of its bytes.
+fn cut_last_line(file: &Path) -> io::Result<usize> {
+    let bytes = fs::read(file)?;
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    if whole < bytes.len() {
+        OpenOptions::new().write(true).open(file)?.set_len(whole as u64)?;
+    }
+    Ok(bytes.len() - whole)
 }
 
 /// The files of a folder with their numbers, the oldest first.

@@ -42,6 +42,14 @@ pub(crate) enum What {
     Connect,
     /// A client went.
     Disconnect,
+    /// A user began a session of the page, or a script showed a token.
+    Login,
+    /// A session of the page ended.
+    Logout,
+    /// A user or a password was wrong.
+    LoginRefused,
+    /// A session of the page was locked.
+    Locked,
     /// A client was refused for its role.
     Denied,
     /// A tag was written.
@@ -109,7 +117,7 @@ impl Audit {
         let counted = lost.clone();
         let thread = std::thread::Builder::new()
             .name("arcline-audit".to_owned())
-            .spawn(move || write(files, &events, &counted))?;
+            .spawn(move || drop(write(files, &events, &counted)))?;
         Ok(Self(Arc::new(Shared {
             sender,
             lost,
@@ -147,13 +155,19 @@ pub(crate) fn folder_of(state: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
+/// How long the thread may wait for an event: until writes are merged, lines are to be synchronised, or the hash is to be told.
+fn wait(merge: &Merge, files: &Files, head_told: Instant) -> Duration {
+    let merged = merge.due(MERGED).min(files.due());
+    merged.min(HEAD_EVERY.saturating_sub(head_told.elapsed()))
+}
+
 /// Runs on the thread: writes until the last sender has gone.
-fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) {
+fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) -> Files {
     let mut merge = Merge::default();
     let mut head_told = Instant::now();
     let mut is_failing = false;
     loop {
-        let next = events.recv_timeout(merge.due(MERGED));
+        let next = events.recv_timeout(wait(&merge, &files, head_told));
         let mut lines = match &next {
             Ok(Some(event)) => merge.take(event.clone()),
             Ok(None) | Err(_) => Vec::new(),
@@ -175,13 +189,17 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) {
                 warn!("the audit is written again");
             }
         }
-        files.sync();
+        if is_over {
+            files.sync();
+        } else {
+            files.sync_at(Instant::now());
+        }
         if head_told.elapsed() >= HEAD_EVERY || is_over {
             info!(head = files.head(), "the newest line of the audit");
             head_told = Instant::now();
         }
         if is_over {
-            return;
+            return files;
         }
     }
 }

@@ -180,3 +180,39 @@ fn a_disk_that_is_full_costs_lines_only() {
         "{kept} lines, {lost} that tell a loss"
     );
 }
+
+/// A crash between a new file and its first line leaves it empty, or with a part of that line.
+#[test]
+fn the_chain_goes_on_behind_a_file_without_lines() {
+    for begun in ["", "{\"n\":7,\"t\""] {
+        let folder = folder(5);
+        fs::write(folder.path().join("000002.jsonl"), begun).expect("a writable folder");
+        let mut files = Files::open(folder.path()).expect("it is repaired");
+        files.append(&event(9, false), 1).expect("it is written");
+        drop(files);
+        let verified = verify(folder.path(), None).expect("it holds");
+        assert_eq!((verified.lines, verified.first, verified.last), (8, 1, 8), "{begun:?}");
+    }
+}
+
+/// What is written reaches the disk within a second, also when nothing comes behind it, and at the end at once.
+#[test]
+fn lines_are_synchronised_without_further_lines() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut files = Files::open(folder.path()).expect("a writable folder");
+    let told = Instant::now();
+    files.append(&event(1, false), 1).expect("it is written");
+    assert!(wait(&Merge::default(), &files, told) <= Duration::from_secs(1));
+    files.sync_at(Instant::now() + Duration::from_secs(2));
+    assert!(!files.is_dirty());
+    assert!(
+        wait(&Merge::default(), &files, told) > Duration::from_secs(1),
+        "nothing is due"
+    );
+    let (sender, events) = sync_channel(2);
+    for event in [Some(event(2, false)), None] {
+        sender.send(event).expect("there is room");
+    }
+    let files = write(files, &events, &AtomicU64::new(0));
+    assert!(!files.is_dirty(), "at the end");
+}

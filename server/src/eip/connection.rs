@@ -29,7 +29,7 @@ use super::router::Router;
 use super::session_host::SessionHost;
 use super::turns::{SHORT, Share};
 use crate::guard::Signs;
-use crate::limits::AddressRate;
+use crate::limits::Rate;
 use crate::plant::ClientIdentity;
 use crate::tls::{Tls, TlsClient};
 
@@ -145,7 +145,7 @@ where
     let face: Weak<Device> = Arc::downgrade(&device);
     let signs = device
         .plant
-        .enter(number, ClientIdentity::of_address(&name), role, face);
+        .enter(number, ClientIdentity::of_address(&name, Some(peer)), role, face);
     let rate = device.settings.config.security.max_requests_of(role);
     let mut connection = Connection {
         stream,
@@ -167,7 +167,9 @@ where
         is_polling: false,
         signs,
         share: Share::default(),
-        rate: Some(rate).filter(|rate| *rate > 0).map(AddressRate::new),
+        rate: Some(rate)
+            .filter(|rate| *rate > 0)
+            .map(|rate| Rate::new(rate, Instant::now().into_std())),
     };
     let ended = revoked
         .run_until_cancelled(close.run_until_cancelled(connection.run()))
@@ -212,7 +214,7 @@ struct Connection<S> {
     /// What it has used of a thread of the network.
     share: Share,
     /// The most requests a second; `None`: any number.
-    rate: Option<AddressRate>,
+    rate: Option<Rate>,
 }
 
 /// Frames that wait to be sent: the only one as it is, several in one piece.
@@ -434,7 +436,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     /// Whether a request is within the rate of the client's role; stops always are.
     fn is_within_rate(&mut self, request: &Request) -> bool {
         let Some(rate) = &mut self.rate else { return true };
-        rate.allows(self.host.peer, Instant::now().into_std()) || self.router.is_stop(request)
+        rate.allows(Instant::now().into_std()) || self.router.is_stop(request)
     }
 
     /// Answers a request, in a turn of its own if it is long work.

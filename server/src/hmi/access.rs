@@ -5,11 +5,13 @@
 
 use std::net::{IpAddr, SocketAddr};
 
+use axum::http::{HeaderMap, header};
+
 /// Whether a `Host` header means this server: a loopback name, or the address it listens on. A server that listens on all
-/// addresses takes any address, but no name.
-pub(super) fn is_host(host: &str, listen: SocketAddr) -> bool {
+/// addresses takes any address, but no name but those in `names`.
+pub(super) fn is_host(host: &str, listen: SocketAddr, names: &[String]) -> bool {
     let name = without_port(host);
-    if name.eq_ignore_ascii_case("localhost") {
+    if name.eq_ignore_ascii_case("localhost") || names.iter().any(|known| known.eq_ignore_ascii_case(name)) {
         return true;
     }
     let literal = name
@@ -29,6 +31,31 @@ pub(super) fn is_origin(origin: &str, host: &str) -> bool {
             .strip_prefix(scheme)
             .is_some_and(|rest| rest.eq_ignore_ascii_case(host))
     })
+}
+
+/// The origin of a request that changes something.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Asker {
+    /// A page of this server, or a person who typed the address.
+    Own,
+    /// A page of somebody else.
+    Foreign,
+    /// No browser: those send one of the two headers.
+    NoBrowser,
+}
+
+/// The origin of a request, by `Sec-Fetch-Site`, or else by `Origin`: browsers let no page choose them.
+pub(super) fn asker(headers: &HeaderMap) -> Asker {
+    let text = |name: &str| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+    let host = text(header::HOST.as_str()).unwrap_or_default();
+    let is_own = match (text("sec-fetch-site"), text(header::ORIGIN.as_str())) {
+        (Some(site), origin) => {
+            ["same-origin", "none"].contains(&site) && origin.is_none_or(|origin| is_origin(origin, host))
+        }
+        (None, Some(origin)) => is_origin(origin, host),
+        (None, None) => return Asker::NoBrowser,
+    };
+    if is_own { Asker::Own } else { Asker::Foreign }
 }
 
 fn without_port(host: &str) -> &str {
@@ -59,12 +86,45 @@ mod tests {
             ("the listen address",        "192.168.1.9:8080",     "192.168.1.9:8080", true),
             ("any address of all",        "192.168.1.9:8080",     "0.0.0.0:8080",     true),
             ("a name when on all",        "evil.example",         "0.0.0.0:8080",     false),
+            ("a known name",              "Cell-4.example:8080",  "0.0.0.0:8080",     true),
+            ("looks like a known name",   "cell-4.example.evil.example", "0.0.0.0:8080", false),
             ("empty",                     "",                     "127.0.0.1:8080",   false),
             ("only a port",               ":8080",                "127.0.0.1:8080",   false),
         ];
         for (why, host, listen, expected) in cases {
             let listen = listen.parse().expect("an address");
-            assert_eq!(is_host(host, listen), expected, "{why}: {host} at {listen}");
+            assert_eq!(
+                is_host(host, listen, &["cell-4.example".to_owned()]),
+                expected,
+                "{why}: {host} at {listen}"
+            );
+        }
+    }
+
+    #[test]
+    fn askers() {
+        #[rustfmt::skip]
+        let cases = [
+            ("a page of this server", Some("same-origin"), Some("https://cell:8443"), Asker::Own),
+            ("without an origin",     Some("same-origin"), None,                      Asker::Own),
+            ("a typed address",       Some("none"),        None,                      Asker::Own),
+            ("another site",          Some("cross-site"),  Some("https://evil"),      Asker::Foreign),
+            ("another port",          Some("same-site"),   Some("https://cell:1"),    Asker::Foreign),
+            ("they differ",           Some("same-origin"), Some("https://evil"),      Asker::Foreign),
+            ("an old browser",        None,                Some("https://cell:8443"), Asker::Own),
+            ("an old browser, foreign", None,              Some("https://evil"),      Asker::Foreign),
+            ("a sandbox",             None,                Some("null"),              Asker::Foreign),
+            ("no browser",            None,                None,                      Asker::NoBrowser),
+        ];
+        for (why, site, origin, expected) in cases {
+            let mut headers = HeaderMap::new();
+            headers.insert("host", "cell:8443".parse().expect("a header"));
+            for (name, value) in [("sec-fetch-site", site), ("origin", origin)] {
+                if let Some(value) = value {
+                    headers.insert(name, value.parse().expect("a header"));
+                }
+            }
+            assert_eq!(asker(&headers), expected, "{why}");
         }
     }
 

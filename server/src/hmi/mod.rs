@@ -12,6 +12,7 @@ mod frames;
 mod instructions;
 mod jog;
 mod line;
+mod login;
 mod machine;
 mod paths;
 mod peaks;
@@ -19,6 +20,8 @@ mod preview;
 mod program;
 mod protocol;
 mod serve;
+mod sessions;
+mod socket;
 mod status;
 mod tags;
 #[cfg(test)]
@@ -37,19 +40,51 @@ use tokio::sync::{broadcast, watch};
 
 use crate::limits::{Full, Places};
 use crate::plant::Plant;
+use crate::tls::Tls;
 use assets::Assets;
 use jog::Jogs;
 use preview::Previews;
 use program::Programs;
 use protocol::text_of;
+pub(crate) use sessions::Sessions;
 use status::Status;
 use workers::Workers;
 
 /// The bound HMI.
 #[derive(Debug)]
 pub struct Hmi {
-    listener: TcpListener,
+    doors: Vec<Door>,
     shared: Arc<Shared>,
+}
+
+/// A socket that listens.
+#[derive(Debug)]
+struct Door {
+    listener: TcpListener,
+    /// Its address.
+    listen: SocketAddr,
+    /// `None`: what travels there is not encrypted.
+    tls: Option<Arc<Tls>>,
+}
+
+/// The doors of the page, and the users who log in there.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Doors {
+    /// Without encryption; `None`: nowhere.
+    pub(crate) plain: Option<SocketAddr>,
+    /// Over HTTPS.
+    pub(crate) tls: Option<(SocketAddr, Arc<Tls>)>,
+    /// `None`: nobody logs in.
+    pub(crate) sessions: Option<Arc<Sessions>>,
+}
+
+/// An address of the page that cannot be bound.
+#[derive(Debug)]
+pub(crate) struct BindError {
+    /// The address.
+    pub(crate) address: SocketAddr,
+    /// Why.
+    pub(crate) error: io::Error,
 }
 
 /// What all viewers share: the plant, and each subject with its own state.
@@ -57,11 +92,14 @@ pub struct Hmi {
 struct Shared {
     plant: Plant,
     assets: Assets,
-    /// Where it listens.
-    listen: SocketAddr,
+    /// The side of TLS, for the names of the server's certificate.
+    tls: Option<Arc<Tls>>,
+    sessions: Arc<Sessions>,
     /// `/api/machine` and `/api/instructions`, which do not change.
     machine: String,
     instructions: String,
+    /// One for each TCP connection that may still come.
+    connections: Arc<Places>,
     /// One for each viewer that may still come.
     places: Arc<Places>,
     /// Viewers so far.
@@ -80,17 +118,38 @@ struct Shared {
 }
 
 impl Hmi {
-    /// Binds `address`; port 0 picks a free one.
+    /// Binds `address` for a page without encryption and users; port 0 picks a free one.
     ///
     /// # Errors
     /// The address cannot be bound.
     pub async fn bind(address: SocketAddr, plant: Plant) -> io::Result<Self> {
-        let listener = TcpListener::bind(address).await?;
+        let doors = Doors {
+            plain: Some(address),
+            ..Doors::default()
+        };
+        Self::bind_all(doors, plant)
+            .await
+            .map_err(|BindError { error, .. }| error)
+    }
+
+    /// Binds all doors.
+    pub(crate) async fn bind_all(doors: Doors, plant: Plant) -> Result<Self, BindError> {
+        let mut bound = Vec::new();
+        let plain = doors.plain.map(|address| (address, None));
+        let tls = doors.tls.as_ref().map(|(address, tls)| (*address, Some(tls.clone())));
+        for (address, tls) in plain.into_iter().chain(tls) {
+            let failed = |error| BindError { address, error };
+            let listener = TcpListener::bind(address).await.map_err(failed)?;
+            let listen = listener.local_addr().map_err(failed)?;
+            bound.push(Door { listener, listen, tls });
+        }
         let shared = Shared {
             assets: Assets::from_environment(),
-            listen: listener.local_addr()?,
+            tls: doors.tls.map(|(_, tls)| tls),
+            sessions: doors.sessions.unwrap_or_default(),
             machine: text_of(&machine::description(&plant)),
             instructions: text_of(&instructions::catalogue()),
+            connections: Places::new(CONNECTIONS, Full::ClosesOldest),
             places: Places::new(VIEWERS, Full::ClosesOldestOfLargerShare),
             viewers: AtomicU64::new(0),
             status: watch::Sender::new(Status::default()),
@@ -104,14 +163,23 @@ impl Hmi {
             plant,
         };
         Ok(Self {
-            listener,
+            doors: bound,
             shared: Arc::new(shared),
         })
     }
 
-    /// The address that was really bound.
-    pub fn local_addr(&self) -> SocketAddr {
-        self.shared.listen
+    /// The address without encryption that was really bound, if there is one.
+    pub fn local_addr(&self) -> Option<SocketAddr> {
+        self.address(|door| door.tls.is_none())
+    }
+
+    /// The address of HTTPS that was really bound, if there is one.
+    pub fn tls_addr(&self) -> Option<SocketAddr> {
+        self.address(|door| door.tls.is_some())
+    }
+
+    fn address(&self, is_one: impl Fn(&Door) -> bool) -> Option<SocketAddr> {
+        self.doors.iter().find(|door| is_one(door)).map(|door| door.listen)
     }
 
     /// Serves until the future is dropped; that closes every viewer.
@@ -120,10 +188,26 @@ impl Hmi {
         let samples = frames::produce(self.shared.clone());
         let rights = jog::watch(self.shared.clone());
         let events = events::produce(self.shared.clone());
-        let connections = serve::accept(self.listener, self.shared);
-        tokio::join!(rights, statuses, samples, events, connections);
+        let sessions = self.shared.sessions.watch(&self.shared.plant);
+        let doors = self
+            .doors
+            .into_iter()
+            .map(|door| serve::accept(door, self.shared.clone()));
+        let connections = futures_util::future::join_all(doors);
+        tokio::join!(rights, statuses, samples, events, sessions, connections);
     }
 }
 
+impl Shared {
+    /// The names of this server, beside addresses.
+    fn names(&self) -> Vec<String> {
+        let of_certificate = self.tls.iter().flat_map(|tls| tls.names());
+        let configured = self.plant.server().security.hmi_names.iter().cloned();
+        of_certificate.chain(configured).collect()
+    }
+}
+
+/// TCP connections at a time.
+const CONNECTIONS: usize = 256;
 /// Viewers at a time.
 const VIEWERS: usize = 32;

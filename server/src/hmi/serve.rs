@@ -1,7 +1,7 @@
 //! HTTP: the page's files, two descriptions as JSON, and the way to the WebSocket. Every answer carries the headers that
 //! keep foreign pages out.
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -9,26 +9,30 @@ use arcline_proto::arcline::machine::Identification;
 use axum::Router;
 use axum::body::Body;
 use axum::extract::{Extension, Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, Uri, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{get, post};
+use bytes::Bytes;
 use hyper::server::conn::http1;
+use hyper::upgrade::Upgraded;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use tokio::net::{TcpListener, TcpStream};
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpStream;
 use tokio::task::JoinSet;
+use tokio_rustls::server::TlsStream;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
-use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
+use super::login::{self, session_of};
+use super::socket::Socket;
 use super::viewer::{self, Page};
-use super::{Shared, access};
-use crate::limits::{Full, Place, Places};
-use crate::plant::roles::role_of_address;
+use super::{Door, Shared, access};
+use crate::limits::Place;
+use crate::plant::roles::{role_of_address, role_of_page};
+use crate::tls::Tls;
 
-/// TCP connections at a time.
-const CONNECTIONS: usize = 256;
 /// How long the head of a request may take to come, and how long a connection may be idle.
 const HEAD_WITHIN: Duration = Duration::from_secs(15);
 /// Wait after a connection could not be accepted.
@@ -54,15 +58,26 @@ const HEADERS: [(HeaderName, &str); 7] = [
 ];
 
 /// Accepts connections until the future is dropped; that closes them.
-pub(super) async fn accept(listener: TcpListener, shared: Arc<Shared>) {
-    let places = Places::new(CONNECTIONS, Full::ClosesOldest);
+pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
     let router = router(shared.clone());
     let mut connections = JoinSet::new();
     loop {
-        match listener.accept().await {
-            Ok((stream, peer)) => match places.enter(peer.ip()) {
+        match door.listener.accept().await {
+            Ok((stream, peer)) => match shared.connections.enter(peer.ip()) {
                 Some(place) => {
-                    connections.spawn(serve_one(stream, router.clone(), place));
+                    let near = Near {
+                        peer: peer.ip(),
+                        listen: door.listen,
+                        is_tls: door.tls.is_some(),
+                    };
+                    connections.spawn(serve_one(
+                        stream,
+                        near,
+                        door.tls.clone(),
+                        router.clone(),
+                        place,
+                        shared.clone(),
+                    ));
                 }
                 None => debug!("too many connections to the HMI: closed"),
             },
@@ -76,33 +91,71 @@ pub(super) async fn accept(listener: TcpListener, shared: Arc<Shared>) {
     }
 }
 
-async fn serve_one(stream: TcpStream, router: Router, place: Place) {
+async fn serve_one(
+    stream: TcpStream,
+    near: Near,
+    tls: Option<Arc<Tls>>,
+    router: Router,
+    place: Place,
+    shared: Arc<Shared>,
+) {
     // A frame of samples is not to wait for the next one.
     let _ = stream.set_nodelay(true);
-    let peer = stream.peer_addr().ok();
-    let router = router.layer(Extension(Peer(peer.map(|peer| peer.ip()))));
     let close = place.close();
+    let peer = near.peer;
+    let router = router.layer(Extension(near));
+    let served = async {
+        match tls {
+            None => serve_http(stream, router).await,
+            Some(tls) => match tls.accept_page(stream, peer).await {
+                Ok(stream) => serve_http(stream, router).await,
+                Err(failed) => tls.log_failed(shared.plant.log_limit(), peer, &failed),
+            },
+        }
+    };
+    if close.run_until_cancelled(served).await.is_none() {
+        debug!("too many connections to the HMI: a newcomer got the place of this one");
+    }
+    drop(place);
+}
+
+async fn serve_http<S>(stream: S, router: Router)
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
     let served = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_WITHIN)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
         .with_upgrades();
-    match close.run_until_cancelled(served).await {
-        Some(Ok(())) => {}
-        Some(Err(error)) => debug!(%error, "connection to the HMI"),
-        None => debug!("too many connections to the HMI: a newcomer got the place of this one"),
+    if let Err(error) = served.await {
+        debug!(%error, "connection to the HMI");
     }
-    drop(place);
 }
 
-/// The far end of a connection, as its viewer is named.
-#[derive(Clone, Debug)]
-struct Peer(Option<IpAddr>);
+/// The two ends of a connection.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    peer: IpAddr,
+    /// Where the server listens.
+    listen: SocketAddr,
+    pub(super) is_tls: bool,
+}
+
+impl Near {
+    /// The far end.
+    pub(super) fn peer(&self) -> IpAddr {
+        self.peer
+    }
+}
 
 fn router(shared: Arc<Shared>) -> Router {
     Router::new()
         .route("/api/machine", get(machine))
         .route("/api/instructions", get(instructions))
+        .route("/login", post(login::log_in))
+        .route("/logout", post(login::log_out))
+        .route("/lock", post(login::lock))
         .route("/ws", get(socket))
         .fallback(get(file))
         .layer(middleware::from_fn_with_state(shared.clone(), guard))
@@ -110,8 +163,15 @@ fn router(shared: Arc<Shared>) -> Router {
 }
 
 /// Refuses hosts that are not this server, and puts the headers on every answer.
-async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) -> Response {
-    let ours = host(request.headers()).is_some_and(|host| access::is_host(host, shared.listen));
+async fn guard(
+    State(shared): State<Arc<Shared>>,
+    Extension(near): Extension<Near>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let names = shared.names();
+    let ours = host(request.headers()).is_some_and(|host| access::is_host(host, near.listen, &names));
+    let is_private = request.method() == Method::POST;
     let mut response = if ours {
         next.run(request).await
     } else {
@@ -123,6 +183,10 @@ async fn guard(State(shared): State<Arc<Shared>>, request: Request, next: Next) 
     };
     for (name, value) in HEADERS {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    if is_private {
+        let value = HeaderValue::from_static("no-store");
+        response.headers_mut().insert(header::CACHE_CONTROL, value);
     }
     response
 }
@@ -150,53 +214,53 @@ async fn file(State(shared): State<Arc<Shared>>, uri: Uri) -> Response {
     }
 }
 
-/// Becomes a viewer, if a page of this server asks for it and there is a place.
-async fn socket(
-    State(shared): State<Arc<Shared>>,
-    Extension(Peer(peer)): Extension<Peer>,
-    mut request: Request,
-) -> Response {
+/// Becomes a viewer, if a page of this server or a script with a token asks for it and there is a place.
+async fn socket(State(shared): State<Arc<Shared>>, Extension(near): Extension<Near>, mut request: Request) -> Response {
     let headers = request.headers();
     let origin = headers.get(header::ORIGIN).and_then(|origin| origin.to_str().ok());
     let own = matches!((origin, host(headers)), (Some(origin), Some(host)) if access::is_origin(origin, host));
-    if !own {
+    let token = login::bearer(headers);
+    if !own && (token.is_none() || origin.is_some()) {
         debug!(?origin, "a foreign page asked for the HMI's WebSocket: refused");
         return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
     }
-    let page = Page {
-        peer,
-        told: browser(headers),
-        role: role_of_address(
-            &shared.plant.server().security,
-            peer.unwrap_or(Ipv4Addr::UNSPECIFIED.into()),
-        ),
-        close: CancellationToken::new(),
-    };
+    let peer = near.peer();
+    let session = session_of(&shared, &near, headers).and_then(|key| shared.sessions.look(key));
+    if token.is_some() && session.is_none() {
+        let text = || "a script with a token that does not hold was refused".to_owned();
+        shared.plant.log_limit().warn("token", Some(peer), text);
+        return (StatusCode::UNAUTHORIZED, "The token does not hold.\n").into_response();
+    }
     let Some(accepted) = accept_key(headers) else {
         return (StatusCode::BAD_REQUEST, "Here is a WebSocket of version 13.\n").into_response();
     };
-    let from = page.peer.unwrap_or(Ipv4Addr::UNSPECIFIED.into());
-    let Some(place) = shared.places.enter(from) else {
+    let told = browser(headers);
+    let Some(place) = shared.places.enter(peer) else {
         let text = || "a viewer was refused, since all places of the page are taken".to_owned();
-        shared.plant.log_limit().warn("full", peer, text);
+        shared.plant.log_limit().warn("full", Some(peer), text);
         return (StatusCode::SERVICE_UNAVAILABLE, "Too many viewers.\n").into_response();
     };
+    let security = &shared.plant.server().security;
     let page = Page {
+        peer,
+        told,
+        role: match near.is_tls {
+            true => role_of_page(security, peer),
+            false => role_of_address(security, peer),
+        },
+        session,
+        can_log_in: login::is_private(&near) && shared.sessions.has_users(),
         close: place.close(),
-        ..page
     };
     let upgrade = hyper::upgrade::on(&mut request);
     tokio::spawn(async move {
-        match upgrade
-            .await
-            .map(hyper::upgrade::Upgraded::downcast::<TokioIo<TcpStream>>)
-        {
-            Ok(Ok(parts)) => {
-                if let Err(error) = viewer::serve(parts.io.into_inner(), parts.read_buf, shared, page).await {
+        match upgrade.await.map(|upgraded| upgraded_socket(upgraded, near.is_tls)) {
+            Ok(Some((socket, begun))) => {
+                if let Err(error) = viewer::serve(socket, begun, shared, page).await {
                     debug!(%error, "a viewer could not be served");
                 }
             }
-            Ok(Err(_)) => debug!("a viewer came on what is no socket"),
+            Ok(None) => debug!("a viewer came on what is no socket"),
             Err(error) => debug!(%error, "a viewer went before it came"),
         }
         drop(place);
@@ -207,6 +271,16 @@ async fn socket(
         (header::SEC_WEBSOCKET_ACCEPT, accepted),
     ];
     (StatusCode::SWITCHING_PROTOCOLS, headers).into_response()
+}
+
+/// The socket of a connection that became a WebSocket, and what has come on it already.
+fn upgraded_socket(upgraded: Upgraded, is_tls: bool) -> Option<(Socket, Bytes)> {
+    if is_tls {
+        let parts = upgraded.downcast::<TokioIo<TlsStream<TcpStream>>>().ok()?;
+        return Some((Socket::Tls(Box::new(parts.io.into_inner())), parts.read_buf));
+    }
+    let parts = upgraded.downcast::<TokioIo<TcpStream>>().ok()?;
+    Some((Socket::Plain(parts.io.into_inner()), parts.read_buf))
 }
 
 /// The browser of a page as the product of its client.

@@ -10,7 +10,7 @@ use std::net::{IpAddr, Ipv6Addr};
 pub(crate) use lockouts::Lockouts;
 pub(crate) use log_limit::LogLimit;
 pub(crate) use places::{Full, Place, Places};
-pub(crate) use rate::AddressRate;
+pub(crate) use rate::{AddressRate, Rate};
 
 /// The address by which limits count a peer: IPv4 as it is, also inside of IPv6; of IPv6 the network of 64 bits, since one host has
 /// all of its addresses.

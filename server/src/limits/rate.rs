@@ -1,4 +1,4 @@
-//! Rates: a token bucket for each address.
+//! Rates: token buckets, one of a connection or one for each address.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -9,41 +9,71 @@ use super::counted;
 /// Addresses that are remembered; beyond, all others share one bucket.
 const REMEMBERED: usize = 1024;
 
-/// Events a second, for each address; so many may come at once.
+/// A token bucket: so many events a second, of which so many may come at once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rate {
+    per_second: f64,
+    tokens: f64,
+    at: Instant,
+}
+
+impl Rate {
+    pub(crate) fn new(per_second: u32, now: Instant) -> Self {
+        Self {
+            per_second: per_second.into(),
+            tokens: per_second.into(),
+            at: now,
+        }
+    }
+
+    /// Whether an event is within the rate; counts it if so.
+    pub(crate) fn allows(&mut self, now: Instant) -> bool {
+        self.tokens = self.tokens_at(now);
+        self.at = now;
+        let allows = self.tokens >= 1.0;
+        if allows {
+            self.tokens -= 1.0;
+        }
+        allows
+    }
+
+    fn tokens_at(&self, now: Instant) -> f64 {
+        let since = now.saturating_duration_since(self.at).as_secs_f64();
+        (self.tokens + since * self.per_second).min(self.per_second)
+    }
+
+    fn is_full(&self, now: Instant) -> bool {
+        self.tokens_at(now) >= self.per_second
+    }
+}
+
+/// A rate for each address.
 #[derive(Debug)]
 pub(crate) struct AddressRate {
-    per_second: f64,
-    buckets: HashMap<Option<IpAddr>, (f64, Instant)>,
+    per_second: u32,
+    rates: HashMap<Option<IpAddr>, Rate>,
 }
 
 impl AddressRate {
     pub(crate) fn new(per_second: u32) -> Self {
         Self {
-            per_second: per_second.into(),
-            buckets: HashMap::new(),
+            per_second,
+            rates: HashMap::new(),
         }
     }
 
-    /// Whether an event of an address is within the rate; counts it if so.
+    /// Whether an event of an address is within its rate; counts it if so.
     pub(crate) fn allows(&mut self, address: IpAddr, now: Instant) -> bool {
-        let full = self.per_second;
         let mut key = Some(counted(address));
-        if self.buckets.len() >= REMEMBERED && !self.buckets.contains_key(&key) {
+        if self.rates.len() >= REMEMBERED && !self.rates.contains_key(&key) {
             // A bucket that is full again need not be remembered.
-            self.buckets
-                .retain(|_, (tokens, at)| *tokens + now.duration_since(*at).as_secs_f64() * full < full);
-            if self.buckets.len() >= REMEMBERED {
+            self.rates.retain(|_, rate| !rate.is_full(now));
+            if self.rates.len() >= REMEMBERED {
                 key = None;
             }
         }
-        let (tokens, at) = self.buckets.entry(key).or_insert((full, now));
-        *tokens = (*tokens + now.duration_since(*at).as_secs_f64() * full).min(full);
-        *at = now;
-        let allows = *tokens >= 1.0;
-        if allows {
-            *tokens -= 1.0;
-        }
-        allows
+        let fresh = Rate::new(self.per_second, now);
+        self.rates.entry(key).or_insert(fresh).allows(now)
     }
 }
 
@@ -65,6 +95,6 @@ mod tests {
         for number in 0..100_000_u32 {
             rate.allows(IpAddr::from(number.to_be_bytes()), now);
         }
-        assert!(rate.buckets.len() <= REMEMBERED + 1, "its memory is bounded");
+        assert!(rate.rates.len() <= REMEMBERED + 1, "its memory is bounded");
     }
 }

@@ -35,6 +35,23 @@ impl Plant {
             audit.record(self.0.bare(principal, role, what, object, result));
         }
     }
+
+    /// Records what a session of the page did or what became of it; `from` is its address and its user.
+    pub(crate) fn record_session(&self, from: String, role: Role, what: What, object: String, result: &'static str) {
+        if let Some(audit) = self.0.audit.get() {
+            audit.record(Event {
+                at: SystemTime::now(),
+                what,
+                door: "page",
+                from: from.into(),
+                role: role.word(),
+                object,
+                values: None,
+                result,
+                is_plain_write: false,
+            });
+        }
+    }
 }
 
 impl Shared {

@@ -1,7 +1,7 @@
 //! What is known of a client: its address, and what it has told of itself.
 
 use std::fmt;
-use std::net::{IpAddr, SocketAddr};
+use std::net::IpAddr;
 
 use arcline_proto::arcline::machine::Identification;
 
@@ -10,22 +10,18 @@ use arcline_proto::arcline::machine::Identification;
 pub struct ClientIdentity {
     /// Its address; of a viewer of the page with its number.
     pub address: String,
+    /// Its IP address, if it has one.
+    pub ip: Option<IpAddr>,
     /// What it has told of itself; its product also as its connections or its browser show it.
     pub told: Identification,
 }
 
 impl ClientIdentity {
-    /// The IP address.
-    pub(crate) fn ip(&self) -> Option<IpAddr> {
-        let address = self.address.split(' ').next().unwrap_or_default();
-        let socket = address.parse::<SocketAddr>().map(|socket| socket.ip());
-        socket.or_else(|_| address.parse()).ok()
-    }
-
-    /// A client of which only the address is known.
-    pub fn of_address(address: &str) -> Self {
+    /// Of which only the address is known, with the name that it has shown.
+    pub fn of_address(address: &str, ip: Option<IpAddr>) -> Self {
         ClientIdentity {
             address: address.to_owned(),
+            ip,
             told: Identification::default(),
         }
     }

@@ -362,7 +362,7 @@ impl Plant {
             let (least, right) = (right.least().word(), right.name());
             format!("{principal} ({client}) is {} and needs {least} to {right}", role.word())
         };
-        self.0.log_limit.warn("denied", client.ip(), text);
+        self.0.log_limit.warn("denied", client.ip, text);
     }
 
     /// How many commands of a kind there were.

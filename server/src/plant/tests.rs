@@ -159,7 +159,7 @@ fn the_newest_executions_are_kept() {
     for ticket in 1..=RECORDS as u64 + 10 {
         let origin = Origin {
             principal: CLIENT,
-            client: Arc::new(ClientIdentity::of_address("a client")),
+            client: Arc::new(ClientIdentity::of_address("a client", None)),
             text: None,
         };
         records.begin(Ticket(ticket), None, origin);

@@ -2,6 +2,8 @@
 //!
 //! Nothing here decides whether a certificate is valid.
 
+use std::net::IpAddr;
+
 use ring::digest::{SHA256, digest};
 use time::{Date, Month, Time};
 
@@ -18,6 +20,8 @@ pub(crate) struct Leaf {
     pub(crate) serial: String,
     /// The first and the last second of its validity, Unix time.
     pub(crate) valid: (i64, i64),
+    /// The host names and addresses that it is for (Subject Alternative Name).
+    pub(crate) names: Vec<String>,
 }
 
 impl Leaf {
@@ -35,6 +39,11 @@ impl Leaf {
         let valid = (moment(validity.next()?)?, moment(validity.next()?)?);
         let subject = name(body.take(SEQUENCE)?.body)?;
         let key = body.take(SEQUENCE)?;
+        let extensions = std::iter::from_fn(|| body.next()).find(|field| field.tag == EXTENSIONS);
+        let names = match extensions {
+            Some(extensions) => alternative_names(extensions.body)?,
+            None => Vec::new(),
+        };
         let cn = subject.iter().rev().find(|(kind, _)| *kind == "CN");
         Some(Self {
             cn: cn.map(|(_, text)| text.clone()).unwrap_or_default(),
@@ -42,8 +51,38 @@ impl Leaf {
             sha256: hex(digest(&SHA256, key.whole).as_ref()),
             serial: hex(serial.body),
             valid,
+            names,
         })
     }
+}
+
+/// The host names and addresses of a certificate's extensions (RFC 5280, 4.2.1.6).
+fn alternative_names(extensions: &[u8]) -> Option<Vec<String>> {
+    let mut extensions = Der(extensions).enter(SEQUENCE)?;
+    let mut names = Vec::new();
+    while extensions.peek().is_some() {
+        let mut extension = extensions.enter(SEQUENCE)?;
+        if extension.take(OBJECT)?.body != ALTERNATIVE_NAME {
+            continue;
+        }
+        // Perhaps whether it is critical, then the names in an OCTET STRING.
+        let value = std::iter::from_fn(|| extension.next()).find(|field| field.tag == OCTETS)?;
+        let mut all = Der(value.body).enter(SEQUENCE)?;
+        while let Some(name) = all.next() {
+            match name.tag {
+                DNS_NAME => names.push(String::from_utf8_lossy(name.body).into_owned()),
+                ADDRESS => names.extend(address(name.body)),
+                _ => {}
+            }
+        }
+    }
+    Some(names)
+}
+
+fn address(bytes: &[u8]) -> Option<String> {
+    let v4 = <[u8; 4]>::try_from(bytes).map(IpAddr::from);
+    let address = v4.or_else(|_| <[u8; 16]>::try_from(bytes).map(IpAddr::from));
+    address.ok().map(|address| address.to_string())
 }
 
 /// Bytes as hexadecimal digits.
@@ -146,10 +185,16 @@ impl<'d> Der<'d> {
 }
 
 const INTEGER: u8 = 0x02;
+const OCTETS: u8 = 0x04;
 const OBJECT: u8 = 0x06;
 const SEQUENCE: u8 = 0x30;
 const SET: u8 = 0x31;
 const VERSION: u8 = 0xA0;
+const EXTENSIONS: u8 = 0xA3;
+const DNS_NAME: u8 = 0x82;
+const ADDRESS: u8 = 0x87;
+/// 2.5.29.17.
+const ALTERNATIVE_NAME: [u8; 3] = [0x55, 29, 17];
 
 /// Parts of names (RFC 4519).
 const KINDS: [(&[u8], &str); 6] = [
@@ -170,7 +215,8 @@ mod tests {
     #[test]
     fn a_certificate_is_read() {
         let key = KeyPair::generate().expect("a key");
-        let mut params = CertificateParams::new(Vec::new()).expect("no names");
+        let names = ["cell-4.example", "10.1.2.3", "::1"].map(str::to_owned);
+        let mut params = CertificateParams::new(names).expect("names");
         params.distinguished_name.push(DnType::CommonName, "line3-hmi");
         params.distinguished_name.push(DnType::OrganizationName, "Plant ü");
         params.serial_number = Some(SerialNumber::from_slice(&[0x12, 0xAB]));
@@ -180,6 +226,7 @@ mod tests {
         assert_eq!(leaf.cn, "line3-hmi");
         assert_eq!(leaf.issuer, "CN=line3-hmi,O=Plant ü");
         assert_eq!(leaf.serial, "12ab");
+        assert_eq!(leaf.names, ["cell-4.example", "10.1.2.3", "::1"]);
         assert_eq!(leaf.valid, (1_577_836_800, 2_556_144_000));
         assert_eq!(
             leaf.sha256,

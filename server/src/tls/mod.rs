@@ -5,6 +5,8 @@
 
 pub(crate) mod certs;
 mod leaf;
+#[cfg(test)]
+mod tests;
 mod trust;
 
 use std::collections::HashMap;
@@ -15,6 +17,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use arc_swap::ArcSwap;
 use arcline_config::{Role, Security};
+use rustls::ServerConfig;
 use rustls::pki_types::{CertificateDer, UnixTime};
 use tokio::net::TcpStream;
 use tokio_rustls::TlsAcceptor;
@@ -26,8 +29,9 @@ use self::leaf::Leaf;
 pub(crate) use self::leaf::hex;
 pub(crate) use self::trust::TrustError;
 use self::trust::{Files, Trust};
+use crate::audit::What;
 use crate::limits::{Full, Lockouts, LogLimit, Place, Places};
-use crate::plant::Plant;
+use crate::plant::{Plant, Principal};
 
 /// The longest handshake.
 const HANDSHAKE: Duration = Duration::from_secs(5);
@@ -48,7 +52,8 @@ pub(crate) struct Tls {
     security: Security,
     trust: ArcSwap<Trust>,
     handshakes: Arc<Places>,
-    pub(crate) lockouts: Lockouts,
+    page_handshakes: Arc<Places>,
+    lockouts: Lockouts,
     live: Mutex<HashMap<u64, Live>>,
 }
 
@@ -57,6 +62,24 @@ pub(crate) struct Tls {
 struct Live {
     client: TlsClient,
     close: CancellationToken,
+}
+
+impl Live {
+    fn close(&self, reason: &rustls::Error) {
+        let (client, Leaf { issuer, serial, .. }) = (self.client.name(), &self.client.leaf);
+        warn!(%client, issuer, serial, %reason, "a connection was closed: its certificate does not hold any more");
+        self.close.cancel();
+    }
+}
+
+impl Trust {
+    /// Whether the certificate of a client holds.
+    fn judge(&self, client: &TlsClient, now: UnixTime) -> Result<(), rustls::Error> {
+        let none = || rustls::Error::General("certificates of clients are not accepted".to_owned());
+        let eip = self.eip.as_ref().ok_or_else(none)?;
+        let (leaf, chain) = client.chain.split_first().ok_or_else(none)?;
+        eip.verifier.verify_client_cert(leaf, chain, now).map(drop)
+    }
 }
 
 /// A client that has shown a certificate.
@@ -93,13 +116,15 @@ impl Tls {
     /// # Errors
     /// See [`TrustError`].
     pub(crate) fn new(security: &Security, base: &Path) -> Result<Arc<Self>, TrustError> {
+        let places = || Places::with_share(HANDSHAKES, HANDSHAKES_OF_ONE, Full::ClosesOldestOfLargerShare);
         let files = Files::new(security, base);
         let trust = files.read()?;
         let this = Self {
             files,
             security: security.clone(),
             trust: ArcSwap::from_pointee(trust),
-            handshakes: Places::with_share(HANDSHAKES, HANDSHAKES_OF_ONE, Full::ClosesOldestOfLargerShare),
+            handshakes: places(),
+            page_handshakes: places(),
             lockouts: Lockouts::default(),
             live: Mutex::default(),
         };
@@ -116,8 +141,16 @@ impl Tls {
         stream: TcpStream,
         peer: IpAddr,
     ) -> Result<(TlsStream<TcpStream>, TlsClient), Failed> {
-        let config = self.trust.load().eip.clone();
-        let stream = self.handshake(TlsAcceptor::from(config), stream, peer).await?;
+        let config = self.trust.load().eip.as_ref().map(|eip| eip.config.clone());
+        let config = config.ok_or(Failed::Limited)?;
+        if !peer.is_loopback() && self.lockouts.locked(peer, None, Instant::now()).is_some() {
+            return Err(Failed::Limited);
+        }
+        let done = handshake(config, &self.handshakes, stream, peer).await;
+        if matches!(done, Err(Failed::Late | Failed::Refused(_))) {
+            self.lockouts.failed(peer, None, Instant::now());
+        }
+        let stream = done?;
         let chain = stream.get_ref().1.peer_certificates().unwrap_or_default();
         let chain: Vec<_> = chain.iter().map(|one| one.clone().into_owned()).collect();
         let leaf = chain.first().and_then(|leaf| Leaf::read(leaf));
@@ -125,26 +158,19 @@ impl Tls {
         Ok((stream, TlsClient { chain, leaf }))
     }
 
-    async fn handshake(
-        &self,
-        acceptor: TlsAcceptor,
-        stream: TcpStream,
-        peer: IpAddr,
-    ) -> Result<TlsStream<TcpStream>, Failed> {
-        if !peer.is_loopback() && self.lockouts.locked(peer, None, Instant::now()).is_some() {
-            return Err(Failed::Limited);
-        }
-        let place: Place = self.handshakes.enter(peer).ok_or(Failed::Limited)?;
-        let handshake = tokio::time::timeout(HANDSHAKE, acceptor.accept(stream));
-        let done = match place.close().run_until_cancelled(handshake).await {
-            None => return Err(Failed::Limited),
-            Some(Err(_)) => Err(Failed::Late),
-            Some(Ok(done)) => done.map_err(Failed::from),
-        };
-        if done.is_err() {
-            self.lockouts.failed(peer, None, Instant::now());
-        }
-        done
+    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so it locks nobody: browsers fail while
+    /// a person looks at a certificate that they do not trust.
+    ///
+    /// # Errors
+    /// See [`Failed`]; the socket is closed then.
+    pub(crate) async fn accept_page(&self, stream: TcpStream, peer: IpAddr) -> Result<TlsStream<TcpStream>, Failed> {
+        let config = self.trust.load().page.clone();
+        handshake(config, &self.page_handshakes, stream, peer).await
+    }
+
+    /// The names of the server in its own certificate.
+    pub(crate) fn names(&self) -> Vec<String> {
+        self.trust.load().names.clone()
     }
 
     /// Logs a failed handshake.
@@ -167,14 +193,19 @@ impl Tls {
         row.map_or(self.security.default_role, |row| row.role)
     }
 
-    /// A connection lives by a certificate from now on; the token closes it.
+    /// A connection lives by a certificate from now on; the token closes it. It is cancelled already when the certificate was revoked
+    /// while the handshake ran: what a reload has not judged is judged here, both under one lock.
     pub(crate) fn enter(&self, session: u64, client: TlsClient) -> CancellationToken {
         let close = CancellationToken::new();
         let live = Live {
             client,
             close: close.clone(),
         };
-        self.live().insert(session, live);
+        let mut all = self.live();
+        match self.trust.load().judge(&live.client, now()) {
+            Ok(()) => drop(all.insert(session, live)),
+            Err(reason) => live.close(&reason),
+        }
         close
     }
 
@@ -185,7 +216,15 @@ impl Tls {
 
     /// Takes the files over as they are now, and judges every open connection by them.
     pub(crate) fn reload(&self, plant: &Plant) {
-        match self.files.read() {
+        let read = self.files.read();
+        let result = if read.is_ok() { "done" } else { "refused" };
+        plant.record(
+            Principal::Server,
+            What::Reload,
+            "the certificates of TLS".to_owned(),
+            result,
+        );
+        match read {
             Ok(trust) => {
                 self.trust.store(Arc::new(trust));
                 warn!("the certificates of TLS were read again");
@@ -222,24 +261,18 @@ impl Tls {
     /// Closes the connections whose certificate does not hold any more.
     fn judge(&self, plant: &Plant) {
         let trust = self.trust.load_full();
-        let now = UnixTime::since_unix_epoch(Duration::from_secs(unix_seconds().unsigned_abs()));
-        self.live().retain(|session, live| {
-            let Some((leaf, chain)) = live.client.chain.split_first() else {
-                return false;
-            };
-            match trust.verifier.verify_client_cert(leaf, chain, now) {
-                Ok(_) => {
+        let now = now();
+        self.live()
+            .retain(|session, live| match trust.judge(&live.client, now) {
+                Ok(()) => {
                     plant.roles().set(*session, self.role_of(&live.client));
                     true
                 }
                 Err(reason) => {
-                    let (client, issuer) = (live.client.name(), &live.client.leaf.issuer);
-                    warn!(%client, issuer, serial = live.client.leaf.serial, %reason, "a connection was closed: its certificate does not hold any more");
-                    live.close.cancel();
+                    live.close(&reason);
                     false
                 }
-            }
-        });
+            });
     }
 
     fn warn_of_end(&self) {
@@ -254,6 +287,25 @@ impl Tls {
     fn live(&self) -> MutexGuard<'_, HashMap<u64, Live>> {
         self.live.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+async fn handshake(
+    config: Arc<ServerConfig>,
+    places: &Arc<Places>,
+    stream: TcpStream,
+    peer: IpAddr,
+) -> Result<TlsStream<TcpStream>, Failed> {
+    let place: Place = places.enter(peer).ok_or(Failed::Limited)?;
+    let handshake = tokio::time::timeout(HANDSHAKE, TlsAcceptor::from(config).accept(stream));
+    match place.close().run_until_cancelled(handshake).await {
+        None => Err(Failed::Limited),
+        Some(Err(_)) => Err(Failed::Late),
+        Some(Ok(done)) => done.map_err(Failed::from),
+    }
+}
+
+fn now() -> UnixTime {
+    UnixTime::since_unix_epoch(Duration::from_secs(unix_seconds().unsigned_abs()))
 }
 
 fn unix_seconds() -> i64 {

@@ -28,7 +28,8 @@ use super::leaf::Leaf;
 pub(crate) struct Files {
     certificate: PathBuf,
     key: PathBuf,
-    clients: PathBuf,
+    /// `None`: EtherNet/IP does not use TLS.
+    clients: Option<PathBuf>,
     revoked: Option<PathBuf>,
     check_expiration: bool,
 }
@@ -36,12 +37,22 @@ pub(crate) struct Files {
 /// What they say at one time.
 #[derive(Debug)]
 pub(crate) struct Trust {
-    /// Of EtherNet/IP: a client needs a certificate.
-    pub(crate) eip: Arc<ServerConfig>,
-    /// Judges the certificates of clients.
-    pub(crate) verifier: Arc<dyn ClientCertVerifier>,
+    /// Of EtherNet/IP; `None`: it is not served.
+    pub(crate) eip: Option<Eip>,
+    /// Of the page: users log in there.
+    pub(crate) page: Arc<ServerConfig>,
+    /// The names of the server in its own certificate.
+    pub(crate) names: Vec<String>,
     /// The end of the server's own certificate, Unix time.
     pub(crate) ends: i64,
+}
+
+/// The side of EtherNet/IP: a client needs a certificate.
+#[derive(Clone, Debug)]
+pub(crate) struct Eip {
+    pub(crate) config: Arc<ServerConfig>,
+    /// Judges the certificates of clients.
+    pub(crate) verifier: Arc<dyn ClientCertVerifier>,
 }
 
 /// Why the files are of no use. It names files, never their content.
@@ -73,17 +84,16 @@ impl Files {
         Self {
             certificate: at(&security.certificate),
             key: at(&security.key),
-            clients: at(&security.clients),
-            revoked: security.revoked.as_deref().map(at),
+            clients: security.tls.map(|_| at(&security.clients)),
+            revoked: security.tls.and(security.revoked.as_deref()).map(at),
             check_expiration: security.check_expiration,
         }
     }
 
     /// When they were changed last, each.
     pub(crate) fn changed(&self) -> Vec<Option<SystemTime>> {
-        let files = [&self.certificate, &self.key, &self.clients]
-            .into_iter()
-            .chain(&self.revoked);
+        let files = [&self.certificate, &self.key].into_iter();
+        let files = files.chain(&self.clients).chain(&self.revoked);
         files
             .map(|file| fs::metadata(file).and_then(|metadata| metadata.modified()).ok())
             .collect()
@@ -92,9 +102,41 @@ impl Files {
     /// Reads all of them.
     pub(crate) fn read(&self) -> Result<Trust, TrustError> {
         let provider = Arc::new(ring::default_provider());
+        let mode = fs::metadata(&self.key).map_err(|error| wrong(&self.key, error))?.mode();
+        if mode & 0o077 != 0 {
+            return Err(TrustError::OpenKey { file: self.key.clone() });
+        }
+        let chain = certificates(&self.certificate)?;
+        let own = chain.first().and_then(|leaf| Leaf::read(leaf));
+        let own = own.ok_or_else(|| wrong(&self.certificate, "it holds no certificate"))?;
+        let key = PrivateKeyDer::from_pem_file(&self.key).map_err(|error| wrong(&self.key, error))?;
+        let mut page = server_config(&provider, None, &chain, &key)?;
+        page.alpn_protocols = vec![b"http/1.1".to_vec()];
+        let eip = match &self.clients {
+            None => None,
+            Some(clients) => {
+                let verifier = self.verifier(clients, &provider)?;
+                let config = Arc::new(server_config(&provider, Some(&verifier), &chain, &key)?);
+                Some(Eip { config, verifier })
+            }
+        };
+        Ok(Trust {
+            eip,
+            page: Arc::new(page),
+            names: own.names,
+            ends: own.valid.1,
+        })
+    }
+
+    /// Judges the certificates of clients by the authorities of a file.
+    fn verifier(
+        &self,
+        clients: &Path,
+        provider: &Arc<CryptoProvider>,
+    ) -> Result<Arc<dyn ClientCertVerifier>, TrustError> {
         let mut roots = RootCertStore::empty();
-        for authority in certificates(&self.clients)? {
-            roots.add(authority).map_err(|error| wrong(&self.clients, error))?;
+        for authority in certificates(clients)? {
+            roots.add(authority).map_err(|error| wrong(clients, error))?;
         }
         let mut crls = Vec::new();
         if let Some(file) = &self.revoked {
@@ -110,23 +152,10 @@ impl Files {
                 .only_check_end_entity_revocation()
                 .allow_unknown_revocation_status();
         }
-        let verifier = builder.build().map_err(|error| wrong(&self.clients, error))?;
-        let verifier: Arc<dyn ClientCertVerifier> = match self.check_expiration {
+        let verifier = builder.build().map_err(|error| wrong(clients, error))?;
+        Ok(match self.check_expiration {
             true => verifier,
             false => Arc::new(WithoutClock(verifier)),
-        };
-        let mode = fs::metadata(&self.key).map_err(|error| wrong(&self.key, error))?.mode();
-        if mode & 0o077 != 0 {
-            return Err(TrustError::OpenKey { file: self.key.clone() });
-        }
-        let chain = certificates(&self.certificate)?;
-        let own = chain.first().and_then(|leaf| Leaf::read(leaf));
-        let own = own.ok_or_else(|| wrong(&self.certificate, "it holds no certificate"))?;
-        let key = PrivateKeyDer::from_pem_file(&self.key).map_err(|error| wrong(&self.key, error))?;
-        Ok(Trust {
-            eip: Arc::new(server_config(provider, verifier.clone(), chain, key)?),
-            verifier,
-            ends: own.valid.1,
         })
     }
 }
@@ -147,18 +176,23 @@ fn wrong(file: &Path, reason: impl ToString) -> TrustError {
     }
 }
 
+/// With `verifier` a client needs a certificate that it accepts.
 fn server_config(
-    provider: Arc<CryptoProvider>,
-    verifier: Arc<dyn ClientCertVerifier>,
-    chain: Vec<CertificateDer<'static>>,
-    key: PrivateKeyDer<'static>,
+    provider: &Arc<CryptoProvider>,
+    verifier: Option<&Arc<dyn ClientCertVerifier>>,
+    chain: &[CertificateDer<'static>],
+    key: &PrivateKeyDer<'static>,
 ) -> Result<ServerConfig, TrustError> {
     let refused = |error: Error| TrustError::Refused(error.to_string());
-    let mut config = ServerConfig::builder_with_provider(provider)
+    let builder = ServerConfig::builder_with_provider(provider.clone())
         .with_protocol_versions(&[&TLS13, &TLS12])
-        .map_err(refused)?
-        .with_client_cert_verifier(verifier)
-        .with_single_cert(chain, key)
+        .map_err(refused)?;
+    let builder = match verifier {
+        Some(verifier) => builder.with_client_cert_verifier(verifier.clone()),
+        None => builder.with_no_client_auth(),
+    };
+    let mut config = builder
+        .with_single_cert(chain.to_vec(), key.clone_key())
         .map_err(refused)?;
     config.session_storage = Arc::new(NoServerSessionStorage {});
     config.send_tls13_tickets = 0;

@@ -82,7 +82,7 @@ impl Server {
             });
             let listener = Listener::bind(any, plant.clone(), settings).await.expect("a port");
             let hmi = Hmi::bind(any, plant.clone()).await.expect("a port");
-            let addresses = (listener.local_addr(), hmi.local_addr());
+            let addresses = (listener.local_addr(), hmi.local_addr().expect("it listens"));
             tokio::spawn(listener.serve());
             tokio::spawn(hmi.serve());
             (plant, tick, addresses.0, addresses.1)

@@ -1,6 +1,8 @@
 //! A real browser on the HMI of a real server. What must hold is in `tests/browser/cases.mjs`; this finds what it needs.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use crate::foreign::Store;
 use crate::node::Node;
@@ -30,15 +32,59 @@ pub fn case_on(name: &str, configuration: &str) {
     );
 }
 
+/// The same against a server with users, over HTTPS if so: `anna` is an operator, another one an engineer, and who has not logged in a
+/// viewer. Their password is that of `tests/browser/login.mjs`.
+///
+/// # Panics
+/// As [`case`].
+pub fn case_with_users(name: &str, over_https: bool) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |file: &str| folder.path().join(file).to_str().expect("UTF-8").to_owned();
+    let run = |arguments: &[&str]| {
+        let mut child = Command::new(crate::programs::arcline_server())
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("the server was just built");
+        let mut password = child.stdin.take().expect("piped");
+        // A command that asks for no password may have ended.
+        let _ = password.write_all(b"a long password\n");
+        drop(password);
+        assert!(child.wait().is_ok_and(|status| status.success()), "{arguments:?}");
+    };
+    let users = at("users.toml");
+    run(&["users", "add", &users, "anna", "--role", "operator"]);
+    run(&[
+        "users",
+        "add",
+        &users,
+        "<img src=x onerror=alert(1)>",
+        "--role",
+        "engineer",
+    ]);
+    run(&["certs", "init", &at("")]);
+    let cell = std::fs::read_to_string(crate::fixture("config/cell.toml")).expect("a file of the project");
+    let security = "users = \"users.toml\"\nloopback = \"viewer\"\nhmi_tls = \"127.0.0.1:0\"";
+    std::fs::write(at("cell.toml"), format!("{cell}\n[security]\n{security}\n")).expect("a writable folder");
+    run_on(name, &["--config", &at("cell.toml")], over_https);
+}
+
 fn on(name: &str, arguments: &[&str]) {
+    run_on(name, arguments, false);
+}
+
+fn run_on(name: &str, arguments: &[&str], over_https: bool) {
     let found = find().and_then(|node| Ok((node, Store::open("browser-turn")?)));
     let (node, _turn) = match found {
         Ok(found) => found,
         Err(why) => return crate::not_run(name, &why),
     };
     let server = Server::start_with(&[&["--hmi", "127.0.0.1:0"], arguments].concat());
-    let address = server.hmi().expect("the server was started with an HMI");
-    let url = format!("http://{address}");
+    let url = match over_https {
+        false => format!("http://{}", server.hmi().expect("the server was started with an HMI")),
+        true => format!("https://{}", server.hmi_tls().expect("the configuration has HTTPS")),
+    };
     let pictures = pictures();
     let pictures = pictures.to_str().expect("the project's paths are UTF-8");
     print!(

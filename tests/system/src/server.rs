@@ -16,6 +16,8 @@ pub struct Server {
     child: Child,
     address: SocketAddr,
     hmi: Option<SocketAddr>,
+    hmi_tls: Option<SocketAddr>,
+    tls: Option<SocketAddr>,
     ready_after: Duration,
     log: Log,
 }
@@ -162,6 +164,8 @@ impl Server {
         };
         Ok(Self {
             hmi: ready_address(&line, "hmi="),
+            hmi_tls: ready_address(&line, "hmi_tls="),
+            tls: ready_address(&line, "tls="),
             child,
             address,
             ready_after,
@@ -179,6 +183,18 @@ impl Server {
     #[must_use]
     pub fn hmi(&self) -> Option<SocketAddr> {
         self.hmi
+    }
+
+    /// Where the HMI is served over HTTPS, if it is.
+    #[must_use]
+    pub fn hmi_tls(&self) -> Option<SocketAddr> {
+        self.hmi_tls
+    }
+
+    /// Where EtherNet/IP is served over TLS, if it is.
+    #[must_use]
+    pub fn tls(&self) -> Option<SocketAddr> {
+        self.tls
     }
 
     /// The process, for signals.

@@ -229,6 +229,36 @@ pub(crate) static SECURITY: Keys = Keys {
             meaning: "the role of clients elsewhere whose connection is not encrypted",
         },
         Key {
+            name: "hmi_tls",
+            kind: Kind::AddressOrOff("0.0.0.0:8443"),
+            default: Default::Text("off"),
+            meaning: r#"where the web page listens over HTTPS, or `"off"`; it shows the certificate above"#,
+        },
+        Key {
+            name: "hmi_names",
+            kind: Kind::Names(1..=32, "a list of 1 to 32 names of the host"),
+            default: Default::Prose("none"),
+            meaning: "names of the host by which browsers reach the page, beside `localhost`, addresses, and those of the certificate",
+        },
+        Key {
+            name: "users",
+            kind: Kind::Text(&FILE),
+            default: Default::Prose("none"),
+            meaning: "the file with the users of the page and the tokens of scripts, which `arcline-server users` and `arcline-server tokens` write; relative to the folder of the configuration. Without it nobody logs in",
+        },
+        Key {
+            name: "idle_s",
+            kind: Kind::Integer(60..=86_400, "s"),
+            default: Default::Integer(1800),
+            meaning: "time without input from a person after which a session of the page is locked",
+        },
+        Key {
+            name: "session_s",
+            kind: Kind::Integer(300..=604_800, "s"),
+            default: Default::Integer(43_200),
+            meaning: "the longest session of the page",
+        },
+        Key {
             name: "max_requests_per_s_viewer",
             kind: Kind::Integer(0..=1_000_000, "1/s"),
             default: Default::Integer(0),

@@ -13,6 +13,10 @@ pub(super) fn security(root: &Section<'_>) -> Security {
             .and_then(|rate| u32::try_from(rate).ok())
             .unwrap_or(0)
     };
+    let seconds = |key, default| {
+        let seconds = section.integer(key).and_then(|seconds| u32::try_from(seconds).ok());
+        seconds.unwrap_or(default)
+    };
     let engineers = rate("max_requests_per_s_engineer");
     let plain = section.word("plain").unwrap_or_default();
     let plain = PlainAccess::WORDS.iter().find(|(word, _)| *word == plain);
@@ -30,6 +34,11 @@ pub(super) fn security(root: &Section<'_>) -> Security {
         certificates: section.tables("certificates").iter().map(certificate).collect(),
         loopback: role("loopback", default.loopback),
         remote_plain: role("remote_plain", default.remote_plain),
+        hmi_tls: section.text_or_default("hmi_tls").parse().ok(),
+        hmi_names: section.texts("hmi_names").into_iter().map(|name| name.value).collect(),
+        users: section.text("users").map(|file| file.value),
+        idle: seconds("idle_s", default.idle),
+        session: seconds("session_s", default.session),
         max_requests: [
             rate("max_requests_per_s_viewer"),
             rate("max_requests_per_s_operator"),
@@ -43,6 +52,9 @@ pub(super) fn security(root: &Section<'_>) -> Security {
             "tls",
             "without TLS and without plain EtherNet/IP no client could connect",
         );
+    }
+    if section.count("hmi_names") > 32 {
+        section.refuse_value("hmi_names", "a list of 1 to 32 names of the host");
     }
     security
 }

@@ -18,6 +18,17 @@ pub(crate) enum Push<'s> {
         /// Names of the signals of frames of samples, in the order of a row.
         trace_signals: Vec<String>,
     },
+    /// Comes behind `hello`, and when the session of this viewer has changed.
+    Session {
+        /// The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`.
+        role: &'s str,
+        /// The user who has logged in; null: nobody.
+        user: Option<&'s str>,
+        /// Whether the session is locked: this viewer may look and stop until the user logs in again.
+        locked: bool,
+        /// Whether a user could log in on this connection.
+        can_log_in: bool,
+    },
     /// Comes 15 times a second.
     Status(Status),
     /// Comes when instructions or faults have changed.

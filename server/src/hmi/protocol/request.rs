@@ -43,6 +43,8 @@ macro_rules! requests {
 requests! {
     /// Asks for a sign of life.
     Ping {} -> Done;
+    /// Says that a person is at the page: without that its session is locked after a time.
+    Active {} -> Done;
     /// Takes control of a coordinate system and its axes, of one axis, or of the group.
     Take {
         /// Name of the coordinate system, axis or group.

@@ -52,7 +52,7 @@ impl Bench {
             .await
             .expect("a free port");
         Bench {
-            address: hmi.local_addr(),
+            address: hmi.local_addr().expect("it listens"),
             plant,
             simulations: hmi.shared.previews.turns(),
             serving: tokio::spawn(hmi.serve()),
@@ -359,7 +359,9 @@ async fn the_state_is_pushed() {
 mod costs;
 mod driving;
 mod faces;
+mod login;
 mod looking;
 mod previews;
 mod programs;
 mod roles;
+mod secured;

@@ -63,3 +63,25 @@ async fn a_program_stops_when_its_viewer_may_no_longer_run_it() {
     let text = failed["error"]["text"].as_str().unwrap_or_default();
     assert!(text.contains("run programs"), "{failed}");
 }
+
+/// The audit says what became of a request, not what it asked for.
+#[tokio::test]
+async fn the_audit_has_the_outcome_of_a_request() {
+    let bench = Bench::start().await;
+    let folder = tempfile::tempdir().expect("a folder");
+    let audit = crate::audit::Audit::open(folder.path()).expect("a writable folder");
+    bench.plant.set_audit(audit);
+    let (mut viewer, mut other) = (bench.viewer().await, bench.viewer().await);
+    let take = json!({"do": "take", "object": "CS1"});
+    viewer.ask(take.clone()).await.expect("nobody has it");
+    other.ask(take).await.expect_err("another viewer has it");
+    viewer.run("nonsense").await.expect_err("it is no program");
+    bench.plant.close_audit();
+    let text = std::fs::read_to_string(folder.path().join("000001.jsonl")).expect("it is there");
+    let lines = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).expect("JSON"));
+    let lines = lines.filter(|line| line["what"] == "take" || line["what"] == "program");
+    let results: Vec<Value> = lines.map(|line| line["result"].clone()).collect();
+    assert_eq!(results, ["done", "refused", "refused"], "{text}");
+}

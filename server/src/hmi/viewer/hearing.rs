@@ -1,20 +1,14 @@
 //! The reading half of a viewer, on the thread of stops. It answers `stop`, `keep` and `jog_end` at once, before earlier requests of the
 //! viewer, and puts all others into the queue, or refuses them when too many wait already. Nothing here computes for long or waits.
 
-use std::io;
-use std::net::TcpStream as StdTcpStream;
-use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use futures_util::StreamExt as _;
 use serde::Deserialize;
 use serde_json::Value;
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::TcpStream;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
@@ -23,6 +17,7 @@ use tracing::debug;
 
 use super::super::protocol::{self, Answer, Asks as _, Done, JogEnd, Keep, Refusal, Stop};
 use super::super::serve::LONGEST_MESSAGE;
+use super::super::socket::{Reading, Unread};
 use super::{Outgoing, SHORT, Shared};
 use crate::guard::{Signs, VIEWERS};
 use crate::plant::control::ViewerId;
@@ -76,19 +71,18 @@ struct Head {
 
 impl Hearing {
     /// Reads until the viewer goes; then its jogs are stopped. `begun` has come already.
-    pub(super) async fn listen(self, socket: StdTcpStream, begun: Bytes) {
-        match TcpStream::from_std(socket) {
+    pub(super) async fn listen(self, socket: Unread, begun: Bytes) {
+        match socket.here() {
             Ok(socket) => self.read(socket, begun).await,
             Err(error) => debug!(%error, "a viewer cannot be read"),
         }
         self.shared.plant.guard().lose(VIEWERS | self.id);
     }
 
-    async fn read(&self, socket: TcpStream, begun: Bytes) {
+    async fn read(&self, socket: Reading, begun: Bytes) {
         let config = WebSocketConfig::default()
             .max_message_size(Some(LONGEST_MESSAGE))
             .max_frame_size(Some(LONGEST_MESSAGE));
-        let socket = ReadOnly(socket);
         let mut stream = WebSocketStream::from_partially_read(socket, begun.to_vec(), Role::Server, Some(config)).await;
         let (mut taken, mut since) = (0, Instant::now());
         while let Some(Ok(message)) = stream.next().await {
@@ -191,28 +185,5 @@ impl Hearing {
     /// Whether the viewer reads its answers.
     fn answer(&self, answer: Outgoing) -> bool {
         self.outbox.try_send(answer).is_ok()
-    }
-}
-
-/// The reading half of a socket: writes are left out.
-struct ReadOnly(TcpStream);
-
-impl AsyncRead for ReadOnly {
-    fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.0).poll_read(cx, buf)
-    }
-}
-
-impl AsyncWrite for ReadOnly {
-    fn poll_write(self: Pin<&mut Self>, _: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
-        Poll::Ready(Ok(bytes.len()))
-    }
-
-    fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Poll::Ready(Ok(()))
-    }
-
-    fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Poll::Ready(Ok(()))
     }
 }

@@ -8,10 +8,8 @@ mod watched;
 
 use std::io;
 use std::net::IpAddr;
-use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::task::{Context, Poll};
 use std::time::Duration;
 
 use arcline_proto::arcline::machine::Identification;
@@ -19,15 +17,14 @@ use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
 use futures_util::SinkExt as _;
 use serde_json::Value;
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::TcpStream;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, mpsc, watch};
 use tokio::task::JoinSet;
 use tokio::time::{interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::protocol::Role;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role};
 use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
@@ -36,6 +33,8 @@ use self::watched::Watched;
 use super::protocol::{
     self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, Simulated, text_of,
 };
+use super::sessions::{Joined, Key, State};
+use super::socket::{Socket, Writing};
 use super::status::Status;
 use super::{Shared, drive, events, frames, line, program, tags};
 use crate::audit::{What, sha256};
@@ -44,15 +43,19 @@ use crate::plant::control::{MotionObject, ViewerId};
 use crate::plant::{ClientIdentity, Command, Plant, Principal, Right};
 use crate::trace::history;
 
-/// The page of a viewer.
+/// The page of a viewer, or the script.
 #[derive(Clone, Debug)]
 pub(super) struct Page {
     /// Its IP address.
-    pub(super) peer: Option<IpAddr>,
+    pub(super) peer: IpAddr,
     /// The browser that shows it, as its product.
     pub(super) told: Identification,
-    /// Its role.
+    /// The role of its address.
     pub(super) role: arcline_config::Role,
+    /// The session that it showed.
+    pub(super) session: Option<Joined>,
+    /// Whether a user could log in there.
+    pub(super) can_log_in: bool,
     /// Is cancelled when the viewer is to be closed.
     pub(super) close: CancellationToken,
 }
@@ -61,15 +64,14 @@ pub(super) struct Page {
 ///
 /// # Errors
 /// The system has no descriptor left.
-pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, page: Page) -> io::Result<()> {
+pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, page: Page) -> io::Result<()> {
     let number = shared.viewers.fetch_add(1, Ordering::Relaxed) + 1;
-    let name = format!(
-        "{} #{number}",
-        page.peer.map_or_else(|| "viewer".to_owned(), |peer| peer.to_string())
-    );
-    // One descriptor is read on the thread of stops, the other is written here.
-    let reading = socket.into_std()?;
-    let writing = TcpStream::from_std(reading.try_clone()?)?;
+    let mut name = format!("{} #{number}", page.peer);
+    if let Some(joined) = &page.session {
+        name.push_str(&format!(" {}", joined.subject));
+    }
+    // One half is read on the thread of stops, the other is written here.
+    let (reading, writing) = socket.split()?;
     debug!(%name, "a viewer of the HMI came");
     let (outbox, inbox) = mpsc::channel(OUTBOX);
     let (asks, asked) = mpsc::channel(ASKS);
@@ -77,15 +79,27 @@ pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, 
     let weak = Arc::downgrade(&shared);
     let identity = ClientIdentity {
         address: name.clone(),
+        ip: Some(page.peer),
         told: page.told,
     };
     let signs = shared.plant.enter(VIEWERS | number, identity, page.role, weak);
+    let session = page.session.filter(|joined| {
+        let join = shared.sessions.join(&shared.plant, &joined.key, number, page.role);
+        join.is_some()
+    });
+    let sight = Sight {
+        viewer: number,
+        user: session.as_ref().map(|joined| joined.user.clone()),
+        state: session.as_ref().map(|joined| joined.state.clone()),
+        can_log_in: page.can_log_in,
+    };
     let hello = Push::Hello {
         viewer: &name,
         trace_signals: history::signals(shared.plant.machine()),
     };
     // The channel was just made, so it has room.
     let _ = outbox.try_send(Outgoing::Text(text_of(&hello).into()));
+    let _ = outbox.try_send(Outgoing::Text(sight.push(&shared.plant).into()));
     let releases: Arc<[AtomicU64]> = shared.plant.machine().axes.iter().map(|_| AtomicU64::new(0)).collect();
     let viewer = Viewer {
         id: number,
@@ -93,6 +107,7 @@ pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, 
         outbox: outbox.clone(),
         pieces: Arc::new(Semaphore::new(PIECES)),
         releases: releases.clone(),
+        session: session.as_ref().map(|joined| joined.key.clone()),
     };
     let over = CancellationToken::new();
     let hearing = Hearing {
@@ -110,40 +125,20 @@ pub(super) async fn serve(socket: TcpStream, begun: Bytes, shared: Arc<Shared>, 
         None => drop(tokio::spawn(heard)),
     }
     let over = over.drop_guard();
-    let sink = WebSocketStream::from_raw_socket(WriteOnly(writing), Role::Server, None).await;
+    let sink = WebSocketStream::from_raw_socket(writing, Role::Server, None).await;
     tokio::select! {
         () = viewer.listen(asked) => {}
-        () = send(sink, inbox, &shared) => {}
+        () = send(sink, inbox, &shared, sight) => {}
         () = page.close.cancelled() => debug!(%name, "closed"),
     }
     drop(over);
+    if let Some(joined) = &session {
+        shared.sessions.leave(&joined.key, number);
+    }
     shared.program.end_of(number);
     shared.jogs.leave(&shared.plant, number);
     debug!(%name, "a viewer of the HMI went");
     Ok(())
-}
-
-/// The writing half of a socket.
-struct WriteOnly(TcpStream);
-
-impl AsyncRead for WriteOnly {
-    fn poll_read(self: Pin<&mut Self>, _: &mut Context<'_>, _: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
-        Poll::Pending
-    }
-}
-
-impl AsyncWrite for WriteOnly {
-    fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
-        Pin::new(&mut self.0).poll_write(cx, bytes)
-    }
-
-    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.0).poll_flush(cx)
-    }
-
-    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
-        Pin::new(&mut self.0).poll_shutdown(cx)
-    }
 }
 
 /// A viewer, as the task sees it that answers it.
@@ -155,6 +150,41 @@ struct Viewer {
     pieces: Arc<Semaphore>,
     /// How often the button of each axis's jog was released.
     releases: Arc<[AtomicU64]>,
+    /// Its session.
+    session: Option<Key>,
+}
+
+/// What a viewer sees of its session.
+struct Sight {
+    viewer: ViewerId,
+    user: Option<String>,
+    /// `None`: it has no session.
+    state: Option<watch::Receiver<State>>,
+    can_log_in: bool,
+}
+
+impl Sight {
+    /// The push that tells the page.
+    fn push(&self, plant: &Plant) -> String {
+        let state = self.state.as_ref().map(|state| *state.borrow());
+        text_of(&Push::Session {
+            role: plant.roles().of(Principal::Viewer(self.viewer)).word(),
+            user: self.user.as_deref(),
+            locked: state == Some(State::Locked),
+            can_log_in: self.can_log_in,
+        })
+    }
+
+    /// Waits for a change.
+    async fn changed(&mut self) -> State {
+        match &mut self.state {
+            None => std::future::pending().await,
+            Some(state) => match state.changed().await {
+                Ok(()) => *state.borrow_and_update(),
+                Err(_) => State::Ended,
+            },
+        }
+    }
 }
 
 /// A message for the task that sends.
@@ -233,12 +263,17 @@ impl Viewer {
         if let Err(refused) = self.shared.plant.check(Principal::Viewer(self.id), right(&request)) {
             return Some(Err(refused.into()));
         }
-        if let Some((what, object)) = audited(&request) {
-            self.shared
-                .plant
-                .record(Principal::Viewer(self.id), what, object, "done");
-        }
+        let audited = audited(&request);
         let answer = self.answer(id, request, heard, simulations).await;
+        if let Some((what, object)) = audited {
+            let result = if matches!(answer, Some(Err(_))) {
+                "refused"
+            } else {
+                "done"
+            };
+            let by = Principal::Viewer(self.id);
+            self.shared.plant.record(by, what, object, result);
+        }
         if moves && stopped() {
             // Its instruction may have been sent after the stop.
             self.shared.plant.stop_all();
@@ -270,6 +305,12 @@ impl Viewer {
                 return self.simulate(id, simulations, work);
             }
             Request::Ping(request) => request.answer(Ok(Done {})),
+            Request::Active(request) => {
+                if let Some(session) = &self.session {
+                    shared.sessions.active(session);
+                }
+                request.answer(Ok(Done {}))
+            }
             Request::Take(request) => request.answer(self.take(&request.object, request.force)),
             Request::Release(request) => request.answer(self.release(&request.object)),
             Request::Execute(request) => {
@@ -443,7 +484,7 @@ impl Viewer {
 }
 
 /// Sends answers, and the pushes to every viewer.
-async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<Shared>) {
+async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<Shared>, mut sight: Sight) {
     let mut statuses = shared.status.subscribe();
     let mut events = shared.events.subscribe();
     let mut programs = shared.program.watch();
@@ -467,6 +508,19 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
                     continue;
                 }
                 None => return,
+            },
+            state = sight.changed() => match state {
+                State::Open(_) | State::Locked => Message::Text(sight.push(&shared.plant).into()),
+                State::Ended => {
+                    let close = CloseFrame {
+                        code: CloseCode::Library(SESSION_ENDED),
+                        reason: "the session has ended".into(),
+                    };
+                    send_one(&mut sink, Message::Close(Some(close))).await;
+                    // Its answer ends the viewer sooner; a socket that is closed before it has come loses the frame.
+                    tokio::time::sleep(GOODBYE).await;
+                    return;
+                }
             },
             changed = statuses.changed() => {
                 if changed.is_err() {
@@ -512,7 +566,7 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
 }
 
 /// The near end of a viewer, as far as it is written.
-type Sink = WebSocketStream<WriteOnly>;
+type Sink = WebSocketStream<Writing>;
 
 fn told(text: Utf8Bytes) -> Message {
     Message::text(text.as_str())
@@ -530,6 +584,7 @@ fn moves(request: &Request) -> bool {
         | Request::Resume(_)
         | Request::Write(_) => true,
         Request::Ping(_)
+        | Request::Active(_)
         | Request::Take(_)
         | Request::Release(_)
         | Request::Line(_)
@@ -569,6 +624,7 @@ fn audited(request: &Request) -> Option<(What, String)> {
 fn right(request: &Request) -> Right {
     match request {
         Request::Ping(_)
+        | Request::Active(_)
         | Request::Line(_)
         | Request::Preview(_)
         | Request::DryRun(_)
@@ -623,6 +679,10 @@ fn newest(statuses: &mut watch::Receiver<Status>, paths: &mut u64) -> Utf8Bytes 
     }
 }
 
+/// The code by which a WebSocket is closed whose session has ended; a page connects again without it.
+const SESSION_ENDED: u16 = 4401;
+/// How long a page may take to answer that.
+const GOODBYE: Duration = Duration::from_secs(1);
 /// Simulations of a viewer that may wait or run.
 pub(super) const SIMULATIONS: usize = 4;
 /// Pieces of the past that may wait for a viewer to read.

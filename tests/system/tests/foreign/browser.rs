@@ -1,6 +1,6 @@
 //! The HMI in a real browser, against a real server. The scripts in `tests/browser` say what is expected.
 
-use arcline_system_tests::browser::{case, case_on};
+use arcline_system_tests::browser::{case, case_on, case_with_users};
 
 macro_rules! cases {
     ($($name:ident),* $(,)?) => {
@@ -69,4 +69,19 @@ fn frames_leave_time() {
 #[test]
 fn a_robots_tool_is_drawn() {
     case_on("a_robots_tool_is_drawn", "../../docs/images/tool-path.toml");
+}
+
+#[test]
+fn a_login_gives_the_role() {
+    case_with_users("a_login_gives_the_role", false);
+}
+
+#[test]
+fn a_login_over_https_gives_the_role() {
+    case_with_users("a_login_gives_the_role", true);
+}
+
+#[test]
+fn a_users_name_is_text() {
+    case_with_users("a_users_name_is_text", true);
 }

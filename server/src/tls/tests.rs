@@ -1,0 +1,111 @@
+//! Certificates that change while connections come in.
+
+use std::fs;
+
+use arcline_config::Role;
+
+use super::certs::CertsCommand;
+use super::*;
+use crate::audit::Audit;
+
+/// A folder with an authority, a server and a client, and the side of TLS of that server.
+fn bench() -> (tempfile::TempDir, Arc<Tls>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path().to_owned();
+    for command in [
+        CertsCommand::Init {
+            folder: at.clone(),
+            host: Vec::new(),
+        },
+        client(&at, "other"),
+        CertsCommand::Revoke {
+            folder: at.clone(),
+            name: "other".to_owned(),
+        },
+        client(&at, "hmi"),
+    ] {
+        certs::run(&command).unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    }
+    let security = Security {
+        tls: Some(([127, 0, 0, 1], 0).into()),
+        revoked: Some("crl.pem".to_owned()),
+        default_role: Role::Operator,
+        ..Security::default()
+    };
+    let tls = Tls::new(&security, &at).expect("the files are good");
+    (folder, tls)
+}
+
+fn plant() -> (Plant, arcline_realtime::Handle) {
+    let project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
+    Plant::start(&project).expect("a thread")
+}
+
+fn client(folder: &Path, name: &str) -> CertsCommand {
+    CertsCommand::Client {
+        folder: folder.to_owned(),
+        name: name.to_owned(),
+        days: 1,
+    }
+}
+
+fn shown(folder: &Path, name: &str) -> TlsClient {
+    use rustls::pki_types::pem::PemObject as _;
+    let chain = vec![CertificateDer::from_pem_file(folder.join(name)).expect("a certificate")];
+    let leaf = Leaf::read(&chain[0]).expect("a certificate");
+    TlsClient { chain, leaf }
+}
+
+/// The handshake was judged by the files of before; the connection comes in behind the reload.
+#[tokio::test]
+async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
+    let (folder, tls) = bench();
+    let (plant, _thread) = plant();
+    let close = tls.enter(1, shown(folder.path(), "hmi.pem"));
+    assert!(!close.is_cancelled(), "it holds");
+    let revoke = CertsCommand::Revoke {
+        folder: folder.path().to_owned(),
+        name: "hmi".to_owned(),
+    };
+    certs::run(&revoke).expect("it is revoked");
+    tls.reload(&plant);
+    assert!(close.is_cancelled(), "an open connection");
+    assert!(
+        tls.enter(2, shown(folder.path(), "hmi.pem")).is_cancelled(),
+        "one whose handshake is done"
+    );
+    assert!(tls.live().is_empty());
+}
+
+#[tokio::test]
+async fn the_audit_tells_a_reload_that_failed() {
+    let (folder, tls) = bench();
+    let (plant, _thread) = plant();
+    let audit = folder.path().join("audit");
+    plant.set_audit(Audit::open(&audit).expect("a writable folder"));
+    tls.reload(&plant);
+    fs::write(folder.path().join("server.pem"), "no certificate").expect("a writable folder");
+    tls.reload(&plant);
+    plant.close_audit();
+    let text = fs::read_to_string(audit.join("000001.jsonl")).expect("it is there");
+    let results: Vec<bool> = text
+        .lines()
+        .filter(|line| line.contains("\"what\":\"reload\""))
+        .map(|line| line.contains("\"result\":\"done\""))
+        .collect();
+    assert_eq!(results, [true, false], "{text}");
+}
+
+/// What is in a file can be revoked: the list has it, even if the file could not be written to its end.
+#[test]
+fn a_certificate_is_listed_before_it_is_written() {
+    let (folder, _) = bench();
+    // A folder stands where the certificate belongs.
+    fs::create_dir_all(folder.path().join("panel.pem/x")).expect("a writable folder");
+    assert!(certs::run(&client(folder.path(), "panel")).is_err());
+    let revoke = CertsCommand::Revoke {
+        folder: folder.path().to_owned(),
+        name: "panel".to_owned(),
+    };
+    certs::run(&revoke).expect("it is listed");
+}

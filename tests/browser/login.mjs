@@ -1,0 +1,83 @@
+// Users in the browser: a log-in, a lock, STOP without any right, names that look like markup. A case throws when it does not hold.
+
+import assert from "node:assert/strict";
+import { close, go, open, release, take } from "./browser.mjs";
+
+const PASSWORD = "a long password";
+/** The user whose name is markup. */
+const MARKUP = "<img src=x onerror=alert(1)>";
+
+/** Fills and sends the form of a log-in. */
+async function logIn(page, user, password) {
+  if (user) await page.getByLabel("User").fill(user);
+  await page.getByLabel("Password").fill(password);
+  await page.locator(".session-note button[type=submit]").click();
+}
+
+/** The button that says who has logged in. */
+const session = (page, text) => page.locator("button.session", { hasText: text });
+
+/** Stops by the key, and waits until the page says so. */
+async function stop(page) {
+  await page.keyboard.press("Escape");
+  await page.getByText("Motion is inhibited by STOP").waitFor();
+}
+
+/** Who has not logged in looks and stops; a user does what the role may; a locked page stops. */
+export async function a_login_gives_the_role({ browser, url, folder }) {
+  const scheme = new URL(url).protocol.replace(":", "");
+  const page = await open(browser, url, "drive");
+  await page.getByText("As viewer you may look and stop").first().waitFor();
+  assert.equal(await page.getByRole("button", { name: "Take control" }).count(), 0, "a viewer is not offered control");
+  await page.screenshot({ path: `${folder}/login-viewer-${scheme}.png` });
+  await stop(page);
+  assert.ok(await page.getByRole("button", { name: "Release STOP" }).isDisabled(), "a viewer does not release STOP");
+  await session(page, "Log in").click();
+  await logIn(page, "anna", "a wrong password");
+  await page.getByText("The user or the password is wrong.").waitFor();
+  await page.screenshot({ path: `${folder}/login-wrong-${scheme}.png` });
+  // The browser tells the refusal, too.
+  page.faults = page.faults.filter((fault) => !fault.includes("401"));
+  await logIn(page, null, PASSWORD);
+  await session(page, "anna, operator").waitFor();
+  const cookies = await page.context().cookies();
+  assert.deepEqual(cookies.map(({ httpOnly, sameSite, secure }) => [httpOnly, sameSite, secure]), [[true, "Strict", scheme === "https"]]);
+  await release(page);
+  await take(page, "Gantry");
+  await go(page, "program");
+  await page.getByText("As operator you may not run programs.").waitFor();
+  // The user is still there behind a reload.
+  await page.reload();
+  await session(page, "anna, operator").click();
+  await page.getByRole("button", { name: "Lock" }).click();
+  await page.getByText("This page is locked. You may look and stop.").waitFor();
+  await session(page, "anna, locked").waitFor();
+  await go(page, "machine");
+  await page.screenshot({ path: `${folder}/login-locked-${scheme}.png` });
+  await stop(page);
+  assert.ok(await page.getByRole("button", { name: "Release STOP" }).isDisabled(), "a locked page does not release STOP");
+  await logIn(page, null, PASSWORD);
+  await session(page, "anna, operator").click();
+  await release(page);
+  await page.getByRole("button", { name: "Log out" }).click();
+  await session(page, "Log in").waitFor();
+  assert.deepEqual(await page.context().cookies(), [], "the cookie has gone");
+  await close(page);
+}
+
+/** A name is text wherever it is shown, here and on the pages of others. */
+export async function a_users_name_is_text({ browser, url, folder }) {
+  const [page, other] = [await open(browser, url, "machine", { phone: true }), await open(browser, url, "machine")];
+  await session(page, "Log in").click();
+  await logIn(page, MARKUP, PASSWORD);
+  await session(page, MARKUP).click();
+  await page.getByText("is logged in as engineer.").waitFor();
+  await page.screenshot({ path: `${folder}/login-phone.png` });
+  await session(page, MARKUP).click();
+  await go(page, "drive");
+  await take(page, "Gantry");
+  await other.getByText(`user:${MARKUP}`).first().waitFor();
+  for (const one of [page, other]) assert.equal(await one.locator("img").count(), 0, "no element is made of a name");
+  await close(page);
+  await close(other);
+}
