@@ -18,6 +18,8 @@ pub mod item_type {
     pub const NULL_ADDRESS: u16 = 0x0000;
     /// Identity, in a ListIdentity reply.
     pub const IDENTITY: u16 = 0x000C;
+    /// CIP Security Information, in a ListIdentity reply.
+    pub const SECURITY_INFORMATION: u16 = 0x0086;
     /// Connected address: a connection id.
     pub const CONNECTED_ADDRESS: u16 = 0x00A1;
     /// Connected data.

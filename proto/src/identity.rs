@@ -6,9 +6,10 @@ use bytes::{BufMut, Bytes, BytesMut};
 use std::net::SocketAddrV4;
 
 use crate::cip::CipStatus;
-use crate::cpf::{Item, decode_sockaddr, encode_items, encode_sockaddr};
+use crate::cpf::{Item, decode_sockaddr, encode_items, encode_sockaddr, item_type};
 use crate::encap::PROTOCOL_VERSION;
 use crate::epath::ElectronicKey;
+use crate::security::SecurityInformation;
 use crate::status::connection;
 use crate::wire::Reader;
 
@@ -50,6 +51,8 @@ pub struct Identity {
     pub consistency: u16,
     /// Attribute 10, seconds; 0: none.
     pub heartbeat: u8,
+    /// What a ListIdentity reply tells of its security, in an item behind the identity's; `None`: no such item.
+    pub security: Option<SecurityInformation>,
 }
 
 impl Identity {
@@ -68,6 +71,7 @@ impl Identity {
             state: STATE_OPERATIONAL,
             consistency: 0,
             heartbeat: 0,
+            security: None,
         }
     }
 
@@ -128,6 +132,7 @@ impl Identity {
             state: 0,
             consistency: 0,
             heartbeat: 0,
+            security: None,
         };
         let length = usize::from(reader.u8()?);
         this.name = String::from_utf8_lossy(reader.take(length)?).into_owned();
@@ -160,7 +165,8 @@ impl Identity {
         }
     }
 
-    /// The data of a ListIdentity reply: one item, with the address the request arrived on.
+    /// The data of a ListIdentity reply: an item with the address the request arrived on, and behind it that of the security, since
+    /// clients decode the identity at its place.
     pub fn list_identity(&self, local: SocketAddrV4) -> Bytes {
         let mut data = BytesMut::new();
         data.put_u16_le(PROTOCOL_VERSION);
@@ -168,7 +174,12 @@ impl Identity {
         data.put_slice(&self.attributes_all());
         data.put_u8(self.state);
         let mut out = BytesMut::new();
-        encode_items(&[Item::Identity(data.freeze())], &mut out);
+        let mut items = vec![Item::Identity(data.freeze())];
+        items.extend(self.security.map(|security| Item::Other {
+            item: item_type::SECURITY_INFORMATION,
+            data: Bytes::copy_from_slice(&security.encode()),
+        }));
+        encode_items(&items, &mut out);
         out.freeze()
     }
 

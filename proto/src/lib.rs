@@ -17,6 +17,7 @@ pub mod epath;
 pub mod identity;
 pub mod io;
 pub mod logix;
+pub mod security;
 pub mod session;
 pub mod status;
 pub mod wire;

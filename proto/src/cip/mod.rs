@@ -26,6 +26,12 @@ pub mod class {
     pub const CONNECTION_MANAGER: u16 = 0x06;
     /// Quality of service.
     pub const QOS: u16 = 0x48;
+    /// CIP Security.
+    pub const CIP_SECURITY: u16 = 0x5D;
+    /// EtherNet/IP Security.
+    pub const ETHERNET_IP_SECURITY: u16 = 0x5E;
+    /// Certificate Management.
+    pub const CERTIFICATE_MANAGEMENT: u16 = 0x5F;
     /// Program name.
     pub const PROGRAM_NAME: u16 = 0x64;
     /// Program.

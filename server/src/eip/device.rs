@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering}
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use arcline_config::{ConnectionLoss, PlainAccess, ServerConfig};
+use arcline_config::{ConnectionLoss, PlainAccess, Security, ServerConfig};
 use arcline_proto::connection::{Count, Counters};
 use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
+use arcline_proto::security::{CONFIDENTIALITY, CONFIGURED, SecurityInformation, port};
 use arcline_proto::session::{self, Host};
 use tokio::sync::watch;
 use tracing::{error, warn};
@@ -84,6 +85,24 @@ fn serial_number(name: &str) -> u32 {
     })
 }
 
+/// What ListIdentity tells of the security; `None`: TLS is off.
+fn security_information(security: &Security, has_io: bool) -> Option<SecurityInformation> {
+    security.tls?;
+    let ports = [
+        (security.plain != PlainAccess::Off, port::EXPLICIT_TCP),
+        (true, port::EXPLICIT_UDP),
+        (has_io, port::IMPLICIT_UDP),
+        (true, port::TLS),
+    ];
+    Some(SecurityInformation {
+        profiles: CONFIDENTIALITY,
+        state: CONFIGURED,
+        ethernet_ip_state: CONFIGURED,
+        ports: ports.iter().filter(|(is_open, _)| *is_open).map(|(_, bit)| bit).sum(),
+        profiles_configured: CONFIDENTIALITY,
+    })
+}
+
 /// What all connections share.
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -132,6 +151,7 @@ impl Device {
         if io.is_some() {
             settings.session.capability |= Service::UDP_IO;
         }
+        settings.identity.security = security_information(&settings.config.security, io.is_some());
         Ok(Self {
             plant,
             assembly_data,

@@ -21,6 +21,7 @@ pub(crate) mod page;
 mod port;
 mod program_name;
 mod qos;
+mod security;
 pub(crate) mod series;
 mod symbol;
 mod tcp_ip_interface;
@@ -44,12 +45,15 @@ pub(crate) use object::{Access, Object, ObjectContext};
 pub(crate) use object::{Extent, On, OwnService};
 
 /// Every class that answers, ascending.
-static OBJECTS: [&dyn Object; 19] = [
+static OBJECTS: [&dyn Object; 22] = [
     &identity::Identity,
     &message_router::MessageRouter,
     &assembly::Assemblies,
     &connection_manager::ConnectionManager,
     &qos::Qos,
+    &security::CipSecurity,
+    &security::EthernetIpSecurity,
+    &security::CertificateManagement,
     &program_name::ProgramName,
     &symbol::Symbols,
     &template::Templates,

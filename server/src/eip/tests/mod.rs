@@ -14,6 +14,7 @@ mod pitfalls;
 mod published;
 mod race;
 mod roles;
+mod security;
 mod series;
 mod sessions;
 mod stock_clients;

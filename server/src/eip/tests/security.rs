@@ -1,0 +1,184 @@
+//! The security objects and the item of ListIdentity, byte by byte (spec/security.md §2, §4; OpENer's branch `CIPSecurity_develop`).
+
+use std::net::SocketAddr;
+
+use arcline_config::{PlainAccess, Role};
+use arcline_proto::cpf::{Item, decode_items, item_type};
+use arcline_proto::encap::Command;
+use arcline_proto::epath::Epath;
+
+use super::*;
+use crate::eip::objects::{Objects, On};
+
+/// A device whose configuration has TLS.
+fn bench(change: impl FnOnce(&mut arcline_config::Security)) -> Bench {
+    Bench::with(|settings| {
+        settings.config.security.tls = Some(SocketAddr::from(([127, 0, 0, 1], 2221)));
+        change(&mut settings.config.security);
+    })
+}
+
+async fn get(client: &mut Client, class: u16, instance: u32, id: u16) -> Reply {
+    let path = Epath::attribute(class, instance, id);
+    client
+        .ask(&Request::new(service::GET_ATTRIBUTE_SINGLE, path, Bytes::new()))
+        .await
+}
+
+/// Class, instance, attribute, bytes with TLS, bytes without; `None`: there is no such instance.
+type Row = (u16, u32, u16, &'static [u8], Option<&'static [u8]>);
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    // CIP Security: configured or factory default; confidentiality; in use.
+    (0x5D, 0, 1, &[3, 0],                          Some(&[3, 0])),
+    (0x5D, 1, 1, &[2],                             Some(&[0])),
+    (0x5D, 1, 2, &[2, 0],                          Some(&[2, 0])),
+    (0x5D, 1, 3, &[2, 0],                          Some(&[0, 0])),
+    // EtherNet/IP Security: state, no renegotiation, nine suites in IANA's byte order, twice.
+    (0x5E, 0, 1, &[7, 0],                          Some(&[7, 0])),
+    (0x5E, 0, 8, &[0, 0],                          Some(&[0, 0])),
+    (0x5E, 0, 9, &[0],                             Some(&[0])),
+    (0x5E, 1, 1, &[2],                             Some(&[0])),
+    (0x5E, 1, 2, &[0, 0, 0, 0],                    Some(&[0, 0, 0, 0])),
+    (0x5E, 1, 3, SUITES,                           Some(SUITES)),
+    (0x5E, 1, 4, SUITES,                           Some(SUITES)),
+    // No keys; one certificate: two words, class 0x5F, instance 2; no authorities and lists as objects.
+    (0x5E, 1, 5, &[0],                             Some(&[0])),
+    (0x5E, 1, 6, &[1, 2, 0x20, 0x5F, 0x24, 2],     Some(&[0])),
+    (0x5E, 1, 7, &[0],                             Some(&[0])),
+    (0x5E, 1, 8, &[0],                             Some(&[0])),
+    // The client is verified, the chain sent, the expiration checked; no identities.
+    (0x5E, 1, 9, &[1],                             Some(&[1])),
+    (0x5E, 1, 10, &[1],                            Some(&[1])),
+    (0x5E, 1, 11, &[1],                            Some(&[1])),
+    (0x5E, 1, 12, &[0],                            Some(&[0])),
+    // No pull model; 12 s; not UDP only.
+    (0x5E, 1, 13, &[0],                            Some(&[0])),
+    (0x5E, 1, 14, &[0xFF, 0xFF],                   Some(&[0xFF, 0xFF])),
+    (0x5E, 1, 15, &[12, 0],                        Some(&[12, 0])),
+    (0x5E, 1, 16, &[0],                            Some(&[0])),
+    // Certificate Management: neither push nor pull, the certificates by name and path, PEM.
+    (0x5F, 0, 1, &[2, 0],                          Some(&[2, 0])),
+    (0x5F, 0, 2, &[2, 0],                          Some(&[1, 0])),
+    (0x5F, 0, 8, &[0, 0, 0, 0],                    Some(&[0, 0, 0, 0])),
+    (0x5F, 0, 9, b"\x02\x1aDefault Device Certificate\x02\x20\x5F\x24\x01\x0aConfigured\x02\x20\x5F\x24\x02",
+                                                   Some(b"\x01\x1aDefault Device Certificate\x02\x20\x5F\x24\x01")),
+    (0x5F, 0, 10, &[1, 0, 0, 0],                   Some(&[1, 0, 0, 0])),
+    // That of the factory is not there; that of the configuration is verified.
+    (0x5F, 1, 1, b"\x1aDefault Device Certificate", Some(b"\x1aDefault Device Certificate")),
+    (0x5F, 1, 2, &[0],                             Some(&[0])),
+    (0x5F, 1, 3, &[0, 0],                          Some(&[0, 0])),
+    (0x5F, 2, 1, b"\x0aConfigured",                None),
+    (0x5F, 2, 2, &[3],                             None),
+    (0x5F, 2, 3, &[1, 0],                          None),
+    (0x5F, 2, 4, &[1, 0],                          None),
+    (0x5F, 2, 5, &[0],                             None),
+];
+
+const SUITES: &[u8] = &[
+    9, 0x13, 0x02, 0x13, 0x01, 0x13, 0x03, 0xC0, 0x2C, 0xC0, 0x2B, 0xCC, 0xA9, 0xC0, 0x30, 0xC0, 0x2F, 0xCC, 0xA8,
+];
+
+#[tokio::test]
+async fn every_attribute_has_its_bytes() {
+    for has_tls in [true, false] {
+        let bench = if has_tls { bench(|_| {}) } else { Bench::new() };
+        let mut client = bench.client().await;
+        for (class, instance, id, with, without) in ROWS {
+            let reply = get(&mut client, *class, *instance, *id).await;
+            let place = format!("TLS {has_tls}: class {class:#x} instance {instance} attribute {id}");
+            match if has_tls { Some(*with) } else { *without } {
+                Some(expected) => assert_eq!((codes(reply.status), &reply.data[..]), ((0, 0), expected), "{place}"),
+                None => assert_eq!(codes(reply.status), (0x05, 0), "{place}"),
+            }
+        }
+        // What editions do not agree about is not there.
+        for id in 17..=20 {
+            assert_eq!(
+                codes(get(&mut client, 0x5E, 1, id).await.status),
+                (0x14, 0),
+                "attribute {id}"
+            );
+        }
+    }
+}
+
+#[tokio::test]
+async fn all_attributes_come_in_their_order() {
+    let bench = bench(|_| {});
+    let mut client = bench.client().await;
+    for (class, instance) in [(0x5D, 1), (0x5E, 1), (0x5F, 1), (0x5F, 2)] {
+        let path = Epath::object(class, instance);
+        let all = Request::new(service::GET_ATTRIBUTES_ALL, path, Bytes::new());
+        let reply = client.ask(&all).await;
+        let mut expected = Vec::new();
+        for id in 1..=16 {
+            let one = get(&mut client, class, instance, id).await;
+            // Attribute 3 of CIP Security is not among them.
+            if one.status.is_success() && (class, id) != (0x5D, 3) {
+                expected.extend_from_slice(&one.data);
+            }
+        }
+        assert_eq!(
+            (codes(reply.status), &reply.data[..]),
+            ((0, 0), &expected[..]),
+            "class {class:#x}"
+        );
+    }
+}
+
+/// No role changes anything by these objects: 0x0F.
+#[tokio::test]
+async fn every_service_that_would_change_something_is_refused() {
+    let bench = bench(|_| {});
+    let mut client = bench.client().await;
+    let mut asked = 0;
+    for role in [Role::Viewer, Role::Administrator] {
+        bench.device.plant.roles().set(1, role);
+        for class in [0x5D, 0x5E, 0x5F] {
+            for own in Objects::ALL.find(class).expect("it answers").services() {
+                let instance = if own.on == On::Class { 0 } else { 1 };
+                let request = Request::new(own.code, Epath::object(class, instance), Bytes::new());
+                let reply = client.ask(&request).await;
+                assert_eq!(
+                    codes(reply.status),
+                    (0x0F, 0),
+                    "{} of class {class:#x} as {}",
+                    own.name,
+                    role.word()
+                );
+                asked += 1;
+            }
+        }
+    }
+    assert_eq!(asked, 2 * 14);
+    let set = Request::new(
+        service::SET_ATTRIBUTE_SINGLE,
+        Epath::attribute(0x5E, 1, 4),
+        Bytes::from_static(&[0]),
+    );
+    assert_eq!(codes(client.ask(&set).await.status), (0x0E, 0), "nothing can be set");
+}
+
+#[tokio::test]
+async fn list_identity_has_an_item_behind_the_identity() {
+    #[rustfmt::skip]
+    let cases = [
+        ("plain beside TLS",   PlainAccess::On,        0x0B),
+        ("hardened",           PlainAccess::Off,       0x0A),
+        ("discovery only",     PlainAccess::Discovery, 0x0B),
+    ];
+    for (why, plain, ports) in cases {
+        let bench = bench(|security| security.plain = plain);
+        // Also where the session is refused.
+        let mut client = bench.client().await;
+        let reply = client.exchange(Command::LIST_IDENTITY, Bytes::new()).await;
+        let items = decode_items(&reply.data).expect("items");
+        let [Item::Identity(_), Item::Other { item, data }] = items.as_slice() else {
+            panic!("{why}: {items:?}");
+        };
+        assert_eq!(*item, item_type::SECURITY_INFORMATION);
+        assert_eq!(data[..], [2, 0, 2, 2, ports, 2, 0], "{why}");
+    }
+}
