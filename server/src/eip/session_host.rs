@@ -7,7 +7,7 @@ use arcline_proto::cip::CipStatus;
 use arcline_proto::connection::{ConnectionKey, Count};
 use arcline_proto::cpf::ConnectionId;
 use arcline_proto::identity::Identity;
-use arcline_proto::io::{Application, Ownership};
+use arcline_proto::io::Application;
 use arcline_proto::session::{ConnectionEnd, Host, IoOpen, IoOpened};
 use arcline_state::planted::is_planted;
 
@@ -95,20 +95,24 @@ impl Host for SessionHost {
         match device.io() {
             Some(io) => {
                 let assemblies = device.assembly_data().assemblies();
-                if Application::of(open.open, open.application, assemblies)? == Application::ExclusiveOwner {
-                    let principal = Principal::Client {
-                        session: self.session,
-                        connection: 0,
-                    };
+                // What is wrong with an opening is for the connections to say: they know those that are open.
+                let owns = Application::of(open.open, open.application, assemblies) == Ok(Application::ExclusiveOwner);
+                let principal = Principal::Client {
+                    session: self.session,
+                    connection: 0,
+                };
+                if owns {
                     let checked = device.plant.check(principal, Right::OwnOutputs);
                     checked.map_err(|refused| refusal(&refused))?;
-                    if io.ownership() == Ownership::Free {
-                        device.plant.roles().set_io(device.plant.roles().of(principal));
-                    }
                 }
                 let local = *self.local.ip();
                 let group = device.adapters.of(local).first_multicast();
-                io.open(open, self.peer, local, group, device, || device.random())
+                let opened = io.open(open, self.peer, local, group, device, || device.random())?;
+                if owns {
+                    // The owner sends nothing before it has the reply.
+                    device.plant.roles().set_io(device.plant.roles().of(principal));
+                }
+                Ok(opened)
             }
             None => device.open_io(open),
         }

@@ -193,17 +193,21 @@ impl Authority {
         valid(&mut params, days);
         let certificate = params.signed_by(&key, &self.issuer)?;
         let file = |kind: &str| self.folder.join(format!("{name}.{kind}"));
-        write(&file("key"), &key.serialize_pem(), PRIVATE)?;
-        write(&file("pem"), &certificate.pem(), PUBLIC)?;
         let leaf = Leaf::read(certificate.der()).ok_or_else(|| CertsError::Empty { file: file("pem") })?;
+        // Listed first: a certificate that is not in the list could not be revoked.
         let issued = self.folder.join(ISSUED);
-        let mut list = OpenOptions::new()
+        let listed = OpenOptions::new()
             .create(true)
             .append(true)
             .mode(PRIVATE)
             .open(&issued)
-            .map_err(|error| at(&issued, error))?;
-        writeln!(list, "{} {name} {}", leaf.serial, leaf.valid.1).map_err(|error| at(&issued, error))?;
+            .and_then(|mut list| {
+                writeln!(list, "{} {name} {}", leaf.serial, leaf.valid.1)?;
+                list.sync_data()
+            });
+        listed.map_err(|error| at(&issued, error))?;
+        write(&file("key"), &key.serialize_pem(), PRIVATE)?;
+        write(&file("pem"), &certificate.pem(), PUBLIC)?;
         Ok(leaf)
     }
 
@@ -271,6 +275,7 @@ fn show(file: &Path) -> Result<String, CertsError> {
             sha256,
             serial,
             valid,
+            names: _,
         } = leaf;
         format!(
             "cn = {cn:?}\nissuer = {issuer:?}\nsha256 = {sha256:?}\n# serial number {serial}, from {} to {}\n",

@@ -12,6 +12,7 @@ use crate::libplctag::Libplctag;
 use crate::node::Node;
 use crate::python::Python;
 use crate::server::{Server, signal};
+use crate::tunnel::{Kind, Tunnel};
 
 /// Tags beyond those of `config/interop_tags.toml`, so that a list of them takes several pages.
 const PAGE_TAGS: usize = 300;
@@ -149,6 +150,37 @@ pub fn node(script: &str) {
             against_a_server(script, &listen, |server| node.run(script, &[&server.ip().to_string()]));
         }
         Err(why) => crate::not_run(script, &why),
+    }
+}
+
+/// As [`python`], against a server without plain EtherNet/IP, through a tunnel to its TLS.
+///
+/// # Panics
+/// When the client finds a fault; in CI also when something needed is missing.
+pub fn python_through(kind: Kind, client: &str, script: &str) {
+    let name = format!("{client} through {kind:?}");
+    let python = match Python::with(client) {
+        Ok(python) => python,
+        Err(why) => return crate::not_run(&name, &why),
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path().to_str().expect("UTF-8");
+    for arguments in [&["init", at][..], &["client", at, "panel"]] {
+        let made = Command::new(crate::programs::arcline_server())
+            .arg("certs")
+            .args(arguments)
+            .output();
+        assert!(made.is_ok_and(|output| output.status.success()), "certs {arguments:?}");
+    }
+    let text = std::fs::read_to_string(configuration(client)).expect("it was just written");
+    let security = "\n[security]\ntls = \"127.0.0.1:0\"\nplain = \"off\"\ndefault_role = \"engineer\"\n";
+    let file = folder.path().join("machine.toml");
+    std::fs::write(&file, text + security).expect("a writable folder");
+    let server = Server::start_on(&file);
+    let tls = server.tls().expect("the configuration has TLS");
+    match Tunnel::start(kind, tls, folder.path(), "panel") {
+        Ok(tunnel) => print!("{}", python.run(script, &[&tunnel.address().to_string()])),
+        Err(why) => crate::not_run(&name, &why),
     }
 }
 

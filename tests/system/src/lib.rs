@@ -2,7 +2,7 @@
 //!
 //! This library is their common ground. It finds the programs ([`programs`]), runs a server for the length of a test ([`server`]) and
 //! the command line ([`command_line`], [`terminal`]), the pages of the guide ([`guide`]), foreign clients ([`interop`], [`python`],
-//! [`node`], [`libplctag`]) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at a time ([`load`]) and
+//! [`node`], [`libplctag`], through a [`tunnel`]) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at a time ([`load`]) and
 //! records the traffic of the loopback interface ([`capture`]).
 //!
 //! `tests/programs` needs nothing but the programs. `tests/foreign` needs programs of others and `tests/load` the machine for itself;
@@ -31,6 +31,7 @@ pub mod python;
 pub mod scanner;
 pub mod server;
 pub mod terminal;
+pub mod tunnel;
 
 /// Whether this is a run of the project's CI, where nothing may be missing.
 #[must_use]

@@ -429,6 +429,11 @@ async fn openings_that_are_refused_and_counted() {
     wrong_output.o_to_t.size -= 1;
     let mut wrong_input = open(2, INPUT_ONLY);
     wrong_input.t_to_o.size += 4;
+    let mut again_longer = open(1, OUTPUT);
+    again_longer.o_to_t.size += 2;
+    let mut null = open(2, OUTPUT);
+    null.o_to_t.connection_type = ConnectionType::Null;
+    null.t_to_o.connection_type = ConnectionType::Null;
     let mut fast = open(2, INPUT_ONLY);
     fast.t_to_o_rpi = 999;
     let mut multicast = open(2, INPUT_ONLY);
@@ -438,6 +443,8 @@ async fn openings_that_are_refused_and_counted() {
     let cases = [
         ("a second owner",   open(2, OUTPUT), failed(0x0106)),
         ("the same again",   open(1, OUTPUT), failed(0x0100)),
+        ("the same, longer", again_longer,    failed(0x0100)),
+        ("null, of nothing", null,            failed(0x0132)),
         ("output size",      wrong_output,    failed(0x0127).with(OUTPUT_SIZE + 6)),
         ("input size",       wrong_input,     failed(0x0128).with(INPUT_SIZE + 2)),
         ("RPI",              fast,            failed(0x0111)),

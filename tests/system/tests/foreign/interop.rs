@@ -2,8 +2,9 @@
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
 use arcline_system_tests::interop::{
-    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program,
+    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program, python_through,
 };
+use arcline_system_tests::tunnel::Kind;
 
 #[test]
 fn cm_ethernetip_works_unmodified() {
@@ -78,4 +79,24 @@ fn pylogix_reads_and_writes_every_type_and_shape() {
 #[test]
 fn st_ethernet_ip_works_unmodified() {
     node("st_ethernet_ip.js");
+}
+
+#[test]
+fn pycomm3_reads_and_writes_through_stunnel() {
+    python_through(Kind::Stunnel, "pycomm3", "pycomm3_tags.py");
+}
+
+#[test]
+fn pylogix_reads_and_writes_through_stunnel() {
+    python_through(Kind::Stunnel, "pylogix", "pylogix_tags.py");
+}
+
+#[test]
+fn pycomm3_reads_and_writes_through_socat() {
+    python_through(Kind::Socat, "pycomm3", "pycomm3_tags.py");
+}
+
+#[test]
+fn pylogix_moves_through_socat() {
+    python_through(Kind::Socat, "pylogix", "pylogix_move.py");
 }
