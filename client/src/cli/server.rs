@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use arcline_client::{Client, ClientError, DEFAULT_PORT, Options, Tls, TlsFiles};
+use arcline_client::{Client, ClientError, Options, Tls, TlsFiles};
 
 use super::args::TlsArguments;
 
@@ -37,9 +37,6 @@ impl Server {
             key: file(&options.key, "ARCLINE_KEY", "client.key"),
             server_name: options.server_name.clone(),
         };
-        // The default address has the port of plain EtherNet/IP.
-        let plain = format!(":{DEFAULT_PORT}");
-        let address = address.strip_suffix(&plain).map(str::to_owned).unwrap_or(address);
         let tls = Some(Tls::new(&files)?);
         Ok(Self { address, tls })
     }

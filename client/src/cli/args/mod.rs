@@ -43,7 +43,7 @@ pub(crate) use values::{Point, Rate};
 )]
 pub(crate) struct Arguments {
     /// The server; its port is 44818 by default. The variable ARCLINE_SERVER sets another default server
-    #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1:44818")]
+    #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1")]
     pub(crate) server: String,
     #[command(flatten)]
     pub(crate) tls: TlsArguments,
