@@ -3,7 +3,7 @@
 
 use arcline_fuzz::timed;
 use arcline_routine::source::{Content, ProgramSource, Project, RoutineSource, RungSource};
-use arcline_routine::{Directory, Expression, Missing, Rung, Text, load};
+use arcline_routine::{Directory, Expression, Rung, Text, load};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| timed(|| run(data)));
@@ -63,5 +63,5 @@ fn run(data: &[u8]) {
         }],
         ..Project::default()
     };
-    let _ = load(&project, &mut Nothing, Missing::Allowed).findings;
+    let _ = load(&project, &mut Nothing).findings;
 }
