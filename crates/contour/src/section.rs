@@ -10,6 +10,7 @@ use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Stretch, round};
 use crate::path::smooth::smooth;
 use crate::solve::measure::{Measured, measured};
+use crate::solve::relax::SlowDown;
 use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
 use crate::solve::work::Work;
@@ -35,7 +36,8 @@ pub(crate) struct Section<'a> {
     pub(crate) bounds: Vec<Bounds>,
     pub(crate) allowance: Allowance,
     pub(crate) smoothness: Smoothness,
-    quality: Quality,
+    pub(crate) quality: Quality,
+    slow_down: SlowDown,
 }
 
 impl<'a> Section<'a> {
@@ -53,7 +55,13 @@ impl<'a> Section<'a> {
             bounds: long.iter().map(|m| Bounds::new(m, limits, smoothness)).collect(),
             smoothness,
             quality,
+            slow_down: SlowDown::Outside,
         }
+    }
+
+    /// The same with another start where the first guess is outside the limits.
+    pub(crate) fn slowing(self, slow_down: SlowDown) -> Self {
+        Section { slow_down, ..self }
     }
 
     /// The limits without those of the jerk, and the reference path rounded for them: an S-curve starts from the
@@ -273,6 +281,7 @@ impl<'a> Section<'a> {
             limits: bounds,
             kept_limits: &self.bounds,
             margins: &margins,
+            slow_down: self.slow_down,
         };
         let mut problem = conditions.problem(control, self.quality);
         problem.make_feasible();

@@ -175,6 +175,12 @@ constants! {
         normal_share: f64 = 0.8,
         tangent_share: f64 = 0.9,
         jerk_share: f64 = 0.6,
+        /// Shares of the limits of acceleration and jerk with which a motion that runs goes on along dense chords, seconds between the points of
+        /// that motion, and the least share of its speed that it keeps.
+        gentle_rate_share: f64 = 0.6,
+        gentle_jerk_share: f64 = 0.5,
+        gentle_step_s: f64 = 0.000_5,
+        gentle_least_share: f64 = 0.1,
     }
 }
 
@@ -274,8 +280,11 @@ constants! {
         weight: f64 = 30.0,
         /// Quotient beyond which a start is slowed down, and within how many nodes.
         far: f64 = 1.5,
-        far_timing: f64 = 1.0,
         ramp_nodes: f64 = 80.0,
+        /// Nodes about one outside its limits whose timing alone is slowed down, to either side, and as many more that lead there.
+        spread_nodes: usize = 60,
+        /// Nodes at the end that do not count for that.
+        end_nodes: usize = 4,
         /// What counts as a full limit where a motion is continued: next to it the hull of the spline is a little wider than the
         /// motion itself, which is measured when it is done.
         near_full: f64 = 0.9995,
@@ -307,12 +316,9 @@ constants! {
         /// Seconds that the running motion is followed at least, and that are left of it at least.
         least_followed_s: f64 = 0.004,
         least_left_s: f64 = 0.008,
-        /// Splices that are tried for a plan anew.
+        /// Splices that are tried for a plan anew, and seconds between them.
         attempts: u32 = 3,
-        /// Seconds between two splices that are tried, and for each that of an extension when the running motion is left: times of braking
-        /// before its end. From a slower motion a continuation is found more easily.
         later_s: f64 = 0.02,
-        leaves: [f64; 5] = [1.0, 1.0, 0.7, 0.45, 0.25],
         /// Instants that are looked at for a splice, and seconds between them.
         choice: u32 = 30,
         choice_step_s: f64 = 0.001,

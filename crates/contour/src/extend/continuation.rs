@@ -6,6 +6,7 @@ use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::Begin;
 use crate::plan::plan;
 use crate::section::Section;
+use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::solve::work::Work;
 use crate::trajectory::{Knot, State};
@@ -28,8 +29,15 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl Continuation<'_> {
-    /// From `splice` on; the first guess follows the running motion until `leave`. `work` is that of all attempts, set by the first.
-    pub(crate) fn plan(&self, splice: f64, leave: f64, work: &mut Option<Work>) -> Option<Trajectory> {
+    /// From `splice` on; the first guess follows the running motion until `leave`. `work` is that of all attempts on timing and shape
+    /// together, set by the first.
+    pub(crate) fn plan(
+        &self,
+        splice: f64,
+        leave: f64,
+        slow_down: SlowDown,
+        work: &mut Option<Work>,
+    ) -> Option<Trajectory> {
         let &Continuation {
             running,
             passed,
@@ -46,12 +54,12 @@ impl Continuation<'_> {
             .iter()
             .rposition(ContourMove::has_length)
             .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits, Begin::Running, quality);
+        let section = Section::new(&moves[back..end], limits, Begin::Running, quality).slowing(slow_down);
         let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
         let followed = Running {
             trajectory: running,
             splice,
-            leave: leave_at(running, splice, leave),
+            leave,
             piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
         };
         let control = warm_start(&section, followed);
@@ -104,14 +112,18 @@ impl Continuation<'_> {
     }
 }
 
-/// When the running trajectory is left that is to be followed until `leave`: at the last knot before, as far as there is one behind
+/// When the running trajectory is left that is to be followed until `leave`: at the last knot before, or the first one some time behind
 /// `splice`.
-fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
+pub(crate) fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
     let least = splice + TUNING.extend.least_followed_s;
     let before = running.knots.partition_point(|knot| knot.time <= leave);
     let knot = running.knots[..before].last().map_or(leave, |knot| knot.time);
-    let leave = if knot > least { knot } else { leave };
-    leave.max(least).min(running.duration())
+    if knot > least {
+        return knot;
+    }
+    // A knot of its own just behind another one would bend much.
+    let behind = running.knots.partition_point(|knot| knot.time < least);
+    running.knots.get(behind).map_or(running.duration(), |knot| knot.time)
 }
 
 /// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.

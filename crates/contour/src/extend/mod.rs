@@ -3,15 +3,18 @@
 //! From the splice on the new motion starts with the position, velocity and acceleration that the running one has there.
 //! What lies before stays as it is, to the last bit. Position units and seconds.
 
+mod attempts;
 mod continuation;
 pub(crate) mod replan;
 mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::continuation::{Continuation, cut};
+use crate::extend::attempts::ATTEMPTS;
+use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::splice::{braking_time, splice};
 use crate::plan::{can_pass, is_dense};
+use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
@@ -83,6 +86,7 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
         limits,
         now,
         begin,
+        quality,
         ..
     } = continuation;
     if begin == old {
@@ -101,11 +105,25 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
-    let mut work = None;
-    let leaves = &TUNING.extend.leaves;
-    leaves.iter().enumerate().find_map(|(attempt, share)| {
-        let first = first + TUNING.extend.later_s * attempt as f64;
-        let splice = splice(running, passed + begin, &moves[begin..old], limits, first)?;
-        continuation.plan(splice, running.duration() - share * braking, &mut work)
+    let (mut work, mut tried) = (None, Vec::new());
+    ATTEMPTS.iter().find_map(|attempt| {
+        let splice = splice(
+            running,
+            passed + begin,
+            &moves[begin..old],
+            limits,
+            first + attempt.later_s,
+        )?;
+        let leave = leave_at(running, splice, running.duration() - attempt.brakings * braking);
+        let slow_down = match quality {
+            Quality::Smooth => attempt.slow_down,
+            Quality::Full | Quality::TimingOnly => SlowDown::Whole,
+        };
+        let same = (splice, leave, slow_down);
+        if tried.contains(&same) {
+            return None;
+        }
+        tried.push(same);
+        continuation.plan(splice, leave, slow_down, &mut work)
     })
 }

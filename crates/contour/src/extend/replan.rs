@@ -1,8 +1,9 @@
 //! Planning a running trajectory anew, with other speeds or rates. Position units and seconds.
 
-use crate::extend::continuation::Continuation;
+use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
 use crate::plan::{can_pass, qualities};
+use crate::solve::relax::SlowDown;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -60,7 +61,8 @@ pub fn replan(
                 end,
                 quality,
             };
-            continuation.plan(splice, splice + TUNING.extend.replan_followed_s, &mut work)
+            let leave = leave_at(&running, splice, splice + TUNING.extend.replan_followed_s);
+            continuation.plan(splice, leave, SlowDown::Whole, &mut work)
         })?;
         Some(whole.planned_for(moves, limits))
     })

@@ -4,6 +4,7 @@
 use crate::limits::Smoothness;
 use crate::path::reference::along;
 use crate::section::Section;
+use crate::solve::stages::Quality;
 use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
 use crate::timing::grid::{Density, continued_grid};
 use crate::timing::speed_profile::{Sample, sample, speeds};
@@ -211,7 +212,11 @@ fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64,
             one.point += offset * (1.0 - u * u * (3.0 - 2.0 * u));
         }
     }
-    let profile = speeds(reference, &ahead, &free, Smoothness::Trapezoid, speed * speed);
+    let mut profile = speeds(reference, &ahead, &free, Smoothness::Trapezoid, speed * speed);
+    if section.smoothness == Smoothness::SCurve && section.quality == Quality::Smooth && speed > 0.0 {
+        let along = from.velocity.dot(&from.acceleration) / speed;
+        profile.go_gently(along, &section.bounds[reference.piece_at(at)]);
+    }
     for k in 1..ahead.len() {
         route.push(Site {
             time: start + profile.times[k],

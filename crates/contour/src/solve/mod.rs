@@ -8,7 +8,7 @@ mod merit;
 mod on_curve;
 pub(crate) mod optimise;
 pub(crate) mod problem;
-mod relax;
+pub(crate) mod relax;
 pub(crate) mod setup;
 pub(crate) mod stages;
 pub(crate) mod step_lengths;

@@ -10,6 +10,7 @@ use crate::Point;
 use crate::limits::Bounds;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
+use crate::solve::relax::SlowDown;
 use crate::tuning::TUNING;
 
 /// What is optimised.
@@ -32,6 +33,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) continues: bool,
     /// How many nodes are close to what the running motion does.
     pub(crate) kept: usize,
+    /// What is slowed down where the start is outside the limits.
+    pub(crate) slow_down: SlowDown,
     /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
     /// is outside of them; empty: all of it.
     pub(crate) relaxed: Vec<[f64; 3]>,

@@ -6,6 +6,15 @@ use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
 use crate::tuning::TUNING;
 
+/// What of a timing is slowed down that begins outside its limits and continues a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SlowDown {
+    /// What is outside, and what leads there.
+    Outside,
+    /// All of it.
+    Whole,
+}
+
 impl Problem<'_> {
     /// Lengthens all spans until every limit is kept with room to spare.
     pub(crate) fn make_feasible(&mut self) {
@@ -25,28 +34,41 @@ impl Problem<'_> {
         }
     }
 
-    /// Lengthens the spans behind the given beginning, gradually, where most of what comes there is far from its limits.
+    /// Lengthens the spans behind the given beginning, gradually: of the timing of an S-curve those about what is outside; else all of them,
+    /// of timing and shape where most of what comes there is far from its limits.
     fn slow_down(&mut self) {
-        let (mut most, mut far) = (0.0_f64, 0);
+        let mut factors = vec![0.0; self.points.len()];
         self.for_each_quotient(&self.points, &self.spans, |i, [speed, acceleration, jerk]| {
-            if i < self.kept as isize {
+            if let Some(factor) = usize::try_from(i).ok().and_then(|i| factors.get_mut(i)) {
+                *factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
+            }
+        });
+        let behind = &mut factors[self.kept..];
+        let count = behind.len();
+        let outside = |most: f64| behind.iter().filter(|&&factor| factor > most).count();
+        let slow = |factor: f64| factor / TUNING.relax.feasible;
+        if self.is_timing() && self.slow_down == SlowDown::Outside && self.limits[0].has_jerk() {
+            // Where it comes to rest few nodes are slow, and come inside by themselves.
+            behind[count.saturating_sub(TUNING.relax.end_nodes)..].fill(0.0);
+            for factor in behind.iter_mut() {
+                *factor = if *factor > 1.0 { slow(*factor) } else { 1.0 };
+            }
+            spread(behind, TUNING.relax.spread_nodes);
+        } else {
+            let is_far = if self.is_timing() {
+                outside(1.0) > 0
+            } else {
+                2 * outside(TUNING.relax.far) >= count
+            };
+            if !is_far {
                 return;
             }
-            let factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
-            most = most.max(factor);
-            far += usize::from(factor > TUNING.relax.far);
-        });
-        let wide = if self.is_timing() {
-            most > TUNING.relax.far_timing
-        } else {
-            2 * far >= self.points.len() - self.kept
-        };
-        if !wide {
-            return;
+            let most = behind.iter().copied().fold(0.0, f64::max);
+            behind.fill(slow(most));
         }
-        for (k, span) in self.spans.iter_mut().enumerate().skip(self.kept) {
-            let u = ((k - self.kept) as f64 / TUNING.relax.ramp_nodes).min(1.0);
-            *span *= 1.0 + (most / TUNING.relax.feasible - 1.0) * u * u * (3.0 - 2.0 * u);
+        for (k, (span, factor)) in self.spans[self.kept..].iter_mut().zip(behind).enumerate() {
+            let u = (k as f64 / TUNING.relax.ramp_nodes).min(1.0);
+            *span *= 1.0 + (*factor - 1.0) * u * u * (3.0 - 2.0 * u);
         }
     }
 
@@ -112,6 +134,22 @@ impl Problem<'_> {
         let mut relaxed = self.relaxed.iter().enumerate();
         relaxed.any(|(k, shares)| shares.iter().any(|&share| share < full(k)))
     }
+}
+
+/// Brings each value to the largest one of so many to either side of it, and evenly from one to the next.
+fn spread(values: &mut [f64], nodes: usize) {
+    let about = |k: usize| k.saturating_sub(nodes)..(k + nodes + 1).min(values.len());
+    let most: Vec<f64> = (0..values.len())
+        .map(|k| values[about(k)].iter().copied().fold(0.0, f64::max))
+        .collect();
+    let half = nodes / 2;
+    let means = |values: &[f64]| -> Vec<f64> {
+        let about = |k: usize| k.saturating_sub(half)..(k + half + 1).min(values.len());
+        (0..values.len())
+            .map(|k| values[about(k)].iter().sum::<f64>() / about(k).len() as f64)
+            .collect()
+    };
+    values.copy_from_slice(&means(&means(&most)));
 }
 
 /// The room that a quotient of 1 or more is given at first.

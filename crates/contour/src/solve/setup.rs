@@ -7,6 +7,7 @@ use crate::path::allowance::Allowance;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
 use crate::solve::problem::{Limits, Problem};
+use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::timing::control_points::{ControlPoints, GIVEN};
 use crate::tuning::TUNING;
@@ -21,6 +22,7 @@ pub(crate) struct Conditions<'a> {
     pub(crate) kept_limits: &'a [Bounds],
     /// Share of the tolerance that makes the corridor, by node.
     pub(crate) margins: &'a [f64],
+    pub(crate) slow_down: SlowDown,
 }
 
 impl<'a> Conditions<'a> {
@@ -42,6 +44,7 @@ impl<'a> Conditions<'a> {
             lateral: 0,
             continues: control.initial.is_some(),
             kept: control.kept,
+            slow_down: self.slow_down,
             relaxed: Vec::new(),
         };
         match quality {

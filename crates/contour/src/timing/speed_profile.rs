@@ -8,6 +8,7 @@ use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Shape, Stretch};
 use crate::tuning::TUNING;
 use crate::{Path, Point};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 /// A point of the rounded reference path.
 pub(crate) struct Sample {
@@ -35,6 +36,54 @@ impl Speeds {
     pub(crate) fn is_cruise(&self, i: usize) -> bool {
         let straight = self.curvature[i] == Point::zeros() && self.curvature[i + 1] == Point::zeros();
         self.square[i] == self.square[i + 1] && straight
+    }
+
+    /// Not faster than a motion that begins with an acceleration along the path and comes to rest at the end, and changes its acceleration
+    /// by no more than a share of the jerk that is allowed.
+    pub(crate) fn go_gently(&mut self, acceleration: f64, bound: &Bounds) {
+        let tuning = &TUNING.speed_profile;
+        let jerk = tuning.gentle_jerk_share * bound.least_jerk();
+        let rate = bound
+            .acceleration
+            .min(bound.deceleration)
+            .min(bound.axes.acceleration.min());
+        let rate = tuning.gentle_rate_share * rate;
+        let most = self.square.iter().copied().fold(0.0, f64::max).sqrt();
+        let limits = Limits {
+            speed: most,
+            acceleration: rate,
+            deceleration: rate,
+            jerk: Some(Jerk {
+                acceleration: jerk,
+                deceleration: jerk,
+            }),
+        };
+        let begin = |velocity: f64, acceleration: f64| {
+            let state = KinematicState {
+                position: 0.0,
+                velocity,
+                acceleration,
+            };
+            Profile::to_velocity(state, most, &limits)
+        };
+        let count = self.square.len();
+        let first = self.square[0].sqrt();
+        let least = tuning.gentle_least_share * first;
+        bound_by(&begin(first, acceleration), least, &self.length, &mut self.square[1..]);
+        // The end is a beginning from rest in time that runs backwards.
+        self.length.reverse();
+        self.square.reverse();
+        bound_by(&begin(0.0, 0.0), 0.0, &self.length, &mut self.square[1..count - 1]);
+        self.length.reverse();
+        self.square.reverse();
+        self.set_times();
+    }
+
+    fn set_times(&mut self) {
+        for i in 0..self.length.len() {
+            let both = self.square[i].sqrt() + self.square[i + 1].sqrt();
+            self.times[i + 1] = self.times[i] + 2.0 * self.length[i] / both;
+        }
     }
 }
 
@@ -105,16 +154,29 @@ pub(crate) fn speeds(
     }
     (square[0], square[count - 1]) = (start, 0.0);
     pass(&mut square, &rate, &length, start);
-    let mut times = vec![0.0; count];
-    for i in 0..count - 1 {
-        times[i + 1] = times[i] + 2.0 * length[i] / (square[i].sqrt() + square[i + 1].sqrt());
-    }
-    Speeds {
+    let mut speeds = Speeds {
         square,
-        times,
+        times: vec![0.0; count],
         length,
         rate,
         curvature,
+    };
+    speeds.set_times();
+    speeds
+}
+
+/// Squares of speeds behind each of some lengths, not above those of a motion, nor of a least speed.
+fn bound_by(motion: &Profile, least: f64, lengths: &[f64], squares: &mut [f64]) {
+    let (mut way, mut time) = (0.0, 0.0);
+    for (length, square) in lengths.iter().zip(squares) {
+        way += length;
+        while time < motion.duration() && motion.at(time).position < way {
+            time += TUNING.speed_profile.gentle_step_s;
+        }
+        if time >= motion.duration() {
+            return;
+        }
+        *square = square.min(motion.at(time).velocity.max(least).powi(2));
     }
 }
 

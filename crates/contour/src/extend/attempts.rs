@@ -1,0 +1,32 @@
+//! What is tried for an extension, one after the other, until a motion is found. From a slower motion one is found more easily.
+
+use crate::solve::relax::SlowDown;
+
+/// One way to extend a running trajectory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attempt {
+    /// Seconds behind the first possible splice.
+    pub(crate) later_s: f64,
+    /// When the running motion is left: times of braking before its end.
+    pub(crate) brakings: f64,
+    /// Which part of dense chords is slowed down first.
+    pub(crate) slow_down: SlowDown,
+}
+
+/// In their order.
+pub(crate) const ATTEMPTS: [Attempt; 6] = [
+    attempt(0.0, 1.0, SlowDown::Outside),
+    attempt(0.0, 1.0, SlowDown::Whole),
+    attempt(0.02, 1.0, SlowDown::Outside),
+    attempt(0.04, 0.7, SlowDown::Whole),
+    attempt(0.06, 0.45, SlowDown::Outside),
+    attempt(0.08, 0.25, SlowDown::Whole),
+];
+
+const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
+    Attempt {
+        later_s,
+        brakings,
+        slow_down,
+    }
+}
