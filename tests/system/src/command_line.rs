@@ -62,7 +62,7 @@ pub fn command(server: SocketAddr, arguments: &[&str]) -> Command {
     command
 }
 
-/// Numbers that `arcline --json read TAGS` gives, one for each tag.
+/// Numbers that `arcline --json read TAGS` gives, one for each tag; of a BOOL 1 or 0.
 ///
 /// # Panics
 /// When a tag cannot be read as a number.
@@ -71,8 +71,10 @@ pub fn read_numbers(server: SocketAddr, tags: &[&str]) -> Vec<f64> {
     let arguments: Vec<&str> = ["--json", "read"].iter().chain(tags).copied().collect();
     let objects = arcline(server, &arguments).expect(0).objects();
     let number = |object: &Value| {
+        let bit = || object["value"].as_bool().map(|bit| f64::from(u8::from(bit)));
         object["value"]
             .as_f64()
+            .or_else(bit)
             .unwrap_or_else(|| panic!("no number: {object}"))
     };
     objects.iter().map(number).collect()
