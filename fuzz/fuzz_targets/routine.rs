@@ -3,31 +3,10 @@
 
 use arcline_fuzz::timed;
 use arcline_routine::source::{Content, ProgramSource, Project, RoutineSource, RungSource};
-use arcline_routine::{Directory, Expression, Rung, Text, load};
+use arcline_routine::{Expression, NoMachine, Rung, Text, load};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| timed(|| run(data)));
-
-/// A machine without motion.
-struct Nothing;
-
-impl Directory for Nothing {
-    fn object_type(&self, _: &str) -> Option<arcline_tag::TagType> {
-        None
-    }
-    fn object(&self, _: arcline_instruction_set::Object, _: &str) -> Option<u16> {
-        None
-    }
-    fn control(&mut self, _: &str) -> Option<arcline_instruction_set::ControlSlot> {
-        None
-    }
-    fn tag(&mut self, _: &str, _: &arcline_tag::TagType) -> Option<u32> {
-        None
-    }
-    fn attribute(&mut self, _: arcline_instruction_set::Object, _: u16, _: &str) -> Option<(u32, usize)> {
-        None
-    }
-}
 
 fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
@@ -63,5 +42,5 @@ fn run(data: &[u8]) {
         }],
         ..Project::default()
     };
-    let _ = load(&project, &mut Nothing).findings;
+    let _ = load(&project, &mut NoMachine).findings;
 }

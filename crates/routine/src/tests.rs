@@ -5,50 +5,10 @@ mod mended;
 mod projects;
 mod texts;
 
-use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
-use arcline_tag::TagType;
-
 use crate::source::{
     Content, Datum, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
 };
-use crate::{Cell, Directory, Host, load};
-
-/// A machine without motion.
-pub(crate) struct Nothing;
-
-impl Directory for Nothing {
-    fn object_type(&self, _: &str) -> Option<TagType> {
-        None
-    }
-    fn object(&self, _: Object, _: &str) -> Option<u16> {
-        None
-    }
-    fn control(&mut self, _: &str) -> Option<ControlSlot> {
-        None
-    }
-    fn tag(&mut self, _: &str, _: &TagType) -> Option<u32> {
-        None
-    }
-    fn attribute(&mut self, _: Object, _: u16, _: &str) -> Option<(u32, usize)> {
-        None
-    }
-}
-
-impl Host for Nothing {
-    fn execute(&mut self, _: &Call, _: &mut [u8]) -> MotionControl {
-        MotionControl::default()
-    }
-    fn rung_false(&mut self, _: ControlSlot) {}
-    fn attribute(&mut self, _: u32) -> f64 {
-        0.0
-    }
-    fn set_attribute(&mut self, _: u32, _: f64) -> bool {
-        false
-    }
-    fn date(&self, _: u64) -> [i32; 7] {
-        [2026, 1, 2, 3, 4, 5, 6]
-    }
-}
+use crate::{Cell, NoMachine, load};
 
 /// `N DINT 5, B BOOL, A DINT[8], T TIMER 100`: name, type and first value (of structures the preset or length).
 pub(crate) fn tags(text: &str) -> Vec<TagSource> {
@@ -138,27 +98,27 @@ pub(crate) fn project(tag_text: &str, routines: &[(&str, &str)]) -> Project {
 
 /// A project that loads, after prescan.
 pub(crate) fn started(why: &str, project: &Project) -> Cell {
-    let loaded = load(project, &mut Nothing);
+    let loaded = load(project, &mut NoMachine);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     assert!(findings.is_empty(), "{why}: {findings:?}");
     let mut cell = loaded.cell;
-    cell.start(0, &mut Nothing)
+    cell.start(0, &mut NoMachine)
         .unwrap_or_else(|fault| panic!("{why}: {fault}"));
     cell
 }
 
 pub(crate) fn set(why: &str, cell: &mut Cell, project: &Project, text: &str) {
     let (tag, value) = text.split_once('=').unwrap_or((text, "1"));
-    let writes = cell.writes(project, &mut Nothing, &[(tag.trim(), value.trim())]);
+    let writes = cell.writes(project, &mut NoMachine, &[(tag.trim(), value.trim())]);
     let writes = writes.unwrap_or_else(|(_, reason)| panic!("{why}: {text}: {reason}"));
-    cell.write(&writes, &mut Nothing)
+    cell.write(&writes, &mut NoMachine)
         .unwrap_or_else(|tag| panic!("{why}: {text}: {tag} is not written"));
 }
 
 pub(crate) fn expect(why: &str, cell: &mut Cell, project: &Project, text: &str) {
-    let condition = cell.condition(project, &mut Nothing, text);
+    let condition = cell.condition(project, &mut NoMachine, text);
     let condition = condition.unwrap_or_else(|reason| panic!("{why}: {text}: {reason}"));
-    assert!(cell.holds(&condition, &mut Nothing), "{why}: {text} does not hold");
+    assert!(cell.holds(&condition, &mut NoMachine), "{why}: {text} does not hold");
 }
 
 /// Runs a script: a line for each scan with `tags that are set : what holds after it`; a line `pre : …` is looked at after
@@ -180,7 +140,7 @@ pub(crate) fn script(why: &str, project: &Project, lines: &str) -> Cell {
                 set(&why, &mut cell, project, text);
             }
             for _ in 0..count {
-                let ran = cell.tick(tick, 10_000_000, &mut Nothing);
+                let ran = cell.tick(tick, 10_000_000, &mut NoMachine);
                 ran.unwrap_or_else(|fault| panic!("{why}: {fault}"));
                 tick += 1;
             }

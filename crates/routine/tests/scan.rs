@@ -4,54 +4,15 @@
 
 use std::collections::BTreeMap;
 
-use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
 use arcline_routine::source::{
     Access, Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
     RungSource, TagSource, TaskSource, Trigger, Usage,
 };
-use arcline_routine::{Cell, Directory, Host, load};
-use arcline_tag::TagType;
+use arcline_routine::{Cell, NoMachine, load};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-/// A machine without motion.
-struct Nothing;
-
-impl Directory for Nothing {
-    fn object_type(&self, _: &str) -> Option<TagType> {
-        None
-    }
-    fn object(&self, _: Object, _: &str) -> Option<u16> {
-        None
-    }
-    fn control(&mut self, _: &str) -> Option<ControlSlot> {
-        None
-    }
-    fn tag(&mut self, _: &str, _: &TagType) -> Option<u32> {
-        None
-    }
-    fn attribute(&mut self, _: Object, _: u16, _: &str) -> Option<(u32, usize)> {
-        None
-    }
-}
-
-impl Host for Nothing {
-    fn execute(&mut self, _: &Call, _: &mut [u8]) -> MotionControl {
-        MotionControl::default()
-    }
-    fn rung_false(&mut self, _: ControlSlot) {}
-    fn attribute(&mut self, _: u32) -> f64 {
-        0.0
-    }
-    fn set_attribute(&mut self, _: u32, _: f64) -> bool {
-        false
-    }
-    fn date(&self, _: u64) -> [i32; 7] {
-        [2026, 1, 2, 3, 4, 5, 6]
-    }
-}
 
 fn tag(name: &str, data_type: &str, dimensions: &[u32], value: Option<Datum>) -> TagSource {
     TagSource {
@@ -196,11 +157,11 @@ fn started() -> Cell {
     project
         .tags
         .push(tag("Far", "DINT", &[], Some(Datum::Number("99".to_owned()))));
-    let loaded = load(&project, &mut Nothing);
+    let loaded = load(&project, &mut NoMachine);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     assert!(findings.is_empty(), "{findings:?}");
     let mut cell = loaded.cell;
-    cell.start(0, &mut Nothing).expect("no fault");
+    cell.start(0, &mut NoMachine).expect("no fault");
     cell
 }
 
@@ -208,7 +169,7 @@ const TICKS: u64 = 500;
 
 fn run(cell: &mut Cell) {
     for tick in 0..TICKS {
-        cell.tick(tick, 2_000_000, &mut Nothing)
+        cell.tick(tick, 2_000_000, &mut NoMachine)
             .expect("the fault routine clears every fault");
     }
 }

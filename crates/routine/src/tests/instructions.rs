@@ -1,6 +1,6 @@
 //! Each instruction: prescan, false and true rungs, edges, overflow, types (spec/programs.md §10).
 
-use super::{Nothing, project, script};
+use super::{NoMachine, project, script};
 use crate::load;
 
 /// Name, tags, rungs, script.
@@ -215,7 +215,7 @@ fn instructions_that_do_not_fit_are_named() {
     ];
     for (rung, expected) in cases {
         let project = project("N DINT, B BOOL, A DINT[3]", &[("Main", rung)]);
-        let findings = load(&project, &mut Nothing).findings;
+        let findings = load(&project, &mut NoMachine).findings;
         let told: Vec<String> = findings.iter().map(ToString::to_string).collect();
         assert_eq!(told, [format!("Main/Main rung 0: {expected}")], "{rung}");
     }

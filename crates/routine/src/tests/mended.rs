@@ -1,7 +1,7 @@
 //! Mistakes that were mended, a test each.
 
 use super::projects::{add_on, parameter};
-use super::{Nothing, expect, project, routine, script, started};
+use super::{NoMachine, expect, project, routine, script, started};
 use crate::load;
 use crate::source::{MemberSource, TypeSource, Usage};
 
@@ -79,7 +79,7 @@ fn members_that_are_left_out_are_named() {
         is_string: false,
         members: vec![member("A", "NOTHING", vec![]), member("B", "DINT", vec![70_000])],
     });
-    let told: Vec<String> = load(&of, &mut Nothing)
+    let told: Vec<String> = load(&of, &mut NoMachine)
         .findings
         .iter()
         .map(ToString::to_string)
@@ -106,7 +106,7 @@ fn a_fault_routine_runs_once_for_each_fault() {
     );
     of.programs[0].fault = Some("Fault".to_owned());
     let mut cell = started("not cleared", &of);
-    let fault = cell.tick(0, 10_000_000, &mut Nothing).expect_err("it stays");
+    let fault = cell.tick(0, 10_000_000, &mut NoMachine).expect_err("it stays");
     assert!(fault.to_string().contains("Main/B rung 0"), "{fault}");
     expect("two calls lead to it", &mut cell, &of, "Count=1");
 }
@@ -124,7 +124,7 @@ fn a_watchdog_that_is_cleared_again_and_again_ends_the_run() {
         of.programs[0].fault = Some("Fault".to_owned());
         let mut cell = started(main, &of);
         let fault = cell
-            .tick(0, 10_000_000, &mut Nothing)
+            .tick(0, 10_000_000, &mut NoMachine)
             .expect_err("it never ends by itself");
         assert_eq!((fault.kind, fault.code), (6, 1), "{main}");
         expect(main, &mut cell, &of, "Count=1");
@@ -138,9 +138,9 @@ fn positions_beyond_every_array_are_faults() {
         &[("Main", "XIC(I)SQO(A[0],M,D,C,?,?);")],
     );
     let mut cell = started("SQO", &of);
-    cell.tick(0, 10_000_000, &mut Nothing).expect("a false rung");
+    cell.tick(0, 10_000_000, &mut NoMachine).expect("a false rung");
     super::set("SQO", &mut cell, &of, "C.POS=1500000000");
     super::set("SQO", &mut cell, &of, "I");
-    let fault = cell.tick(1, 10_000_000, &mut Nothing).expect_err("beyond the array");
+    let fault = cell.tick(1, 10_000_000, &mut NoMachine).expect_err("beyond the array");
     assert_eq!((fault.kind, fault.code), (4, 20));
 }

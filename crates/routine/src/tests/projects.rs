@@ -1,6 +1,6 @@
 //! Whole projects: add-on instructions, tasks, faults.
 
-use super::{Nothing, expect, project, routine, script, started, tags};
+use super::{NoMachine, expect, project, routine, script, started, tags};
 use crate::source::{Datum, InstructionSource, MemberSource, ParameterSource, Project, TaskSource, Trigger, Usage};
 
 fn member(name: &str, data_type: &str) -> MemberSource {
@@ -167,7 +167,7 @@ fn faults_name_their_place() {
         let of = project(tags, &[("Main", &rung), ("Sub", sub), ("Two", "SBR(N,I);")]);
         let mut cell = started(&rung, &of);
         let ran = cell
-            .tick(0, 10_000_000, &mut Nothing)
+            .tick(0, 10_000_000, &mut NoMachine)
             .map_err(|fault| fault.to_string());
         assert_eq!(ran.err().unwrap_or_default(), expected, "{rung}");
     }
@@ -190,7 +190,7 @@ fn a_fault_routine_clears_and_the_scan_goes_on() {
     of.programs[0].routines[1] = routine("Fault", "NOP();");
     let mut cell = started("not cleared", &of);
     assert!(
-        cell.tick(0, 10_000_000, &mut Nothing).is_err(),
+        cell.tick(0, 10_000_000, &mut NoMachine).is_err(),
         "the fault is still there"
     );
     of.programs[0].fault = None;
@@ -200,7 +200,7 @@ fn a_fault_routine_clears_and_the_scan_goes_on() {
     of.programs.push(handler);
     of.fault_handler = Some("Handler".to_owned());
     let mut cell = started("the handler", &of);
-    cell.tick(0, 10_000_000, &mut Nothing).expect("the handler clears it");
+    cell.tick(0, 10_000_000, &mut NoMachine).expect("the handler clears it");
     expect("the handler", &mut cell, &of, "N=1");
 }
 
@@ -228,7 +228,7 @@ fn a_seed_moves_continuous_scans() {
         let mut cell = started("phase", &of);
         seed.into_iter().for_each(|seed| cell.set_phase(seed));
         for tick in 0..1000 {
-            cell.tick(tick, 1_000_000, &mut Nothing).expect("no fault");
+            cell.tick(tick, 1_000_000, &mut NoMachine).expect("no fault");
         }
         let tag = cell
             .tags()
