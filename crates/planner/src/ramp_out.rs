@@ -158,15 +158,20 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
         }
         (less, more) = (more, 2.0 * more);
     }
+    faster(least(less, more, |factor| fits(&faster(factor))))
+}
+
+/// The least of the factors between two, of which the greater one fits, that fits.
+fn least(mut less: f64, mut more: f64, fits: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = (less * more).sqrt();
-        if fits(&faster(middle)) {
+        if fits(middle) {
             more = middle;
         } else {
             less = middle;
         }
     }
-    faster(more)
+    more
 }
 
 /// Limits that take an acceleration away sooner, as little as need be, and with no more than the jerk of the deceleration. To take it
@@ -182,19 +187,12 @@ fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
     let Some(jerk) = limits.jerk.filter(|jerk| jerk.acceleration < jerk.deceleration) else {
         return *limits;
     };
-    let (mut less, mut more) = (jerk.acceleration, jerk.deceleration);
-    if !fits(&with(more)) {
-        return with(more);
+    if !fits(&with(jerk.deceleration)) {
+        return with(jerk.deceleration);
     }
-    for _ in 0..HALVINGS {
-        let middle = (less * more).sqrt();
-        if fits(&with(middle)) {
-            more = middle;
-        } else {
-            less = middle;
-        }
-    }
-    with(more)
+    with(least(jerk.acceleration, jerk.deceleration, |removal| {
+        fits(&with(removal))
+    }))
 }
 
 /// The way of a stop that does not pass through rest.

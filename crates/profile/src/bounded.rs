@@ -196,7 +196,12 @@ impl Profile {
                     let speed = from.velocity.abs();
                     let own = before.and_then(|before| before.jerk);
                     let ceiling = MOST_OVERSHOOT * before.map_or(speed, |before| before.speed);
-                    let room = if ceiling > speed { ceiling - speed } else { MORE * speed };
+                    // Where it is above its ceiling already, it may overshoot its own speed by half.
+                    let room = if ceiling > speed {
+                        ceiling - speed
+                    } else {
+                        (MOST_OVERSHOOT - 1.0) * speed
+                    };
                     let least = 0.5 * from.acceleration * from.acceleration / room;
                     jerk.acceleration = jerk
                         .acceleration
@@ -263,7 +268,5 @@ fn critical_jerk(from: &KinematicState) -> Option<f64> {
     brakes.then_some(jerk * (1.0 + ROUNDING))
 }
 
-/// Share of the present speed by which a stop may overshoot it where that is above its ceiling already.
-const MORE: f64 = MOST_OVERSHOOT - 1.0;
 /// Share of a speed or a jerk that is rounding.
 const ROUNDING: f64 = 1e-13;

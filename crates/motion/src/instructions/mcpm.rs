@@ -92,10 +92,8 @@ pub(super) fn execute(
     if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == Some(UnitsMode::Percent) {
         return Err(dynamics_operand.out_of_range());
     }
-    let driven_by = match &link {
-        Some(link) => Some(programmed::driven_by(motion, &lock, link)?),
-        None => None,
-    };
+    let driven_by = link.as_ref().map(|link| programmed::driven_by(motion, &lock, link));
+    let driven_by = driven_by.transpose()?;
     let master = Master::of(driven_by, link);
     let system = &motion.systems[index];
     if !system.travel.can_turn() {
