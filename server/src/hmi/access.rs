@@ -38,7 +38,7 @@ pub(super) fn is_origin(origin: &str, host: &str) -> bool {
 pub(super) enum Asker {
     /// A page of this server, or a person who typed the address.
     Own,
-    /// A page of somebody else.
+    /// A page of another origin.
     Foreign,
     /// No browser: those send one of the two headers.
     NoBrowser,

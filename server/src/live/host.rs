@@ -34,8 +34,6 @@ pub(super) struct LiveHost {
     /// Rungs until the clock is looked at.
     unseen: u32,
     shown_at: Instant,
-    /// The tick of the tags.
-    tick: u64,
 }
 
 impl LiveHost {
@@ -54,7 +52,6 @@ impl LiveHost {
             deadline: None,
             unseen: LOOK_EVERY,
             shown_at: Instant::now(),
-            tick: 0,
         }
     }
 
@@ -75,7 +72,7 @@ impl LiveHost {
         } = self;
         let differs = |tag: &&Placed| shown.get(tag.from..tag.to) != memory.get(tag.from..tag.to);
         let changed: Vec<Placed> = places.tags.iter().filter(differs).copied().collect();
-        self.tick = self.plant.exchange(!changed.is_empty(), |image| {
+        let tick = self.plant.exchange(!changed.is_empty(), |image| {
             let foreign = image.take_foreign_changes();
             let mut both = Both { image, memory, shown };
             both.take(&foreign, &places.tags, numbers, controls);
@@ -88,7 +85,7 @@ impl LiveHost {
             both.image.snapshot_tick()
         });
         self.shown_at = Instant::now();
-        self.tick
+        tick
     }
 
     /// Takes what others have changed, between two rungs.

@@ -148,7 +148,7 @@ impl Prepared {
         let over = Arc::new(AtomicBool::new(false));
         let replacements: Arc<Mutex<Option<Order>>> = Arc::default();
         let (ended, ordered) = (over.clone(), replacements.clone());
-        // Half a tick at most, so that none is missed while the tasks are short.
+        // A quarter of a tick at most, so that none is missed while the tasks are short.
         let pause = Duration::from_nanos(plant.machine().period_ns / 4).clamp(MOMENT, Duration::from_millis(5));
         let thread = std::thread::Builder::new()
             .name("arcline-program".to_owned())

@@ -167,12 +167,14 @@ impl Places {
 /// Whether a tag is the machine's: an axis, a coordinate system or the group.
 fn is_object(image: &Image, tag: &Tag) -> bool {
     let known = image.find(&tag.name).filter(|_| tag.program.is_none());
-    known.is_some_and(|known| {
-        matches!(
-            known.kind,
-            TagKind::Axis(_) | TagKind::CoordinateSystem(_) | TagKind::MotionGroup
-        )
-    })
+    known.is_some_and(|known| is_motion_object(known.kind))
+}
+
+fn is_motion_object(kind: TagKind) -> bool {
+    matches!(
+        kind,
+        TagKind::Axis(_) | TagKind::CoordinateSystem(_) | TagKind::MotionGroup
+    )
 }
 
 /// A tag as clients see it; `None`: they do not.
@@ -255,11 +257,7 @@ fn alias_type(image: &Image, path: &TagPath) -> Option<TagType> {
 impl Directory for Names<'_> {
     fn object_type(&self, name: &str) -> Option<TagType> {
         let tag = self.image.find(name)?;
-        let is_object = matches!(
-            tag.kind,
-            TagKind::Axis(_) | TagKind::CoordinateSystem(_) | TagKind::MotionGroup
-        );
-        is_object.then(|| tag.tag_type.clone())
+        is_motion_object(tag.kind).then(|| tag.tag_type.clone())
     }
 
     fn object(&self, object: Object, name: &str) -> Option<u16> {

@@ -96,9 +96,8 @@ impl Scanner {
     fn run(&mut self, tick: u64) {
         self.state = State::Running;
         self.tick = tick;
-        let status = ProgramState::Running;
         self.program.show(|shown| {
-            shown.state = status;
+            shown.state = ProgramState::Running;
             (shown.scans, shown.last_us, shown.longest_us) = (0, 0, 0);
         });
         let began = self.cell.start(tick * self.period, &mut self.host);

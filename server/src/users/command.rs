@@ -165,7 +165,6 @@ pub(crate) fn run_users(command: &UsersCommand) -> Result<ExitCode, Failure> {
         }),
         UsersCommand::Remove { at, name } => remove(&at.file, "user", name, |users| {
             users.users.retain(|user| user.name != *name);
-            users.users.len()
         }),
         UsersCommand::List { at } => Users::read(&at.file).map_err(CommandError::from).map(|users| {
             users.users.iter().fold(String::new(), |mut out, user| {
@@ -184,7 +183,6 @@ pub(crate) fn run_tokens(command: &TokensCommand) -> Result<ExitCode, Failure> {
         TokensCommand::Add { at, name, role, days } => add_token(&at.file, name, *role, *days),
         TokensCommand::Remove { at, name } => remove(&at.file, "token", name, |users| {
             users.tokens.retain(|token| token.name != *name);
-            users.tokens.len()
         }),
         TokensCommand::List { at } => Users::read(&at.file).map_err(CommandError::from).map(|users| {
             users.tokens.iter().fold(String::new(), |mut out, token| {
@@ -245,16 +243,16 @@ fn change(
     Ok(format!("{}: {name} {what}\n", file.display()))
 }
 
-/// `left` removes the row, and says how many are left.
+/// `drop_row` removes the row of the name.
 fn remove(
     file: &Path,
     kind: &'static str,
     name: &str,
-    left: impl FnOnce(&mut Users) -> usize,
+    drop_row: impl FnOnce(&mut Users),
 ) -> Result<String, CommandError> {
     let mut users = Users::read(file)?;
     let before = users.users.len() + users.tokens.len();
-    left(&mut users);
+    drop_row(&mut users);
     if users.users.len() + users.tokens.len() == before {
         return Err(CommandError::Unknown {
             kind,

@@ -1,6 +1,6 @@
-//! The turns of implicit I/O: what has arrived is taken, what is overdue ends, what is due is sent.
+//! A turn of implicit I/O: it takes the datagrams that have arrived, ends the connections that are overdue, and sends the datagrams that are due.
 //!
-//! What has arrived is taken before a watchdog is looked at, so that a turn that is late itself ends no connection.
+//! Datagrams come before watchdogs, so that a turn that is late itself ends no connection.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -67,7 +67,7 @@ impl IoTurns {
         next.map_or(IDLE, |next| next.saturating_sub(self.io.now()))
     }
 
-    /// Takes what has arrived.
+    /// Takes the datagrams that have arrived, up to a batch.
     fn take(&mut self) -> Arrived {
         for _ in 0..BATCH {
             let Ok((length, from)) = self.io.socket.receive(&mut self.received) else {

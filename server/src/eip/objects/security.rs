@@ -22,8 +22,8 @@ const SUITES: [[u8; 2]; 9] = [
     [0xC0, 0x2F],
     [0xCC, 0xA8],
 ];
-/// A path of two words to the certificate in use: class 0x5F, instance 2.
-const CERTIFICATE: [u8; 5] = [2, 0x20, 0x5F, 0x24, 2];
+/// The instance of the certificate of `[security]`.
+const IN_USE: u8 = 2;
 /// A list without entries, and a path without words.
 const NONE: u8 = 0;
 /// The status of the pull model, which is not there.
@@ -171,7 +171,7 @@ impl Object for EthernetIpSecurity {
             3 | 4 => Ok(suites()),
             // Pre-shared keys.
             5 => u8_value(NONE),
-            6 if has_tls(cx) => Ok([&[1], CERTIFICATE.as_slice()].concat().into()),
+            6 if has_tls(cx) => Ok([&[1], certificate(IN_USE).as_slice()].concat().into()),
             // Certificates in use; authorities and revoked certificates, which are no objects; trusted identities.
             6 | 7 | 8 | 12 => u8_value(NONE),
             // The client's certificate is verified, the chain is sent.
@@ -197,6 +197,16 @@ fn suites() -> Bytes {
     out.put_u8(SUITES.len() as u8);
     out.put_slice(SUITES.as_flattened());
     out.freeze()
+}
+
+/// A path of two words to a certificate: class 0x5F and its instance.
+fn certificate(instance: u8) -> [u8; 5] {
+    [2, 0x20, 0x5F, 0x24, instance]
+}
+
+/// How many certificates there are: instance 1, that of the factory, which is empty; 2, that of `[security]`.
+fn certificates(cx: &ObjectContext<'_, '_>) -> u8 {
+    if has_tls(cx) { IN_USE } else { 1 }
 }
 
 #[derive(Debug)]
@@ -232,9 +242,8 @@ impl Object for CertificateManagement {
         refuse()
     }
 
-    /// 1: the certificate of the factory, which there is none of; 2: that of `[security]`.
     fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        Extent::dense(if has_tls(cx) { 2 } else { 1 }, 5)
+        Extent::dense(certificates(cx).into(), 5)
     }
 
     /// 8: neither push nor pull; 9: name and path of each certificate; 10: PEM.
@@ -242,12 +251,12 @@ impl Object for CertificateManagement {
         match id {
             8 => u32_value(0),
             9 => {
-                let count = if has_tls(cx) { 2 } else { 1 };
+                let count = certificates(cx);
                 let mut out = BytesMut::new();
                 out.put_u8(count);
                 for (name, instance) in NAMES.iter().zip(1..=count) {
                     out.put_slice(&short_string(name));
-                    out.put_slice(&[2, 0x20, 0x5F, 0x24, instance]);
+                    out.put_slice(&certificate(instance));
                 }
                 Ok(out.freeze())
             }
@@ -265,7 +274,7 @@ impl Object for CertificateManagement {
     }
 
     fn attribute(&self, _cx: &ObjectContext<'_, '_>, instance: u32, id: u16) -> Result<Bytes, CipStatus> {
-        let is_configured = instance == 2;
+        let is_configured = instance == u32::from(IN_USE);
         match id {
             1 => Ok(short_string(NAMES[usize::from(is_configured)])),
             2 => u8_value(if is_configured { VERIFIED } else { NON_EXISTENT }),

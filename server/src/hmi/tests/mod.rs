@@ -82,20 +82,19 @@ impl Bench {
     async fn viewer(&self) -> Viewer {
         let origin = format!("http://{}", self.address);
         let socket = self.connect(Some(&origin)).await.expect("a place");
-        let mut viewer = Viewer {
-            socket,
-            next: 1,
-            seen: Vec::new(),
-        };
-        viewer.push("hello").await;
-        viewer
+        Viewer::of(socket).await
     }
 
     async fn connect(&self, origin: Option<&str>) -> Result<Socket, Error> {
+        let origin = origin.map(|origin| ("origin", origin));
+        self.connect_with(origin.as_slice()).await
+    }
+
+    async fn connect_with(&self, headers: &[(&str, &str)]) -> Result<Socket, Error> {
         let mut request = format!("ws://{}/ws", self.address).into_client_request()?;
-        if let Some(origin) = origin {
-            let origin = origin.parse().expect("a header");
-            request.headers_mut().insert("origin", origin);
+        for (name, value) in headers {
+            let name: tokio_tungstenite::tungstenite::http::HeaderName = name.parse().expect("a name");
+            request.headers_mut().insert(name, value.parse().expect("a header"));
         }
         connect_async(request).await.map(|(socket, _)| socket)
     }
@@ -111,6 +110,17 @@ struct Viewer {
 }
 
 impl Viewer {
+    /// The viewer of a socket, greeted.
+    async fn of(socket: Socket) -> Self {
+        let mut viewer = Viewer {
+            socket,
+            next: 1,
+            seen: Vec::new(),
+        };
+        viewer.push("hello").await;
+        viewer
+    }
+
     async fn send(&mut self, text: impl Into<String>) {
         let text: String = text.into();
         self.socket.send(Message::text(text)).await.expect("it reads");

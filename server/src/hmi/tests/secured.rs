@@ -106,23 +106,11 @@ impl Secured {
     }
 
     pub(super) async fn viewer(&self, headers: &[(&str, &str)]) -> Viewer {
-        let socket = self.connect(headers).await.expect("a place");
-        let mut viewer = Viewer {
-            socket,
-            next: 1,
-            seen: Vec::new(),
-        };
-        viewer.push("hello").await;
-        viewer
+        Viewer::of(self.connect(headers).await.expect("a place")).await
     }
 
     pub(super) async fn connect(&self, headers: &[(&str, &str)]) -> Result<Socket, Error> {
-        let mut request = format!("ws://{}/ws", self.bench.address).into_client_request()?;
-        for (name, value) in headers {
-            let name: tokio_tungstenite::tungstenite::http::HeaderName = name.parse().expect("a name");
-            request.headers_mut().insert(name, value.parse().expect("a header"));
-        }
-        connect_async(request).await.map(|(socket, _)| socket)
+        self.bench.connect_with(headers).await
     }
 
     /// A page that has logged in.
