@@ -11,7 +11,7 @@ use std::time::Duration;
 use arcline_config::Project;
 use arcline_controller::{Controller, Snapshot};
 use arcline_realtime::{Planning, Rings};
-use arcline_state::{Disk, Ended, Pace, Place, Task};
+use arcline_state::{Disk, Ended, LockedFile, Pace, Task};
 
 pub use crate::eip::Datagrams;
 use crate::eip::Settings;
@@ -52,8 +52,8 @@ impl<D: Disk> Stepped<D> {
         let failed = |error: &dyn std::fmt::Display| StartError(error.to_string());
         let state = match disk {
             Some((disk, file, pace)) => {
-                let place = Place::lock_on(disk, file).map_err(|error| failed(&error))?;
-                Some(SteppedState::open(place, pace, &mut project).map_err(|error| failed(&error))?)
+                let locked = LockedFile::lock_on(disk, file).map_err(|error| failed(&error))?;
+                Some(SteppedState::open(locked, pace, &mut project).map_err(|error| failed(&error))?)
             }
             None => None,
         };

@@ -568,7 +568,7 @@ impl RobotProgram {
                 let [x, y, z] = robot
                     .forward([joints[0], joints[1], joints[2]])
                     .expect("joints of the robot");
-                let wanted = frame.place(&Point::new(source[0], source[1], source[2]));
+                let wanted = frame.transform_point(&Point::new(source[0], source[1], source[2]));
                 [(Point::new(x, y, z) - wanted).norm(), 0.0]
             }
         };

@@ -87,17 +87,17 @@ impl Axes {
 
     fn read_links(&mut self, axis: AxisId, clock: &Clock) {
         if !self[axis].links.is_empty() {
-            let mut place = 0;
+            let mut index = 0;
             loop {
-                let Some(link) = self[axis].links.iter().nth(place) else {
+                let Some(link) = self[axis].links.iter().nth(index) else {
                     break;
                 };
                 let master = &link.master;
                 let at = self.master_at(master.axis, master.reference, clock);
-                if let Some(link) = self[axis].links.iter_mut().nth(place) {
+                if let Some(link) = self[axis].links.iter_mut().nth(index) {
                     link.master.read(&at, clock);
                 }
-                place += 1;
+                index += 1;
             }
         }
         for kind in GeneratorKind::GUIDED {

@@ -376,11 +376,11 @@ fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) ->
         return limits;
     }
     let mut jerk = unlimited;
-    for (place, axis) in system.linear().iter().enumerate() {
+    for (member, axis) in system.linear().iter().enumerate() {
         if let Some(axis) = machine.axes.get(usize::from(*axis)) {
-            limits.speed[place] = axis.max_speed;
-            limits.acceleration[place] = axis.max_acceleration.min(axis.max_deceleration);
-            jerk[place] = axis.max_acceleration_jerk.min(axis.max_deceleration_jerk);
+            limits.speed[member] = axis.max_speed;
+            limits.acceleration[member] = axis.max_acceleration.min(axis.max_deceleration);
+            jerk[member] = axis.max_acceleration_jerk.min(axis.max_deceleration_jerk);
         }
     }
     limits.jerk = Some(jerk);

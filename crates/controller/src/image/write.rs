@@ -113,17 +113,17 @@ impl Image {
     /// # Errors
     /// As [`Image::locate`] and [`Image::write`].
     pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Option<Edge>, WriteError> {
-        let (id, place) = self.locate(path)?;
-        if let Some(bit) = place.bit {
-            return self.write_bit(id, place.offset, bit, value.as_bool());
+        let (id, location) = self.locate(path)?;
+        if let Some(bit) = location.bit {
+            return self.write_bit(id, location.offset, bit, value.as_bool());
         }
-        let DataType::Elementary(kind) = place.data_type else {
-            return Err(not_a_value(path, &place).into());
+        let DataType::Elementary(kind) = location.data_type else {
+            return Err(not_a_value(path, &location).into());
         };
         let mut bytes = [0; 8];
         let bytes = &mut bytes[..kind.size()];
         value.convert(kind).write(bytes);
-        self.write(id, place.offset, bytes)
+        self.write(id, location.offset, bytes)
     }
 
     /// Whether a bit of a tag is the `EnableIn` of an instruction tag.

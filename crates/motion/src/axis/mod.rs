@@ -361,7 +361,7 @@ impl Axis {
 
     pub(super) fn stand_at(&mut self, position: f64) {
         self.after_stop = AfterStop::Hold;
-        self.sum.place(position);
+        self.sum.set_position(position);
         self.command = KinematicState::at_rest(position);
     }
 }

@@ -163,7 +163,7 @@ impl Motion {
         }
         let position = self.set_points[id.index()].position + self.axes[id].redefined;
         let axis = &mut self.axes[id];
-        axis.sum.place(position);
+        axis.sum.set_position(position);
         axis.command = KinematicState::at_rest(position);
     }
 }
