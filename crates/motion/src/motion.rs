@@ -194,7 +194,10 @@ impl Motion {
     /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
     /// Real-time as far as `report` is; bounded by the axes.
     pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
-        for (index, axis) in self.axes.ids().zip(self.axes.iter_mut()) {
+        for (index, axis) in self.axes.ids().zip(self.axes.all_mut()) {
+            if axis.dormant {
+                continue;
+            }
             if let Some(change) = axis.faults.take_change(self.clock.tick, index) {
                 report(&change);
             }

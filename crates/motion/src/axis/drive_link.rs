@@ -114,6 +114,17 @@ impl Axis {
         self.average.take(self.actual.position - self.redefined);
     }
 
+    /// Whether the next exchange would leave the axis as it is: it brings the same feedback, or the axis has no drive.
+    pub(crate) fn is_unchanged_by(&self, feedback: Option<&Feedback>) -> bool {
+        !self.has_drive() || feedback.is_some_and(|feedback| *feedback == self.link.feedback)
+    }
+
+    /// Whether the same feedback once more would change nothing.
+    pub(super) fn is_link_steady(&self) -> bool {
+        let link = &self.link;
+        link.lost == 0 && link.stood == 0.0 && link.feedback.latches.iter().all(Option::is_none) && !self.has_gone_off()
+    }
+
     fn set_actual(&mut self, actual: KinematicState) {
         self.link.lag = self.command - actual;
         self.actual = actual;

@@ -26,6 +26,9 @@ impl Motion {
         let mut refused = AxisSet::default();
         let mut first = None;
         for id in self.axes.ids() {
+            if self.axes[id].dormant {
+                continue;
+            }
             let Some(command) = self.refused_command(id) else {
                 continue;
             };
