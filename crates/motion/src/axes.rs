@@ -55,10 +55,10 @@ impl Axes {
 
     /// Every axis, to be changed: wakes all.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
-        self.axes.iter_mut().map(|axis| {
+        for axis in &mut self.axes {
             axis.dormant = false;
-            axis
-        })
+        }
+        self.axes.iter_mut()
     }
 
     /// The axes that a tick does not pass over.

@@ -52,7 +52,7 @@ impl Transforms {
             *point = self.before_feedback(axes, *axis, id);
             point.position -= cancelled;
         }
-        let target = transform.to_target(&source).and_then(|target| {
+        let target = transform.target_of(&source).and_then(|target| {
             if !transform.is_led_by_others() {
                 within_speeds(transform, axes, [&transform.target_before, &target], period)?;
             }
@@ -119,7 +119,7 @@ impl Transforms {
     fn set_points_of(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Result<Side, MotionError> {
         let source = self.source_without_feedback(axes, id, transform);
         let Map::Robot(robot) = &transform.map else {
-            return transform.to_target(&source);
+            return transform.target_of(&source);
         };
         if source == transform.source_before {
             return Ok(transform.target_before);
@@ -134,7 +134,7 @@ impl Transforms {
         let mut own = *robot;
         own.note_joints(positions(&transform.with(&added)));
         moved.map = Map::Robot(own);
-        let mut target = moved.to_target(&whole)?;
+        let mut target = moved.target_of(&whole)?;
         for (target, added) in target.iter_mut().zip(&added) {
             target.position -= added.position;
             target.velocity -= added.velocity;
@@ -173,7 +173,7 @@ impl Transforms {
         }
         let source = self.source_without_feedback(axes, id, &transform);
         // It cannot fail: it has been verified for this position.
-        let placed = transform.to_target(&source).unwrap_or_default();
+        let placed = transform.target_of(&source).unwrap_or_default();
         transform.source_before = source;
         for (index, axis) in target_axes.iter().enumerate() {
             let part = &mut axes[*axis].transforms;

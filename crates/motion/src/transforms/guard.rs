@@ -209,7 +209,7 @@ impl Present<'_> {
                 point.position += point.velocity * seconds * share;
                 point.velocity *= (1.0 - share).sqrt();
             }
-            let led = robot.to_target(&there)?;
+            let led = robot.target_of(&there)?;
             robot.follow_joints(&led);
             for (index, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
                 if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + ROUNDING) {
@@ -291,7 +291,7 @@ impl Stop<'_> {
         let mut look = Look { at, ..self.now };
         if self.transform.source_moves {
             let source = self.present.source_ahead(self.transform, self.ahead);
-            look.led = self.robot.to_target(&source)?;
+            look.led = self.robot.target_of(&source)?;
         }
         for (axis, own) in self.transform.target.iter().zip(&mut look.own) {
             *own = self.ahead.step(*axis);

@@ -91,7 +91,7 @@ impl Present<'_> {
                 })
             });
             // Where the joints cannot be found the move comes to rest before.
-            let Ok(joints) = transform.to_target(&source) else {
+            let Ok(joints) = transform.target_of(&source) else {
                 return 0.0;
             };
             for (axis, joint) in transform.target.iter().zip(&joints) {
@@ -168,7 +168,7 @@ impl Present<'_> {
             let goal = f64::from(step) / f64::from(STEPS);
             let mut next = goal;
             while here < goal {
-                let there = robot.to_target(&source(next))?;
+                let there = robot.target_of(&source(next))?;
                 looks -= 1;
                 if looks > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
                     if next - here < FINEST {
@@ -212,7 +212,7 @@ impl Present<'_> {
         let rises = way.joints[0][way.index].velocity > 0.0;
         for _ in 0..HALVES {
             let middle = 0.5 * (low + high);
-            let joints = robot.to_target(&source(middle))?;
+            let joints = robot.target_of(&source(middle))?;
             self.verify_joints(transform, &joints, limits)?;
             if (joints[way.index].velocity > 0.0) == rises {
                 low = middle;

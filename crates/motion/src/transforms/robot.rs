@@ -171,7 +171,7 @@ impl RobotMap {
     }
 
     /// The inverse or forward transform, whichever leads from the source to the target.
-    pub(super) fn to_target(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => self.wrist_joints(wrist, source),
             (Mechanism::Arm { frame, robot, arm }, Joints::Target) => {
@@ -190,7 +190,7 @@ impl RobotMap {
     }
 
     /// The other one.
-    pub(super) fn to_source(&self, target: &Side) -> Result<Side, MotionError> {
+    pub(super) fn source_of(&self, target: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
                 let point = wrist.point(target).map_err(refused)?;
@@ -224,7 +224,7 @@ impl RobotMap {
             let joints = robot.inverse(three(&tool), *arm).map_err(refused)?;
             self.last[0] = joints[0].position;
         }
-        let joints = self.to_target(source)?;
+        let joints = self.target_of(source)?;
         self.follow_joints(&joints);
         Ok(joints)
     }

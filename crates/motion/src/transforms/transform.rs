@@ -105,7 +105,7 @@ impl Transform {
     ///
     /// # Errors
     /// Where a robot cannot be.
-    pub(super) fn to_target(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         let mut placed = match &self.map {
             Map::Frames(frame) => {
                 let [position, velocity, acceleration] = vectors(source);
@@ -115,7 +115,7 @@ impl Transform {
                     frame.transform_vector(&acceleration),
                 ])
             }
-            Map::Robot(robot) => robot.to_target(source)?,
+            Map::Robot(robot) => robot.target_of(source)?,
         };
         for (point, offset) in placed.iter_mut().zip(self.offset) {
             point.position += offset;
@@ -134,7 +134,7 @@ impl Transform {
             )),
             Map::Robot(_) if *added == Side::default() => Ok(Side::default()),
             Map::Robot(robot) => {
-                let mut back = robot.to_source(&self.with(added))?;
+                let mut back = robot.source_of(&self.with(added))?;
                 for (back, above) in back.iter_mut().zip(&self.source_before) {
                     back.position -= above.position;
                     back.velocity -= above.velocity;
@@ -215,12 +215,12 @@ impl Transform {
                     acceleration,
                 ])))
             }
-            Map::Robot(robot) => Ok(positions(&robot.to_source(&target)?)),
+            Map::Robot(robot) => Ok(positions(&robot.source_of(&target)?)),
         }
     }
 
     /// Whether the target could be led while the source is there, and moves.
     pub(crate) fn verify(&self, source: &Positions) -> Result<(), MotionError> {
-        self.to_target(&at_rest(source)).map(drop)
+        self.target_of(&at_rest(source)).map(drop)
     }
 }
