@@ -661,11 +661,19 @@ fn most(place: usize, oriented: bool) -> f64 {
 /// When one fails, with the program.
 pub fn run(scope: &Scope, long: u64) {
     for seed in seeds(long) {
-        let mut one = RobotProgram::new(seed, scope);
-        let result = catch_unwind(AssertUnwindSafe(|| one.play()));
-        if result.is_err() {
-            println!("{}", one.config);
-            panic!("seed {seed}, {:.3} s:\n{}", one.ticks as f64 * one.period, one.text);
-        }
+        run_one(scope, seed);
+    }
+}
+
+/// Runs the program of a seed.
+///
+/// # Panics
+/// When it fails, with the program.
+pub fn run_one(scope: &Scope, seed: u64) {
+    let mut one = RobotProgram::new(seed, scope);
+    let result = catch_unwind(AssertUnwindSafe(|| one.play()));
+    if result.is_err() {
+        println!("{}", one.config);
+        panic!("seed {seed}, {:.3} s:\n{}", one.ticks as f64 * one.period, one.text);
     }
 }
