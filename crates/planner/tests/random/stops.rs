@@ -79,9 +79,7 @@ fn until_the_stop(random: &mut Random) -> Option<(Planner<usize>, Clock)> {
             let Some(MoveEvent::HandOver(at) | MoveEvent::Reached(at)) = planner.event(&clock) else {
                 break;
             };
-            if planner.hand_over(at, &clock).is_none() {
-                return None;
-            }
+            planner.hand_over(at, &clock)?;
         }
         planner.look_on(&clock);
     }
