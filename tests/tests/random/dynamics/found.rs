@@ -96,9 +96,15 @@ fn a_blend_waits_for_what_ramps_out_beside_the_move() {
     let dynamics = "101.298, 0, 471.359, 0, 127.712, 0, 0, 100, 100, 2";
     let mut bench = Bench::new();
     let calls = [
-        (format!("MCLM(XY, M2, 1, [-39.635, -28.315], {dynamics}, 3, 2, 1, 5)"), 149),
+        (
+            format!("MCLM(XY, M2, 1, [-39.635, -28.315], {dynamics}, 3, 2, 1, 5)"),
+            149,
+        ),
         (format!("MCLM(XY, M3, 1, [-8.810, 1.246], {dynamics}, 3, 2, 0, 5)"), 212),
-        (format!("MCLM(XY, M4, 1, [-56.580, -5.441], {dynamics}, 2, 0, 1, 5)"), 400),
+        (
+            format!("MCLM(XY, M4, 1, [-56.580, -5.441], {dynamics}, 2, 0, 1, 5)"),
+            400,
+        ),
     ];
     let mut fastest = 0.0_f64;
     for (call, ticks) in calls {
