@@ -175,6 +175,7 @@ fn content(node: Node<'_, '_>) -> Content {
                 number: number(rung),
                 kind: rung.attribute("Type").unwrap_or("N").to_owned(),
                 text: child(rung, "Text").map_or_else(|| ";".to_owned(), text_of),
+                comment: child(rung, "Comment").map_or_else(String::new, comment_of),
             });
             Content::Ladder(rungs.collect())
         }
@@ -190,6 +191,12 @@ fn content(node: Node<'_, '_>) -> Content {
         "RLL" | "ST" => Content::Other("encoded content".to_owned()),
         other => Content::Other(other.to_owned()),
     }
+}
+
+/// A comment, in the first of its languages.
+fn comment_of(node: Node<'_, '_>) -> String {
+    let mut parts = node.descendants().map(text_of).map(|text| text.trim().to_owned());
+    parts.find(|text| !text.is_empty()).unwrap_or_default()
 }
 
 /// All text of an element, which CDATA may split.

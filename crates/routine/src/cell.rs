@@ -3,7 +3,7 @@
 use arcline_instruction_set::{ControlSlot, MotionControl, Object};
 
 use crate::code::{Argument, Code, When};
-use crate::compile::{Compiler, Directory};
+use crate::compile::{Compiler, Directory, Known};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
@@ -28,13 +28,19 @@ pub struct Cell {
 }
 
 /// A project that was read.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Loaded {
     /// What runs.
     pub cell: Cell,
     /// What does not.
     pub findings: Vec<Finding>,
+    /// The names of its tags and types, for a [`Listing`](crate::Listing).
+    pub names: Names,
 }
+
+/// The names of a project that was loaded.
+#[derive(Debug)]
+pub struct Names(pub(crate) Known);
 
 /// Compiles a project for a machine.
 pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
@@ -45,7 +51,7 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
         Some((tag.at, tag.at + tag.tag_type.size() as u32, *id))
     });
     let shared = shared.collect();
-    let mut state = State::new(compiler.tags.bytes, &compiler.code);
+    let mut state = State::new(std::mem::take(&mut compiler.tags.bytes), &compiler.code);
     (state.objects, state.controls, state.shared) = (compiler.objects, compiler.controls, shared);
     let code = compiler.code;
     let mut order: Vec<usize> = (0..code.tasks.len()).collect();
@@ -64,17 +70,26 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
         order,
         code,
         state,
-        tags: compiler.tags.list,
+        tags: compiler.tags.list.clone(),
         next_scan: 0,
         phase: None,
     };
     Loaded {
         cell,
         findings: compiler.findings,
+        names: Names(Known {
+            types: compiler.types,
+            tags: compiler.tags,
+        }),
     }
 }
 
 impl Cell {
+    /// The code and what it runs on.
+    pub(crate) fn parts_mut(&mut self) -> (&Code, &mut State) {
+        (&self.code, &mut self.state)
+    }
+
     /// The tags, in the order of the file.
     pub fn tags(&self) -> &[Tag] {
         &self.tags
@@ -415,7 +430,7 @@ pub struct Condition {
 }
 
 /// `Program:Main.Done` as routines write it: `\Main.Done`.
-fn program_scopes(text: &str) -> String {
+pub(crate) fn program_scopes(text: &str) -> String {
     let mut result = String::new();
     let mut rest = text;
     while let Some(place) = rest.to_ascii_lowercase().find("program:") {

@@ -360,6 +360,8 @@ pub(crate) struct Routine {
     pub(crate) name: TextId,
     /// The program or add-on instruction.
     pub(crate) program: TextId,
+    /// The number of the program; `None`: of an add-on instruction.
+    pub(crate) of_program: Option<u32>,
     pub(crate) body: Body,
 }
 

@@ -9,6 +9,8 @@ mod reference;
 mod statement;
 mod system;
 
+pub(crate) use expression::status_of;
+
 use std::collections::BTreeMap;
 
 use arcline_instruction_set::{ControlSlot, Object};
@@ -34,6 +36,13 @@ pub trait Directory {
     fn tag(&mut self, name: &str, tag_type: &TagType) -> Option<u32>;
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)>;
+}
+
+/// The types of a project and the names of its tags.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    pub(crate) types: Types,
+    pub(crate) tags: Tags,
 }
 
 /// What a routine belongs to.
@@ -89,24 +98,32 @@ pub(crate) type Wrong = String;
 impl<'p> Compiler<'p> {
     pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory) -> Self {
         let mut types = Types::new(project);
-        let mut findings = Vec::new();
-        for (name, reason) in &types.wrong {
-            findings.push(Finding {
-                kind: FindingKind::Type,
-                name: name.clone(),
-                reason: reason.clone(),
-                program: None,
-                routine: None,
-                place: None,
-            });
-        }
+        let of_type = |(name, reason): &(String, String)| Finding {
+            kind: FindingKind::Type,
+            name: name.clone(),
+            reason: reason.clone(),
+            program: None,
+            routine: None,
+            place: None,
+        };
+        let mut findings: Vec<Finding> = types.wrong.iter().map(of_type).collect();
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
+        let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
+        compiler.findings = findings;
+        compiler.uses_carry = uses_carry(project);
+        compiler.motion_objects();
+        compiler
+    }
+
+    /// A compiler for single operands of a project whose names are known.
+    pub(crate) fn with_names(project: &'p Project, directory: &'p mut dyn Directory, known: Known) -> Self {
+        let Known { types, tags } = known;
         let mut compiler = Compiler {
             project,
             types,
             tags,
             code: Code::default(),
-            findings,
+            findings: Vec::new(),
             directory,
             texts: BTreeMap::new(),
             routines: BTreeMap::new(),
@@ -120,12 +137,11 @@ impl<'p> Compiler<'p> {
             objects: Vec::new(),
             controls: Vec::new(),
             shared: BTreeMap::new(),
-            uses_carry: uses_carry(project),
+            uses_carry: false,
         };
         for text in FIRST_TEXTS {
             compiler.text(text);
         }
-        compiler.motion_objects();
         compiler
     }
 
@@ -219,9 +235,14 @@ impl<'p> Compiler<'p> {
             self.owners.push(owner);
             let name = self.text(&source.name);
             let program = self.text(&self.owner_name());
+            let of_program = match owner {
+                Owner::Program(number) => u32::try_from(number).ok(),
+                Owner::AddOn(_) => None,
+            };
             self.code.routines.push(Routine {
                 name,
                 program,
+                of_program,
                 body: Body::Ladder(Box::default()),
             });
         }

@@ -184,6 +184,8 @@ pub struct RungSource {
     pub kind: String,
     /// Neutral text.
     pub text: String,
+    /// What its writer says about it; empty: nothing.
+    pub comment: String,
 }
 
 /// A task.

@@ -62,6 +62,7 @@ pub(crate) fn routine(name: &str, text: &str) -> RoutineSource {
                     number,
                     kind: "N".to_owned(),
                     text: text.to_owned(),
+                    comment: String::new(),
                 })
                 .collect(),
         ),

@@ -32,6 +32,7 @@ fn ladder(name: &str, rungs: &[&str]) -> RoutineSource {
         number,
         kind: "N".to_owned(),
         text: (*text).to_owned(),
+        comment: String::new(),
     });
     RoutineSource {
         name: name.to_owned(),

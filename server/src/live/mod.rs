@@ -19,7 +19,7 @@ use arcline_config::Project as Configuration;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Finding, FindingKind, Loaded};
+use arcline_routine::{Cell, Finding, FindingKind, Listing, Loaded};
 
 use crate::cli::Failure;
 use crate::plant::{Mode, Plant, Program, machine_changes};
@@ -77,9 +77,15 @@ pub(crate) struct Replacement {
 
 /// A project on a machine, before the machine runs.
 pub(crate) struct Prepared {
+    bound: Bound,
+    given: Given,
+}
+
+/// A project whose tags are tags of the machine.
+struct Bound {
     cell: Cell,
     places: Places,
-    given: Given,
+    listing: Listing,
 }
 
 /// A program as the command line or the configuration names it.
@@ -133,14 +139,15 @@ impl Prepared {
         let Given { file, missing, .. } = &given;
         let source = read(file)?;
         let bound = bind(machine, image, &source, *missing);
-        let (cell, places) = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
-        Ok(Prepared { cell, places, given })
+        let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
+        Ok(Prepared { bound, given })
     }
 
     /// Runs it on a thread of its own.
     pub(crate) fn spawn(self, plant: &Plant) -> std::io::Result<Live> {
-        let Prepared { cell, places, given } = self;
-        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode));
+        let Prepared { bound, given } = self;
+        let Bound { cell, places, listing } = bound;
+        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode, listing));
         plant.set_program(program.clone());
         plant.exchange(false, Image::follow_for_program);
         let pause = Box::new(|| std::thread::sleep(MOMENT));
@@ -228,9 +235,13 @@ impl Drop for Live {
 }
 
 /// Loads a project on a machine, and makes its tags tags of the machine.
-fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
-    let mut names = Names::new(machine, image);
-    let Loaded { mut cell, findings } = arcline_routine::load(source, &mut names);
+fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
+    let mut directory = Names::new(machine, image);
+    let Loaded {
+        mut cell,
+        findings,
+        names,
+    } = arcline_routine::load(source, &mut directory);
     let mut wrong = blocking(&findings, missing).cloned();
     if let Some(first) = wrong.next() {
         let rest: Vec<Finding> = wrong.collect();
@@ -240,21 +251,20 @@ fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing
             rest: rest.into_iter().take(SHOWN).collect(),
         });
     }
-    let places = names.place(&mut cell, source)?;
-    Ok((cell, places))
+    let places = directory.place(&mut cell, source)?;
+    Ok(Bound {
+        cell,
+        places,
+        listing: Listing::new(source.clone(), names),
+    })
 }
 
 /// The same on a machine that has a program, whose other tags go.
-fn rebind(
-    machine: &Machine,
-    image: &mut Image,
-    source: &Project,
-    missing: Missing,
-) -> Result<(Cell, Places), LoadError> {
+fn rebind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
     // On a copy without the tags of the present program, whatever is wrong changes nothing.
     let mut copy = image.clone();
     copy.remove_program_tags(|_| false);
-    let (cell, _) = bind(machine, &mut copy, source, missing)?;
+    let Bound { cell, .. } = bind(machine, &mut copy, source, missing)?;
     remove_others(image, &cell);
     bind(machine, image, source, missing)
 }

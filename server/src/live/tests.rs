@@ -69,12 +69,12 @@ impl Bench {
         project.tags.clear();
         let mut image = image_of(&project);
         let bound = bind(&project.machine, &mut image, &source(text), Missing::Refused);
-        let (cell, places) = bound.unwrap_or_else(|error| panic!("{error}"));
+        let Bound { cell, places, listing } = bound.unwrap_or_else(|error| panic!("{error}"));
         let (rings, link) = arcline_realtime::link(&project.machine);
         let machine = Arc::new(Mutex::new((Controller::new(&project.machine), rings)));
         let plant = Plant::with(&project, link, image, None);
         plant.roles().set(1, Role::Engineer);
-        let program = Arc::new(Program::new("Cell.L5X".to_owned(), mode));
+        let program = Arc::new(Program::new("Cell.L5X".to_owned(), mode, listing));
         plant.set_program(program.clone());
         plant.exchange(false, Image::follow_for_program);
         let other = machine.clone();

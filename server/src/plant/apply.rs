@@ -302,6 +302,20 @@ impl Transaction<'_> {
                 self.shared.program.get().ok_or(Refused::NoProgram)?.ask(mode);
                 None
             }
+            Command::Force(force) => {
+                let program = self.shared.program.get().ok_or(Refused::NoProgram)?;
+                program.forces.set(force.clone())?;
+                None
+            }
+            Command::RemoveForce(name) => {
+                self.shared
+                    .program
+                    .get()
+                    .ok_or(Refused::NoProgram)?
+                    .forces
+                    .remove(name)?;
+                None
+            }
             Command::CreateTag(tag) => return Ok(Outcome::Created(self.state.image_mut().create(tag)?)),
             Command::DeleteTag(tag) => {
                 self.state.image_mut().delete(tag)?;

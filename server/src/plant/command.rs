@@ -9,7 +9,7 @@ use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Given, Mnemonic, SystemId};
 
-use super::{CallRefused, Executed, Lost, Mode, Mover, Principal, Right};
+use super::{CallRefused, Executed, Force, ForceError, Lost, Mode, Mover, Principal, Right};
 use crate::retained::NotPersisted;
 
 /// A change of the machine.
@@ -70,6 +70,10 @@ pub enum Command<'a> {
     RungFalse(Mnemonic, ControlSlot),
     /// Lets the controller's program run, or stops it.
     SetMode(Mode),
+    /// Forces an input of a module: the controller's program sees this value.
+    Force(&'a Force),
+    /// Removes the force of an input by its name, or all forces.
+    RemoveForce(Option<&'a str>),
     /// Creates a tag.
     CreateTag(&'a PlainTag),
     /// Deletes a tag that was created.
@@ -178,6 +182,9 @@ pub enum Refused {
         "the controller has no program: start it with one (arcline-server run PROJECT.L5X, or `program` in [controller])"
     )]
     NoProgram,
+    /// An input was not forced.
+    #[error(transparent)]
+    Force(#[from] ForceError),
     /// It is done, but may not be so after a restart.
     #[error(transparent)]
     NotPersisted(#[from] NotPersisted),

@@ -55,6 +55,7 @@ rights! {
     OverrideAbove:     Engineer,      "override above 100",  "set feed overrides above 100 %";
     RunProgram:        Engineer,      "run programs",        "run Structured Text and G-code on the page; step and continue";
     ChangeMode:        Engineer,      "change the mode",     "let the program of the controller run, or stop it (Run and Program mode)";
+    Force:             Engineer,      "force inputs",        "force inputs of modules for the program of the controller, and remove forces";
     ChangeTags:        Engineer,      "change tags",         "create and delete tags";
     SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
     InjectFaults:      Engineer,      "inject faults",       "inject faults";
@@ -95,6 +96,7 @@ impl Right {
             // The instruction was executed before.
             Command::RungFalse(..) => Right::Stop,
             Command::SetMode(_) => Right::ChangeMode,
+            Command::Force(_) | Command::RemoveForce(_) => Right::Force,
             Command::CreateTag(_) | Command::DeleteTag(_) => Right::ChangeTags,
             Command::Reload { .. } | Command::Lose { .. } | Command::Disown(_) => Right::Serve,
         }

@@ -46,7 +46,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         Missing::Refused
     };
     let loaded = plant.load(&source, missing);
-    let Loaded { mut cell, findings } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
+    let Loaded { mut cell, findings, .. } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
     refuse(&file, &findings, missing)?;
     let until = args.until.as_deref().map(|text| {
         let condition = plant.with_names(|names| cell.condition(&source, names, text));

@@ -1,8 +1,8 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
-use super::{Exit, MAX_CALLS, Run, Scan};
+use super::Number;
+use super::{Cursor, Exit, MAX_CALLS, Run, Scan};
 use crate::code::{Argument, Body, Instruction, Node, Transfer};
-use crate::run::value::Number;
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -19,7 +19,15 @@ impl<'s> Scan<'s> {
         self.s.routine = number;
         self.s.depth += 1;
         let ran = match &routine.body {
-            Body::Ladder(rungs) => self.rungs(rungs),
+            Body::Ladder(rungs) => match self.s.traces.iter().position(|trace| trace.routine == number) {
+                None => self.rungs::<false>(rungs),
+                Some(trace) => {
+                    let outer = std::mem::replace(&mut self.s.trace, Cursor { trace, bit: 0 });
+                    let ran = self.rungs::<true>(rungs);
+                    self.s.trace = outer;
+                    ran
+                }
+            },
             Body::Text(statements) => self.statements(statements),
         };
         self.s.depth -= 1;
@@ -35,7 +43,8 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    fn rungs(&mut self, rungs: &'s [crate::code::Rung]) -> Run<()> {
+    /// The rungs of a routine; `TRACED`: someone looks at their power flow.
+    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [crate::code::Rung]) -> Run<()> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
             self.s.line = rung.number;
@@ -47,7 +56,10 @@ impl<'s> Scan<'s> {
                 passed => passed?,
             }
             let power = !self.s.prescan && !self.s.zone;
-            match self.nodes(&rung.nodes, power) {
+            if TRACED {
+                self.s.trace_rung(next, power);
+            }
+            match self.nodes::<TRACED>(&rung.nodes, power) {
                 Ok(_) => next += 1,
                 Err(Exit::Jump(rung)) => next = rung as usize,
                 Err(Exit::Return) => return Ok(()),
@@ -57,7 +69,7 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    fn nodes(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
+    fn nodes<const TRACED: bool>(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
         for node in nodes {
             power = match node {
                 Node::Xic(at, mask) => power && self.has(*at, *mask),
@@ -82,12 +94,15 @@ impl<'s> Scan<'s> {
                     let mut out = false;
                     for leg in legs {
                         self.s.budget -= leg.len() as i64;
-                        out |= self.nodes(leg, power)?;
+                        out |= self.nodes::<TRACED>(leg, power)?;
                     }
                     out
                 }
                 Node::Instruction(instruction) => self.instruction(instruction, power)?,
             };
+            if TRACED {
+                self.s.trace_power(power);
+            }
         }
         Ok(power)
     }
