@@ -23,7 +23,7 @@ const STATES = { stopped: ["Program mode", "warn"], running: ["Run mode", "good"
  */
 
 export class Controller {
-  title = "Controller";
+  title = "Logic";
   /** @type {RoutineList | null} */
   list = null;
   /** @type {Routine[]} */
@@ -112,8 +112,7 @@ export class Controller {
     const { fault } = status;
     if (fault && this.fault.dataset.text !== fault.text) {
       this.fault.dataset.text = fault.text;
-      const value = fault.operand === null ? "" : `${fault.operand} is ${fault.value}`;
-      fill(this.fault, h("div.row", {}, h("strong", {}, fault.text), h("span.spring"), value && h("span.chip.bad", {}, value),
+      fill(this.fault, h("div.row", {}, h("strong", {}, fault.text), h("span.spring"),
         fault.routine !== null && h("button", { type: "button", onclick: () => this.#showFault() }, "Show the rung")));
     } else if (!fault && this.fault.dataset.text) {
       delete this.fault.dataset.text;

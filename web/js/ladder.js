@@ -15,7 +15,7 @@ const UP = 26;
 const DOWN = 16;
 const CONTACT = 34;
 /** The room of a value in a box, characters. */
-const VALUE = 12;
+const VALUE = 9;
 const MOST_VALUE = 18;
 
 /** Instructions that are drawn as a contact or a coil, and the sign between its lines. @type {Record<string, [kind: "contact" | "coil", sign: string]>} */

@@ -225,7 +225,7 @@ export interface Requests {
     };
     answer: RoutinePage;
   };
-  /** Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most ten times a second, in place of those looked at before. Without a routine it ends. */
+  /** Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most five times a second, in place of those looked at before. Without a routine it ends. */
   look: {
     fields: {
       /** How many. */

@@ -1,6 +1,7 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
 mod instructions;
+mod looked;
 mod mended;
 mod projects;
 mod texts;

@@ -183,6 +183,13 @@ fn a_scan_allocates_nothing() {
 }
 
 #[test]
+fn a_scan_that_someone_looks_at_allocates_nothing() {
+    let mut cell = started();
+    cell.trace(0..8);
+    assert_no_alloc(|| run(&mut cell));
+}
+
+#[test]
 fn a_hundred_runs_give_the_same_bytes() {
     let mut first = started();
     run(&mut first);

@@ -175,4 +175,4 @@ impl Scanner {
 }
 
 /// Shortest time between two samples of what viewers look at.
-const SHOW_EVERY: Duration = Duration::from_millis(100);
+const SHOW_EVERY: Duration = Duration::from_millis(200);

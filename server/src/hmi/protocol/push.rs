@@ -43,7 +43,7 @@ pub(crate) enum Push<'s> {
     },
     /// Comes when the program has changed.
     Program(ProgramStatus<'s>),
-    /// Comes when what is looked at has changed, at most ten times a second. The first one has all rows.
+    /// Comes when what is looked at has changed, at most five times a second. The first one has all rows.
     Look {
         /// Number of the routine.
         routine: u32,

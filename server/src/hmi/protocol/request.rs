@@ -188,7 +188,7 @@ requests! {
         count: usize,
     } -> RoutinePage;
     /// Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most
-    /// ten times a second, in place of those looked at before. Without a routine it ends.
+    /// five times a second, in place of those looked at before. Without a routine it ends.
     Look {
         /// Number of the routine.
         routine: Option<u32>,
