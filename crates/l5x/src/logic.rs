@@ -266,6 +266,10 @@ fn task(source: &Source<'_>, node: Node<'_, '_>) -> Result<TaskSource, L5xError>
     Ok(TaskSource {
         name: name(source, node)?,
         trigger,
+        event_tag: event
+            .and_then(|event| event.attribute("EventTag"))
+            .unwrap_or_default()
+            .to_owned(),
         priority: source.number(node, "Priority")?.unwrap_or(10.0) as u32,
         watchdog_ms: source.number(node, "Watchdog")?.unwrap_or(500.0),
         is_inhibited: flag(node, "InhibitTask"),

@@ -330,6 +330,10 @@ pub(crate) enum Attribute {
     DisableFlag(u32),
     /// A constant.
     Constant(Box<[u8]>),
+    /// A number that does not change while the machine runs.
+    Number(f64),
+    /// A member of the tag of a motion object.
+    Member(Cellular),
     MinorFaults,
     /// An attribute of a motion object, by its number at the host.
     Host(u32),
@@ -437,6 +441,8 @@ pub(crate) struct Program {
 pub(crate) struct Task {
     pub(crate) name: TextId,
     pub(crate) when: When,
+    /// An event task runs after so many ns without its event.
+    pub(crate) timeout: Option<u64>,
     pub(crate) priority: u32,
     pub(crate) watchdog_us: i32,
     pub(crate) is_inhibited: bool,
@@ -452,6 +458,16 @@ pub(crate) enum When {
     Motion,
     /// By EVENT alone.
     Triggered,
+    /// When this bit of the memory becomes true.
+    Bit {
+        at: u32,
+        mask: u8,
+    },
+    /// When one of these bytes of the memory has changed.
+    Change {
+        from: u32,
+        to: u32,
+    },
 }
 
 /// Everything compiled.

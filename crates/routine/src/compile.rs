@@ -16,8 +16,9 @@ use std::collections::BTreeMap;
 use arcline_instruction_set::{ControlSlot, Object};
 use arcline_tag::TagType;
 
-use crate::code::{Body, Code, FIRST_TEXTS, Program, Routine, Rung, Task, TextId, When};
+use crate::code::{Body, Code, FIRST_TEXTS, Program, Routine, Rung, Select, Task, TextId, When};
 use crate::error::{Finding, FindingKind, Line};
+use crate::expression::Expression;
 use crate::memory::Tags;
 use crate::rll;
 use crate::source::{Content, Project, RoutineSource, Trigger};
@@ -34,6 +35,10 @@ pub trait Directory {
     fn control(&mut self, name: &str) -> Option<ControlSlot>;
     /// The id of a tag that instructions of motion name as a whole: a path, a cam, an array that is written.
     fn tag(&mut self, name: &str, tag_type: &TagType) -> Option<u32>;
+    /// The value of an attribute of a motion object that does not change while the machine runs, for GSV.
+    fn constant(&self, _object: Object, _index: u16, _name: &str) -> Option<f64> {
+        None
+    }
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)>;
 }
@@ -191,34 +196,68 @@ impl<'p> Compiler<'p> {
             .and_then(program_of)
             .and_then(|place| u32::try_from(place).ok());
         for task in &project.tasks {
+            self.owner = Owner::Program(usize::MAX);
+            let timeout = match &task.trigger {
+                Trigger::Event(_, Some(ms)) => Some((ms * 1e6).round().max(1.0) as u64),
+                _ => None,
+            };
             let when = match &task.trigger {
                 Trigger::Continuous => When::Continuous,
                 Trigger::Periodic(ms) => When::Periodic((ms * 1e6).round().max(1.0) as u64),
                 Trigger::Event(trigger, _) if trigger.eq_ignore_ascii_case("Motion Group Execution") => When::Motion,
-                Trigger::Event(trigger, _) => {
+                Trigger::Event(trigger, _) => self.event(trigger, &task.event_tag).unwrap_or_else(|| {
                     if !trigger.is_empty() && !trigger.eq_ignore_ascii_case("EVENT Instruction Only") {
                         self.findings.push(Finding {
                             kind: FindingKind::Task,
                             name: task.name.clone(),
-                            reason: format!("the trigger {trigger} is not supported, only EVENT runs it"),
+                            reason: format!(
+                                "the trigger {trigger} of {:?} is not supported, only EVENT runs it",
+                                task.event_tag
+                            ),
                             program: None,
                             routine: None,
                             place: None,
                         });
                     }
                     When::Triggered
-                }
+                }),
             };
             let programs = task.programs.iter().filter_map(|name| program_of(name));
             let name = self.text(&task.name);
             self.code.tasks.push(Task {
                 name,
                 when,
+                timeout,
                 priority: task.priority,
                 watchdog_us: (task.watchdog_ms * 1e3) as i32,
                 is_inhibited: task.is_inhibited,
                 programs: programs.map(|place| place as u32).collect(),
             });
+        }
+    }
+
+    /// The event of a task; `None`: there is none but EVENT.
+    fn event(&mut self, trigger: &str, tag: &str) -> Option<When> {
+        let word: String = trigger.chars().filter(|letter| !letter.is_whitespace()).collect();
+        let bit = match word.to_ascii_lowercase().as_str() {
+            "axishome" => "HomeEventStatus",
+            "axiswatch" => "WatchEventStatus",
+            "axisregistration1" => "RegEvent1Status",
+            "axisregistration2" => "RegEvent2Status",
+            "moduleinputdatastatechange" => {
+                let area = self.area_of(tag).ok()?;
+                let is_fixed = area.place.base == 0 && area.place.index.is_empty();
+                let (from, length) = (area.place.at, if area.is_whole { area.length } else { 1 });
+                let to = from + area.size * length;
+                return is_fixed.then_some(When::Change { from, to });
+            }
+            _ => return None,
+        };
+        let reference = Expression::parse_reference(&format!("{tag}.{bit}")).ok()?;
+        let bit = self.resolve(&reference).ok()?.as_bit()?;
+        match (bit.select, bit.place.index.is_empty()) {
+            (Select::Mask(mask), true) => Some(When::Bit { at: bit.place.at, mask }),
+            _ => None,
         }
     }
 

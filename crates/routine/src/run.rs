@@ -116,6 +116,8 @@ pub(crate) struct State {
     pub(crate) inhibited: Vec<bool>,
     pub(crate) disabled: Vec<bool>,
     pub(crate) overlaps: Vec<i32>,
+    /// The attribute Status of each task: [`STATUS_EVENT`] and others.
+    pub(crate) status: Vec<i32>,
     pub(crate) objects: Vec<(u32, Object, u16)>,
     pub(crate) controls: Vec<(u32, ControlSlot)>,
     /// Tags that the host has too: first byte, end, id.
@@ -159,6 +161,7 @@ impl State {
             inhibited: code.tasks.iter().map(|task| task.is_inhibited).collect(),
             disabled: code.programs.iter().map(|program| program.is_disabled).collect(),
             overlaps: vec![0; code.tasks.len()],
+            status: vec![0; code.tasks.len()],
             messages: Vec::with_capacity(MAX_MESSAGES),
             ..State::default()
         }
@@ -256,6 +259,12 @@ pub(crate) struct Scan<'s> {
     pub(crate) caller: Option<&'s Transfer>,
 }
 
+/// Status of a task: EVENT triggered it.
+pub(crate) const STATUS_EVENT: i32 = 1;
+/// Its timeout ran it.
+pub(crate) const STATUS_TIMEOUT: i32 = 2;
+/// A release was lost.
+pub(crate) const STATUS_OVERLAP: i32 = 4;
 /// Routines within one another.
 const MAX_CALLS: usize = 48;
 /// Add-on instructions within one another.

@@ -195,6 +195,8 @@ pub struct TaskSource {
     pub name: String,
     /// When it runs.
     pub trigger: Trigger,
+    /// The axis or the tag of its event; empty: none.
+    pub event_tag: String,
     /// 1, the highest, to 15.
     pub priority: u32,
     /// Longest time of a run, ms.

@@ -1,5 +1,6 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
+mod events;
 mod instructions;
 mod looked;
 mod mended;
@@ -89,6 +90,7 @@ pub(crate) fn project(tag_text: &str, routines: &[(&str, &str)]) -> Project {
         tasks: vec![TaskSource {
             name: "Task".to_owned(),
             trigger: Trigger::Periodic(10.0),
+            event_tag: String::new(),
             priority: 10,
             watchdog_ms: 500.0,
             is_inhibited: false,

@@ -143,6 +143,7 @@ fn project() -> Project {
         tasks: vec![TaskSource {
             name: "T".to_owned(),
             trigger: Trigger::Periodic(10.0),
+            event_tag: String::new(),
             priority: 5,
             watchdog_ms: 500.0,
             is_inhibited: false,

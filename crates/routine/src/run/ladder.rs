@@ -1,7 +1,7 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
 use super::Number;
-use super::{Cursor, Exit, MAX_CALLS, Run, Scan};
+use super::{Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
 use crate::code::{Argument, Body, Instruction, Node, Transfer};
 use crate::table::Op;
 
@@ -168,6 +168,9 @@ impl<'s> Scan<'s> {
             (Op::Event, [Argument::Task(task)]) if power => {
                 if let Some(triggered) = self.s.triggered.get_mut(*task as usize) {
                     *triggered = true;
+                }
+                if let Some(status) = self.s.status.get_mut(*task as usize) {
+                    *status |= STATUS_EVENT;
                 }
                 Ok(true)
             }

@@ -61,6 +61,12 @@ impl Scan<'_> {
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
+            Attribute::Number(number) => return self.put_host(&system.area, range.at, *number),
+            Attribute::Member(cell) => {
+                let at = self.address(&cell.place)?;
+                let number = self.read_real(at, cell.kind);
+                return self.put_host(&system.area, range.at, number);
+            }
             Attribute::Host(number) => {
                 let number = self.host.attribute(*number);
                 return self.put_host(&system.area, range.at, number);
@@ -109,6 +115,12 @@ impl Scan<'_> {
                     *flag = on;
                 }
             }
+            Attribute::Task(task, TaskAttribute::Status) => {
+                let status = self.dint(at);
+                if let Some(place) = self.s.status.get_mut(*task as usize) {
+                    *place = status;
+                }
+            }
             Attribute::MinorFaults => {
                 self.s.minor_bits = self.dint(at) as u32;
                 self.s.minor = self.s.minor_bits != 0;
@@ -139,7 +151,8 @@ impl Scan<'_> {
             TaskAttribute::OverlapCount => self.s.overlaps.get(task).copied().unwrap_or_default(),
             TaskAttribute::InhibitTask => i32::from(self.s.inhibited.get(task).copied().unwrap_or_default()),
             // Scans cost no virtual time.
-            TaskAttribute::Status | TaskAttribute::LastScanTime | TaskAttribute::MaxScanTime => 0,
+            TaskAttribute::Status => self.s.status.get(task).copied().unwrap_or_default(),
+            TaskAttribute::LastScanTime | TaskAttribute::MaxScanTime => 0,
         }
     }
 
