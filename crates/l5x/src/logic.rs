@@ -2,6 +2,7 @@
 
 mod data;
 mod modules;
+mod partial;
 
 use std::collections::BTreeMap;
 
@@ -62,6 +63,8 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     for node in lists("Tasks", "Task") {
         project.tasks.push(task(&source, node)?);
     }
+    let [target, name] = ["TargetType", "TargetName"].map(|word| root.attribute(word).unwrap_or_default());
+    partial::complete(&mut project, controller, target, name);
     Ok(project)
 }
 

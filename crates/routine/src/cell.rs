@@ -209,7 +209,7 @@ impl Cell {
                     continue;
                 };
                 state.program = *program;
-                state.begin_run(task.watchdog_us, host);
+                state.begin_run(task.longest_us(), host);
                 state.begin();
                 state.prescan = true;
                 let mut scan = Scan {
@@ -380,7 +380,7 @@ impl Cell {
             seen.ran = now;
         }
         (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
-        state.begin_run(of.watchdog_us, host);
+        state.begin_run(of.longest_us(), host);
         for program in &of.programs {
             let place = *program as usize;
             let main = code.programs.get(place).and_then(|one| one.main);

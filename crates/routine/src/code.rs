@@ -379,6 +379,19 @@ pub(crate) enum Body {
 pub(crate) struct Rung {
     pub(crate) number: u32,
     pub(crate) nodes: Box<[Node]>,
+    /// Whether it has instructions of one known bit only, which call nothing and cannot fault.
+    pub(crate) is_of_bits: bool,
+}
+
+impl Rung {
+    pub(crate) fn new(number: u32, nodes: Box<[Node]>) -> Self {
+        let is_bit = |node: &Node| !matches!(node, Node::Branch(_) | Node::Instruction(_));
+        Rung {
+            number,
+            is_of_bits: nodes.iter().all(is_bit),
+            nodes,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -480,6 +493,20 @@ pub(crate) struct Code {
     pub(crate) fault_handler: Option<u32>,
     pub(crate) texts: Vec<String>,
 }
+
+impl Task {
+    /// The longest time of a run, µs: that of a continuous task without one is longer (spec/programs.md §8).
+    pub(crate) fn longest_us(&self) -> i32 {
+        if self.watchdog_us == 0 && self.when == When::Continuous {
+            LONGEST_CONTINUOUS_US
+        } else {
+            self.watchdog_us
+        }
+    }
+}
+
+/// The watchdog of a continuous task without one, µs.
+const LONGEST_CONTINUOUS_US: i32 = 5_000_000;
 
 impl Code {
     pub(crate) fn text(&self, id: TextId) -> &str {

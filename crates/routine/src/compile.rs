@@ -31,6 +31,10 @@ pub trait Directory {
     fn object_type(&self, name: &str) -> Option<TagType>;
     /// Index of a motion object.
     fn object(&self, object: Object, name: &str) -> Option<u16>;
+    /// Whether it executes instructions of motion.
+    fn has_motion(&self) -> bool {
+        true
+    }
     /// The slot of a MOTION_INSTRUCTION by the name of its tag, or a new one.
     fn control(&mut self, name: &str) -> Option<ControlSlot>;
     /// The id of a tag that instructions of motion name as a whole: a path, a cam, an array that is written.
@@ -362,7 +366,7 @@ impl<'p> Compiler<'p> {
                 for (number, rung) in rungs {
                     self.place = Some(Line::Rung(*number));
                     let nodes = self.nodes(&rung.elements);
-                    compiled.push(Rung { number: *number, nodes });
+                    compiled.push(Rung::new(*number, nodes));
                 }
                 Body::Ladder(compiled.into())
             }

@@ -386,5 +386,5 @@ impl Host for LiveHost {
 const LOOK_EVERY: u32 = 64;
 /// Clients see what a long scan has done so far within this time.
 const SHOW_WITHIN: Duration = Duration::from_millis(10);
-/// The watchdog of a task without one (spec/programs.md §8).
+/// The watchdog of a task without one that is not continuous (spec/programs.md §8).
 const LONGEST_RUN: Duration = Duration::from_millis(500);

@@ -2,7 +2,7 @@
 
 use super::Number;
 use super::{Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
-use crate::code::{Argument, Body, Instruction, Node, Transfer};
+use crate::code::{Argument, Body, Instruction, Node, Rung, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -44,10 +44,19 @@ impl<'s> Scan<'s> {
     }
 
     /// The rungs of a routine; `TRACED`: someone looks at their power flow.
-    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [crate::code::Rung]) -> Run<()> {
+    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [Rung]) -> Run<()> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
             self.s.line = rung.number;
+            if !TRACED && rung.is_of_bits {
+                let end = (next + TOGETHER).min(rungs.len());
+                next += self.bits(rungs.get(next..end).unwrap_or_default());
+                match self.spend(0).and_then(|()| self.pass()) {
+                    Err(Exit::Fault) if self.recovers() => {}
+                    passed => passed?,
+                }
+                continue;
+            }
             match self.spend(rung.nodes.len() + 1).and_then(|()| self.pass()) {
                 Err(Exit::Fault) if self.recovers() => {
                     next += 1;
@@ -67,6 +76,40 @@ impl<'s> Scan<'s> {
             }
         }
         Ok(())
+    }
+
+    /// Runs the rungs at the beginning of these that have instructions of one bit only; returns how many they are.
+    fn bits(&mut self, rungs: &'s [Rung]) -> usize {
+        let on = !self.s.prescan && !self.s.zone;
+        let memory = self.s.memory.as_mut_slice();
+        let (mut count, mut instructions) = (0, 0);
+        for rung in rungs.iter().take_while(|rung| rung.is_of_bits) {
+            let mut power = on;
+            for node in &rung.nodes {
+                let (Node::Xic(at, mask)
+                | Node::Xio(at, mask)
+                | Node::Ote(at, mask)
+                | Node::Otl(at, mask)
+                | Node::Otu(at, mask)) = node
+                else {
+                    break;
+                };
+                let Some(byte) = memory.get_mut(*at as usize) else {
+                    break;
+                };
+                match node {
+                    Node::Xic(..) => power &= *byte & mask != 0,
+                    Node::Xio(..) => power &= *byte & mask == 0,
+                    Node::Ote(..) => *byte = *byte & !mask | if power { *mask } else { 0 },
+                    Node::Otl(..) => *byte |= if power { *mask } else { 0 },
+                    _ => *byte &= if power { !*mask } else { 0xFF },
+                }
+            }
+            count += 1;
+            instructions += rung.nodes.len() + 1;
+        }
+        self.s.budget -= instructions as i64;
+        count
     }
 
     fn nodes<const TRACED: bool>(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
@@ -309,3 +352,6 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 }
+
+/// Rungs of bits between which clients do not write.
+const TOGETHER: usize = 16;
