@@ -29,7 +29,7 @@ fn program(plant: &Plant) -> Result<&Program, Refusal> {
 }
 
 /// The state of the program; `None`: the controller has none.
-pub(super) fn status(plant: &Plant) -> Option<ControllerStatus> {
+pub(super) fn status(plant: &Plant) -> Option<Box<ControllerStatus>> {
     let program = plant.program()?;
     let status = program.status();
     let (_, listing) = program.listing();
@@ -53,7 +53,7 @@ pub(super) fn status(plant: &Plant) -> Option<ControllerStatus> {
         tag: force.name,
         value: number(force.value),
     });
-    Some(ControllerStatus {
+    Some(Box::new(ControllerStatus {
         mode: program.mode().word(),
         state: match status.state {
             ProgramState::Stopped => ControllerState::Stopped,
@@ -66,7 +66,7 @@ pub(super) fn status(plant: &Plant) -> Option<ControllerStatus> {
         longest_us: status.longest_us,
         fault,
         forces: forces.collect(),
-    })
+    }))
 }
 
 fn number(value: TagValue) -> Value {

@@ -149,7 +149,7 @@ pub(crate) struct Status {
     /// The viewer that has control of an object, by the object's name.
     pub(crate) drivers: Controllers,
     /// The controller's own program; null: it has none.
-    pub(crate) controller: Option<ControllerStatus>,
+    pub(crate) controller: Option<Box<ControllerStatus>>,
 }
 
 /// The state of an axis, in its position units.
