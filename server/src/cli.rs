@@ -84,7 +84,7 @@ enum ConfigCommand {
 /// Flags of `run`.
 #[derive(Args, Debug)]
 pub(crate) struct RunArgs {
-    /// Configuration file; without it the embedded default is used.
+    /// Configuration file; without it the embedded default is used, and for a project its own machine.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// The address of EtherNet/IP, TCP and UDP; port 0 picks a free port. Repeat it for several addresses.

@@ -217,8 +217,16 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
         value: data::value(node, "Data"),
         access: access(node),
         is_module: false,
-        attributes: BTreeMap::new(),
+        attributes: message_parameters(node),
     })
+}
+
+/// The parameters of a tag of the type MESSAGE.
+fn message_parameters(node: Node<'_, '_>) -> BTreeMap<String, String> {
+    let data = children(node, "Data").into_iter();
+    let lists = data.flat_map(|data| children(data, "MessageParameters"));
+    let all = lists.flat_map(|list| list.attributes());
+    all.map(|one| (one.name().to_owned(), one.value().to_owned())).collect()
 }
 
 fn access(node: Node<'_, '_>) -> Access {

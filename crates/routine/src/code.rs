@@ -250,6 +250,8 @@ pub(crate) enum Argument {
     Area(Area),
     Text(TextPart),
     Word(i32),
+    /// Index of the answer to a message.
+    Reply(u32),
     Routine(u32),
     /// Index of a rung.
     Label(u32),
@@ -291,6 +293,17 @@ pub(crate) enum MotionOperand {
     Object(Place),
     Tag(Area),
     Written(Area),
+}
+
+/// The answer to a message.
+#[derive(Clone, Debug)]
+pub(crate) struct Reply {
+    /// ns from the request on.
+    pub(crate) delay: u64,
+    /// ERR and EXERR; ERR 0: it is answered well.
+    pub(crate) error: (u16, u32),
+    pub(crate) data: Box<[u8]>,
+    pub(crate) destination: Option<Area>,
 }
 
 /// A call of an add-on instruction.
@@ -491,6 +504,7 @@ pub(crate) struct Code {
     pub(crate) programs: Vec<Program>,
     pub(crate) tasks: Vec<Task>,
     pub(crate) fault_handler: Option<u32>,
+    pub(crate) replies: Vec<Reply>,
     pub(crate) texts: Vec<String>,
 }
 

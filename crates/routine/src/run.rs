@@ -122,11 +122,21 @@ pub(crate) struct State {
     pub(crate) controls: Vec<(u32, ControlSlot)>,
     /// Tags that the host has too: first byte, end, id.
     pub(crate) shared: Vec<(u32, u32, u32)>,
-    /// Messages on their way: first byte of the tag, ns of the answer.
-    messages: Vec<(u32, u64)>,
+    messages: Vec<Sent>,
     /// The power flow of the routines that someone looks at, and where the next bit of one stands.
     pub(crate) traces: Vec<Trace>,
     trace: Cursor,
+}
+
+/// A message on its way.
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    /// The first byte of its tag.
+    at: u32,
+    /// ns of its answer, or of its timeout.
+    due: u64,
+    /// Its answer; `None`: it has none.
+    reply: Option<u32>,
 }
 
 /// The power flow of a routine in its last scan. Each rung has a bit that says it was scanned, its rung condition, and the condition

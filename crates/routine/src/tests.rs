@@ -4,6 +4,7 @@ mod events;
 mod instructions;
 mod looked;
 mod mended;
+mod messages;
 mod projects;
 mod texts;
 

@@ -15,10 +15,10 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcline_config::Project as Configuration;
+use arcline_config::{ControllerConfig, Project as Configuration};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_routine::source::Project;
+use arcline_routine::source::{Answer, Project};
 use arcline_routine::{Cell, Finding, FindingKind, Listing, Loaded};
 
 use crate::cli::Failure;
@@ -99,6 +99,8 @@ pub(crate) struct Given {
     pub(crate) missing: Missing,
     /// Whether the machine is that of the file too.
     pub(crate) has_machine: bool,
+    /// What answers its messages.
+    pub(crate) answers: Vec<Answer>,
 }
 
 /// The thread of a program. Dropped, it ends the thread.
@@ -117,11 +119,27 @@ struct Order {
     answer: mpsc::SyncSender<Result<(), String>>,
 }
 
+/// The answers to messages of a configuration.
+pub(crate) fn answers(controller: &ControllerConfig) -> Vec<Answer> {
+    let rows = controller.messages.iter().map(|row| Answer {
+        service: row.service,
+        class: row.class,
+        instance: row.instance,
+        attribute: row.attribute,
+        data: row.answer.clone(),
+        delay_ms: row.delay_ms,
+        error: row.error,
+    });
+    rows.collect()
+}
+
 /// Reads the program of a project's file.
-fn read(file: &Path) -> Result<Project, Failure> {
+fn read(file: &Path, answers: &[Answer]) -> Result<Project, Failure> {
     let text = crate::l5x::read(file)?;
     let source = arcline_l5x::logic(&text, &file.display().to_string());
-    source.map_err(|error| Failure::usage(error.to_string()))
+    let mut source = source.map_err(|error| Failure::usage(error.to_string()))?;
+    source.answers = answers.to_vec();
+    Ok(source)
 }
 
 /// The configuration of the machine that a project's file describes. Its tags are the program's.
@@ -136,8 +154,10 @@ pub(crate) fn configuration(file: &Path) -> Result<Configuration, Failure> {
 impl Prepared {
     /// Loads the project of a file on a machine, and makes its tags tags of the machine.
     pub(crate) fn load(given: Given, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
-        let Given { file, missing, .. } = &given;
-        let source = read(file)?;
+        let Given {
+            file, missing, answers, ..
+        } = &given;
+        let source = read(file, answers)?;
         let bound = bind(machine, image, &source, *missing);
         let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
         Ok(Prepared { bound, given })
@@ -192,6 +212,7 @@ impl Live {
             file,
             missing,
             has_machine,
+            answers,
             ..
         } = &self.given;
         let shown = file.display();
@@ -202,7 +223,7 @@ impl Live {
                 return Err(wrong(format!("{} changed, which needs a restart", changes.join(", "))));
             }
         }
-        let source = read(file)?;
+        let source = read(file, answers)?;
         let mut copy = plant.with_image(Image::clone);
         rebind(plant.machine(), &mut copy, &source, *missing).map_err(|error| wrong(error.to_string()))?;
         let (answer, done) = mpsc::sync_channel(1);

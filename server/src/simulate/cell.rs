@@ -36,8 +36,12 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let file = args.program.display().to_string();
     let text = crate::l5x::read(&args.program)?;
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
-    let project = configuration(&args.program)?;
-    let source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
+    let project = match &args.config {
+        Some(config) => crate::cli::project(Some(config))?,
+        None => configuration(&args.program)?,
+    };
+    let mut source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
+    source.answers = crate::live::answers(&project.server.controller);
     let machine = &project.machine;
     let mut plant = Plant::new(machine, crate::plant::image_of(&project));
     let missing = if args.allow_missing {

@@ -238,7 +238,13 @@ impl<'s> Scan<'s> {
                 _,
             ) if power => self.text(i.op, a).map(|()| true),
             (Op::Gsv | Op::Ssv, [Argument::System(system)]) if power => self.system(i.op, system).map(|()| true),
-            (Op::Msg, [Argument::Area(area)]) => self.message(area, power).map(|()| power),
+            (Op::Msg, [Argument::Area(area), reply @ ..]) => {
+                let reply = match reply {
+                    [Argument::Reply(reply)] => Some(*reply),
+                    _ => None,
+                };
+                self.message(area, reply, power).map(|()| power)
+            }
             (Op::Motion, [Argument::Motion(call)]) => self.motion(call, power).map(|()| power),
             (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call, power),
             _ => Ok(power),
