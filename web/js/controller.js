@@ -309,8 +309,8 @@ export class Controller {
   #looked(routine, rows) {
     if (routine !== this.routine?.routine) return;
     for (const row of rows) {
-      this.#rows.set(row.place, row);
-      this.#pictures.get(row.place)?.(row);
+      this.#rows.set(row.index, row);
+      this.#pictures.get(row.index)?.(row);
     }
   }
 

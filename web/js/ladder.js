@@ -117,7 +117,7 @@ function place(elements, { x, y, to, before, counter, isRung }) {
     });
     items.push(placed);
     left += size.width;
-    condition = element.place;
+    condition = element.condition;
   });
   return { items, y, from: x, to, before, after: condition };
 }
@@ -184,8 +184,8 @@ export class RungPicture {
       for (const leg of item.legs) this.#leg(leg, right);
       const bottom = item.legs.at(-1)?.y ?? y;
       this.#wire(`M${left} ${y}V${bottom}`, item.before);
-      this.#wire(`M${right} ${y}V${bottom}`, element.place);
-      this.#wire(`M${right} ${y}H${x + width}`, element.place);
+      this.#wire(`M${right} ${y}V${bottom}`, element.condition);
+      this.#wire(`M${right} ${y}H${x + width}`, element.condition);
     } else if (signOf(element)) {
       this.#sign(item);
     } else {
@@ -220,7 +220,7 @@ export class RungPicture {
     symbol.append(s("title", {}, `${name}: ${element.title ?? ""}`));
     this.element.append(symbol);
     this.#wire(`M${x} ${y}H${kind === "coil" ? left - 3 : left}`, before);
-    this.#wire(`M${kind === "coil" ? right + 3 : right} ${y}H${x + width}`, element.place);
+    this.#wire(`M${kind === "coil" ? right + 3 : right} ${y}H${x + width}`, element.condition);
     this.#values.push([symbol, value, name === "XIO" ? "open" : "closed"]);
     this.#operand(element.operands?.[0].text ?? "", { x: middle, y: y - 15, "text-anchor": "middle" }, "");
   }
@@ -230,9 +230,9 @@ export class RungPicture {
     const rows = element.operands ?? [];
     const [left, right, top] = [x + GAP, x + width - GAP, y - LINE];
     this.#wire(`M${x} ${y}H${left}`, before);
-    this.#wire(`M${right} ${y}H${x + width}`, element.place);
+    this.#wire(`M${right} ${y}H${x + width}`, element.condition);
     const box = s("rect", { class: "box", x: left, y: top, width: right - left, height: rows.length * LINE + LINE + 8, rx: 3 });
-    this.#wires.push([box, element.place]);
+    this.#wires.push([box, element.condition]);
     this.element.append(box, s("text", { class: "box-name", x: left + 8, y: top + 14 }, element.name ?? "", s("tspan", { class: "box-title", dx: 8 }, element.title === element.name ? "" : element.title ?? "")));
     const names = Math.max(0, ...rows.map(({ name }) => name.length));
     rows.forEach((row, k) => {

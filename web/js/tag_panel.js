@@ -59,7 +59,7 @@ export class TagPanel {
     text(this.note, "No routine of a program uses this tag.");
     fill(this.uses, uses.map((use) => {
       const routine = this.view.routines.find((one) => one.routine === use.routine);
-      return h("li", {}, h("button.bare", { type: "button", onclick: () => this.view.goTo(use.routine, use.place) },
+      return h("li", {}, h("button.bare", { type: "button", onclick: () => this.view.goTo(use.routine, use.index) },
         h("span", {}, `${routine?.owner ?? ""} / ${routine?.name ?? ""}, ${use.line}`), h("small", {}, `${use.instruction || "statement"} ${use.operand}`), use.writes && h("span.chip.set", {}, "writes")));
     }), more && h("li", {}, h("small", {}, "There are more.")));
   }

@@ -3,8 +3,8 @@ import { test } from "node:test";
 import { layout, shown } from "../js/ladder.js";
 import { rowAt } from "../js/rows.js";
 
-const contact = (place, text) => ({ place, name: "XIC", title: "Examine If Closed", operands: [{ name: "Data Bit", text }] });
-const coil = (place, text) => ({ place, name: "OTE", title: "Output Energize", operands: [{ name: "Data Bit", text }] });
+const contact = (place, text) => ({ condition: place, name: "XIC", title: "Examine If Closed", operands: [{ name: "Data Bit", text }] });
+const coil = (place, text) => ({ condition: place, name: "OTE", title: "Output Energize", operands: [{ name: "Data Bit", text }] });
 const rung = (...elements) => ({ number: 0, comment: "", elements });
 
 test("the last element stands at the right rail, and wires know the condition in front of them", () => {
@@ -18,7 +18,7 @@ test("the last element stands at the right rail, and wires know the condition in
 });
 
 test("legs stand below each other and begin with the condition of their branch", () => {
-  const branch = { place: 4, legs: [[contact(2, "B")], [], [contact(3, "C")]] };
+  const branch = { condition: 4, legs: [[contact(2, "B")], [], [contact(3, "C")]] };
   const { leg, height } = layout(rung(contact(1, "A"), branch, coil(5, "D")), 600);
   const [, placed, last] = leg.items;
   assert.deepEqual(placed.legs.map(({ before, after }) => [before, after]), [[1, 2], [1, 1], [1, 3]]);

@@ -218,7 +218,7 @@ export interface Requests {
     fields: {
       /** How many. */
       count: number;
-      /** Place of the first one, from 0. */
+      /** Index of the first one, from 0. */
       from: number;
       /** Number of the routine. */
       routine: number;
@@ -230,7 +230,7 @@ export interface Requests {
     fields: {
       /** How many. */
       count?: number;
-      /** Place of the first rung or line, from 0. */
+      /** Index of the first rung or line, from 0. */
       from?: number;
       /** Instance of the add-on instruction whose values are shown. */
       instance?: string | null;
@@ -736,8 +736,8 @@ export type LimitText = {
 
 /** The state of a rung or line. */
 export type LookRow = {
-  /** Place in the routine, from 0. */
-  place: number;
+  /** Index in the routine, from 0. */
+  index: number;
   /** `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last scan. */
   power: string;
   /** Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text. */
@@ -982,14 +982,14 @@ export type Rung = {
 
 /** An element of a rung: an instruction, or a branch with legs. */
 export type RungElement = {
+  /** Index of its condition in `power` of a look. */
+  condition: number;
   /** Legs of a branch, from top to bottom. */
   legs?: RungElement[][];
   /** Mnemonic; empty: a branch. */
   name?: string;
   /** Operands, in the order of the values of a look. */
   operands?: RungOperand[];
-  /** Place of its condition in `power` of a look. */
-  place: number;
   /** Name of the instruction in words. */
   title?: string;
 };
@@ -1219,14 +1219,14 @@ export type UseList = {
 
 /** A use of a tag. */
 export type UseRow = {
+  /** Index of the rung or line in the routine, from 0. */
+  index: number;
   /** Mnemonic; empty: a statement of Structured Text. */
   instruction: string;
   /** The rung or line in words. */
   line: string;
   /** The tag as it is written there. */
   operand: string;
-  /** Place of the rung or line in the routine, from 0. */
-  place: number;
   /** Number of the routine. */
   routine: number;
   /** Whether it is written. */

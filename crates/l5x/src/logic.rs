@@ -223,7 +223,7 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
 
 /// The parameters of a tag of the type MESSAGE.
 fn message_parameters(node: Node<'_, '_>) -> BTreeMap<String, String> {
-    let data = children(node, "Data").into_iter();
+    let data = children(node, "Data");
     let lists = data.flat_map(|data| children(data, "MessageParameters"));
     let all = lists.flat_map(|list| list.attributes());
     all.map(|one| (one.name().to_owned(), one.value().to_owned())).collect()

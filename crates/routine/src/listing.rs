@@ -69,7 +69,7 @@ pub struct ListedRung {
     pub elements: Vec<ListedElement>,
 }
 
-/// An element of a rung. Its place is that of its condition in [`Sampled::power`](crate::Sampled).
+/// An element of a rung. Its condition is the index of a digit of [`Sampled::power`](crate::Sampled).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ListedElement {
     /// An instruction.
@@ -80,15 +80,15 @@ pub enum ListedElement {
         title: String,
         /// Its operands.
         operands: Vec<ListedOperand>,
-        /// The place of its condition.
-        place: usize,
+        /// The index of its condition.
+        condition: usize,
     },
     /// Legs from top to bottom.
     Branch {
         /// The legs.
         legs: Vec<Vec<ListedElement>>,
-        /// The place of its condition.
-        place: usize,
+        /// The index of its condition.
+        condition: usize,
     },
 }
 
@@ -202,22 +202,22 @@ impl Listing {
         rungs.iter().filter(|rung| is_in_force(rung))
     }
 
-    /// Rungs of a ladder routine, from a place on; one that is no rung has no elements.
+    /// Rungs of a ladder routine, from an index on; one that is no rung has no elements.
     pub fn rungs(&self, routine: u32, from: usize, count: usize) -> Vec<ListedRung> {
         let rungs = self.in_force(routine).skip(from).take(count);
         let rungs = rungs.map(|source| {
             let rung = Rung::parse(&source.text).unwrap_or_default();
-            let mut place = 1;
+            let mut condition = 1;
             ListedRung {
                 number: source.number,
                 comment: source.comment.clone(),
-                elements: self.elements(&rung.elements, &mut place),
+                elements: self.elements(&rung.elements, &mut condition),
             }
         });
         rungs.collect()
     }
 
-    fn elements(&self, elements: &[Element], place: &mut usize) -> Vec<ListedElement> {
+    fn elements(&self, elements: &[Element], condition: &mut usize) -> Vec<ListedElement> {
         let mut listed = Vec::with_capacity(elements.len());
         for element in elements {
             let one = match element {
@@ -231,21 +231,24 @@ impl Listing {
                         name: instruction.name.clone(),
                         title,
                         operands: operands.collect(),
-                        place: *place,
+                        condition: *condition,
                     }
                 }
                 Element::Branch(legs) => {
-                    let legs = legs.iter().map(|leg| self.elements(leg, place)).collect();
-                    ListedElement::Branch { legs, place: *place }
+                    let legs = legs.iter().map(|leg| self.elements(leg, condition)).collect();
+                    ListedElement::Branch {
+                        legs,
+                        condition: *condition,
+                    }
                 }
             };
-            *place += 1;
+            *condition += 1;
             listed.push(one);
         }
         listed
     }
 
-    /// Lines of a routine of Structured Text, from a place on.
+    /// Lines of a routine of Structured Text, from an index on.
     pub fn lines(&self, routine: u32, from: usize, count: usize) -> Vec<ListedLine> {
         let Some(Content::Text(lines)) = self.source(routine).map(|source| &source.content) else {
             return Vec::new();
@@ -376,8 +379,8 @@ impl Listing {
             let of = mnemonic.instruction();
             let ignored = of.ignored_operand().filter(|_| given.len() == of.operands.len() + 1);
             let mut rows = of.operands.iter();
-            let operands = given.iter().enumerate().filter_map(|(place, text)| {
-                if Some(place) == ignored {
+            let operands = given.iter().enumerate().filter_map(|(index, text)| {
+                if Some(index) == ignored {
                     return Some(Described::plain(String::new(), text, false));
                 }
                 let row = rows.next()?;
@@ -398,7 +401,7 @@ impl Listing {
         let operands = given
             .iter()
             .enumerate()
-            .map(|(place, text)| match row.operands.get(place) {
+            .map(|(index, text)| match row.operands.get(index) {
                 Some((name, kind)) => Described::of_row(name, *kind, text, structure),
                 None => Described::plain("Parameter".to_owned(), text, false),
             });
@@ -546,12 +549,12 @@ fn visit(statements: &[Statement], found: &mut dyn FnMut(&Reference, usize, bool
             }
             StatementKind::Call(name, operands) => {
                 let row = table::row(name).map(|row| row.operands).unwrap_or_default();
-                for (place, operand) in operands.iter().enumerate() {
+                for (index, operand) in operands.iter().enumerate() {
                     let Ok(expression) = Expression::parse(&operand.text) else {
                         continue;
                     };
                     let is_written = row
-                        .get(place)
+                        .get(index)
                         .is_some_and(|(name, kind)| Described::of_row(name, *kind, &operand.text, None).is_written);
                     references(&expression, &mut |one| found(one, operand.at + one.at, is_written));
                 }
@@ -561,7 +564,7 @@ fn visit(statements: &[Statement], found: &mut dyn FnMut(&Reference, usize, bool
     }
 }
 
-/// The place of a rung or line in words of its language.
+/// A rung or line by its number, in words of its language.
 fn line_of(is_text: bool, number: u32) -> Line {
     if is_text {
         Line::Text(number)

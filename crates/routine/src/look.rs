@@ -17,7 +17,7 @@ use crate::run::{Number, Run, Scan, Trace};
 #[derive(Clone, Debug)]
 pub struct Look {
     pub(crate) routine: u32,
-    /// The place of the first rung or line.
+    /// The index of the first rung or line.
     pub(crate) from: usize,
     /// By rung or line; `None`: an operand without value.
     pub(crate) rows: Vec<Vec<Option<Looked>>>,
@@ -38,7 +38,7 @@ pub(crate) enum Looked {
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Sampled {
     /// A `0` or `1` each: the rung condition, then the condition behind each element in the order of
-    /// [`ListedElement`](crate::ListedElement)'s places. Empty: the rung was not scanned in the program's last scan, or is a line of text.
+    /// [`ListedElement`](crate::ListedElement)'s conditions. Empty: the rung was not scanned in the program's last scan, or is a line of text.
     pub power: String,
     /// The values of the operands.
     pub values: Vec<Shown>,
@@ -65,7 +65,7 @@ impl Look {
         self.routine
     }
 
-    /// The place of its first rung or line.
+    /// The index of its first rung or line.
     pub fn from(&self) -> usize {
         self.from
     }

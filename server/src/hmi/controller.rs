@@ -174,24 +174,24 @@ fn element(element: ListedElement) -> RungElement {
             name,
             title,
             operands,
-            place,
+            condition,
         } => {
             let operands = operands.into_iter().map(|one| RungOperand {
                 name: one.name,
                 text: one.text,
             });
             RungElement {
-                place,
+                condition,
                 name,
                 title,
                 operands: operands.collect(),
                 legs: Vec::new(),
             }
         }
-        ListedElement::Branch { legs, place } => {
+        ListedElement::Branch { legs, condition } => {
             let legs = legs.into_iter().map(|leg| leg.into_iter().map(self::element).collect());
             RungElement {
-                place,
+                condition,
                 name: String::new(),
                 title: String::new(),
                 operands: Vec::new(),
@@ -217,7 +217,7 @@ pub(super) fn uses(plant: &Plant, tag: &str, program: Option<&str>) -> Result<Us
     let uses = found.into_iter().take(USES).map(|one| UseRow {
         routine: one.routine,
         line: one.line.to_string(),
-        place: one.place,
+        index: one.index,
         instruction: one.instruction,
         operand: one.operand,
         writes: one.is_written,
@@ -311,7 +311,7 @@ impl Looking {
             .enumerate()
             .filter(|(row, now)| before(*row) != Some(*now));
         let rows = rows.map(|(row, now)| LookRow {
-            place: self.from + row,
+            index: self.from + row,
             power: now.power.clone(),
             values: now.values.iter().map(shown).collect(),
         });

@@ -17,8 +17,8 @@ pub struct Use {
     pub routine: u32,
     /// The rung or line by its number in the file.
     pub line: Line,
-    /// The place of the rung or line in the routine, from 0.
-    pub place: usize,
+    /// The index of the rung or line in the routine, from 0.
+    pub index: usize,
     /// The instruction; empty: a statement of Structured Text.
     pub instruction: String,
     /// The tag as it is written there.
@@ -74,7 +74,7 @@ impl Listing {
         let is_wanted = |one: &Reference| wanted.overlaps(&self.named(known, Some(program), one));
         match self.source(routine).map(|source| &source.content) {
             Some(Content::Ladder(rungs)) => {
-                for (place, source) in rungs.iter().filter(|rung| is_in_force(rung)).enumerate() {
+                for (index, source) in rungs.iter().filter(|rung| is_in_force(rung)).enumerate() {
                     let Ok(rung) = Rung::parse(&source.text) else { continue };
                     rung.visit(&mut |instruction| {
                         let (_, operands) = self.described(instruction);
@@ -90,7 +90,7 @@ impl Listing {
                                     uses.push(Use {
                                         routine,
                                         line: line_of(false, source.number),
-                                        place,
+                                        index,
                                         instruction: instruction.name.clone(),
                                         operand: one.to_string(),
                                         // A tag in a subscript is read.
@@ -108,12 +108,12 @@ impl Listing {
                 let Ok(text) = Text::parse(&text) else { return };
                 visit(&text.statements, &mut |one, at, is_written| {
                     if is_wanted(one) {
-                        let place = starts.partition_point(|start| *start <= at).saturating_sub(1);
-                        let number = lines.get(place).map_or(0, |(number, _)| *number);
+                        let index = starts.partition_point(|start| *start <= at).saturating_sub(1);
+                        let number = lines.get(index).map_or(0, |(number, _)| *number);
                         uses.push(Use {
                             routine,
                             line: line_of(true, number),
-                            place,
+                            index,
                             instruction: String::new(),
                             operand: one.to_string(),
                             is_written,

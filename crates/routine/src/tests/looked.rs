@@ -126,7 +126,7 @@ fn a_listing_names_operands() {
     let names = load(&source, &mut NoMachine).names;
     let rungs = Listing::new(source, names).rungs(0, 0, 10);
     let [
-        ListedElement::Branch { legs, place: 3 },
+        ListedElement::Branch { legs, condition: 3 },
         ListedElement::Instruction {
             name,
             title,
@@ -166,7 +166,7 @@ fn uses_are_found_through_aliases_scopes_and_wholes() {
         let (name, uses) = listing.uses(tag, program, 100).expect("a tag");
         let uses = uses.iter().map(|one| {
             let writes = if one.is_written { "!" } else { "" };
-            format!("{}:{} {}{writes}", one.routine, one.place, one.operand)
+            format!("{}:{} {}{writes}", one.routine, one.index, one.operand)
         });
         (name, uses.collect::<Vec<_>>().join(", "))
     };

@@ -311,8 +311,8 @@ pub(crate) struct Rung {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RungElement {
-    /// Place of its condition in `power` of a look.
-    pub(crate) place: usize,
+    /// Index of its condition in `power` of a look.
+    pub(crate) condition: usize,
     /// Mnemonic; empty: a branch.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[cfg_attr(test, schemars(default))]
@@ -373,8 +373,8 @@ pub(crate) struct UseRow {
     pub(crate) routine: u32,
     /// The rung or line in words.
     pub(crate) line: String,
-    /// Place of the rung or line in the routine, from 0.
-    pub(crate) place: usize,
+    /// Index of the rung or line in the routine, from 0.
+    pub(crate) index: usize,
     /// Mnemonic; empty: a statement of Structured Text.
     pub(crate) instruction: String,
     /// The tag as it is written there.

@@ -56,8 +56,8 @@ pub(crate) enum Push<'s> {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct LookRow {
-    /// Place in the routine, from 0.
-    pub(crate) place: usize,
+    /// Index in the routine, from 0.
+    pub(crate) index: usize,
     /// `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last
     /// scan.
     pub(crate) power: String,

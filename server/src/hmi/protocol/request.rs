@@ -182,7 +182,7 @@ requests! {
     Rungs {
         /// Number of the routine.
         routine: u32,
-        /// Place of the first one, from 0.
+        /// Index of the first one, from 0.
         from: usize,
         /// How many.
         count: usize,
@@ -192,7 +192,7 @@ requests! {
     Look {
         /// Number of the routine.
         routine: Option<u32>,
-        /// Place of the first rung or line, from 0.
+        /// Index of the first rung or line, from 0.
         #[serde(default)]
         from: usize,
         /// How many.
