@@ -131,7 +131,7 @@ fn a_listing_names_operands() {
             name,
             title,
             operands,
-            place: 4,
+            condition: 4,
         },
     ] = rungs[0].elements.as_slice()
     else {
