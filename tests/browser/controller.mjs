@@ -29,7 +29,7 @@ export async function a_program_is_seen({ browser, url, folder }) {
   await page.getByText("Run mode").waitFor();
   await rung(page, 0).waitFor();
   assert.match(await rung(page, 0).innerText(), /The cell runs while Start is pressed/, "a rung has its comment");
-  await page.getByRole("button", { name: "Routine Main/Go" }).and(page.locator("[aria-current=true]")).waitFor();
+  await page.locator(`[data-name="Main/Go"][aria-current=true]`).waitFor();
   assert.equal(await on(page, 0, ".coil").count(), 0, "Running is off");
   await write(page, "Start", true);
   await write(page, "Override", true);
@@ -42,14 +42,14 @@ export async function a_program_is_seen({ browser, url, folder }) {
   await page.locator(".tag-full-name", { hasText: /^Count$/ }).waitFor();
   const writing = page.locator(".uses li", { hasText: "writes" });
   assert.equal(await writing.count(), 1, "ADD alone writes Count");
-  await page.getByRole("button", { name: "Routine Main/Logic" }).click();
+  await page.locator(`[data-name="Main/Logic"]`).click();
   await page.locator(".text-line", { hasText: "Average := Sum" }).locator("b", { hasText: /\d/ }).first().waitFor();
   await picture(page, folder, "controller-text");
   await page.locator(".uses button", { hasText: "rung 5" }).click();
   await page.locator(".rung.marked", { hasText: "MOV" }).waitFor();
   // The logic of an add-on instruction shows the values of an instance.
   await page.getByText("Add-on instructions").click();
-  await page.getByRole("button", { name: "Routine Scale/Logic" }).click();
+  await page.locator(`[data-name="Scale/Logic"]`).click();
   await rung(page, 0).locator(".operand-value", { hasText: /^\d/ }).first().waitFor();
   await close(page);
 }

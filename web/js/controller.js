@@ -177,7 +177,7 @@ export class Controller {
     const buttons = (/** @type {string} */ owner, /** @type {RoutineRow[]} */ rows, /** @type {(row: RoutineRow) => string} */ note) => h("ul", {}, rows.map((row) => {
       const routine = this.routines.find((one) => one.routine === row.routine) ?? null;
       const count = `${row.count} ${row.language === "ladder" ? "rungs" : row.language === "text" ? "lines" : row.language}`;
-      return h("li", {}, h("button.bare.routine", { type: "button", "data-routine": row.routine, "aria-label": `Routine ${owner}/${row.name}`, onclick: () => this.open(routine) }, row.name, note(row) && h("small", {}, note(row)), h("small", {}, count)));
+      return h("li", {}, h("button.bare.routine", { type: "button", "data-routine": row.routine, "data-name": `${owner}/${row.name}`, onclick: () => this.open(routine) }, row.name, note(row) && [" ", h("small", {}, note(row))], " ", h("small", {}, count)));
     }));
     const program = (/** @type {string} */ name) => {
       const found = list.programs.find((one) => one.name === name);
