@@ -14,7 +14,6 @@ pub mod hmi;
 mod l5x;
 mod limits;
 mod live;
-mod names;
 #[cfg(test)]
 mod pages;
 pub mod plant;

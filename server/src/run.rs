@@ -17,7 +17,7 @@ use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::{self, Doors, Hmi, Sessions};
 use crate::live::{self, Missing};
-use crate::plant::{Mode, Plant, Principal, image_of};
+use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::tls::Tls;
 
@@ -141,7 +141,7 @@ async fn serve(
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
     let mut hangup = signal(SignalKind::hangup()).map_err(|error| failed("SIGHUP", &error))?;
     let (mut image, watch) = match retained {
-        None => (image_of(project), None),
+        None => (project.image(), None),
         Some((image, watch)) => (image, Some(watch)),
     };
     let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));

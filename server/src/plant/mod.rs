@@ -40,9 +40,9 @@ use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
 use arcline_config::{ConnectionLoss, Project, Role, ServerConfig};
+use arcline_controller::Ticket;
 use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Cause, Ticket};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl};
 use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
@@ -160,7 +160,7 @@ impl Plant {
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
-        Plant::start_with(project, image_of(project), None)
+        Plant::start_with(project, project.image(), None)
     }
 
     /// As [`Plant::start`] with the tags of `image`; `watch` sees their changes.
@@ -192,7 +192,7 @@ impl Plant {
 
     /// A plant on rings whose other ends the caller serves. Only reads drain them.
     pub fn new(project: &Project, link: Link) -> Plant {
-        Plant::with(project, link, image_of(project), None)
+        Plant::with(project, link, project.image(), None)
     }
 
     pub(crate) fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
@@ -410,7 +410,7 @@ impl Plant {
         state.refresh();
         let ended = state.records.end_of(instance)?;
         Some(Ended {
-            ending: ending(&self.0.machine, state.image(), ended.cause)?,
+            ending: state.image().ending(&self.0.machine, ended.cause)?,
             time: ended.tick as f64 * self.0.machine.period(),
             at: ended.at,
         })
@@ -501,30 +501,6 @@ async fn pump(plant: Weak<Shared>) {
         // A command does not wait for the end of an idle pause.
         let _ = tokio::time::timeout(pause, sent).await;
     }
-}
-
-/// A cause with its names; `None` where there is none.
-pub(crate) fn ending(machine: &Machine, image: &Image, cause: Cause) -> Option<Ending> {
-    Some(match cause {
-        Cause::Itself => return None,
-        Cause::Instruction { control, mnemonic, .. } => Ending::Instruction {
-            mnemonic,
-            tag: image.control_name(control).to_owned(),
-        },
-        Cause::Fault { axis, faults } => Ending::Fault {
-            axis: machine.axes.get(usize::from(axis))?.name.clone(),
-            faults,
-        },
-        Cause::StopAll => Ending::StopAll,
-        Cause::Jog(why) => Ending::Jog(why),
-    })
-}
-
-/// The tags of a project.
-pub fn image_of(project: &Project) -> Image {
-    let mut image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
-    image.declare(&project.types);
-    image
 }
 
 /// Longest wait for DN, ER or IP.
