@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
+use arcline_realtime::Clock;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
 
@@ -40,6 +41,12 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         None => project.server.hmi.map(HmiAt::Chosen),
     };
     check_open(&project.server, hmi, args)?;
+    let has_program = program.is_some() || project.server.controller.program.is_some();
+    if args.clock == Clock::Step && has_program {
+        return Err(Failure::usage(
+            "--clock step: the tasks of a project follow real time; `simulate PROJECT.L5X` runs them on the virtual clock",
+        ));
+    }
     let (retained, keeper) = match &args.state {
         Some(OrOff::On(file)) => {
             let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
@@ -59,6 +66,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         retained,
         audit,
         config: args.config.as_deref(),
+        clock: args.clock,
         program: program_of(&project.server, args.config.as_deref(), program),
     };
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
@@ -79,6 +87,7 @@ struct Start<'a> {
     retained: Option<(Image, ChangeTracker)>,
     audit: Option<Audit>,
     config: Option<&'a Path>,
+    clock: Clock,
     program: Option<live::Given>,
 }
 
@@ -134,6 +143,7 @@ async fn serve(
         retained,
         audit,
         config,
+        clock,
         program,
     } = start;
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
@@ -144,9 +154,12 @@ async fn serve(
         None => (project.image(), None),
         Some((image, watch)) => (image, Some(watch)),
     };
+    if clock == Clock::Step {
+        image.add_clock_step();
+    }
     let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
     let program = program.transpose()?;
-    let started = Plant::start_with(project, image, watch);
+    let started = Plant::start_with(project, image, watch, clock);
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     if let Some(audit) = audit {
         plant.set_audit(audit);

@@ -209,6 +209,8 @@ impl Simulation {
                 self.shown = None;
             }
             Edge::DynamicsBits => self.set_dynamics_bits(),
+            // Only the caller lets ticks pass.
+            Edge::Steps(_) => {}
             Edge::Input => {
                 for input in self.image.take_inputs() {
                     self.controller.input(input);

@@ -148,6 +148,8 @@ impl Shared {
             Command::StopAll => (What::Estop, "stop of everything".to_owned()),
             Command::Inhibit => (What::Estop, "STOP".to_owned()),
             Command::Release => (What::Estop, "release of STOP".to_owned()),
+            // Tests step in every line.
+            Command::Step { .. } => return None,
             Command::Lose { .. } | Command::Disown(_) => return None,
         };
         Some(self.bare(principal, role, what, object, ""))
@@ -163,7 +165,9 @@ impl Shared {
             }
             Err(Refused::NoControl { .. }) => "no control",
             Err(Refused::MovedByAnother { .. }) => "moved by another",
-            Err(Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NoProgram) => "refused",
+            Err(
+                Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NoProgram | Refused::NotStepped,
+            ) => "refused",
             Err(Refused::NotPersisted(_)) => "not kept",
         };
     }

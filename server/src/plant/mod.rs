@@ -32,6 +32,7 @@ mod role_tests;
 pub(crate) mod roles;
 mod series;
 mod state;
+mod steps;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -45,7 +46,7 @@ use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl};
-use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
+use arcline_realtime::{Clock, Handle, Link, Meter, Options, SpawnError, Stepper, Stops};
 use tokio::sync::Notify;
 
 use crate::audit::{Audit, What};
@@ -135,6 +136,10 @@ pub(crate) struct Shared {
     machine: Machine,
     server: ServerConfig,
     trace: Trace,
+    /// Lets ticks pass, on the step clock.
+    stepper: Option<Stepper>,
+    /// Whose turn it is to step.
+    step_turn: tokio::sync::Mutex<()>,
     /// Stops that wait for no lock and no command.
     stops: Stops,
     guard: Guard,
@@ -160,7 +165,7 @@ impl Plant {
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
-        Plant::start_with(project, project.image(), None)
+        Plant::start_with(project, project.image(), None, Clock::Real)
     }
 
     /// As [`Plant::start`] with the tags of `image`; `watch` sees their changes.
@@ -168,8 +173,13 @@ impl Plant {
         project: &Project,
         image: Image,
         watch: Option<ChangeTracker>,
+        clock: Clock,
     ) -> Result<(Plant, Handle), SpawnError> {
-        let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
+        let options = Options {
+            clock,
+            ..Options::default()
+        };
+        let (link, handle) = arcline_realtime::spawn(&project.machine, options)?;
         let plant = Plant::with(project, link, image, watch);
         if let Err(error) = plant.trace().spawn() {
             tracing::warn!(%error, "no thread for traces: rows are kept only while a client reads them");
@@ -206,6 +216,7 @@ impl Plant {
         let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
         let stops = link.stops.clone();
+        let stepper = link.stepper.take();
         let guard = Guard::new(stops.clone(), &project.machine, project.server.jog_silence);
         let observers = Observers {
             watch,
@@ -220,6 +231,8 @@ impl Plant {
             machine: project.machine.clone(),
             server: project.server.clone(),
             trace,
+            stepper,
+            step_turn: tokio::sync::Mutex::default(),
             stops,
             guard,
             control: Mutex::default(),
@@ -255,6 +268,11 @@ impl Plant {
     /// The guard of jogs, which stops those of clients that are lost.
     pub(crate) fn guard(&self) -> &Guard {
         &self.0.guard
+    }
+
+    /// Whether the machine is on the step clock.
+    pub fn is_stepped(&self) -> bool {
+        self.0.stepper.is_some()
     }
 
     /// The real-time thread's measurements.

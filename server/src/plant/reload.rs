@@ -56,7 +56,8 @@ impl Plant {
                 | Refused::MovedByAnother { .. }
                 | Refused::Write(_)
                 | Refused::Call(_)
-                | Refused::NoProgram,
+                | Refused::NoProgram
+                | Refused::NotStepped,
             ) => Ok(()),
         }
     }

@@ -292,7 +292,8 @@ fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
     let (sender, jobs) = mpsc::channel();
     let (state, tags) = state_of(project, &image);
     let watch = ChangeTracker::new(sender, state.axes, tags, project.machine.period_ns);
-    let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
+    let (plant, handle) =
+        Plant::start_with(project, image, Some(watch), arcline_realtime::Clock::Real).expect("a thread");
     (plant, handle, jobs)
 }
 

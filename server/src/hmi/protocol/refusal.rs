@@ -147,6 +147,7 @@ impl From<Refused> for Refusal {
             | Refused::Table(_)
             | Refused::Call(_)
             | Refused::NoProgram
+            | Refused::NotStepped
             | Refused::NotPersisted(_) => Self::new(refused.to_string()),
         }
     }
