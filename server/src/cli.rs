@@ -106,6 +106,9 @@ pub(crate) struct RunArgs {
     /// What makes ticks pass: real time, steps of clients, or a number of times real time. For tests; time-outs of the network stay real.
     #[arg(long, value_name = "real|step|fast[:N]", default_value = "real", value_parser = clock)]
     pub(crate) clock: Clock,
+    /// Stop as by SIGTERM when standard input closes: a program that holds the other end takes the server along, however it ends.
+    #[arg(long)]
+    pub(crate) end_with_stdin: bool,
 }
 
 /// The clock of a word; `fast` is ten times real time.

@@ -12,6 +12,7 @@ use arcline_controller::image::Image;
 use arcline_realtime::Clock;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::oneshot;
 
 use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
@@ -67,6 +68,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         audit,
         config: args.config.as_deref(),
         clock: args.clock,
+        end_with_stdin: args.end_with_stdin,
         program: program_of(&project.server, args.config.as_deref(), program),
     };
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
@@ -88,6 +90,7 @@ struct Start<'a> {
     audit: Option<Audit>,
     config: Option<&'a Path>,
     clock: Clock,
+    end_with_stdin: bool,
     program: Option<live::Given>,
 }
 
@@ -144,6 +147,7 @@ async fn serve(
         audit,
         config,
         clock,
+        end_with_stdin,
         program,
     } = start;
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
@@ -213,6 +217,10 @@ async fn serve(
         });
     };
     tokio::pin!(served);
+    let mut parent = end_with_stdin
+        .then(end_of_input)
+        .transpose()
+        .map_err(|error| failed("standard input", &error))?;
     loop {
         tokio::select! {
             () = &mut served => break,
@@ -231,6 +239,10 @@ async fn serve(
                 tracing::info!("SIGTERM: stopping");
                 break;
             }
+            () = ended(&mut parent) => {
+                tracing::info!("standard input has closed: stopping");
+                break;
+            }
             _ = interrupt.recv() => {
                 tracing::info!("SIGINT: stopping");
                 break;
@@ -241,6 +253,28 @@ async fn serve(
         live.stop();
     }
     Ok((plant, handle))
+}
+
+/// Is ready when standard input has closed. A thread reads it, as nothing else does.
+fn end_of_input() -> io::Result<oneshot::Receiver<()>> {
+    let (closed, input) = oneshot::channel();
+    std::thread::Builder::new()
+        .name("arcline-stdin".to_owned())
+        .spawn(move || {
+            // What comes is not for the server; an error ends the input too.
+            let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
+            let _ = closed.send(());
+        })?;
+    Ok(input)
+}
+
+/// Waits for the end of standard input; for ever, where that does not matter.
+async fn ended(input: &mut Option<oneshot::Receiver<()>>) {
+    match input {
+        // The thread ends in no other way.
+        Some(input) => drop(input.await),
+        None => std::future::pending().await,
+    }
 }
 
 /// SIGHUP: takes over the program of the controller as its file is now, or logs the reason.

@@ -29,6 +29,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-state",           &[]),
     ("arcline-gcode",           &[]),
     ("arcline-plot",            &[]),
+    ("arcline-testing",         &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
                                   "arcline-gcode", "arcline-plot"]),
     ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-l5x", "arcline-state",
