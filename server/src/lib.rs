@@ -14,6 +14,7 @@ pub mod hmi;
 mod l5x;
 mod limits;
 mod live;
+mod metrics;
 #[cfg(test)]
 mod pages;
 pub mod plant;

@@ -112,7 +112,7 @@ impl Found {
         if apart.is_nan() || apart > self.greatest {
             self.greatest = apart;
         }
-        !(apart <= tolerance)
+        apart.is_nan() || apart > tolerance
     }
 }
 
