@@ -9,8 +9,9 @@ use arcline_structured_text::Interpreter;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 
-use crate::machine::{parsed, policy};
+use crate::inner::{parsed, policy};
 use crate::signals::{Signal, sample};
 use crate::{errors, values};
 
@@ -39,13 +40,14 @@ fn fresh(project: &Project) -> Runner {
 }
 
 impl Batch {
-    fn lock(&self) -> MutexGuard<'_, Inner> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Waits with the interpreter released: who holds the lock may need it.
+    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Inner> {
+        self.inner.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Steps all machines, then samples the bound signals of each into its element of their arrays.
     fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
-        let mut inner = self.lock();
+        let mut inner = self.lock(py);
         let Inner { runners, bound, .. } = &mut *inner;
         let signals: Vec<Signal> = bound.iter().map(|(signal, _)| signal.clone()).collect();
         let mut arrays = Vec::with_capacity(bound.len());
@@ -134,7 +136,7 @@ impl Batch {
 
     /// An array of a signal of all machines, which every step refreshes.
     fn bind<'py>(&self, py: Python<'py>, signal: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let mut inner = self.lock();
+        let mut inner = self.lock(py);
         let array = PyArray1::zeros(py, self.count, false);
         let parsed = Signal::new(py, &inner.runners[0].simulation(), signal)?;
         {
@@ -155,7 +157,7 @@ impl Batch {
 
     /// Writes a value, or one of each machine, to a tag of all machines.
     fn write(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let inner = self.lock();
+        let inner = self.lock(py);
         if let Ok(each) = value.extract::<PyReadonlyArray1<'_, f64>>() {
             let each = each.as_array();
             if each.len() != self.count {
@@ -184,7 +186,7 @@ impl Batch {
 
     /// The value of a tag of one machine.
     fn read(&self, py: Python<'_>, index: usize, path: &str) -> PyResult<Py<PyAny>> {
-        let inner = self.lock();
+        let inner = self.lock(py);
         let runner = inner.runners.get(index);
         let runner =
             runner.ok_or_else(|| PyIndexError::new_err(format!("{index}: there are {} machines", self.count)))?;
@@ -194,7 +196,7 @@ impl Batch {
     /// Starts a program on every machine.
     #[pyo3(signature = (text, *, keep_going=false))]
     fn program(&self, py: Python<'_>, text: &str, keep_going: bool) -> PyResult<()> {
-        let mut inner = self.lock();
+        let mut inner = self.lock(py);
         let program = parsed(py, inner.runners[0].simulation().image(), text)?;
         for runner in &mut inner.runners {
             runner.start(Interpreter::new(program.clone()), policy(true, keep_going));
@@ -217,8 +219,8 @@ impl Batch {
 
     /// Brings machines back to their beginning: those whose element of `mask` is true, or all.
     #[pyo3(signature = (mask=None))]
-    fn reset(&self, mask: Option<PyReadonlyArray1<'_, bool>>) -> PyResult<()> {
-        let mut inner = self.lock();
+    fn reset(&self, py: Python<'_>, mask: Option<PyReadonlyArray1<'_, bool>>) -> PyResult<()> {
+        let mut inner = self.lock(py);
         let Inner { project, runners, .. } = &mut *inner;
         let mask = mask.as_ref().map(PyReadonlyArray1::as_array);
         if mask.as_ref().is_some_and(|mask| mask.len() != self.count) {

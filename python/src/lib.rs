@@ -3,6 +3,7 @@
 
 mod batch;
 mod errors;
+mod inner;
 mod machine;
 mod signals;
 mod simulate;

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
-use crate::machine::{parsed, policy};
+use crate::inner::{parsed, policy};
 use crate::signals::{Columns, Signal};
 use crate::values;
 

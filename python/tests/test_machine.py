@@ -212,6 +212,28 @@ def test_other_threads_run_while_time_passes():
     assert counted > 100 and m.tick == 600_000
 
 
+def test_threads_share_machines_and_batches():
+    batch, machine = arcline.Batch(n=4, threads=2), arcline.Machine(journal=False)
+    x = batch.bind("X.CommandPosition")
+
+    def work():
+        for _ in range(200):
+            batch.step(20)
+            with pytest.raises(arcline.TagError):
+                batch.write("Nobody", 1.0)
+            machine.step(20)
+            with pytest.raises(arcline.TagError):
+                machine["Nobody"] = 1.0
+
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+        assert not thread.is_alive(), "the threads wait for each other"
+    assert machine.tick == 4 * 200 * 20 and x.sum() == 0.0
+
+
 def test_simulate_is_one_call():
     r = arcline.simulate(MOVE, trace=["X.CommandPosition"])
     assert r.error is None and r.check() is r
