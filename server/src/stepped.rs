@@ -17,7 +17,7 @@ pub use crate::eip::Datagrams;
 use crate::eip::Settings;
 use crate::eip::stepped::SteppedFace;
 pub use crate::eip::stepped::{Duplex, Held};
-use crate::plant::{Plant, image_of};
+use crate::plant::Plant;
 use crate::retained::{Job, Keeper, SteppedState, Turn};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
@@ -59,7 +59,7 @@ impl<D: Disk> Stepped<D> {
         };
         let (image, watch, keeper) = match state {
             Some(SteppedState { image, watch, keeper }) => (image, Some(watch), Some(keeper)),
-            None => (image_of(&project), None, None),
+            None => (project.image(), None, None),
         };
         let (rings, mut link) = arcline_realtime::link(&project.machine);
         let planning = link.planning.take();

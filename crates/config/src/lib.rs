@@ -17,7 +17,7 @@ mod write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use arcline_controller::image::Configured;
+use arcline_controller::image::{Configured, Image};
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
 
@@ -50,6 +50,13 @@ pub struct Project {
 }
 
 impl Project {
+    /// The tag memory at its first values.
+    pub fn image(&self) -> Image {
+        let mut image = Image::new(&self.machine, &self.instruction_tags, &self.tags);
+        image.declare(&self.types);
+        image
+    }
+
     /// Its tags and types.
     pub fn configured(&self) -> Configured<'_> {
         Configured {

@@ -8,7 +8,7 @@ use arcline_realtime::Rings;
 use arcline_tag::Value;
 
 use super::*;
-use crate::plant::{Command, Force, ForceError, Principal, ProgramState, Refused, Right, image_of};
+use crate::plant::{Command, Force, ForceError, Principal, ProgramState, Refused, Right};
 
 /// A machine, a program on it, and a client with the role of an engineer.
 struct Bench {
@@ -67,7 +67,7 @@ impl Bench {
     fn new(text: &str, mode: Mode) -> Self {
         let mut project = arcline_l5x::import(text, "Cell.L5X").expect("it is read").project;
         project.tags.clear();
-        let mut image = image_of(&project);
+        let mut image = project.image();
         let bound = bind(&project.machine, &mut image, &source(text), Missing::Refused);
         let Bound { cell, places, listing } = bound.unwrap_or_else(|error| panic!("{error}"));
         let (rings, link) = arcline_realtime::link(&project.machine);

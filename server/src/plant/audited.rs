@@ -151,6 +151,8 @@ impl Shared {
             Command::StopAll => (What::Estop, "stop of everything".to_owned()),
             Command::Inhibit => (What::Estop, "STOP".to_owned()),
             Command::Release => (What::Estop, "release of STOP".to_owned()),
+            // Tests step in every line.
+            Command::Step { .. } => return None,
             Command::Lose { .. } | Command::Disown(_) => return None,
         };
         Some(self.bare(principal, role, what, object, ""))
@@ -166,9 +168,14 @@ impl Shared {
             }
             Err(Refused::NoControl { .. }) => "no control",
             Err(Refused::MovedByAnother { .. }) => "moved by another",
-            Err(Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NoProgram | Refused::Force(_)) => {
-                "refused"
-            }
+            Err(
+                Refused::Write(_)
+                | Refused::Table(_)
+                | Refused::Call(_)
+                | Refused::NoProgram
+                | Refused::Force(_)
+                | Refused::NotStepped,
+            ) => "refused",
             Err(Refused::NotPersisted(_)) => "not kept",
         };
     }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Given, Mnemonic, SystemId};
+use arcline_tag::TagPath;
 
 use super::{CallRefused, Executed, Force, ForceError, Lost, Mode, Mover, Principal, Right};
 use crate::retained::NotPersisted;
@@ -100,6 +101,13 @@ pub enum Command<'a> {
     Inhibit,
     /// Inhibits motion no more.
     Release,
+    /// Lets ticks pass on the step clock, behind all else of the transaction.
+    Step {
+        /// How many, at most.
+        ticks: u32,
+        /// The tag that ends the steps when it is not 0.
+        until: Option<TagPath>,
+    },
 }
 
 /// Coordinate systems.
@@ -185,6 +193,9 @@ pub enum Refused {
     /// An input was not forced.
     #[error(transparent)]
     Force(#[from] ForceError),
+    /// Ticks pass by themselves.
+    #[error("the machine is on the real clock: a server that was started with `--clock step` can be stepped")]
+    NotStepped,
     /// It is done, but may not be so after a restart.
     #[error(transparent)]
     NotPersisted(#[from] NotPersisted),

@@ -107,7 +107,8 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
         | Command::Disown(_)
         | Command::StopAll
         | Command::Inhibit
-        | Command::Release => Vec::new(),
+        | Command::Release
+        | Command::Step { .. } => Vec::new(),
     }
 }
 
@@ -175,7 +176,8 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::Disown(_)
         | Command::StopAll
         | Command::Inhibit
-        | Command::Release => false,
+        | Command::Release
+        | Command::Step { .. } => false,
     }
 }
 
@@ -237,6 +239,7 @@ pub(super) fn counter(command: &Command<'_>) -> Counter {
         Command::CreateTag(_) | Command::DeleteTag(_) | Command::Reload { .. } => Counter::Tables,
         Command::Lose { .. } | Command::Disown(_) => Counter::Owners,
         Command::StopAll | Command::Inhibit | Command::Release => Counter::Stops,
+        Command::Step { .. } => Counter::Steps,
     }
 }
 

@@ -57,7 +57,8 @@ impl Plant {
                 | Refused::Write(_)
                 | Refused::Call(_)
                 | Refused::NoProgram
-                | Refused::Force(_),
+                | Refused::Force(_)
+                | Refused::NotStepped,
             ) => Ok(()),
         }
     }

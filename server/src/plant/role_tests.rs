@@ -82,6 +82,7 @@ async fn every_command_for_every_role_of_every_principal() {
         ("StopAll",                  Right::Stop,          Command::StopAll),
         ("Inhibit",                  Right::Stop,          Command::Inhibit),
         ("Release",                  Right::ReleaseStop,   Command::Release),
+        ("Step",                     Right::StepClock,     Command::Step { ticks: 0, until: None }),
     ];
     let client = Principal::Client {
         session: 1,

@@ -22,7 +22,6 @@ use arcline_instruction_set::FaultSet;
 use arcline_state::{Axis, AxisState, Damage, Disk, Kept, LockedFile, OpenError, Pace, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
-use crate::plant::image_of;
 pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
@@ -132,7 +131,7 @@ impl<D: Disk> Start<D> {
     fn from(locked: LockedFile<D>, project: &mut Project) -> Result<Self, RetainError> {
         let file = locked.file().to_owned();
         let at = |file: &Path| file.to_owned();
-        let mut image = image_of(project);
+        let mut image = project.image();
         let kept = match locked.read() {
             Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
             Ok(kept) => Ok(kept),

@@ -46,6 +46,25 @@ pub fn python_on_program(client: &str, script: &str) {
     }
 }
 
+/// Runs `tests/python/SCRIPT HOST:PORT` against two servers on the step clock, which must make it print the same.
+///
+/// # Panics
+/// When the script fails, or the two differ, or something needed is missing in CI.
+pub fn python_on_the_step_clock(client: &str, script: &str) {
+    match Python::with(client) {
+        Ok(python) => {
+            let run = || {
+                let server = Server::start_with(&["--clock", "step"]);
+                python.run(script, &[&server.address().to_string()])
+            };
+            let printed = run();
+            print!("{printed}");
+            assert_eq!(printed, run(), "{script}: the second run differs");
+        }
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
 /// Runs `tests/python/SCRIPT HOST:PORT`, which jogs the axis S by its instruction tag `Jog1`, and halts its process while the axis moves:
 /// its connections stay open, and the axis must stand within `jog_silence_ms` of the configuration and the time of a look and a ramp.
 ///

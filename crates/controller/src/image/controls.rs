@@ -1,10 +1,11 @@
 //! Motion control tags: which slot of the controller shows where, and what a slot shows.
 
-use arcline_instruction_set::{ControlSlot, Flag, MotionControl, predefined};
+use arcline_instruction_set::{ControlSlot, Ending, Flag, MotionControl, predefined};
 use arcline_tag::TagType;
 
 use super::{ControlError, Image, MOTION_CONTROL, TagId, TagKind, is_tag_name};
-use crate::{CONTROL_SLOTS, UNNAMED};
+use crate::machine::Machine;
+use crate::{CONTROL_SLOTS, Cause, UNNAMED};
 
 impl Image {
     /// The slot of a motion control tag; a name that is not known yet becomes a MOTION_INSTRUCTION tag. The name
@@ -109,6 +110,23 @@ impl Image {
         {
             index.copy_from_slice(&control.to_bytes());
         }
+    }
+
+    /// The cause that ended an instruction, with its names; `None`: the instruction ended by itself.
+    pub fn ending(&self, machine: &Machine, cause: Cause) -> Option<Ending> {
+        Some(match cause {
+            Cause::Itself => return None,
+            Cause::Instruction { control, mnemonic, .. } => Ending::Instruction {
+                mnemonic,
+                tag: self.control_name(control).to_owned(),
+            },
+            Cause::Fault { axis, faults } => Ending::Fault {
+                axis: machine.axes.get(usize::from(axis))?.name.clone(),
+                faults,
+            },
+            Cause::StopAll => Ending::StopAll,
+            Cause::Jog(why) => Ending::Jog(why),
+        })
     }
 
     pub(super) fn free_slot(&self) -> Option<ControlSlot> {

@@ -12,6 +12,7 @@ mod calls;
 mod cam_tags;
 mod cams;
 mod changes;
+mod clock_step;
 mod contour_rests;
 mod controls;
 mod encode;
@@ -49,6 +50,7 @@ use shared::{Kept, Memory, Shared};
 
 pub use attributes::Progress;
 pub use cams::Staged;
+pub use clock_step::{CLOCK_STEP_TAG, MOST_STEPS};
 pub use contour_rests::CONTOUR_RESTS_TAG;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
@@ -121,6 +123,8 @@ pub struct Image {
     program_tags: Shared<program::ProgramTags>,
     /// What others change of them.
     notes: program::Notes,
+    /// The tag that shows the tick, on the step clock.
+    clock_step: Option<TagId>,
 }
 
 impl Image {
@@ -155,6 +159,7 @@ impl Image {
             shown: attributes::Shown::default(),
             program_tags: Shared::default(),
             notes: program::Notes::default(),
+            clock_step: None,
         };
         image.add(
             &machine.group,
@@ -265,6 +270,7 @@ impl Image {
         self.show_attributes(snapshot);
         self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
         self.show_contour_rests(snapshot);
+        self.show_clock(snapshot.tick);
         self.show_uses();
     }
 

@@ -148,6 +148,7 @@ impl From<Refused> for Refusal {
             | Refused::Call(_)
             | Refused::NoProgram
             | Refused::Force(_)
+            | Refused::NotStepped
             | Refused::NotPersisted(_) => Self::new(refused.to_string()),
         }
     }
