@@ -233,8 +233,8 @@ constants! {
         from_rest_each: u64 = 3000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
-        to_continue: u64 = 5_000_000,
-        to_continue_each: u64 = 500,
+        to_continue: u64 = 1_000_000,
+        to_continue_each: u64 = 1000,
     }
 }
 
@@ -312,9 +312,12 @@ constants! {
         /// Seconds at programmed speed, and at least so many moves, for which a motion is planned before it begins.
         first_s: f64 = 0.4,
         first_moves: usize = 4,
-        /// Seconds by which it is extended at once, about, but at least so many moves.
+        /// Seconds by which it is extended at once, about, at least and at most, but at least so many moves.
+        least_s: f64 = 0.25,
         most_s: f64 = 0.8,
         least_moves: usize = 12,
+        /// Seconds that are left of the running motion from which on timing and shape are planned together.
+        ample_s: f64 = 0.3,
         /// Share of that which is planned where all of it is not found.
         less_share: f64 = 0.25,
         /// Seconds that the running motion is followed at least, and that are left of it at least.

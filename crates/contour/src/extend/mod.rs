@@ -18,7 +18,7 @@ use crate::plan::{can_pass, is_dense};
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
-use crate::{AxisLimits, ContourMove, Trajectory};
+use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
 /// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
 /// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
@@ -43,7 +43,7 @@ pub fn extend(
         .unwrap_or(0.0);
     let each = (running.duration() - begins) / old as f64;
     // One that has just begun is extended by little at first: it must not come to its end meanwhile.
-    let ahead = (running.duration() - now).clamp(TUNING.extend.first_s, TUNING.extend.most_s);
+    let ahead = (running.duration() - now).clamp(TUNING.extend.least_s, TUNING.extend.most_s);
     let most = ((ahead / each) as usize).max(TUNING.extend.least_moves);
     let moves = &moves[..moves.len().min(old.saturating_add(most))];
     if moves.len() <= old {
@@ -75,12 +75,20 @@ pub fn extend(
     };
     let gently = || plan(Quality::TimingOnly, TUNING.gentle.ahead_share, &[]);
     let few = |quality, attempts| plan(quality, TUNING.extend.less_share, attempts);
-    let (first, later) = ATTEMPTS.split_at(1);
     let extended = if is_dense(&moves[begin..end]) {
-        let whole = plan(Quality::Smooth, 1.0, first);
-        whole.or_else(gently).or_else(|| few(Quality::Smooth, later))
+        // Where little is left, what is gentle leaves still less for the next extension.
+        let is_little = running.duration() - now < TUNING.extend.least_s;
+        let together = || is_little.then(|| plan(Quality::Full, 1.0, &ATTEMPTS)).flatten();
+        let smooth = plan(Quality::Smooth, 1.0, &ATTEMPTS);
+        smooth.or_else(together).or_else(gently)
     } else {
-        gently().or_else(|| few(Quality::Smooth, &ATTEMPTS))
+        // Sharp corners of lines are passed faster when timing and shape are found together, which takes longest.
+        let are_lines = moves[begin..end].iter().all(|one| matches!(one.path, Path::Line(_)));
+        let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
+        let together = (are_lines && is_ample)
+            .then(|| plan(Quality::Full, 1.0, &ATTEMPTS[..1]))
+            .flatten();
+        together.or_else(gently).or_else(|| few(Quality::Smooth, &ATTEMPTS))
     };
     let extended = extended.or_else(|| few(Quality::Full, &ATTEMPTS))?;
     let count = extended.moves();
