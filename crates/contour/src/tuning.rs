@@ -316,6 +316,8 @@ constants! {
         least_s: f64 = 0.25,
         most_s: f64 = 0.8,
         least_moves: usize = 12,
+        /// Of dense chords one in so many may be an arc.
+        most_arcs: usize = 4,
         /// Seconds that are left of the running motion from which on timing and shape are planned together.
         ample_s: f64 = 0.3,
         /// Share of that which is planned where all of it is not found.

@@ -75,7 +75,12 @@ pub fn extend(
     };
     let gently = || plan(Quality::TimingOnly, TUNING.gentle.ahead_share, &[]);
     let few = |quality, attempts| plan(quality, TUNING.extend.less_share, attempts);
-    let extended = if is_dense(&moves[begin..end]) {
+    let arcs = moves[begin..end]
+        .iter()
+        .filter(|one| matches!(one.path, Path::Arc(_)))
+        .count();
+    let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
+    let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
         // Where little is left, what is gentle leaves still less for the next extension.
         let is_little = running.duration() - now < TUNING.extend.least_s;
         let together = || is_little.then(|| plan(Quality::Full, 1.0, &ATTEMPTS)).flatten();
@@ -83,9 +88,8 @@ pub fn extend(
         smooth.or_else(together).or_else(gently)
     } else {
         // Sharp corners of lines are passed faster when timing and shape are found together, which takes longest.
-        let are_lines = moves[begin..end].iter().all(|one| matches!(one.path, Path::Line(_)));
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
-        let together = (are_lines && is_ample)
+        let together = (arcs == 0 && is_ample)
             .then(|| plan(Quality::Full, 1.0, &ATTEMPTS[..1]))
             .flatten();
         together.or_else(gently).or_else(|| few(Quality::Smooth, &ATTEMPTS))
