@@ -9,9 +9,9 @@ use rustls::pki_types::pem::PemObject as _;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::version::{TLS12, TLS13};
 use rustls::{ClientConfig, RootCertStore};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio_rustls::TlsConnector;
-use tokio_rustls::client::TlsStream;
 
 use crate::ClientError;
 
@@ -65,7 +65,14 @@ impl Tls {
     }
 
     /// The handshake on a TCP connection to `address`, `HOST:PORT`.
-    pub(crate) async fn connect(&self, stream: TcpStream, address: &str) -> std::io::Result<TlsStream<TcpStream>> {
+    ///
+    /// # Errors
+    /// The server's certificate does not hold, or the server refuses this client's.
+    pub async fn connect(
+        &self,
+        stream: TcpStream,
+        address: &str,
+    ) -> std::io::Result<impl AsyncRead + AsyncWrite + Unpin + Send + use<>> {
         let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
         let host = host.trim_start_matches('[').trim_end_matches(']').to_owned();
         let name = match &self.server_name {

@@ -23,6 +23,7 @@ fn run(data: &[u8]) {
         number: 0,
         kind: "N".to_owned(),
         text: text.to_owned(),
+        comment: String::new(),
     };
     let routine = |name: &str, content| RoutineSource {
         name: name.to_owned(),

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::str::FromStr;
 
 use arcline_config::Project;
+use arcline_realtime::Clock;
 use arcline_structured_text::QueueFull;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde_json::json;
@@ -84,7 +85,7 @@ enum ConfigCommand {
 /// Flags of `run`.
 #[derive(Args, Debug)]
 pub(crate) struct RunArgs {
-    /// Configuration file; without it the embedded default is used.
+    /// Configuration file; without it the embedded default is used, and for a project its own machine.
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// The address of EtherNet/IP, TCP and UDP; port 0 picks a free port. Repeat it for several addresses.
@@ -102,7 +103,37 @@ pub(crate) struct RunArgs {
     /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
     #[arg(long)]
     pub(crate) open_to_network: bool,
+    /// What makes ticks pass: real time, steps of clients, or a number of times real time. For tests; time-outs of the network stay real.
+    #[arg(long, value_name = "real|step|fast[:N]", default_value = "real", value_parser = clock)]
+    pub(crate) clock: Clock,
+    /// Stop as by SIGTERM when standard input closes: a program that holds the other end takes the server along, however it ends.
+    #[arg(long)]
+    pub(crate) end_with_stdin: bool,
 }
+
+/// The clock of a word; `fast` is ten times real time.
+fn clock(text: &str) -> Result<Clock, String> {
+    let expected = || {
+        format!(
+            "expected real, step, fast or fast:N with a number N from {} to {}",
+            FAST.start(),
+            FAST.end()
+        )
+    };
+    match text.split_once(':') {
+        None if text == "real" => Ok(Clock::Real),
+        None if text == "step" => Ok(Clock::Step),
+        None if text == "fast" => Ok(Clock::Fast(10.0)),
+        Some(("fast", times)) => match times.parse() {
+            Ok(times) if FAST.contains(&times) => Ok(Clock::Fast(times)),
+            _ => Err(expected()),
+        },
+        _ => Err(expected()),
+    }
+}
+
+/// Times real time.
+const FAST: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
 
 /// `run`: flags, and the program of the controller.
 #[derive(Args, Debug)]

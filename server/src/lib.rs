@@ -14,7 +14,7 @@ pub mod hmi;
 mod l5x;
 mod limits;
 mod live;
-mod names;
+mod metrics;
 #[cfg(test)]
 mod pages;
 pub mod plant;

@@ -9,15 +9,17 @@ use std::sync::Arc;
 
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
+use arcline_realtime::Clock;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::oneshot;
 
 use crate::audit::{self, Audit, What};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::{self, Doors, Hmi, Sessions};
 use crate::live::{self, Missing};
-use crate::plant::{Mode, Plant, Principal, image_of};
+use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::tls::Tls;
 
@@ -40,6 +42,12 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         None => project.server.hmi.map(HmiAt::Chosen),
     };
     check_open(&project.server, hmi, args)?;
+    let has_program = program.is_some() || project.server.controller.program.is_some();
+    if args.clock == Clock::Step && has_program {
+        return Err(Failure::usage(
+            "--clock step: the tasks of a project follow real time; `simulate PROJECT.L5X` runs them on the virtual clock",
+        ));
+    }
     let (retained, keeper) = match &args.state {
         Some(OrOff::On(file)) => {
             let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
@@ -59,6 +67,8 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         retained,
         audit,
         config: args.config.as_deref(),
+        clock: args.clock,
+        end_with_stdin: args.end_with_stdin,
         program: program_of(&project.server, args.config.as_deref(), program),
     };
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
@@ -79,6 +89,8 @@ struct Start<'a> {
     retained: Option<(Image, ChangeTracker)>,
     audit: Option<Audit>,
     config: Option<&'a Path>,
+    clock: Clock,
+    end_with_stdin: bool,
     program: Option<live::Given>,
 }
 
@@ -109,6 +121,7 @@ fn program_of(server: &ServerConfig, config: Option<&Path>, given: Option<(PathB
         mode,
         missing,
         has_machine,
+        answers: live::answers(controller),
     })
 }
 
@@ -134,6 +147,8 @@ async fn serve(
         retained,
         audit,
         config,
+        clock,
+        end_with_stdin,
         program,
     } = start;
     let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
@@ -141,12 +156,15 @@ async fn serve(
     let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
     let mut hangup = signal(SignalKind::hangup()).map_err(|error| failed("SIGHUP", &error))?;
     let (mut image, watch) = match retained {
-        None => (image_of(project), None),
+        None => (project.image(), None),
         Some((image, watch)) => (image, Some(watch)),
     };
+    if clock == Clock::Step {
+        image.add_clock_step();
+    }
     let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
     let program = program.transpose()?;
-    let started = Plant::start_with(project, image, watch);
+    let started = Plant::start_with(project, image, watch, clock);
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
     if let Some(audit) = audit {
         plant.set_audit(audit);
@@ -200,6 +218,10 @@ async fn serve(
         });
     };
     tokio::pin!(served);
+    let mut parent = end_with_stdin
+        .then(end_of_input)
+        .transpose()
+        .map_err(|error| failed("standard input", &error))?;
     loop {
         tokio::select! {
             () = &mut served => break,
@@ -218,6 +240,10 @@ async fn serve(
                 tracing::info!("SIGTERM: stopping");
                 break;
             }
+            () = ended(&mut parent) => {
+                tracing::info!("standard input has closed: stopping");
+                break;
+            }
             _ = interrupt.recv() => {
                 tracing::info!("SIGINT: stopping");
                 break;
@@ -228,6 +254,28 @@ async fn serve(
         live.stop();
     }
     Ok((plant, handle))
+}
+
+/// Is ready when standard input has closed. A thread reads it, as nothing else does.
+fn end_of_input() -> io::Result<oneshot::Receiver<()>> {
+    let (closed, input) = oneshot::channel();
+    std::thread::Builder::new()
+        .name("arcline-stdin".to_owned())
+        .spawn(move || {
+            // What comes is not for the server; an error ends the input too.
+            let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
+            let _ = closed.send(());
+        })?;
+    Ok(input)
+}
+
+/// Waits for the end of standard input; for ever, where that does not matter.
+async fn ended(input: &mut Option<oneshot::Receiver<()>>) {
+    match input {
+        // The thread ends in no other way.
+        Some(input) => drop(input.await),
+        None => std::future::pending().await,
+    }
 }
 
 /// SIGHUP: takes over the program of the controller as its file is now, or logs the reason.

@@ -11,13 +11,13 @@ use std::time::Duration;
 use arcline_config::Project;
 use arcline_controller::{Controller, Snapshot};
 use arcline_realtime::{Planning, Rings};
-use arcline_state::{Disk, Ended, Pace, Place, Task};
+use arcline_state::{Disk, Ended, LockedFile, Pace, Task};
 
 pub use crate::eip::Datagrams;
 use crate::eip::Settings;
 use crate::eip::stepped::SteppedFace;
 pub use crate::eip::stepped::{Duplex, Held};
-use crate::plant::{Plant, image_of};
+use crate::plant::Plant;
 use crate::retained::{Job, Keeper, SteppedState, Turn};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
@@ -52,14 +52,14 @@ impl<D: Disk> Stepped<D> {
         let failed = |error: &dyn std::fmt::Display| StartError(error.to_string());
         let state = match disk {
             Some((disk, file, pace)) => {
-                let place = Place::lock_on(disk, file).map_err(|error| failed(&error))?;
-                Some(SteppedState::open(place, pace, &mut project).map_err(|error| failed(&error))?)
+                let locked = LockedFile::lock_on(disk, file).map_err(|error| failed(&error))?;
+                Some(SteppedState::open(locked, pace, &mut project).map_err(|error| failed(&error))?)
             }
             None => None,
         };
         let (image, watch, keeper) = match state {
             Some(SteppedState { image, watch, keeper }) => (image, Some(watch), Some(keeper)),
-            None => (image_of(&project), None, None),
+            None => (project.image(), None, None),
         };
         let (rings, mut link) = arcline_realtime::link(&project.machine);
         let planning = link.planning.take();

@@ -1,6 +1,7 @@
 // What must hold in the browser, a function each. A case throws when it does not.
 
 export * from "./clarity.mjs";
+export * from "./controller.mjs";
 export * from "./driving.mjs";
 export * from "./faults.mjs";
 export * from "./hands.mjs";

@@ -3,16 +3,18 @@
 //! [`Bench::call`] takes one Structured Text call with literal operands and executes it at the present tick.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Edge, Image};
-use arcline_controller::machine::{DynamicsBits, Start};
-use arcline_controller::{ContourRequest, Controller, Event, FaultChange, Snapshot, Ticket, Written};
+use arcline_controller::machine::{DynamicsBits, Machine, Start};
+use arcline_controller::{ArrayWrite, Event, FaultChange, Snapshot, Written};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, TagAddress, WrittenArray, bind,
 };
+use arcline_simulation::{Observer, Origin, Simulation};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use arcline_tag::Value;
 
@@ -21,12 +23,9 @@ use crate::trace::Trace;
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
     project: Project,
-    controller: Controller,
-    contour: ContourRequest,
-    /// Plain tags; motion and motion controls are the controller's.
-    image: Image,
+    /// Of its tags only the plain ones count: motion and motion controls are the controller's.
+    simulation: Simulation,
     controls: BTreeMap<String, ControlSlot>,
-    tickets: u64,
     arrays: Vec<String>,
     written: BTreeMap<String, Vec<f64>>,
     trace: Option<Trace>,
@@ -55,26 +54,23 @@ impl Bench {
     /// A machine of a configuration with other drives than the simulated ones, at tick 0.
     pub fn with_drives(config: &str, drives: Box<dyn Drives>) -> Self {
         let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
-        let controller = Controller::with_drives(&project.machine, drives);
-        Self::at_tick_0(project, controller)
+        let machine = Arc::new(project.machine.clone());
+        let simulation = Simulation::with_drives(machine, image_of(&project), drives);
+        Self::at_tick_0(project, simulation)
     }
 
     /// A project's machine at tick 0.
     pub fn of(project: Project) -> Self {
-        let controller = Controller::new(&project.machine);
-        Self::at_tick_0(project, controller)
+        let simulation = Simulation::new(Arc::new(project.machine.clone()), image_of(&project));
+        Self::at_tick_0(project, simulation)
     }
 
-    fn at_tick_0(project: Project, mut controller: Controller) -> Self {
-        controller.begin_tick();
-        let image = Image::new(&project.machine, &[], &project.tags);
+    fn at_tick_0(project: Project, mut simulation: Simulation) -> Self {
+        simulation.begin();
         Bench {
-            image,
             project,
-            controller,
-            contour: ContourRequest::new(),
+            simulation,
             controls: BTreeMap::new(),
-            tickets: 0,
             arrays: Vec::new(),
             written: BTreeMap::new(),
             trace: Trace::asked(),
@@ -122,37 +118,29 @@ impl Bench {
         let object = call.mnemonic.instruction().object;
         let target = self.object(object, &call.target);
         let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
-        self.tickets += 1;
-        let (data, staged) = self.image.prepare(&bound);
-        let shown = self.controller.execute_with(Ticket(self.tickets), &bound, data);
-        if let Some(staged) = staged {
-            self.image.settle(staged, &shown);
-        }
-        shown
+        self.simulation.execute(&bound, Origin::default()).1
     }
 
     /// Writes a value to a plain tag.
     pub fn write(&mut self, path: &str, value: f64) {
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
-        let written = self.image.write_value(&path, Value::Lreal(value));
-        let edge = written.unwrap_or_else(|error| panic!("{error}"));
-        assert!(
-            matches!(edge, None | Some(Edge::Input)),
-            "{path} does more than a plain tag"
-        );
-        for input in self.image.take_inputs() {
-            self.controller.input(input);
-        }
+        let written = self.simulation.write(Origin::default(), |image| {
+            let edge = image.write_value(&path, Value::Lreal(value))?;
+            assert!(
+                matches!(edge, None | Some(Edge::Input)),
+                "{path} does more than a plain tag"
+            );
+            Ok(edge)
+        });
+        written.unwrap_or_else(|error| panic!("{error}"));
     }
 
     /// The value of a plain tag.
     pub fn read(&mut self, path: &str) -> f64 {
-        self.image.show_uses();
+        let image = self.simulation.image_mut();
+        image.show_uses();
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
-        self.image
-            .read(&path)
-            .unwrap_or_else(|error| panic!("{error}"))
-            .as_f64()
+        image.read(&path).unwrap_or_else(|error| panic!("{error}")).as_f64()
     }
 
     /// Writes the points of a cam, each with master, slave and segment type, into a CAM array.
@@ -166,20 +154,21 @@ impl Bench {
 
     /// The rung of the instruction with this tag is false.
     pub fn rung_false(&mut self, tag: &str) {
-        self.controller.rung_false(self.controls[tag]);
+        self.simulation.rung_false(self.controls[tag]);
     }
 
     /// Takes a share of the programmed speeds of a coordinate system's moves now; 0 holds.
     pub fn set_override(&mut self, system: &str, share: f64) {
         let index = self.project.machine.system(system);
         let index = index.expect("the machine has the coordinate system");
-        self.controller.set_override(index, share);
+        self.simulation.controller_mut().set_override(index, share);
     }
 
     /// Sets the Dynamics Configuration Bits of an axis or a coordinate system now.
     pub fn set_dynamics_bits(&mut self, object: Object, name: &str, bits: u32) {
         let index = self.object(object, name).expect("the machine has the object");
-        self.controller
+        self.simulation
+            .controller_mut()
             .set_dynamics_bits(object, index, DynamicsBits::from_bits(bits));
     }
 
@@ -188,12 +177,12 @@ impl Bench {
         let index = self.project.machine.axis(axis);
         let index = index.expect("the machine has the axis");
         let causes = causes.iter().fold(FaultSet::default(), |set, kind| set.with(*kind));
-        self.controller.inject(index, causes);
+        self.simulation.controller_mut().inject(index, causes);
     }
 
     /// Stops everything that moves now, by no instruction.
     pub fn stop_all(&mut self) {
-        self.controller.stop_all();
+        self.simulation.controller_mut().stop_all();
     }
 
     /// Ends the present tick and begins the next one.
@@ -203,33 +192,14 @@ impl Bench {
 
     /// The same; in between `look` sees what everybody outside sees of the tick that has ended.
     pub fn tick_seen<T>(&mut self, look: impl FnOnce(&Self) -> T) -> T {
-        let controls = &self.controls;
-        let events = &mut self.events;
-        self.controller.plan_contours(&mut self.contour);
-        let fault_changes = &mut self.fault_changes;
         let mut trace = self.trace.take();
-        self.controller.take_fault_changes(|change| {
-            fault_changes.push(*change);
-            if let Some(trace) = &mut trace {
-                trace.fault_change(change);
-            }
-        });
-        self.controller.end_tick(|event| {
-            if let Some(trace) = &mut trace {
-                trace.event(event);
-            }
-            let name = controls.iter().find(|(_, slot)| **slot == event.control);
-            events.push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
-        });
-        let (arrays, written, image) = (&self.arrays, &mut self.written, &mut self.image);
-        self.controller.take_array_writes(|write| {
-            let own = arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
-            match (&write.values, own) {
-                (Written::Numbers(numbers), Some(name)) => {
-                    drop(written.insert(name.clone(), numbers.as_slice().to_vec()));
-                }
-                _ => image.apply_array_write(write),
-            }
+        self.simulation.end(&mut Seen {
+            controls: &self.controls,
+            arrays: &self.arrays,
+            events: &mut self.events,
+            fault_changes: &mut self.fault_changes,
+            written: &mut self.written,
+            trace: trace.as_mut(),
         });
         if let Some(trace) = &mut trace {
             trace.snapshot(&self.snapshot());
@@ -237,7 +207,7 @@ impl Bench {
         self.trace = trace;
         self.assert_no_command_was_refused();
         let seen = look(self);
-        self.controller.begin_tick();
+        self.simulation.begin();
         seen
     }
 
@@ -275,7 +245,7 @@ impl Bench {
     /// Runs until nothing moves.
     pub fn until_rest(&mut self) {
         let from = self.now();
-        while !self.controller.at_rest() {
+        while !self.simulation.controller().at_rest() {
             assert!(self.now() - from < 100_000, "it never comes to rest");
             self.tick();
         }
@@ -283,14 +253,14 @@ impl Bench {
 
     /// The present tick.
     pub fn now(&self) -> u64 {
-        self.controller.tick_number()
+        self.simulation.tick()
     }
 
     /// What a motion control tag shows.
     pub fn control(&self, tag: &str) -> MotionControl {
-        self.controls
-            .get(tag)
-            .map_or_else(MotionControl::default, |slot| self.controller.control(*slot))
+        self.controls.get(tag).map_or_else(MotionControl::default, |slot| {
+            self.simulation.controller().control(*slot)
+        })
     }
 
     /// The names of the bits that a tag shows, in the order EN DN ER IP AC PC ….
@@ -324,15 +294,13 @@ impl Bench {
     }
 
     /// The machine as configured.
-    pub fn machine(&self) -> &arcline_controller::machine::Machine {
+    pub fn machine(&self) -> &Machine {
         &self.project.machine
     }
 
     /// The state of the machine at the present tick.
     pub fn snapshot(&self) -> Snapshot {
-        let mut snapshot = Snapshot::new(&self.project.machine);
-        self.controller.snapshot(&mut snapshot);
-        snapshot
+        self.simulation.snapshot()
     }
 
     /// Command position of an axis.
@@ -357,6 +325,49 @@ impl Bench {
     }
 }
 
+/// What a bench keeps of a tick.
+struct Seen<'b> {
+    controls: &'b BTreeMap<String, ControlSlot>,
+    arrays: &'b [String],
+    events: &'b mut Vec<(String, Event)>,
+    fault_changes: &'b mut Vec<FaultChange>,
+    written: &'b mut BTreeMap<String, Vec<f64>>,
+    trace: Option<&'b mut Trace>,
+}
+
+impl Observer for Seen<'_> {
+    fn fault(&mut self, change: &FaultChange, _time: f64, _machine: &Machine) {
+        self.fault_changes.push(*change);
+        if let Some(trace) = &mut self.trace {
+            trace.fault_change(change);
+        }
+    }
+
+    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
+        let own = self.arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
+        match (&write.values, own) {
+            (Written::Numbers(numbers), Some(name)) => {
+                drop(self.written.insert(name.clone(), numbers.as_slice().to_vec()));
+            }
+            _ => image.apply_array_write(write),
+        }
+    }
+
+    fn event(&mut self, event: &Event, _time: f64, _image: &Image) {
+        if let Some(trace) = &mut self.trace {
+            trace.event(event);
+        }
+        let name = self.controls.iter().find(|(_, slot)| **slot == event.control);
+        self.events
+            .push((name.map(|(name, _)| name.clone()).unwrap_or_default(), *event));
+    }
+}
+
+/// The plain tags of a project: a bench gives names to motion controls itself.
+fn image_of(project: &Project) -> Image {
+    Image::new(&project.machine, &[], &project.tags)
+}
+
 impl Default for Bench {
     fn default() -> Self {
         Self::new()
@@ -375,7 +386,7 @@ impl Directory for Bench {
 
     /// An array of the configuration, or any name: an array of so many elements as it ends with, 4 where it does not.
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        self.image.real_array(name).or_else(|| {
+        self.simulation.image().real_array(name).or_else(|| {
             let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();
             let place = self.arrays.iter().position(|known| known == name)?;
             Some(WrittenArray {
@@ -386,6 +397,6 @@ impl Directory for Bench {
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
-        self.image.structure(type_name, name)
+        self.simulation.image().structure(type_name, name)
     }
 }

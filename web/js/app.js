@@ -25,6 +25,7 @@ const REFUSED_MS = 5000;
  * @property {string} title
  * @property {HTMLElement} element
  * @property {boolean} [hasTime] Whether the view shows the moment that is chosen.
+ * @property {boolean} [isHere] False: the machine has nothing to show there; the list does not name the view.
  * @property {() => void} [show] Called when the view comes into the page.
  * @property {() => void} [hide] Called when the view leaves the page.
  * @property {() => void} [update] Called with each new status while the view is shown.

@@ -8,6 +8,7 @@ const SHAPES = {
   trends: "M3 3v18h18|M6 15l4-5 4 3 6-8",
   drive: "M12 3v18M3 12h18|M12 3l-2.5 3h5zM12 21l-2.5-3h5zM3 12l3-2.5v5zM21 12l-3-2.5v5z",
   program: "M8 7l-5 5 5 5M16 7l5 5-5 5M14 4l-4 16",
+  ladder: "M4 3v18M20 3v18M4 8h5M15 8h5M9 5v6M15 5v6M4 17h6M14 17h6M10 17a2 2.5 0 0 1 4 0a2 2.5 0 0 1-4 0",
   tags: "M3 12V4a1 1 0 0 1 1-1h8l9 9-9 9z|M8 8m-1 0a1 1 0 1 0 2 0a1 1 0 1 0-2 0",
   events: "M4 6h2M4 12h2M4 18h2M9 6h11M9 12h11M9 18h11",
   pause: "M8 5v14M16 5v14",

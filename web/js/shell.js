@@ -134,6 +134,10 @@ export class Shell {
     this.inhibited.hidden = !status.inhibited;
     this.release.disabled = !store.may("operator");
     this.release.title = this.release.disabled ? "An operator may release STOP" : "";
+    for (const [key, , view] of this.views) {
+      const link = this.links.get(key);
+      if (link) link.hidden = view.isHere === false && view !== this.view;
+    }
     this.view?.update?.();
   }
 

@@ -1,6 +1,7 @@
 // Puts the page together: what it knows, what it shows, and the stop that works everywhere.
 
 import { App } from "./app.js";
+import { Controller } from "./controller.js";
 import { h } from "./dom.js";
 import { Drive } from "./drive.js";
 import { Events } from "./events.js";
@@ -22,7 +23,7 @@ async function begin() {
   const events = new Events(app);
   const shell = new Shell(app, [
     ["machine", "machine", new Machine(app)], ["path", "path", new Path(app)], ["trends", "trends", new Trends(app)], ["drive", "drive", new Drive(app)],
-    ["program", "program", new Program(app)], ["tags", "tags", new Tags(app)], ["events", "events", events],
+    ["program", "program", new Program(app)], ["controller", "ladder", new Controller(app)], ["tags", "tags", new Tags(app)], ["events", "events", events],
   ]);
   document.body.replaceChildren(sprite(), shell.element);
   shell.connected(false);

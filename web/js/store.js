@@ -8,11 +8,11 @@ import { seriesOf } from "./theme.js";
 /** The roles, the least first. */
 const ROLES = ["viewer", "operator", "engineer", "administrator"];
 
-/** @import { AxisConfiguration, Catalogue, Event, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
+/** @import { AxisConfiguration, Catalogue, Event, LookRow, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
 
 /**
- * Events: `status` 15 times a second, `program`, `values` of watched tags, `events`.
- * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[] }>}
+ * Events: `status` 15 times a second, `program`, `values` of watched tags, `events`, `look` of the controller's program.
+ * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[], look: { routine: number, rows: LookRow[] } }>}
  */
 export class Store extends Emitter {
   /** The newest status, with every part. @type {Status | null} */
@@ -59,6 +59,9 @@ export class Store extends Emitter {
         break;
       case "values":
         this.emit("values", message.values);
+        break;
+      case "look":
+        this.emit("look", message);
         break;
       case "event":
         this.emit("events", message.events);

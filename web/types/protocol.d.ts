@@ -208,6 +208,72 @@ export interface Requests {
     };
     answer: Done;
   };
+  /** Lists the tasks, programs and routines of the controller's own program. */
+  routines: {
+    fields: {};
+    answer: RoutineList;
+  };
+  /** Reads rungs or lines of a routine as they are written, at most 100. */
+  rungs: {
+    fields: {
+      /** How many. */
+      count: number;
+      /** Index of the first one, from 0. */
+      from: number;
+      /** Number of the routine. */
+      routine: number;
+    };
+    answer: RoutinePage;
+  };
+  /** Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most five times a second, in place of those looked at before. Without a routine it ends. */
+  look: {
+    fields: {
+      /** How many. */
+      count?: number;
+      /** Index of the first rung or line, from 0. */
+      from?: number;
+      /** Instance of the add-on instruction whose values are shown. */
+      instance?: string | null;
+      /** Number of the routine. */
+      routine?: number | null;
+      /** Version of the program that the numbers are of. */
+      version?: number;
+    };
+    answer: Done;
+  };
+  /** Lists where a tag of the controller's own program, a part of it, or the whole that it is a part of is used. */
+  uses: {
+    fields: {
+      /** Program in whose scope it is named; without one it is that of the controller. */
+      program?: string | null;
+      /** Name of the tag or of its part. */
+      tag: string;
+    };
+    answer: UseList;
+  };
+  /** Lets the controller's own program run, or stops it and all motion. */
+  mode: {
+    fields: {
+      /** Whether it is to run. */
+      run: boolean;
+    };
+    answer: Done;
+  };
+  /** Forces an input of a module: the controller's own program sees this value. */
+  force: {
+    fields: {
+      /** Name of the input, such as `Local:1:I.Data.0`. */
+      tag: string;
+      /** A number or boolean; null removes the force. */
+      value: unknown;
+    };
+    answer: Done;
+  };
+  /** Removes all forces. */
+  remove_forces: {
+    fields: {};
+    answer: Done;
+  };
   /** Begins or ends the binary frames of samples. */
   trace: {
     fields: {
@@ -269,6 +335,13 @@ export type Push =
     }
   | ProgramStatus & {
       push: "program";
+    }
+  | {
+      push: "look";
+      /** Number of the routine. */
+      routine: number;
+      /** The rungs or lines that have changed. */
+      rows: LookRow[];
     };
 
 /** A move that runs. */
@@ -283,6 +356,16 @@ export type ActiveMove = {
   remaining: number;
   /** Name of its motion control tag; empty without one. */
   tag: string;
+};
+
+/** An add-on instruction. */
+export type AddOnRow = {
+  /** Its instances among the tags, at most 200. */
+  instances: string[];
+  /** Name. */
+  name: string;
+  /** Its routines. */
+  routines: RoutineRow[];
 };
 
 /** An axis as configured. Rates are in its position units per s, s² and s³. */
@@ -396,6 +479,45 @@ export type ConditionalMaximum = {
   max: number;
   /** Member of the operand. */
   member: string | null;
+};
+
+/** A major fault. */
+export type ControllerFault = {
+  /** Mnemonic; empty: a statement. */
+  instruction: string;
+  /** Number of the rung or line in the file. */
+  line: number;
+  /** The operand at fault. */
+  operand: string | null;
+  /** Number of the routine. */
+  routine: number | null;
+  /** A sentence for people. */
+  text: string;
+  /** Its value. */
+  value: number | null;
+};
+
+/** What the controller's own program does. */
+export type ControllerState = "stopped" | "running" | "faulted";
+
+/** The controller's own program. */
+export type ControllerStatus = {
+  /** The major fault that has stopped the tasks. */
+  fault: ControllerFault | null;
+  /** Forced inputs. */
+  forces: ForceRow[];
+  /** Time of the newest of these, µs. */
+  last_us: number;
+  /** Longest time of one, µs. */
+  longest_us: number;
+  /** Mode that was asked for: `program` or `run`. */
+  mode: string;
+  /** Ticks in which the due tasks were scanned. */
+  scans: number;
+  /** What it does. */
+  state: ControllerState;
+  /** Another number for each program that is loaded. */
+  version: number;
 };
 
 /** Planning of corners. */
@@ -536,6 +658,14 @@ export type FaultMeaning = {
 /** The first value of an operand. */
 export type FirstValue = number | [];
 
+/** A forced input. */
+export type ForceRow = {
+  /** Its name. */
+  tag: string;
+  /** The value that the program sees. */
+  value: unknown;
+};
+
 /** The state of the group. */
 export type GroupStatus = {
   /** Names of the status bits that are set. */
@@ -602,6 +732,16 @@ export type InstructionForm = {
 export type LimitText = {
   /** A sentence for people. */
   text: string;
+};
+
+/** The state of a rung or line. */
+export type LookRow = {
+  /** Index in the routine, from 0. */
+  index: number;
+  /** `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last scan. */
+  power: string;
+  /** Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text. */
+  values: unknown[];
 };
 
 /** The machine as configured. */
@@ -677,6 +817,20 @@ export type PendingMove = {
   instruction: string;
   /** Name of its motion control tag; empty without one. */
   tag: string;
+};
+
+/** A program of the controller. */
+export type ProgramRow = {
+  /** Whether its task passes over it. */
+  disabled: boolean;
+  /** Name of the routine that runs after a major fault. */
+  fault: string | null;
+  /** Name of the routine that its task runs. */
+  main: string | null;
+  /** Name. */
+  name: string;
+  /** Its routines. */
+  routines: RoutineRow[];
 };
 
 /** State of a program. */
@@ -780,6 +934,74 @@ export type RestEvent = {
   text: string;
 };
 
+/** The controller's own program. */
+export type RoutineList = {
+  /** Its add-on instructions. */
+  add_ons: AddOnRow[];
+  /** Name of its file. */
+  file: string;
+  /** Its programs. */
+  programs: ProgramRow[];
+  /** Its tasks. */
+  tasks: TaskRow[];
+  /** Another number for each program that is loaded. */
+  version: number;
+};
+
+/** Rungs or lines of a routine. */
+export type RoutinePage = {
+  /** Of a routine of Structured Text. */
+  lines: TextLine[];
+  /** Of a ladder routine. */
+  rungs: Rung[];
+  /** Version of the program. */
+  version: number;
+};
+
+/** A routine. */
+export type RoutineRow = {
+  /** Rungs or lines. */
+  count: number;
+  /** `ladder`, `text`, or another language, which does not run. */
+  language: string;
+  /** Name. */
+  name: string;
+  /** Number, for other requests. */
+  routine: number;
+};
+
+/** A rung. */
+export type Rung = {
+  /** Comment; empty: none. */
+  comment: string;
+  /** Elements from left to right. */
+  elements: RungElement[];
+  /** Number in the file. */
+  number: number;
+};
+
+/** An element of a rung: an instruction, or a branch with legs. */
+export type RungElement = {
+  /** Index of its condition in `power` of a look. */
+  condition: number;
+  /** Legs of a branch, from top to bottom. */
+  legs?: RungElement[][];
+  /** Mnemonic; empty: a branch. */
+  name?: string;
+  /** Operands, in the order of the values of a look. */
+  operands?: RungOperand[];
+  /** Name of the instruction in words. */
+  title?: string;
+};
+
+/** An operand. */
+export type RungOperand = {
+  /** What it is. */
+  name: string;
+  /** As it is written. */
+  text: string;
+};
+
 /** The signals of the frames of samples. */
 export type Signals = {
   /** Time of a tick, s. */
@@ -845,6 +1067,8 @@ export type SlowPart = "program" | "planner";
 export type Status = {
   /** Every axis, in the order of the configuration. */
   axes: AxisStatus[];
+  /** The controller's own program; null: it has none. */
+  controller: ControllerStatus | null;
   /** Every coordinate system, in the order of the configuration. */
   coordinate_systems: SystemStatus[];
   /** The viewer that has control of an object, by the object's name. */
@@ -940,6 +1164,32 @@ export type TagRow = {
   value?: unknown;
 };
 
+/** A task. */
+export type TaskRow = {
+  /** Whether it never runs. */
+  inhibited: boolean;
+  /** Name. */
+  name: string;
+  /** 1, the highest, to 15. */
+  priority: number;
+  /** Names of its programs, in their order. */
+  programs: string[];
+  /** When it runs, in words. */
+  trigger: string;
+  /** Longest time of a run, ms. */
+  watchdog_ms: number;
+};
+
+/** A line of Structured Text. */
+export type TextLine = {
+  /** Tags in it, in the order of the values of a look. */
+  names: string[];
+  /** Number in the file. */
+  number: number;
+  /** The line. */
+  text: string;
+};
+
 /** Soft travel limits, position units. */
 export type TravelLimits = {
   /** Positive limit. */
@@ -955,6 +1205,32 @@ export type UnitForm = {
 } | {
   /** The unit; `position` stands for position units. */
   text: string;
+};
+
+/** The uses of a tag. */
+export type UseList = {
+  /** Whether there are more. */
+  more: boolean;
+  /** Full name of the tag, through aliases. */
+  tag: string;
+  /** At most 500. */
+  uses: UseRow[];
+};
+
+/** A use of a tag. */
+export type UseRow = {
+  /** Index of the rung or line in the routine, from 0. */
+  index: number;
+  /** Mnemonic; empty: a statement of Structured Text. */
+  instruction: string;
+  /** The rung or line in words. */
+  line: string;
+  /** The tag as it is written there. */
+  operand: string;
+  /** Number of the routine. */
+  routine: number;
+  /** Whether it is written. */
+  writes: boolean;
 };
 
 /** Values of tags. */

@@ -4,6 +4,7 @@
 //! programs that do not parse); 3 no connection, or it was lost; 130 interrupted with Ctrl-C.
 
 mod args;
+mod diff;
 mod fault;
 mod feed_override;
 mod gcode;
@@ -64,6 +65,13 @@ pub(crate) enum Failure {
     Plot {
         path: String,
         source: arcline_plot::PlotError,
+    },
+    /// Two traces are not the same.
+    #[error("{what}; {differences} numbers differ, by {greatest} at most")]
+    Differs {
+        what: String,
+        differences: usize,
+        greatest: f64,
     },
     /// `arcline-server simulate` failed, with its message.
     #[error("{said}")]
@@ -132,7 +140,7 @@ impl Failure {
             Self::Simulate { code, .. } => *code,
             Self::NoSuchError { .. } | Self::Terminal(_) | Self::Usage(_) | Self::WrongType { .. } => 2,
             Self::Program(ProgramError::Runtime(_) | ProgramError::Hopeless(_)) | Self::Several { .. } => 1,
-            Self::Ended { .. } => 1,
+            Self::Ended { .. } | Self::Differs { .. } => 1,
             Self::Interrupted => 130,
             Self::Reported { code } => *code,
         }
@@ -256,6 +264,7 @@ async fn local(server: &Server, command: &LocalCommand, output: &Output) -> Resu
         LocalCommand::Completions(command) => tools::completions(command),
         LocalCommand::Man(command) => return tools::man(command, output),
         LocalCommand::Plot(command) => return plot::plot(command, output),
+        LocalCommand::Diff(command) => return diff::diff(command, output),
         LocalCommand::Margin(command) => margin::print(command, output),
     }
     Ok(())

@@ -95,10 +95,10 @@ impl Profile {
     pub fn at(&self, x: f64) -> Value {
         let last = self.segments.len() - 1;
         let behind = self.segments.partition_point(|segment| segment.x <= x);
-        let place = behind.saturating_sub(1).min(last - 1);
-        let segment = &self.segments[place];
+        let index = behind.saturating_sub(1).min(last - 1);
+        let segment = &self.segments[index];
         let [a1, a2, a3] = segment.coefficients;
-        let inside = x.clamp(segment.x, self.segments[place + 1].x);
+        let inside = x.clamp(segment.x, self.segments[index + 1].x);
         let u = inside - segment.x;
         // The last point itself, not what rounding leaves of it.
         let y = if inside >= self.segments[last].x {
@@ -111,7 +111,7 @@ impl Profile {
             y,
             slope: if moves { a1 + u * (2.0 * a2 + u * 3.0 * a3) } else { 0.0 },
             curvature: if moves { 2.0 * a2 + u * 6.0 * a3 } else { 0.0 },
-            segment: place,
+            segment: index,
         }
     }
 }

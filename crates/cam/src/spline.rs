@@ -35,16 +35,16 @@ pub enum CalculateError {
         count: usize,
     },
     /// The master does not come after that of the point before.
-    #[error("the master of point {place} does not rise")]
+    #[error("the master of point {point} does not rise")]
     Order {
         /// The point, from 0.
-        place: usize,
+        point: usize,
     },
     /// A number that is none, or whose profile would be none.
-    #[error("point {place} is not finite")]
+    #[error("point {point} is not finite")]
     NotFinite {
         /// The point, from 0.
-        place: usize,
+        point: usize,
     },
 }
 
@@ -60,12 +60,12 @@ impl Profile {
         if points.len() < 2 {
             return Err(CalculateError::TooFew { count: points.len() });
         }
-        for (place, point) in points.iter().enumerate() {
+        for (index, point) in points.iter().enumerate() {
             if !(point.x.is_finite() && point.y.is_finite()) {
-                return Err(CalculateError::NotFinite { place });
+                return Err(CalculateError::NotFinite { point: index });
             }
-            if place > 0 && point.x <= points[place - 1].x {
-                return Err(CalculateError::Order { place });
+            if index > 0 && point.x <= points[index - 1].x {
+                return Err(CalculateError::Order { point: index });
             }
         }
         let mut segments: Vec<Segment> = points
@@ -78,7 +78,7 @@ impl Profile {
             })
             .collect();
         let last = points.len() - 1;
-        let mean = |place: usize| (points[place + 1].y - points[place].y) / (points[place + 1].x - points[place].x);
+        let mean = |index: usize| (points[index + 1].y - points[index].y) / (points[index + 1].x - points[index].x);
         let mut from = 0;
         while from < last {
             if points[from].kind == SegmentType::Linear {
@@ -93,11 +93,11 @@ impl Profile {
             let first = if from == 0 { start_slope } else { mean(from - 1) };
             let end = if to == last { end_slope } else { mean(to) };
             let slopes = slopes(&points[from..=to], first, end);
-            for place in from..to {
-                let h = points[place + 1].x - points[place].x;
-                let (m0, m1) = (slopes[place - from], slopes[place - from + 1]);
-                let d = mean(place);
-                segments[place].coefficients = [m0, (3.0 * d - 2.0 * m0 - m1) / h, (m0 + m1 - 2.0 * d) / (h * h)];
+            for index in from..to {
+                let h = points[index + 1].x - points[index].x;
+                let (m0, m1) = (slopes[index - from], slopes[index - from + 1]);
+                let d = mean(index);
+                segments[index].coefficients = [m0, (3.0 * d - 2.0 * m0 - m1) / h, (m0 + m1 - 2.0 * d) / (h * h)];
             }
             from = to;
         }
@@ -106,8 +106,8 @@ impl Profile {
             .position(|segment| !segment.coefficients.iter().all(|number| number.is_finite()));
         match (bad, Profile::from_segments(segments)) {
             (None, Some(profile)) => Ok(profile),
-            (place, _) => Err(CalculateError::NotFinite {
-                place: place.unwrap_or(0),
+            (index, _) => Err(CalculateError::NotFinite {
+                point: index.unwrap_or(0),
             }),
         }
     }
@@ -122,20 +122,20 @@ fn slopes(points: &[Point], first: f64, end: f64) -> Vec<f64> {
     let mut slopes = vec![0.0; count];
     slopes[0] = first;
     slopes[count - 1] = end;
-    let h = |place: usize| points[place + 1].x - points[place].x;
-    let d = |place: usize| (points[place + 1].y - points[place].y) / h(place);
+    let h = |index: usize| points[index + 1].x - points[index].x;
+    let d = |index: usize| (points[index + 1].y - points[index].y) / h(index);
     // What the equation of a point leaves of the next one's slope, and its right side.
     let mut share = vec![0.0; count];
     let mut right = vec![0.0; count];
     right[0] = first;
-    for place in 1..count - 1 {
-        let (before, behind) = (1.0 / h(place - 1), 1.0 / h(place));
-        let pivot = 2.0 * (before + behind) - before * share[place - 1];
-        share[place] = behind / pivot;
-        right[place] = (3.0 * (d(place - 1) * before + d(place) * behind) - before * right[place - 1]) / pivot;
+    for index in 1..count - 1 {
+        let (before, behind) = (1.0 / h(index - 1), 1.0 / h(index));
+        let pivot = 2.0 * (before + behind) - before * share[index - 1];
+        share[index] = behind / pivot;
+        right[index] = (3.0 * (d(index - 1) * before + d(index) * behind) - before * right[index - 1]) / pivot;
     }
-    for place in (1..count - 1).rev() {
-        slopes[place] = right[place] - share[place] * slopes[place + 1];
+    for index in (1..count - 1).rev() {
+        slopes[index] = right[index] - share[index] * slopes[index + 1];
     }
     slopes
 }
@@ -221,11 +221,11 @@ mod tests {
         );
         #[rustfmt::skip]
         let cases = [
-            (vec![(0.0, 0.0, Cubic), (0.0, 1.0, Cubic)], CalculateError::Order { place: 1 }),
-            (vec![(0.0, 0.0, Cubic), (1.0, 1.0, Cubic), (0.5, 1.0, Cubic)], CalculateError::Order { place: 2 }),
-            (vec![(f64::NAN, 0.0, Cubic), (1.0, 1.0, Cubic)], CalculateError::NotFinite { place: 0 }),
-            (vec![(0.0, 0.0, Linear), (1.0, f64::INFINITY, Linear)], CalculateError::NotFinite { place: 1 }),
-            (vec![(0.0, 0.0, Linear), (1e-300, 1e300, Linear)], CalculateError::NotFinite { place: 0 }),
+            (vec![(0.0, 0.0, Cubic), (0.0, 1.0, Cubic)], CalculateError::Order { point: 1 }),
+            (vec![(0.0, 0.0, Cubic), (1.0, 1.0, Cubic), (0.5, 1.0, Cubic)], CalculateError::Order { point: 2 }),
+            (vec![(f64::NAN, 0.0, Cubic), (1.0, 1.0, Cubic)], CalculateError::NotFinite { point: 0 }),
+            (vec![(0.0, 0.0, Linear), (1.0, f64::INFINITY, Linear)], CalculateError::NotFinite { point: 1 }),
+            (vec![(0.0, 0.0, Linear), (1e-300, 1e300, Linear)], CalculateError::NotFinite { point: 0 }),
         ];
         for (given, expected) in cases {
             assert_eq!(calculate(&given), Err(expected), "{given:?}");
@@ -248,12 +248,12 @@ mod tests {
             }).collect();
             let profile = Profile::calculate(&given, start_slope, end_slope).expect("points that rise");
             let last = given.len() - 1;
-            for (place, point) in given.iter().enumerate() {
+            for (index, point) in given.iter().enumerate() {
                 prop_assert_eq!(profile.at(point.x).y, point.y);
-                if place == 0 || place == last {
+                if index == 0 || index == last {
                     continue;
                 }
-                let [before, behind] = [&profile.segments()[place - 1], &profile.segments()[place]];
+                let [before, behind] = [&profile.segments()[index - 1], &profile.segments()[index]];
                 let h = point.x - before.x;
                 let [a1, a2, a3] = before.coefficients;
                 let scale = 1.0 + a1.abs() + (a2 * h).abs() + (a3 * h * h).abs();
@@ -262,11 +262,11 @@ mod tests {
                     continue;
                 }
                 let slope = a1 + h * (2.0 * a2 + 3.0 * h * a3);
-                prop_assert!((slope - behind.coefficients[0]).abs() < 1e-9 * scale, "slopes at {place}");
+                prop_assert!((slope - behind.coefficients[0]).abs() < 1e-9 * scale, "slopes at {index}");
                 if before.kind == Cubic && behind.kind == Cubic {
                     let curvature = 2.0 * a2 + 6.0 * h * a3;
                     let most = 1.0 + (2.0 * a2).abs() + (6.0 * h * a3).abs() + (2.0 * behind.coefficients[1]).abs();
-                    prop_assert!((curvature - 2.0 * behind.coefficients[1]).abs() < 1e-8 * most, "curvature at {place}");
+                    prop_assert!((curvature - 2.0 * behind.coefficients[1]).abs() < 1e-8 * most, "curvature at {index}");
                 }
             }
             if given[0].kind == Cubic {

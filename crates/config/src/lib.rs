@@ -17,7 +17,7 @@ mod write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use arcline_controller::image::Configured;
+use arcline_controller::image::{Configured, Image};
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
 
@@ -50,6 +50,13 @@ pub struct Project {
 }
 
 impl Project {
+    /// The tag memory at its first values.
+    pub fn image(&self) -> Image {
+        let mut image = Image::new(&self.machine, &self.instruction_tags, &self.tags);
+        image.declare(&self.types);
+        image
+    }
+
     /// Its tags and types.
     pub fn configured(&self) -> Configured<'_> {
         Configured {
@@ -104,6 +111,27 @@ pub struct ControllerConfig {
     pub begins_stopped: bool,
     /// Whether instructions that there are not are passed over.
     pub allow_missing: bool,
+    /// What answers the MSG instructions of the program.
+    pub messages: Vec<MessageAnswer>,
+}
+
+/// A row of `[[controller.messages]]`: the answer to a MSG of the type CIP Generic.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct MessageAnswer {
+    /// The service code.
+    pub service: u8,
+    /// The class.
+    pub class: u16,
+    /// The instance; `None`: any.
+    pub instance: Option<u32>,
+    /// The attribute; `None`: any.
+    pub attribute: Option<u16>,
+    /// The data for the destination.
+    pub answer: Vec<u8>,
+    /// Time from the request to the answer, ms.
+    pub delay_ms: u32,
+    /// ERR and EXERR; 0: it is answered well.
+    pub error: (u16, u32),
 }
 
 /// Where implicit I/O (class 0 and 1 connections) listens.

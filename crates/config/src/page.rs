@@ -56,11 +56,12 @@ fn default(default: Default) -> String {
 
 const HEAD: &str = "| key | default | meaning |";
 
-const TABLES: [&Keys; 22] = [
+const TABLES: [&Keys; 23] = [
     &keys::SERVER,
     &keys::SECURITY,
     &keys::CERTIFICATE,
     &keys::CONTROLLER,
+    &keys::MESSAGE,
     &keys::MOTION_GROUP,
     &keys::AXIS,
     &keys::START,

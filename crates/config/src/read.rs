@@ -15,6 +15,7 @@ mod tags;
 mod types;
 mod value;
 
+pub(crate) use server::hex_bytes;
 use std::cell::RefCell;
 
 use arcline_controller::machine::{Machine, MotionGroup};

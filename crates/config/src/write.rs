@@ -15,7 +15,7 @@ use toml::{Table, Value};
 
 use crate::keys::{Keys, Kind, ROOT};
 use crate::read::WRISTS;
-use crate::{IoListen, PlainTag, Project, Security};
+use crate::{IoListen, MessageAnswer, PlainTag, Project, Security};
 
 /// The tables of a project with every key, those at their default too.
 pub fn table(project: &Project) -> Table {
@@ -61,11 +61,15 @@ pub fn table(project: &Project) -> Table {
     let controller = &project.server.controller;
     if let Some(program) = &controller.program {
         let mode = if controller.begins_stopped { "program" } else { "run" };
-        let all = [
+        let mut all = vec![
             ("program", text(program)),
             ("mode", text(mode)),
             ("allow_missing", Value::Boolean(controller.allow_missing)),
         ];
+        if !controller.messages.is_empty() {
+            let rows = controller.messages.iter().map(message);
+            all.push(("messages", Value::Array(rows.collect())));
+        }
         root.insert("controller".into(), keys(all));
     }
     let group = [
@@ -595,4 +599,21 @@ fn keys<'k>(pairs: impl IntoIterator<Item = (&'k str, Value)>) -> Value {
 
 fn text(text: &str) -> Value {
     Value::String(text.to_owned())
+}
+
+fn message(row: &MessageAnswer) -> Value {
+    let number = |value: u32| Value::Integer(value.into());
+    let answer: Vec<String> = row.answer.iter().map(|byte| format!("{byte:02X}")).collect();
+    let (err, exerr) = row.error;
+    let all = [
+        Some(("service", number(row.service.into()))),
+        Some(("class", number(row.class.into()))),
+        row.instance.map(|instance| ("instance", number(instance))),
+        row.attribute.map(|attribute| ("attribute", number(attribute.into()))),
+        (!answer.is_empty()).then(|| ("answer", text(&answer.join(" ")))),
+        Some(("delay_ms", number(row.delay_ms))),
+        Some(("err", number(err.into()))),
+        Some(("exerr", number(exerr))),
+    ];
+    keys(all.into_iter().flatten())
 }

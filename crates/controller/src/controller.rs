@@ -202,23 +202,7 @@ impl Controller {
             let Some(planned) = port.planned_contour() else { break };
             self.install_contour(planned);
         }
-        for _ in 0..MAX_STOPS_PER_TICK {
-            match port.next_stop() {
-                Some(StopRequest::All) => self.stop_all(),
-                Some(StopRequest::Jog { axis, ticket, why }) => self.end_jog(axis, ticket, why),
-                None => break,
-            }
-        }
-        self.inhibit(port.is_inhibited());
-        let overtaking = self.take_overtaking(port);
-        for _ in overtaking..MAX_COMMANDS_PER_TICK {
-            let Some(command) = port.next_command() else { break };
-            let taken_before = port.taken_before();
-            self.take(command, taken_before, port);
-        }
-        if port.was_sent_before_stop() {
-            self.stop_all();
-        }
+        self.take_commands(port);
         if let Some(request) = port.contour_request()
             && self.next_contour(request)
         {
@@ -230,6 +214,38 @@ impl Controller {
                 break;
             }
         }
+        self.show(port);
+    }
+
+    /// Takes the stops and commands that wait, in the order in which a tick takes them; whether there were any. Real-time, bounded by
+    /// [`MAX_COMMANDS_PER_TICK`].
+    pub fn take_commands(&mut self, port: &mut impl Port) -> bool {
+        let mut any = false;
+        for _ in 0..MAX_STOPS_PER_TICK {
+            match port.next_stop() {
+                Some(StopRequest::All) => self.stop_all(),
+                Some(StopRequest::Jog { axis, ticket, why }) => self.end_jog(axis, ticket, why),
+                None => break,
+            }
+            any = true;
+        }
+        self.inhibit(port.is_inhibited());
+        let overtaking = self.take_overtaking(port);
+        any |= overtaking > 0;
+        for _ in overtaking..MAX_COMMANDS_PER_TICK {
+            let Some(command) = port.next_command() else { break };
+            let taken_before = port.taken_before();
+            self.take(command, taken_before, port);
+            any = true;
+        }
+        if port.was_sent_before_stop() {
+            self.stop_all();
+        }
+        any
+    }
+
+    /// Reports what the tick has done so far, and its state. Real-time as far as the port is.
+    pub fn show(&mut self, port: &mut impl Port) {
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.take_fault_changes(|change| port.fault_change(change));
         self.end_tick(|event| port.event(event));

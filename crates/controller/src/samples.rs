@@ -108,50 +108,50 @@ pub fn names(machine: &Machine) -> Vec<String> {
 /// word by its number (`X.OutputCamBits.3`).
 pub fn find(machine: &Machine, name: &str) -> Option<Column> {
     let (object, signal) = name.split_once('.')?;
-    if let Some(place) = machine.axis(object) {
-        let place = usize::from(place);
-        let template = if machine.axes[place].is_virtual() {
+    if let Some(index) = machine.axis(object) {
+        let index = usize::from(index);
+        let template = if machine.axes[index].is_virtual() {
             predefined::axis_virtual()
         } else {
             predefined::axis_cip_drive()
         };
-        return within(&AXIS, &template, signal, 1 + place * AXIS.len());
+        return within(&AXIS, &template, signal, 1 + index * AXIS.len());
     }
-    let place = usize::from(machine.system(object)?);
-    let described = machine.systems.get(place)?;
+    let index = usize::from(machine.system(object)?);
+    let described = machine.systems.get(index)?;
     if let Some(number) = TOOL.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
         described.robot?;
         let before = robots(machine).take_while(|other| other.name != described.name);
         return Some(Column::Number(tools(machine) + TOOL.len() * before.count() + number));
     }
-    let first = 1 + machine.axes.len() * AXIS.len() + place * SYSTEM.len();
+    let first = 1 + machine.axes.len() * AXIS.len() + index * SYSTEM.len();
     within(&SYSTEM, &predefined::coordinate_system(), signal, first)
 }
 
 /// A signal among the columns of an object that begin at `first`.
 fn within(columns: &[&str], template: &Template, signal: &str, first: usize) -> Option<Column> {
-    if let Some(place) = columns.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
-        return Some(Column::Number(first + place));
+    if let Some(index) = columns.iter().position(|column| column.eq_ignore_ascii_case(signal)) {
+        return Some(Column::Number(first + index));
     }
     if let Some((word, bit)) = signal.split_once('.') {
-        let place = columns.iter().position(|column| column.eq_ignore_ascii_case(word))?;
-        let is_word = columns[place] == OUTPUTS
-            || template.member(columns[place]).is_some_and(|member| {
+        let index = columns.iter().position(|column| column.eq_ignore_ascii_case(word))?;
+        let is_word = columns[index] == OUTPUTS
+            || template.member(columns[index]).is_some_and(|member| {
                 member.data_type == DataType::Elementary(Elementary::Dint) && member.bit.is_none()
             });
         let bit = bit.parse::<u32>().ok().filter(|bit| is_word && *bit < u32::BITS)?;
         return Some(Column::Bit {
-            column: first + place,
+            column: first + index,
             mask: 1 << bit,
         });
     }
     let member = template.member(signal)?;
     let bit = u32::from(member.bit?);
-    columns.iter().enumerate().find_map(|(place, column)| {
+    columns.iter().enumerate().find_map(|(index, column)| {
         let word = template.member(column).filter(|word| word.bit.is_none())?;
         let byte = member.offset.checked_sub(word.offset).filter(|byte| *byte < 4)?;
         Some(Column::Bit {
-            column: first + place,
+            column: first + index,
             mask: 1 << (8 * byte + bit),
         })
     })
@@ -192,7 +192,7 @@ mod tests {
     fn words_have_bits_by_name_and_by_number() {
         let template = predefined::axis_cip_drive();
         let find = |signal: &str| within(&AXIS, &template, signal, 1);
-        let column = |name: &str| AXIS.iter().position(|column| *column == name).map(|place| 1 + place);
+        let column = |name: &str| AXIS.iter().position(|column| *column == name).map(|index| 1 + index);
         let bit = |name: &str, bit: u32| column(name).map(|column| Column::Bit { column, mask: 1 << bit });
         #[rustfmt::skip]
         let cases = [

@@ -204,9 +204,9 @@ mod any {
             cuts in prop::collection::vec(0.001..1.0, 1..100),
         ) {
             let settings = within(bandwidth, feedforward, speed, torque);
-            let at = |place: usize| KinematicState {
-                position: leap * positions[place] + velocities[0] * period * place as f64,
-                velocity: velocities[place],
+            let at = |index: usize| KinematicState {
+                position: leap * positions[index] + velocities[0] * period * index as f64,
+                velocity: velocities[index],
                 acceleration: 0.0,
             };
             let mut whole = Drive::servo(0.0, &settings);
@@ -216,9 +216,9 @@ mod any {
             whole.cycle(at(1), period);
             let total: f64 = cuts.iter().sum();
             let (mut done, mut now) = (0.0, 0.0);
-            for (place, cut) in cuts.iter().enumerate() {
+            for (index, cut) in cuts.iter().enumerate() {
                 done += cut / total;
-                let next = if place + 1 == cuts.len() { period } else { (period * done).min(period) };
+                let next = if index + 1 == cuts.len() { period } else { (period * done).min(period) };
                 if next > now {
                     parts.cycle(between([at(0), at(1)], period, next), next - now);
                 }

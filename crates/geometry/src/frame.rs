@@ -28,25 +28,25 @@ impl Frame {
 
     /// A point of the first frame in the second.
     #[must_use]
-    pub fn place(&self, point: &Point) -> Point {
+    pub fn transform_point(&self, point: &Point) -> Point {
         self.rotation * point + self.translation
     }
 
     /// A point of the second frame in the first.
     #[must_use]
-    pub fn place_back(&self, point: &Point) -> Point {
-        self.turn_back(&(point - self.translation))
+    pub fn inverse_transform_point(&self, point: &Point) -> Point {
+        self.inverse_transform_vector(&(point - self.translation))
     }
 
     /// A difference, velocity or acceleration of the first frame in the second.
     #[must_use]
-    pub fn turn(&self, difference: &Point) -> Point {
+    pub fn transform_vector(&self, difference: &Point) -> Point {
         self.rotation * difference
     }
 
     /// A difference, velocity or acceleration of the second frame in the first.
     #[must_use]
-    pub fn turn_back(&self, difference: &Point) -> Point {
+    pub fn inverse_transform_vector(&self, difference: &Point) -> Point {
         self.rotation.tr_mul(difference)
     }
 }
@@ -87,7 +87,7 @@ mod tests {
         ];
         for (orientation, expected) in cases {
             let frame = Frame::new(Point::from(orientation), Point::zeros());
-            let placed = frame.place(&Point::new(1.0, 2.0, 3.0));
+            let placed = frame.transform_point(&Point::new(1.0, 2.0, 3.0));
             assert_eq!(placed, Point::from(expected), "{orientation:?}");
         }
     }
@@ -95,8 +95,14 @@ mod tests {
     #[test]
     fn rotation_comes_before_translation() {
         let frame = Frame::new(Point::new(0.0, 0.0, 90.0), Point::new(10.0, 20.0, 30.0));
-        assert_eq!(frame.place(&Point::new(1.0, 2.0, 3.0)), Point::new(12.0, 19.0, 33.0));
-        assert_eq!(frame.turn(&Point::new(1.0, 2.0, 3.0)), Point::new(2.0, -1.0, 3.0));
+        assert_eq!(
+            frame.transform_point(&Point::new(1.0, 2.0, 3.0)),
+            Point::new(12.0, 19.0, 33.0)
+        );
+        assert_eq!(
+            frame.transform_vector(&Point::new(1.0, 2.0, 3.0)),
+            Point::new(2.0, -1.0, 3.0)
+        );
     }
 
     fn triple(range: f64) -> impl Strategy<Value = Point> {
@@ -107,10 +113,10 @@ mod tests {
         #[test]
         fn there_and_back_is_where_it_was(o in triple(360.0), t in triple(1e3), p in triple(1e3)) {
             let frame = Frame::new(o, t);
-            prop_assert!((frame.place_back(&frame.place(&p)) - p).abs().max() < 1e-11);
-            prop_assert!((frame.turn_back(&frame.turn(&p)) - p).abs().max() < 1e-11);
+            prop_assert!((frame.inverse_transform_point(&frame.transform_point(&p)) - p).abs().max() < 1e-11);
+            prop_assert!((frame.inverse_transform_vector(&frame.transform_vector(&p)) - p).abs().max() < 1e-11);
             // Lengths stay.
-            prop_assert!((frame.turn(&p).norm() - p.norm()).abs() < 1e-10);
+            prop_assert!((frame.transform_vector(&p).norm() - p.norm()).abs() < 1e-10);
         }
     }
 }

@@ -81,7 +81,7 @@ impl Wrist {
     #[must_use]
     pub fn counts(self, turns: Turns) -> bool {
         let mut counted = turns.iter().zip(self.counted());
-        counted.all(|(turns, place)| *turns == 0 || place.is_some())
+        counted.all(|(turns, index)| *turns == 0 || index.is_some())
     }
 
     /// The place among the joints of each turns counter: J1, J4, J6.
@@ -246,8 +246,8 @@ impl OrientedRobot {
                 flip: wrapped(j5) < 0.0,
             },
         };
-        let turns = self.wrist.counted().map(|place| {
-            let joint = place.map_or(0.0, |place| internal[place]);
+        let turns = self.wrist.counted().map(|index| {
+            let joint = index.map_or(0.0, |index| internal[index]);
             ((joint - wrapped(joint)) / TURN).round() as i16
         });
         (configuration, turns)
@@ -311,8 +311,8 @@ impl OrientedRobot {
                 [j1, j2, j3, j4, j5, j6]
             }
         };
-        for (counter, place) in turns.into_iter().zip(self.wrist.counted()) {
-            if let Some(joint) = place.and_then(|place| joints.get_mut(place)) {
+        for (counter, index) in turns.into_iter().zip(self.wrist.counted()) {
+            if let Some(joint) = index.and_then(|index| joints.get_mut(index)) {
                 *joint = wrapped(*joint) + TURN * f64::from(counter);
             }
         }
@@ -321,7 +321,7 @@ impl OrientedRobot {
         }
         match joints.iter().position(|joint| !joint.is_finite()) {
             None => Ok(joints),
-            Some(place) => Err(KinematicsError::Reach { joint: place as u8 }),
+            Some(index) => Err(KinematicsError::Reach { joint: index as u8 }),
         }
     }
 }

@@ -145,35 +145,35 @@ fn what_moves_is_differentiated() {
         let coordinates = taken.pose.coordinates();
         let now = |seconds: f64| robot.forward(&at(seconds)).expect("joints").pose.coordinates();
         let (before, here, after) = (now(-STEP), now(0.0), now(STEP));
-        for place in 0..6 {
-            let velocity = (after[place] - before[place]) / (2.0 * STEP);
-            let acceleration = (after[place] - 2.0 * here[place] + before[place]) / (STEP * STEP);
-            let found = coordinates[place];
-            assert!((found.position - here[place]).abs() < 1e-9, "{wrist:?} {place}");
+        for index in 0..6 {
+            let velocity = (after[index] - before[index]) / (2.0 * STEP);
+            let acceleration = (after[index] - 2.0 * here[index] + before[index]) / (STEP * STEP);
+            let found = coordinates[index];
+            assert!((found.position - here[index]).abs() < 1e-9, "{wrist:?} {index}");
             assert!(
                 (found.velocity - velocity).abs() < 1e-4,
-                "{wrist:?} {place}: {found:?}, {velocity}"
+                "{wrist:?} {index}: {found:?}, {velocity}"
             );
             assert!(
                 (found.acceleration - acceleration).abs() < 1e-3,
-                "{wrist:?} {place}: {found:?}, {acceleration}"
+                "{wrist:?} {index}: {found:?}, {acceleration}"
             );
         }
         // And back: what moves so moves the joints as they did.
         let back = robot
             .inverse(&Pose::new(coordinates), taken.configuration, taken.turns)
             .expect("a pose of the robot");
-        for (place, back) in back.iter().enumerate().take(wrist.joints()) {
-            let expected = moving[place];
+        for (index, back) in back.iter().enumerate().take(wrist.joints()) {
+            let expected = moving[index];
             assert!(
                 (back.position - expected.position).abs() < 1e-6,
-                "{wrist:?} {place}: {back:?}"
+                "{wrist:?} {index}: {back:?}"
             );
             assert!(
                 (back.velocity - expected.velocity).abs() < 1e-6,
-                "{wrist:?} {place}: {back:?}"
+                "{wrist:?} {index}: {back:?}"
             );
-            assert!(back.acceleration.abs() < 1e-6, "{wrist:?} {place}: {back:?}");
+            assert!(back.acceleration.abs() < 1e-6, "{wrist:?} {index}: {back:?}");
         }
     }
 }
@@ -288,13 +288,13 @@ fn forward_is_the_inverse_of_inverse() {
                 ],
             };
             let Ok(taken) = robot.forward(&joints) else { continue };
-            let place = tried % solutions;
-            let other = Configuration::from_bits((place as i32) << 1);
+            let index = tried % solutions;
+            let other = Configuration::from_bits((index as i32) << 1);
             if let Ok(other) = robot.inverse(&taken.pose, other, taken.turns) {
                 let again = robot.forward(&other).expect("joints of a pose");
                 worst = worst.max(apart(&again.pose, &taken.pose));
                 assert!(apart(&again.pose, &taken.pose) < 1e-9, "{wrist:?} {joints:?} {other:?}");
-                found[place] += 1;
+                found[index] += 1;
             }
             if let Ok(same) = robot.inverse(&taken.pose, taken.configuration, taken.turns) {
                 let again = robot.forward(&same).expect("joints of a pose");

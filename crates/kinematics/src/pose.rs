@@ -63,10 +63,10 @@ impl<N: Number> Pose<N> {
         // Every orientation has two triples.
         let near = |angles: [N; 3]| {
             let mut far = 0.0;
-            let near = [0, 1, 2].map(|place| {
-                let angle = angles[place];
-                let angle = angle + 360.0 * ((others[place] - angle.value()) / 360.0).round();
-                far += (others[place] - angle.value()).abs();
+            let near = [0, 1, 2].map(|index| {
+                let angle = angles[index];
+                let angle = angle + 360.0 * ((others[index] - angle.value()) / 360.0).round();
+                far += (others[index] - angle.value()).abs();
                 angle
             });
             (near, far)

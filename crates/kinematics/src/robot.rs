@@ -332,21 +332,21 @@ impl Robot {
         }
     }
 
-    fn internal<N: Number>(&self, joint: N, place: usize) -> N {
-        let internal = joint - self.zero[place];
-        match self.geometry.turns(place) {
+    fn internal<N: Number>(&self, joint: N, index: usize) -> N {
+        let internal = joint - self.zero[index];
+        match self.geometry.turns(index) {
             true => internal * RADIANS,
             false => internal,
         }
     }
 
-    fn shown<N: Number>(&self, joint: N, place: usize) -> N {
-        let scaled = match self.geometry.turns(place) {
+    fn shown<N: Number>(&self, joint: N, index: usize) -> N {
+        let scaled = match self.geometry.turns(index) {
             true => wrapped(joint) * DEGREES,
             false => joint,
         };
-        if place < self.geometry.joints() {
-            scaled + self.zero[place]
+        if index < self.geometry.joints() {
+            scaled + self.zero[index]
         } else {
             scaled
         }
@@ -368,7 +368,7 @@ fn wrapped<N: Number>(angle: N) -> N {
 fn finite<N: Number>(numbers: [N; 3]) -> Result<[N; 3], KinematicsError> {
     match numbers.iter().position(|number| !number.is_finite()) {
         None => Ok(numbers),
-        Some(place) => Err(KinematicsError::Reach { joint: place as u8 }),
+        Some(index) => Err(KinematicsError::Reach { joint: index as u8 }),
     }
 }
 

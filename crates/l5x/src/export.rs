@@ -208,7 +208,7 @@ fn tag(xml: &mut Xml, tag: &PlainTag) {
     }
     xml.open("Tag", &attributes);
     xml.open("Data", &[("Format", "Decorated")]);
-    let place = values::Place::Value;
+    let place = values::ValueKind::Value;
     values::value(
         xml,
         place,

@@ -2,6 +2,7 @@
 
 mod data;
 mod modules;
+mod partial;
 
 use std::collections::BTreeMap;
 
@@ -62,6 +63,8 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     for node in lists("Tasks", "Task") {
         project.tasks.push(task(&source, node)?);
     }
+    let [target, name] = ["TargetType", "TargetName"].map(|word| root.attribute(word).unwrap_or_default());
+    partial::complete(&mut project, controller, target, name);
     Ok(project)
 }
 
@@ -175,6 +178,7 @@ fn content(node: Node<'_, '_>) -> Content {
                 number: number(rung),
                 kind: rung.attribute("Type").unwrap_or("N").to_owned(),
                 text: child(rung, "Text").map_or_else(|| ";".to_owned(), text_of),
+                comment: child(rung, "Comment").map_or_else(String::new, comment_of),
             });
             Content::Ladder(rungs.collect())
         }
@@ -192,6 +196,12 @@ fn content(node: Node<'_, '_>) -> Content {
     }
 }
 
+/// A comment, in the first of its languages.
+fn comment_of(node: Node<'_, '_>) -> String {
+    let mut parts = node.descendants().map(text_of).map(|text| text.trim().to_owned());
+    parts.find(|text| !text.is_empty()).unwrap_or_default()
+}
+
 /// All text of an element, which CDATA may split.
 fn text_of(node: Node<'_, '_>) -> String {
     node.children().filter_map(|part| part.text()).collect()
@@ -207,8 +217,16 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
         value: data::value(node, "Data"),
         access: access(node),
         is_module: false,
-        attributes: BTreeMap::new(),
+        attributes: message_parameters(node),
     })
+}
+
+/// The parameters of a tag of the type MESSAGE.
+fn message_parameters(node: Node<'_, '_>) -> BTreeMap<String, String> {
+    let data = children(node, "Data");
+    let lists = data.flat_map(|data| children(data, "MessageParameters"));
+    let all = lists.flat_map(|list| list.attributes());
+    all.map(|one| (one.name().to_owned(), one.value().to_owned())).collect()
 }
 
 fn access(node: Node<'_, '_>) -> Access {
@@ -259,6 +277,10 @@ fn task(source: &Source<'_>, node: Node<'_, '_>) -> Result<TaskSource, L5xError>
     Ok(TaskSource {
         name: name(source, node)?,
         trigger,
+        event_tag: event
+            .and_then(|event| event.attribute("EventTag"))
+            .unwrap_or_default()
+            .to_owned(),
         priority: source.number(node, "Priority")?.unwrap_or(10.0) as u32,
         watchdog_ms: source.number(node, "Watchdog")?.unwrap_or(500.0),
         is_inhibited: flag(node, "InhibitTask"),

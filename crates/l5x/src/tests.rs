@@ -1,4 +1,5 @@
 //! Imports, exports, and one after the other.
 
+mod partial;
 mod reading;
 mod round_trip;

@@ -1,9 +1,10 @@
 //! The axes of a machine, by their index in its configuration.
 //!
-//! Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
+//! A tick passes over dormant axes ([`Axis::dormant`]): whoever gets an axis to change it wakes it, and only the loops of the tick that all axes
+//! go through ([`Axes::awake_mut`], [`Axes::all_mut`]) do not. Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
 
 use arcline_instruction_set::AxisId;
-use std::ops::{Deref, DerefMut, Index, IndexMut};
+use std::ops::{Deref, Index, IndexMut};
 
 use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::Clock;
@@ -45,8 +46,36 @@ impl Axes {
         self.axes.get(axis.index())
     }
 
+    /// Wakes the axis.
     pub(crate) fn get_mut(&mut self, axis: AxisId) -> Option<&mut Axis> {
-        self.axes.get_mut(axis.index())
+        let axis = self.axes.get_mut(axis.index())?;
+        axis.dormant = false;
+        Some(axis)
+    }
+
+    /// Every axis, to be changed: wakes all.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
+        for axis in &mut self.axes {
+            axis.dormant = false;
+        }
+        self.axes.iter_mut()
+    }
+
+    /// The axes that a tick does not pass over.
+    pub(crate) fn awake_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
+        self.axes.iter_mut().filter(|axis| !axis.dormant)
+    }
+
+    /// Every axis, without waking it: for what leaves a dormant axis as it is.
+    pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
+        self.axes.iter_mut()
+    }
+
+    /// Lets those axes be dormant that nothing in the next tick would change.
+    pub(crate) fn let_rest(&mut self) {
+        for axis in self.awake_mut() {
+            axis.dormant = axis.can_be_dormant();
+        }
     }
 
     /// A master as its slaves read it now. A master without torque moves where its drive does. Before the exchange of a tick, the
@@ -87,17 +116,17 @@ impl Axes {
 
     fn read_links(&mut self, axis: AxisId, clock: &Clock) {
         if !self[axis].links.is_empty() {
-            let mut place = 0;
+            let mut index = 0;
             loop {
-                let Some(link) = self[axis].links.iter().nth(place) else {
+                let Some(link) = self[axis].links.iter().nth(index) else {
                     break;
                 };
                 let master = &link.master;
                 let at = self.master_at(master.axis, master.reference, clock);
-                if let Some(link) = self[axis].links.iter_mut().nth(place) {
+                if let Some(link) = self[axis].links.iter_mut().nth(index) {
                     link.master.read(&at, clock);
                 }
-                place += 1;
+                index += 1;
             }
         }
         for kind in GeneratorKind::GUIDED {
@@ -133,12 +162,6 @@ impl Deref for Axes {
     }
 }
 
-impl DerefMut for Axes {
-    fn deref_mut(&mut self) -> &mut [Axis] {
-        &mut self.axes
-    }
-}
-
 impl Index<AxisId> for Axes {
     type Output = Axis;
 
@@ -148,8 +171,11 @@ impl Index<AxisId> for Axes {
 }
 
 impl IndexMut<AxisId> for Axes {
+    /// Wakes the axis.
     fn index_mut(&mut self, axis: AxisId) -> &mut Axis {
-        &mut self.axes[axis.index()]
+        let axis = &mut self.axes[axis.index()];
+        axis.dormant = false;
+        axis
     }
 }
 

@@ -208,8 +208,8 @@ impl Controls {
 
     /// Reports every change since the last call, in the order in which they began.
     pub(crate) fn drain(&mut self, tick: u64, mut report: impl FnMut(&Event)) {
-        for place in 0..self.changed.len() {
-            let slot = ControlSlot(self.changed[place]);
+        for index in 0..self.changed.len() {
+            let slot = ControlSlot(self.changed[index]);
             self.report(slot, tick);
         }
         self.changed.clear();

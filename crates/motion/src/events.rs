@@ -140,11 +140,11 @@ impl MoveEvents {
             if distance == 0.0 {
                 return EventTime::At(since + profile.duration());
             }
-            let place = self.to - sign * distance;
-            if sign * (place - profile.start().position) < 0.0 {
+            let position = self.to - sign * distance;
+            if sign * (position - profile.start().position) < 0.0 {
                 return EventTime::Passed;
             }
-            match profile.time_at_position(place) {
+            match profile.time_at_position(position) {
                 Some(planned) => EventTime::At(since + planned),
                 None => EventTime::Passed,
             }

@@ -224,12 +224,12 @@ impl Motion {
     }
 
     fn set_angle_commands(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
-        for (place, axis) in numbered(self.systems[index].description.oriented()).take(MAX_PRIMARY_AXES) {
+        for (member, axis) in numbered(self.systems[index].description.oriented()).take(MAX_PRIMARY_AXES) {
             if let Some(axis) = self.axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
-                    position: component(&position, place),
-                    velocity: component(&velocity, place),
-                    acceleration: component(&acceleration, place),
+                    position: component(&position, member),
+                    velocity: component(&velocity, member),
+                    acceleration: component(&acceleration, member),
                 });
             }
         }

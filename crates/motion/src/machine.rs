@@ -83,17 +83,17 @@ impl MotionGroup {
 
     /// Place of the axis of that name, case ignored.
     pub fn axis(&self, name: &str) -> Option<AxisId> {
-        place(self.axes.iter().map(|axis| axis.name.as_str()), name).map(AxisId)
+        index_of(self.axes.iter().map(|axis| axis.name.as_str()), name).map(AxisId)
     }
 
     /// Place of the coordinate system of that name, case ignored.
     pub fn system(&self, name: &str) -> Option<SystemId> {
-        place(self.systems.iter().map(|system| system.name.as_str()), name).map(SystemId)
+        index_of(self.systems.iter().map(|system| system.name.as_str()), name).map(SystemId)
     }
 
     /// Place of the transform of that name, case ignored.
     pub fn transform(&self, name: &str) -> Option<u16> {
-        place(self.transforms.iter().map(|transform| transform.name.as_str()), name)
+        index_of(self.transforms.iter().map(|transform| transform.name.as_str()), name)
     }
 
     /// Whether the motion group has that name, case ignored.
@@ -119,10 +119,10 @@ pub fn default_jerk(speed: f64, rate: f64) -> f64 {
     if speed > 0.0 { rate * rate / speed } else { 0.0 }
 }
 
-fn place<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {
+fn index_of<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {
     names
         .position(|other| other.eq_ignore_ascii_case(name))
-        .and_then(|place| u16::try_from(place).ok())
+        .and_then(|index| u16::try_from(index).ok())
 }
 
 /// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.

@@ -194,7 +194,10 @@ impl Motion {
     /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
     /// Real-time as far as `report` is; bounded by the axes.
     pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
-        for (index, axis) in self.axes.ids().zip(self.axes.iter_mut()) {
+        for (index, axis) in self.axes.ids().zip(self.axes.all_mut()) {
+            if axis.dormant {
+                continue;
+            }
             if let Some(change) = axis.faults.take_change(self.clock.tick, index) {
                 report(&change);
             }
@@ -376,11 +379,11 @@ fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) ->
         return limits;
     }
     let mut jerk = unlimited;
-    for (place, axis) in system.linear().iter().enumerate() {
+    for (member, axis) in system.linear().iter().enumerate() {
         if let Some(axis) = machine.axes.get(usize::from(*axis)) {
-            limits.speed[place] = axis.max_speed;
-            limits.acceleration[place] = axis.max_acceleration.min(axis.max_deceleration);
-            jerk[place] = axis.max_acceleration_jerk.min(axis.max_deceleration_jerk);
+            limits.speed[member] = axis.max_speed;
+            limits.acceleration[member] = axis.max_acceleration.min(axis.max_deceleration);
+            jerk[member] = axis.max_acceleration_jerk.min(axis.max_deceleration_jerk);
         }
     }
     limits.jerk = Some(jerk);

@@ -97,8 +97,8 @@ impl Order {
         self.steps.len()
     }
 
-    pub(crate) fn step(&self, place: usize) -> Option<Step> {
-        self.steps.get(place).copied()
+    pub(crate) fn step(&self, step_index: usize) -> Option<Step> {
+        self.steps.get(step_index).copied()
     }
 
     /// Nothing follows any more.
@@ -129,13 +129,13 @@ impl Order {
 
     /// A step behind all that it needs. As deep as there are steps at most.
     fn visit(&mut self, step: u16) -> Result<(), Circle> {
-        let place = usize::from(step);
-        match self.visits[place] {
+        let step_index = usize::from(step);
+        match self.visits[step_index] {
             Visit::Ahead => {}
             Visit::UnderWay => return Err(Circle),
             Visit::Over => return Ok(()),
         }
-        self.visits[place] = Visit::UnderWay;
+        self.visits[step_index] = Visit::UnderWay;
         let mut edge = self.edges.list.partition_point(|(of, ..)| *of < step);
         while let Some((of, _, first)) = self.edges.list.get(edge).copied()
             && of == step
@@ -143,8 +143,8 @@ impl Order {
             self.visit(first)?;
             edge += 1;
         }
-        self.visits[place] = Visit::Over;
-        self.next.push(self.edges.steps[place]);
+        self.visits[step_index] = Visit::Over;
+        self.next.push(self.edges.steps[step_index]);
         Ok(())
     }
 }
@@ -343,10 +343,10 @@ mod tests {
         ];
         for (why, gears, transforms, pairs) in cases {
             let steps = plan(gears, transforms).expect(why);
-            let place = |step: &Step| steps.iter().position(|other| other == step).expect(why);
+            let step_index = |step: &Step| steps.iter().position(|other| other == step).expect(why);
             for (first, second) in pairs {
                 assert!(
-                    place(first) < place(second),
+                    step_index(first) < step_index(second),
                     "{why}: {first:?} before {second:?} in {steps:?}"
                 );
             }
@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn a_master_comes_before_the_system_and_that_before_its_axes() {
         let steps = plan_driven(&[(5, 7), (8, 0)], &[], Some((&[0, 1], 5))).expect("there is no circle");
-        let place = |step: Step| steps.iter().position(|other| *other == step);
+        let step_index = |step: Step| steps.iter().position(|other| *other == step);
         let chain = [
             whole(7),
             own(5),
@@ -368,7 +368,7 @@ mod tests {
             own(8),
         ];
         for pair in chain.windows(2) {
-            assert!(place(pair[0]) < place(pair[1]), "{pair:?} in {steps:?}");
+            assert!(step_index(pair[0]) < step_index(pair[1]), "{pair:?} in {steps:?}");
         }
         assert!(plan_driven(&[(5, 1)], &[], Some((&[0, 1], 5))).is_err(), "a circle");
     }

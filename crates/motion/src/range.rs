@@ -33,9 +33,9 @@ pub(crate) fn verify_point(
     point: &Point,
     operand: OperandIndex,
 ) -> Result<(), MotionError> {
-    for (place, axis) in numbered(system.description.linear()) {
+    for (member, axis) in numbered(system.description.linear()) {
         if let Some(axis) = axes.get(axis) {
-            verify(axis, component(point, place), operand)?;
+            verify(axis, component(point, member), operand)?;
         }
     }
     Ok(())
@@ -53,6 +53,6 @@ pub(crate) fn verify_path(system: &System, axes: &Axes, path: &Path, operand: Op
     let away = path.length().min(2.0 * arc.radius().max(arc.end_radius()));
     let furthest = path.start().map(|start| start.abs() + away);
     let flat = system.description.linear().len();
-    let furthest = Point::from_fn(|place, _| if place < flat { furthest[place] } else { 0.0 });
+    let furthest = Point::from_fn(|member, _| if member < flat { furthest[member] } else { 0.0 });
     verify_point(system, axes, &furthest, operand)
 }

@@ -242,15 +242,15 @@ pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot
         configuration: role.robot.solution.0.bits(),
         ..SystemSnapshot::default()
     };
-    for (place, axis) in system.description.axes.iter().enumerate() {
+    for (member, axis) in system.description.axes.iter().enumerate() {
         let Some(axis) = axes.get(*axis) else {
             continue;
         };
         let faulted = axis.faults.axis_fault(axis.is_virtual) != 0;
-        shown.axes_faulted |= u32::from(faulted) << place;
-        shown.axes_shutdown |= u32::from(axis.state == AxisState::Shutdown) << place;
-        shown.axes_servo_on |= u32::from(axis.state == AxisState::Running) << place;
-        if let Some(actual) = shown.actual.get_mut(place) {
+        shown.axes_faulted |= u32::from(faulted) << member;
+        shown.axes_shutdown |= u32::from(axis.state == AxisState::Shutdown) << member;
+        shown.axes_servo_on |= u32::from(axis.state == AxisState::Running) << member;
+        if let Some(actual) = shown.actual.get_mut(member) {
             *actual = axis.shown(axis.actual.position);
         }
     }

@@ -17,18 +17,18 @@ use crate::system::{Activity, System, component, numbered};
 pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError> {
     axes_on(system, axes)?;
     match first(system, axes, Axis::is_faulted) {
-        Some(place) => Err(MotionError::AxisInFaultedState(place)),
+        Some(member) => Err(MotionError::AxisInFaultedState(member)),
         None => Ok(()),
     }
 }
 
 /// Step 8 of a stop: no axis in shutdown, every axis with its servo on but for those that a fault has switched off.
 pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    if let Some(place) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
-        return Err(MotionError::ShutdownState(place));
+    if let Some(member) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
+        return Err(MotionError::ShutdownState(member));
     }
     match first(system, axes, Axis::is_off) {
-        Some(place) => Err(MotionError::ServoOffState(place)),
+        Some(member) => Err(MotionError::ServoOffState(member)),
         None => Ok(()),
     }
 }
@@ -36,7 +36,7 @@ pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
 /// Step 8, after [`axes_ready`]: no axis is homed. Lowest index first.
 pub(crate) fn not_homing(system: &System, axes: &Axes) -> Result<(), MotionError> {
     match first(system, axes, Axis::is_homed_actively) {
-        Some(place) => Err(MotionError::HomeInProcess(place)),
+        Some(member) => Err(MotionError::HomeInProcess(member)),
         None => Ok(()),
     }
 }
@@ -46,8 +46,8 @@ pub(crate) fn stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(
     if system.description.max_deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::CoordinateSystem));
     }
-    if let Some(place) = first(system, axes, |axis| axis.dynamics.deceleration <= 0.0) {
-        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(place)));
+    if let Some(member) = first(system, axes, |axis| axis.dynamics.deceleration <= 0.0) {
+        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(member)));
     }
     if !s_curve {
         return Ok(());
@@ -56,15 +56,15 @@ pub(crate) fn stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(
         return Err(MotionError::ZeroMaxDecelJerk(Culprit::CoordinateSystem));
     }
     match first(system, axes, |axis| axis.dynamics.deceleration_jerk <= 0.0) {
-        Some(place) => Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(place))),
+        Some(member) => Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(member))),
         None => Ok(()),
     }
 }
 
 /// Step 11: no stop of this system or of one of its axes is under way.
 pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    if let Some(place) = first(system, axes, Axis::is_stopping) {
-        return Err(MotionError::NotAllowedWhileStopping(place));
+    if let Some(member) = first(system, axes, Axis::is_stopping) {
+        return Err(MotionError::NotAllowedWhileStopping(member));
     }
     // A transform that failed stops moves on their path as well.
     if system.activity == Activity::Stopping || system.stop.is_some_and(|stop| stop.of_moves) {
@@ -75,9 +75,9 @@ pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionErr
 
 /// Step 12, overtravel: no axis outside of its travel moves on a point further out.
 pub(crate) fn no_overtravel(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
-    let out = |(place, axis): (AxisIndex, AxisId)| {
+    let out = |(member, axis): (AxisIndex, AxisId)| {
         let axis = axes.get(axis);
-        axis.is_some_and(|axis| axis.faults.forbids(component(end, place) - axis.command.position))
+        axis.is_some_and(|axis| axis.faults.forbids(component(end, member) - axis.command.position))
     };
     if numbered(system.description.linear()).any(out) {
         return Err(MotionError::OvertravelCondition);

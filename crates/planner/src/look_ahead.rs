@@ -203,7 +203,8 @@ impl<T: Copy> Planner<T> {
                     0.0
                 };
                 let begins = profile.brakes_from().max(within).max(since);
-                let braking = profile.duration() - begins;
+                // To its rest, and to that of what ramps out beside it.
+                let braking = trajectory.duration(clock) - begins;
                 let limits = Limits {
                     speed: next.limits.speed * self.queue.rate(),
                     ..next.limits

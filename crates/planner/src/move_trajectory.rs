@@ -75,6 +75,9 @@ pub struct Sample {
     pub turned: Option<Turned>,
 }
 
+/// Share of a speed that is rounding.
+const NEARLY_NONE: f64 = 1e-9;
+
 impl MoveTrajectory {
     pub(crate) fn sample(&self, clock: &Clock) -> Sample {
         let elapsed = self.start.elapsed(clock);
@@ -124,6 +127,26 @@ impl MoveTrajectory {
             };
         }
         sample
+    }
+
+    /// How many of these paths, each with the highest speed of the corner before it, the profile leads over: one whose corner it would
+    /// pass faster than the axes can follow is none of them.
+    pub(crate) fn followed<'a>(&self, beyond: impl Iterator<Item = (&'a Path, f64)>) -> usize {
+        let mut end = self.path.length();
+        let mut count = 0;
+        for (path, corner) in beyond {
+            let speed = match self.profile.time_at_position(end) {
+                Some(at) => self.profile.at(at).velocity,
+                // It does not get there: what lies behind makes no difference.
+                None => return usize::MAX,
+            };
+            if speed > corner * (1.0 + NEARLY_NONE) {
+                break;
+            }
+            end += path.length();
+            count += 1;
+        }
+        count
     }
 
     /// A sample of the move that blends with the end of this one, with what is left of this one.

@@ -53,9 +53,6 @@ pub(crate) struct Beyond {
     corner: f64,
 }
 
-/// Share of a speed that is rounding.
-const NEARLY_NONE: f64 = 1e-9;
-
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
 pub(crate) const NO_ACCELERATION: f64 = 1e-9;
 
@@ -246,18 +243,20 @@ impl<T: Copy> Planner<T> {
         let Some(trajectory) = self.active.as_ref().map(|running| &running.trajectory) else {
             return;
         };
-        let mut end = trajectory.path.length();
-        for place in 0..self.trail.len() {
-            let speed = match trajectory.profile.time_at_position(end) {
-                Some(at) => trajectory.profile.at(at).velocity,
-                None => return,
-            };
-            if speed > self.trail[place].corner * (1.0 + NEARLY_NONE) {
-                self.trail.truncate(place);
-                return;
-            }
-            end += self.trail[place].path.length();
-        }
+        let followed = trajectory.followed(self.trail.iter().map(|beyond| (&beyond.path, beyond.corner)));
+        self.trail.truncate(followed);
+    }
+
+    /// The paths along which a stop that began now could lead, with the highest speeds of the corners before them: those of cancelled moves,
+    /// and those of the pending moves that [`Planner::cancel_pending`] would keep.
+    pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Path, f64)> {
+        let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
+        let cancelled = self.trail.iter().map(|beyond| (&beyond.path, beyond.corner));
+        let pending = self.queue.joints().enumerate();
+        let kept = pending
+            .take_while(move |(index, (_, passed, _))| *index < joined || (exit > 0.0 && *passed))
+            .map(|(_, (motion, _, corner))| (&motion.path, corner * motion.parameter.speed));
+        cancelled.chain(kept.filter(|_| !self.trail_ends))
     }
 
     /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows it, and `rate` how it goes

@@ -135,6 +135,14 @@ impl<T: Copy> Queue<T> {
         self.moves.front().map_or(0.0, |waiting| waiting.joint.corner())
     }
 
+    /// The pending moves, the oldest first: whether the path goes on to each ([`Queue::is_passed_to`]), and the highest speed that the corner
+    /// before it leaves ([`Queue::corner`]).
+    pub(crate) fn joints(&self) -> impl Iterator<Item = (&Move<T>, bool, f64)> {
+        self.moves
+            .iter()
+            .map(|waiting| (&waiting.motion, waiting.joint.is_passed(), waiting.joint.corner()))
+    }
+
     /// Whether a run ends before the oldest move.
     pub(crate) fn run_ends_here(&self) -> bool {
         self.ends.front().is_some_and(|end| end.next == self.first)

@@ -18,6 +18,8 @@ pub struct Stopping {
     tail: Option<MoveTrajectory>,
     /// What is left of the turn of a move that a merge ended.
     ramping_out: Option<RampingOut>,
+    /// How many of the paths of [`Planner::beyond`] it may lead over.
+    followed: usize,
     /// Seconds from its beginning to rest.
     duration: f64,
 }
@@ -41,7 +43,8 @@ impl<T: Copy> Planner<T> {
         };
         let active = halted(&self.active.as_ref()?.trajectory, before.as_ref());
         let tail = self.tail.as_ref().map(|tail| halted(tail, None));
-        Some(Stopping::of(active, tail, self.ramping_out, clock))
+        let followed = active.followed(self.beyond());
+        Some(Stopping::of(active, tail, self.ramping_out, followed, clock))
     }
 
     /// What [`Planner::stop_in_time`] would do, where `clock` shows the displacement that the master will have at `time`, and
@@ -61,13 +64,15 @@ impl<T: Copy> Planner<T> {
         let active = halted(&self.active.as_ref()?.trajectory);
         let tail = self.tail.as_ref().map(halted);
         let out = self.ramping_out_in_time(rate, clock, time);
-        Some(Stopping::of(active, tail, out, time))
+        let followed = active.followed(self.beyond());
+        Some(Stopping::of(active, tail, out, followed, time))
     }
 
-    /// Where the coordinate system would be at an instant of a stop. The path goes on along the moves that wait. Real-time.
+    /// Where the coordinate system would be at an instant of a stop, which leads along the moves that wait as far as their paths are
+    /// passed without rest. Real-time.
     pub fn sample_stopping(&self, stopping: &Stopping, clock: &Clock) -> Sample {
-        let waiting = self.queue.iter().map(|motion| &motion.path);
-        stopping.sample(self.trail().chain(waiting), clock)
+        let beyond = self.beyond().map(|(path, _)| path);
+        stopping.sample(beyond.take(stopping.followed), clock)
     }
 
     /// As [`Planner::stop`], but what comes to rest sooner by its own profile goes on with that: nothing is made slower than it
@@ -95,6 +100,7 @@ impl Stopping {
         active: MoveTrajectory,
         tail: Option<MoveTrajectory>,
         ramping_out: Option<RampingOut>,
+        followed: usize,
         clock: &Clock,
     ) -> Self {
         let left = |trajectory: &MoveTrajectory| trajectory.duration(clock) - trajectory.start.elapsed(clock);
@@ -104,6 +110,7 @@ impl Stopping {
             active,
             tail,
             ramping_out,
+            followed,
             duration: duration.max(turning).max(0.0),
         }
     }

@@ -7,6 +7,7 @@
 
 #![deny(unsafe_code)]
 
+mod clock;
 mod commands;
 mod contour;
 mod meter;
@@ -17,6 +18,7 @@ mod stops;
 mod tap;
 mod thread;
 
+pub use clock::{Clock, Stepper, Steps};
 pub use commands::{COMMANDS, CommandSender, Full, STOPS};
 pub use contour::Planning;
 pub use meter::Meter;

@@ -2,6 +2,8 @@
 //! snapshots. Nobody waits: a full ring is an answer to its sender, or a counted loss.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
@@ -10,6 +12,7 @@ use arcline_controller::{
 };
 use arcline_instruction_set::MotionControl;
 
+use crate::clock::Stepper;
 use crate::commands::{self, COMMANDS, CommandReceiver, CommandSender, STOPS};
 use crate::contour::{self, Contours, Planning};
 use crate::meter::Meter;
@@ -64,6 +67,8 @@ pub struct Link {
     pub meter: Arc<Meter>,
     /// What a thread beside the controller plans contours with, where the machine has some.
     pub planning: Option<Planning>,
+    /// Lets ticks pass, on the step clock.
+    pub stepper: Option<Stepper>,
 }
 
 /// The controller's ends.
@@ -87,6 +92,10 @@ pub struct Rings {
     pub(crate) tick: u64,
     stop: Stop,
     contours: Option<Contours>,
+    /// Whether a tick is shown several times, and its samples are sent when it is over.
+    is_stepped: bool,
+    /// The state of the tick as it was shown last, where it is stepped.
+    shown: Snapshot,
 }
 
 /// How far a stop has come.
@@ -129,6 +138,8 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         tick: 0,
         stop: Stop::No,
         contours,
+        is_stepped: false,
+        shown: Snapshot::new(machine),
     };
     let link = Link {
         commands: command_sender,
@@ -142,6 +153,7 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
         snapshots: snapshot_output,
         meter,
         planning,
+        stepper: None,
     };
     (rings, link)
 }
@@ -153,7 +165,42 @@ impl Rings {
             self.stop = Stop::Asked;
         }
     }
+
+    /// A tick is shown as often as it changes, and over at [`Rings::close`].
+    pub(crate) fn set_stepped(&mut self) {
+        self.is_stepped = true;
+        // They are planned where they are executed.
+        self.contours = None;
+    }
+
+    /// The tick that was shown last is over: sends its samples.
+    pub(crate) fn close(&mut self) {
+        if !self.samples.send(&self.shown) {
+            self.meter.lose_samples();
+        }
+        self.tick += 1;
+    }
+
+    /// Waits until the readers of samples and events have made room, a second at most: ticks that pass faster than real time must not
+    /// be lost on them. Not for the real-time thread.
+    pub(crate) fn wait_for_room(&self, ends: &AtomicBool) {
+        for _ in 0..PATIENCE {
+            if self.samples.has_room()
+                && self.events.slots() > EVENTS / 2
+                && self.fault_changes.slots() > FAULT_CHANGES / 2
+            {
+                return;
+            }
+            if ends.load(Ordering::Acquire) {
+                return;
+            }
+            std::thread::sleep(Duration::from_micros(500));
+        }
+    }
 }
+
+/// Pauses of half a millisecond.
+const PATIENCE: u32 = 2000;
 
 impl Port for Rings {
     fn next_stop(&mut self) -> Option<StopRequest> {
@@ -245,8 +292,11 @@ impl Port for Rings {
     }
 
     fn publish(&mut self) {
-        if !self.samples.send(self.snapshots.input_buffer_mut()) {
+        if !self.is_stepped && !self.samples.send(self.snapshots.input_buffer_mut()) {
             self.meter.lose_samples();
+        }
+        if self.is_stepped {
+            self.shown.clone_from(self.snapshots.input_buffer_mut());
         }
         self.snapshots.publish();
         self.meter.publish();

@@ -39,6 +39,11 @@ pub(crate) fn link(machine: &Machine) -> (SampleSender, Samples) {
 }
 
 impl SampleSender {
+    /// Whether there is room for a row.
+    pub(crate) fn has_room(&self) -> bool {
+        self.ring.slots() >= self.width
+    }
+
     /// Sends the row of a tick. False: there is no room, and the row is lost. Real-time.
     pub(crate) fn send(&mut self, snapshot: &Snapshot) -> bool {
         match self.ring.write_chunk_uninit(self.width) {

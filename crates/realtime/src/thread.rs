@@ -10,12 +10,13 @@ use arcline_controller::machine::Machine;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
+use crate::clock::{self, Clock, Stepper};
 use crate::meter::Meter;
 use crate::rings::{Link, Rings, link};
 use crate::schedule::{self, Report};
 
 /// What the thread asks for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Priority under SCHED_FIFO, 1 to 99.
     pub priority: i32,
@@ -25,6 +26,8 @@ pub struct Options {
     pub catch_up: u64,
     /// Longest wait for everything to stand still when the thread is stopped, ticks.
     pub grace: u64,
+    /// What makes ticks pass.
+    pub clock: Clock,
 }
 
 impl Default for Options {
@@ -34,6 +37,7 @@ impl Default for Options {
             core: None,
             catch_up: 1000,
             grace: 30_000,
+            clock: Clock::Real,
         }
     }
 }
@@ -87,10 +91,20 @@ impl Drop for Handle {
 /// # Errors
 /// When the system has no thread left.
 pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), SpawnError> {
-    let (rings, mut link) = link(machine);
+    let (mut rings, mut link) = link(machine);
+    let mut period = machine.period_ns.max(1);
+    match options.clock {
+        Clock::Real => {}
+        Clock::Fast(times) => period = ((period as f64 / times) as u64).max(1),
+        Clock::Step => {
+            rings.set_stepped();
+            link.planning = None;
+            link.stepper = Some(Stepper::new());
+        }
+    }
+    let stepper = link.stepper.clone();
     let controller = Controller::new(machine);
     let stop = Arc::new(AtomicBool::new(false));
-    let period = machine.period_ns.max(1);
     let asked = stop.clone();
     let (report_sender, report) = mpsc::sync_channel(1);
     let thread = std::thread::Builder::new()
@@ -98,11 +112,18 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
         .stack_size(STACK)
         .spawn(move || {
             let _abort = AbortOnPanic;
-            let report = schedule::prepare(options.priority, options.core);
+            // Steps need no deadline.
+            let report = match &stepper {
+                Some(_) => Report::default(),
+                None => schedule::prepare(options.priority, options.core),
+            };
             rings.meter.report(&report);
             // Nobody waits for it when the process ends meanwhile.
             let _ = report_sender.send(report);
-            run(controller, rings, period, &options, &asked);
+            match &stepper {
+                Some(stepper) => clock::run(controller, rings, stepper, options.grace, &asked),
+                None => run(controller, rings, period, &options, &asked),
+            }
         })
         .map_err(SpawnError)?;
     if let Some(mut planning) = link.planning.take() {
@@ -172,7 +193,7 @@ fn run(mut controller: Controller, mut rings: Rings, period: u64, options: &Opti
 }
 
 /// Monotonic time, ns.
-fn now() -> u64 {
+pub(crate) fn now() -> u64 {
     let time = clock_gettime(ClockId::Monotonic);
     time.tv_sec as u64 * NANOSECONDS + time.tv_nsec as u64
 }

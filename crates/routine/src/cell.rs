@@ -3,11 +3,11 @@
 use arcline_instruction_set::{ControlSlot, MotionControl, Object};
 
 use crate::code::{Argument, Code, When};
-use crate::compile::{Compiler, Directory};
+use crate::compile::{Compiler, Directory, Known};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
-use crate::run::{Exit, Fault, FaultAt, Host, Scan, State};
+use crate::run::{Exit, Fault, FaultAt, Host, STATUS_OVERLAP, STATUS_TIMEOUT, Scan, State};
 use crate::source::Project;
 
 /// A project in the memory of a controller.
@@ -22,19 +22,36 @@ pub struct Cell {
     scanned: Vec<bool>,
     /// Tasks by priority: those of events, then periodic ones.
     order: Vec<usize>,
+    /// The events of tasks: what was seen of each, and when the task ran last, ns.
+    events: Vec<Seen>,
     /// The tick of the next continuous scan, and the state of the phase's numbers.
     next_scan: u64,
     phase: Option<u64>,
 }
 
+/// What a task that waits for an event has seen.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Its bit, or a number for the bytes.
+    state: u64,
+    /// When it ran, ns.
+    ran: u64,
+}
+
 /// A project that was read.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Loaded {
     /// What runs.
     pub cell: Cell,
     /// What does not.
     pub findings: Vec<Finding>,
+    /// The names of its tags and types, for a [`Listing`](crate::Listing).
+    pub names: Names,
 }
+
+/// The names of a project that was loaded.
+#[derive(Debug)]
+pub struct Names(pub(crate) Known);
 
 /// Compiles a project for a machine.
 pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
@@ -45,14 +62,18 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
         Some((tag.at, tag.at + tag.tag_type.size() as u32, *id))
     });
     let shared = shared.collect();
-    let mut state = State::new(compiler.tags.bytes, &compiler.code);
+    let mut state = State::new(std::mem::take(&mut compiler.tags.bytes), &compiler.code);
     (state.objects, state.controls, state.shared) = (compiler.objects, compiler.controls, shared);
     let code = compiler.code;
     let mut order: Vec<usize> = (0..code.tasks.len()).collect();
     order.sort_by_key(|place| {
         code.tasks.get(*place).map(|task| {
             (
-                !matches!(task.when, When::Motion),
+                match task.when {
+                    When::Motion => 0,
+                    When::Bit { .. } | When::Change { .. } => 1,
+                    _ => 2,
+                },
                 task.priority,
                 code.text(task.name).to_owned(),
             )
@@ -60,21 +81,31 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
     });
     let cell = Cell {
         releases: vec![0; code.tasks.len()],
+        events: vec![Seen::default(); code.tasks.len()],
         scanned: vec![false; code.programs.len()],
         order,
         code,
         state,
-        tags: compiler.tags.list,
+        tags: compiler.tags.list.clone(),
         next_scan: 0,
         phase: None,
     };
     Loaded {
         cell,
         findings: compiler.findings,
+        names: Names(Known {
+            types: compiler.types,
+            tags: compiler.tags,
+        }),
     }
 }
 
 impl Cell {
+    /// The code and what it runs on.
+    pub(crate) fn parts_mut(&mut self) -> (&Code, &mut State) {
+        (&self.code, &mut self.state)
+    }
+
     /// The tags, in the order of the file.
     pub fn tags(&self) -> &[Tag] {
         &self.tags
@@ -140,14 +171,16 @@ impl Cell {
             .tasks
             .iter()
             .zip(&mut self.releases)
-            .zip(&mut self.state.overlaps);
-        for ((task, release), overlaps) in tasks {
+            .zip(&mut self.state.overlaps)
+            .zip(&mut self.state.status);
+        for (((task, release), overlaps), status) in tasks {
             if let When::Periodic(rate) = task.when
                 && *release < until
             {
                 let lost = (until - *release) / rate;
                 *release += lost * rate;
                 *overlaps = overlaps.saturating_add(i32::try_from(lost).unwrap_or(i32::MAX));
+                *status |= if lost > 0 { STATUS_OVERLAP } else { 0 };
             }
         }
     }
@@ -161,6 +194,12 @@ impl Cell {
         self.releases.fill(now);
         self.scanned.fill(false);
         self.next_scan = 0;
+        for task in 0..self.events.len() {
+            let state = self.event_state(task);
+            if let Some(seen) = self.events.get_mut(task) {
+                *seen = Seen { state, ran: now };
+            }
+        }
         let Cell { code, state, .. } = self;
         state.triggered.fill(false);
         (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
@@ -170,7 +209,7 @@ impl Cell {
                     continue;
                 };
                 state.program = *program;
-                state.begin_run(task.watchdog_us, host);
+                state.begin_run(task.longest_us(), host);
                 state.begin();
                 state.prescan = true;
                 let mut scan = Scan {
@@ -212,6 +251,7 @@ impl Cell {
             match self.code.tasks.get(task).map(|task| task.when) {
                 Some(When::Motion) => self.run(task, now, host)?,
                 Some(When::Periodic(rate)) => self.periodic(task, rate, now, host)?,
+                Some(When::Bit { .. } | When::Change { .. } | When::Triggered) => self.event(task, now, host)?,
                 _ => {}
             }
         }
@@ -261,8 +301,49 @@ impl Cell {
             if let Some(count) = self.state.overlaps.get_mut(task) {
                 *count = count.saturating_add(lost as i32);
             }
+            if let Some(status) = self.state.status.get_mut(task).filter(|_| lost > 0) {
+                *status |= STATUS_OVERLAP;
+            }
         }
         Ok(())
+    }
+
+    /// The bit that a task waits for, or a number for its bytes.
+    fn event_state(&self, task: usize) -> u64 {
+        let memory = &self.state.memory;
+        match self.code.tasks.get(task).map(|task| task.when) {
+            Some(When::Bit { at, mask }) => memory.get(at as usize).map_or(0, |byte| u64::from(byte & mask != 0)),
+            Some(When::Change { from, to }) => {
+                let bytes = memory.get(from as usize..to as usize).unwrap_or_default();
+                // Fowler, Noll and Vo's hash.
+                let hash = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3);
+                bytes.iter().fold(0xCBF2_9CE4_8422_2325, hash)
+            }
+            _ => 0,
+        }
+    }
+
+    /// Runs a task whose event has come, or has not come for its longest time.
+    fn event(&mut self, task: usize, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
+        let state = self.event_state(task);
+        let (Some(of), Some(seen)) = (self.code.tasks.get(task), self.events.get_mut(task)) else {
+            return Ok(());
+        };
+        let has_come = match of.when {
+            When::Bit { .. } => state > seen.state,
+            _ => state != seen.state,
+        };
+        seen.state = state;
+        let is_late = of
+            .timeout
+            .is_some_and(|longest| now.saturating_sub(seen.ran) >= longest);
+        if !has_come && !is_late {
+            return Ok(());
+        }
+        if !has_come && let Some(status) = self.state.status.get_mut(task) {
+            *status |= STATUS_TIMEOUT;
+        }
+        self.run(task, now, host)
     }
 
     /// Runs a task, then those that it triggered.
@@ -285,14 +366,21 @@ impl Cell {
 
     fn run_alone(&mut self, task: usize, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
         let Cell {
-            code, state, scanned, ..
+            code,
+            state,
+            scanned,
+            events,
+            ..
         } = self;
         let Some(of) = code.tasks.get(task) else { return Ok(()) };
         if state.inhibited.get(task) == Some(&true) {
             return Ok(());
         }
+        if let Some(seen) = events.get_mut(task) {
+            seen.ran = now;
+        }
         (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
-        state.begin_run(of.watchdog_us, host);
+        state.begin_run(of.longest_us(), host);
         for program in &of.programs {
             let place = *program as usize;
             let main = code.programs.get(place).and_then(|one| one.main);
@@ -415,7 +503,7 @@ pub struct Condition {
 }
 
 /// `Program:Main.Done` as routines write it: `\Main.Done`.
-fn program_scopes(text: &str) -> String {
+pub(crate) fn program_scopes(text: &str) -> String {
     let mut result = String::new();
     let mut rest = text;
     while let Some(place) = rest.to_ascii_lowercase().find("program:") {

@@ -250,6 +250,8 @@ pub(crate) enum Argument {
     Area(Area),
     Text(TextPart),
     Word(i32),
+    /// Index of the answer to a message.
+    Reply(u32),
     Routine(u32),
     /// Index of a rung.
     Label(u32),
@@ -293,6 +295,17 @@ pub(crate) enum MotionOperand {
     Written(Area),
 }
 
+/// The answer to a message.
+#[derive(Clone, Debug)]
+pub(crate) struct Reply {
+    /// ns from the request on.
+    pub(crate) delay: u64,
+    /// ERR and EXERR; ERR 0: it is answered well.
+    pub(crate) error: (u16, u32),
+    pub(crate) data: Box<[u8]>,
+    pub(crate) destination: Option<Area>,
+}
+
 /// A call of an add-on instruction.
 #[derive(Clone, Debug)]
 pub(crate) struct AddOnCall {
@@ -330,6 +343,10 @@ pub(crate) enum Attribute {
     DisableFlag(u32),
     /// A constant.
     Constant(Box<[u8]>),
+    /// A number that does not change while the machine runs.
+    Number(f64),
+    /// A member of the tag of a motion object.
+    Member(Cellular),
     MinorFaults,
     /// An attribute of a motion object, by its number at the host.
     Host(u32),
@@ -360,6 +377,8 @@ pub(crate) struct Routine {
     pub(crate) name: TextId,
     /// The program or add-on instruction.
     pub(crate) program: TextId,
+    /// The number of the program; `None`: of an add-on instruction.
+    pub(crate) of_program: Option<u32>,
     pub(crate) body: Body,
 }
 
@@ -373,6 +392,19 @@ pub(crate) enum Body {
 pub(crate) struct Rung {
     pub(crate) number: u32,
     pub(crate) nodes: Box<[Node]>,
+    /// Whether it has instructions of one known bit only, which call nothing and cannot fault.
+    pub(crate) is_of_bits: bool,
+}
+
+impl Rung {
+    pub(crate) fn new(number: u32, nodes: Box<[Node]>) -> Self {
+        let is_bit = |node: &Node| !matches!(node, Node::Branch(_) | Node::Instruction(_));
+        Rung {
+            number,
+            is_of_bits: nodes.iter().all(is_bit),
+            nodes,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -435,6 +467,8 @@ pub(crate) struct Program {
 pub(crate) struct Task {
     pub(crate) name: TextId,
     pub(crate) when: When,
+    /// An event task runs after so many ns without its event.
+    pub(crate) timeout: Option<u64>,
     pub(crate) priority: u32,
     pub(crate) watchdog_us: i32,
     pub(crate) is_inhibited: bool,
@@ -450,6 +484,16 @@ pub(crate) enum When {
     Motion,
     /// By EVENT alone.
     Triggered,
+    /// When this bit of the memory becomes true.
+    Bit {
+        at: u32,
+        mask: u8,
+    },
+    /// When one of these bytes of the memory has changed.
+    Change {
+        from: u32,
+        to: u32,
+    },
 }
 
 /// Everything compiled.
@@ -460,8 +504,23 @@ pub(crate) struct Code {
     pub(crate) programs: Vec<Program>,
     pub(crate) tasks: Vec<Task>,
     pub(crate) fault_handler: Option<u32>,
+    pub(crate) replies: Vec<Reply>,
     pub(crate) texts: Vec<String>,
 }
+
+impl Task {
+    /// The longest time of a run, µs: that of a continuous task without one is longer (spec/programs.md §8).
+    pub(crate) fn longest_us(&self) -> i32 {
+        if self.watchdog_us == 0 && self.when == When::Continuous {
+            LONGEST_CONTINUOUS_US
+        } else {
+            self.watchdog_us
+        }
+    }
+}
+
+/// The watchdog of a continuous task without one, µs.
+const LONGEST_CONTINUOUS_US: i32 = 5_000_000;
 
 impl Code {
     pub(crate) fn text(&self, id: TextId) -> &str {

@@ -3,19 +3,23 @@
 mod add_on;
 mod call;
 mod expression;
+mod message;
 mod motion;
 mod operand;
 mod reference;
 mod statement;
 mod system;
 
+pub(crate) use expression::status_of;
+
 use std::collections::BTreeMap;
 
 use arcline_instruction_set::{ControlSlot, Object};
 use arcline_tag::TagType;
 
-use crate::code::{Body, Code, FIRST_TEXTS, Program, Routine, Rung, Task, TextId, When};
+use crate::code::{Body, Code, FIRST_TEXTS, Program, Routine, Rung, Select, Task, TextId, When};
 use crate::error::{Finding, FindingKind, Line};
+use crate::expression::Expression;
 use crate::memory::Tags;
 use crate::rll;
 use crate::source::{Content, Project, RoutineSource, Trigger};
@@ -28,12 +32,27 @@ pub trait Directory {
     fn object_type(&self, name: &str) -> Option<TagType>;
     /// Index of a motion object.
     fn object(&self, object: Object, name: &str) -> Option<u16>;
+    /// Whether it executes instructions of motion.
+    fn has_motion(&self) -> bool {
+        true
+    }
     /// The slot of a MOTION_INSTRUCTION by the name of its tag, or a new one.
     fn control(&mut self, name: &str) -> Option<ControlSlot>;
     /// The id of a tag that instructions of motion name as a whole: a path, a cam, an array that is written.
     fn tag(&mut self, name: &str, tag_type: &TagType) -> Option<u32>;
+    /// The value of an attribute of a motion object that does not change while the machine runs, for GSV.
+    fn constant(&self, _object: Object, _index: u16, _name: &str) -> Option<f64> {
+        None
+    }
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)>;
+}
+
+/// The types of a project and the names of its tags.
+#[derive(Debug, Default)]
+pub(crate) struct Known {
+    pub(crate) types: Types,
+    pub(crate) tags: Tags,
 }
 
 /// What a routine belongs to.
@@ -89,24 +108,32 @@ pub(crate) type Wrong = String;
 impl<'p> Compiler<'p> {
     pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory) -> Self {
         let mut types = Types::new(project);
-        let mut findings = Vec::new();
-        for (name, reason) in &types.wrong {
-            findings.push(Finding {
-                kind: FindingKind::Type,
-                name: name.clone(),
-                reason: reason.clone(),
-                program: None,
-                routine: None,
-                place: None,
-            });
-        }
+        let of_type = |(name, reason): &(String, String)| Finding {
+            kind: FindingKind::Type,
+            name: name.clone(),
+            reason: reason.clone(),
+            program: None,
+            routine: None,
+            place: None,
+        };
+        let mut findings: Vec<Finding> = types.wrong.iter().map(of_type).collect();
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
+        let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
+        compiler.findings = findings;
+        compiler.uses_carry = uses_carry(project);
+        compiler.motion_objects();
+        compiler
+    }
+
+    /// A compiler for single operands of a project whose names are known.
+    pub(crate) fn with_names(project: &'p Project, directory: &'p mut dyn Directory, known: Known) -> Self {
+        let Known { types, tags } = known;
         let mut compiler = Compiler {
             project,
             types,
             tags,
             code: Code::default(),
-            findings,
+            findings: Vec::new(),
             directory,
             texts: BTreeMap::new(),
             routines: BTreeMap::new(),
@@ -120,12 +147,11 @@ impl<'p> Compiler<'p> {
             objects: Vec::new(),
             controls: Vec::new(),
             shared: BTreeMap::new(),
-            uses_carry: uses_carry(project),
+            uses_carry: false,
         };
         for text in FIRST_TEXTS {
             compiler.text(text);
         }
-        compiler.motion_objects();
         compiler
     }
 
@@ -175,34 +201,68 @@ impl<'p> Compiler<'p> {
             .and_then(program_of)
             .and_then(|place| u32::try_from(place).ok());
         for task in &project.tasks {
+            self.owner = Owner::Program(usize::MAX);
+            let timeout = match &task.trigger {
+                Trigger::Event(_, Some(ms)) => Some((ms * 1e6).round().max(1.0) as u64),
+                _ => None,
+            };
             let when = match &task.trigger {
                 Trigger::Continuous => When::Continuous,
                 Trigger::Periodic(ms) => When::Periodic((ms * 1e6).round().max(1.0) as u64),
                 Trigger::Event(trigger, _) if trigger.eq_ignore_ascii_case("Motion Group Execution") => When::Motion,
-                Trigger::Event(trigger, _) => {
+                Trigger::Event(trigger, _) => self.event(trigger, &task.event_tag).unwrap_or_else(|| {
                     if !trigger.is_empty() && !trigger.eq_ignore_ascii_case("EVENT Instruction Only") {
                         self.findings.push(Finding {
                             kind: FindingKind::Task,
                             name: task.name.clone(),
-                            reason: format!("the trigger {trigger} is not supported, only EVENT runs it"),
+                            reason: format!(
+                                "the trigger {trigger} of {:?} is not supported, only EVENT runs it",
+                                task.event_tag
+                            ),
                             program: None,
                             routine: None,
                             place: None,
                         });
                     }
                     When::Triggered
-                }
+                }),
             };
             let programs = task.programs.iter().filter_map(|name| program_of(name));
             let name = self.text(&task.name);
             self.code.tasks.push(Task {
                 name,
                 when,
+                timeout,
                 priority: task.priority,
                 watchdog_us: (task.watchdog_ms * 1e3) as i32,
                 is_inhibited: task.is_inhibited,
                 programs: programs.map(|place| place as u32).collect(),
             });
+        }
+    }
+
+    /// The event of a task; `None`: there is none but EVENT.
+    fn event(&mut self, trigger: &str, tag: &str) -> Option<When> {
+        let word: String = trigger.chars().filter(|letter| !letter.is_whitespace()).collect();
+        let bit = match word.to_ascii_lowercase().as_str() {
+            "axishome" => "HomeEventStatus",
+            "axiswatch" => "WatchEventStatus",
+            "axisregistration1" => "RegEvent1Status",
+            "axisregistration2" => "RegEvent2Status",
+            "moduleinputdatastatechange" => {
+                let area = self.area_of(tag).ok()?;
+                let is_fixed = area.place.base == 0 && area.place.index.is_empty();
+                let (from, length) = (area.place.at, if area.is_whole { area.length } else { 1 });
+                let to = from + area.size * length;
+                return is_fixed.then_some(When::Change { from, to });
+            }
+            _ => return None,
+        };
+        let reference = Expression::parse_reference(&format!("{tag}.{bit}")).ok()?;
+        let bit = self.resolve(&reference).ok()?.as_bit()?;
+        match (bit.select, bit.place.index.is_empty()) {
+            (Select::Mask(mask), true) => Some(When::Bit { at: bit.place.at, mask }),
+            _ => None,
         }
     }
 
@@ -219,9 +279,14 @@ impl<'p> Compiler<'p> {
             self.owners.push(owner);
             let name = self.text(&source.name);
             let program = self.text(&self.owner_name());
+            let of_program = match owner {
+                Owner::Program(number) => u32::try_from(number).ok(),
+                Owner::AddOn(_) => None,
+            };
             self.code.routines.push(Routine {
                 name,
                 program,
+                of_program,
                 body: Body::Ladder(Box::default()),
             });
         }
@@ -302,7 +367,7 @@ impl<'p> Compiler<'p> {
                 for (number, rung) in rungs {
                     self.place = Some(Line::Rung(*number));
                     let nodes = self.nodes(&rung.elements);
-                    compiled.push(Rung { number: *number, nodes });
+                    compiled.push(Rung::new(*number, nodes));
                 }
                 Body::Ladder(compiled.into())
             }

@@ -16,6 +16,9 @@ impl Directory for NoMachine {
     fn object(&self, _: Object, _: &str) -> Option<u16> {
         None
     }
+    fn has_motion(&self) -> bool {
+        false
+    }
     fn control(&mut self, _: &str) -> Option<ControlSlot> {
         None
     }

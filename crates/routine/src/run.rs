@@ -18,6 +18,7 @@ use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
 
 pub use fault::Fault;
 pub(crate) use fault::{FaultAt, MAX_FAULTS};
+pub(crate) use value::Number;
 
 use crate::code::{Code, TextId, Transfer};
 
@@ -115,12 +116,46 @@ pub(crate) struct State {
     pub(crate) inhibited: Vec<bool>,
     pub(crate) disabled: Vec<bool>,
     pub(crate) overlaps: Vec<i32>,
+    /// The attribute Status of each task: [`STATUS_EVENT`] and others.
+    pub(crate) status: Vec<i32>,
     pub(crate) objects: Vec<(u32, Object, u16)>,
     pub(crate) controls: Vec<(u32, ControlSlot)>,
     /// Tags that the host has too: first byte, end, id.
     pub(crate) shared: Vec<(u32, u32, u32)>,
-    /// Messages on their way: first byte of the tag, ns of the answer.
-    messages: Vec<(u32, u64)>,
+    messages: Vec<Sent>,
+    /// The power flow of the routines that someone looks at, and where the next bit of one stands.
+    pub(crate) traces: Vec<Trace>,
+    trace: Cursor,
+}
+
+/// A message on its way.
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    /// The first byte of its tag.
+    at: u32,
+    /// ns of its answer, or of its timeout.
+    due: u64,
+    /// Its answer; `None`: it has none.
+    reply: Option<u32>,
+}
+
+/// The power flow of a routine in its last scan. Each rung has a bit that says it was scanned, its rung condition, and the condition
+/// behind each of its elements: those of the legs of a branch, then that of the branch.
+#[derive(Clone, Debug)]
+pub(crate) struct Trace {
+    pub(crate) routine: u32,
+    /// Its program, whose scans clear it; an add-on instruction shows the last call.
+    pub(crate) program: Option<u32>,
+    /// The first bit of each rung, then the end.
+    pub(crate) starts: Box<[u32]>,
+    pub(crate) bits: Box<[u8]>,
+}
+
+/// A bit of a trace.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cursor {
+    trace: usize,
+    bit: usize,
 }
 
 impl State {
@@ -136,6 +171,7 @@ impl State {
             inhibited: code.tasks.iter().map(|task| task.is_inhibited).collect(),
             disabled: code.programs.iter().map(|program| program.is_disabled).collect(),
             overlaps: vec![0; code.tasks.len()],
+            status: vec![0; code.tasks.len()],
             messages: Vec::with_capacity(MAX_MESSAGES),
             ..State::default()
         }
@@ -151,6 +187,11 @@ impl State {
 
     /// The beginning of a program's scan.
     pub(crate) fn begin(&mut self) {
+        for trace in &mut self.traces {
+            if trace.program == Some(self.program) {
+                trace.bits.fill(0);
+            }
+        }
         (self.overflow, self.zero, self.negative, self.carry, self.minor) = (false, false, false, false, false);
         self.zone = false;
         (self.depth, self.add_ons, self.frame) = (0, 0, 0);
@@ -163,9 +204,59 @@ impl State {
         self.masks.push(mask);
     }
 
+    /// Prepares the evaluation of operands between two scans; returns the flag that it may change.
+    pub(crate) fn begin_look(&mut self) -> bool {
+        self.frame = 0;
+        self.truncate_bases(0);
+        self.overflow
+    }
+
+    /// Ends it.
+    pub(crate) fn end_look(&mut self, overflow: bool) {
+        self.truncate_bases(0);
+        self.overflow = overflow;
+    }
+
+    /// The next bits of a trace are those of a rung: it was scanned, with this condition.
+    fn trace_rung(&mut self, rung: usize, power: bool) {
+        let Cursor { trace, .. } = self.trace;
+        let Some(trace) = self.traces.get_mut(trace) else {
+            return;
+        };
+        let from = trace.starts.get(rung).copied().unwrap_or(u32::MAX) as usize;
+        let end = trace.starts.get(rung + 1).copied().unwrap_or_default() as usize;
+        for bit in from..end {
+            set_bit(&mut trace.bits, bit, bit == from);
+        }
+        self.trace.bit = from + 1;
+        self.trace_power(power);
+    }
+
+    /// The next bit of a trace.
+    fn trace_power(&mut self, power: bool) {
+        if let Some(trace) = self.traces.get_mut(self.trace.trace) {
+            set_bit(&mut trace.bits, self.trace.bit, power);
+        }
+        self.trace.bit += 1;
+    }
+
     fn truncate_bases(&mut self, count: usize) {
         self.bases.truncate(count);
         self.masks.truncate(count);
+    }
+}
+
+fn set_bit(bits: &mut [u8], bit: usize, on: bool) {
+    if let Some(byte) = bits.get_mut(bit / 8) {
+        let mask = 1 << (bit % 8);
+        *byte = if on { *byte | mask } else { *byte & !mask };
+    }
+}
+
+impl Scan<'_> {
+    /// From now on places of an add-on instruction are those of the instance at a byte.
+    pub(crate) fn enter_instance(&mut self, at: u32) {
+        self.s.push_base(at, 1);
     }
 }
 
@@ -178,6 +269,12 @@ pub(crate) struct Scan<'s> {
     pub(crate) caller: Option<&'s Transfer>,
 }
 
+/// Status of a task: EVENT triggered it.
+pub(crate) const STATUS_EVENT: i32 = 1;
+/// Its timeout ran it.
+pub(crate) const STATUS_TIMEOUT: i32 = 2;
+/// A release was lost.
+pub(crate) const STATUS_OVERLAP: i32 = 4;
 /// Routines within one another.
 const MAX_CALLS: usize = 48;
 /// Add-on instructions within one another.

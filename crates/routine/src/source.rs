@@ -21,6 +21,27 @@ pub struct Project {
     pub modules: Vec<(String, String)>,
     /// The program of the controller's fault handler.
     pub fault_handler: Option<String>,
+    /// What answers MSG; of several that fit the first. It is not in the file.
+    pub answers: Vec<Answer>,
+}
+
+/// The answer to a MSG of the type CIP Generic.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Answer {
+    /// The service code.
+    pub service: u8,
+    /// The class.
+    pub class: u16,
+    /// The instance; `None`: any.
+    pub instance: Option<u32>,
+    /// The attribute; `None`: any.
+    pub attribute: Option<u16>,
+    /// The data for the destination.
+    pub data: Vec<u8>,
+    /// Time from the request to the answer, ms.
+    pub delay_ms: u32,
+    /// ERR and EXERR; ERR 0: it is answered well.
+    pub error: (u16, u32),
 }
 
 /// A structure type.
@@ -184,6 +205,8 @@ pub struct RungSource {
     pub kind: String,
     /// Neutral text.
     pub text: String,
+    /// What its writer says about it; empty: nothing.
+    pub comment: String,
 }
 
 /// A task.
@@ -193,6 +216,8 @@ pub struct TaskSource {
     pub name: String,
     /// When it runs.
     pub trigger: Trigger,
+    /// The axis or the tag of its event; empty: none.
+    pub event_tag: String,
     /// 1, the highest, to 15.
     pub priority: u32,
     /// Longest time of a run, ms.

@@ -1,7 +1,10 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
+mod events;
 mod instructions;
+mod looked;
 mod mended;
+mod messages;
 mod projects;
 mod texts;
 
@@ -62,6 +65,7 @@ pub(crate) fn routine(name: &str, text: &str) -> RoutineSource {
                     number,
                     kind: "N".to_owned(),
                     text: text.to_owned(),
+                    comment: String::new(),
                 })
                 .collect(),
         ),
@@ -87,6 +91,7 @@ pub(crate) fn project(tag_text: &str, routines: &[(&str, &str)]) -> Project {
         tasks: vec![TaskSource {
             name: "Task".to_owned(),
             trigger: Trigger::Periodic(10.0),
+            event_tag: String::new(),
             priority: 10,
             watchdog_ms: 500.0,
             is_inhibited: false,

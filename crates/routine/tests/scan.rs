@@ -32,6 +32,7 @@ fn ladder(name: &str, rungs: &[&str]) -> RoutineSource {
         number,
         kind: "N".to_owned(),
         text: (*text).to_owned(),
+        comment: String::new(),
     });
     RoutineSource {
         name: name.to_owned(),
@@ -142,6 +143,7 @@ fn project() -> Project {
         tasks: vec![TaskSource {
             name: "T".to_owned(),
             trigger: Trigger::Periodic(10.0),
+            event_tag: String::new(),
             priority: 5,
             watchdog_ms: 500.0,
             is_inhibited: false,
@@ -179,6 +181,13 @@ fn a_scan_allocates_nothing() {
     let mut cell = started();
     assert_no_alloc(|| run(&mut cell));
     assert!(cell.faults().count() > 0, "a fault was cleared on the way");
+}
+
+#[test]
+fn a_scan_that_someone_looks_at_allocates_nothing() {
+    let mut cell = started();
+    cell.trace(0..8);
+    assert_no_alloc(|| run(&mut cell));
 }
 
 #[test]

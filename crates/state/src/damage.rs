@@ -59,16 +59,16 @@ pub enum Damage {
     /// A position is not a number.
     #[error("the position of its axis {axis} is not a number")]
     NotANumber {
-        /// Place of the axis.
+        /// LockedFile of the axis.
         axis: usize,
     },
     /// A change of an axis or a tag that its state does not have.
-    #[error("it changes {what} number {place}, which it does not have")]
-    NoSuchPlace {
+    #[error("it changes {what} number {index}, which it does not have")]
+    NoSuchIndex {
         /// What is changed.
         what: Limit,
-        /// The place that does not exist.
-        place: u32,
+        /// The index that does not exist.
+        index: u32,
     },
 }
 

@@ -17,7 +17,7 @@ mod damage;
 mod disk;
 mod format;
 mod horizon;
-mod place;
+mod locked_file;
 #[doc(hidden)]
 pub mod planted;
 #[cfg(any(test, feature = "recording"))]
@@ -32,6 +32,6 @@ pub use codec::Record;
 pub use damage::{Damage, Limit};
 pub use disk::{Disk, OpenError, System};
 pub use format::{FORMAT, Kept, MAX_FILE, parse};
-pub use place::{Place, ReadError};
+pub use locked_file::{LockedFile, ReadError};
 pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
 pub use writer::{Action, Ended, Failure, NotPersisted, Pace, Report, Task, Writer};

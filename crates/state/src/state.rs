@@ -57,14 +57,14 @@ pub struct Tag {
 pub enum Change {
     /// An axis stands otherwise.
     Axis {
-        /// Place of the axis.
+        /// LockedFile of the axis.
         axis: u32,
         /// How it stands now.
         state: AxisState,
     },
     /// Bytes of a tag are others.
     Tag {
-        /// Place of the tag.
+        /// LockedFile of the tag.
         tag: u32,
         /// Offset of the first byte.
         offset: u32,
@@ -78,7 +78,7 @@ impl State {
     /// Takes over a record: all of it, or nothing of it.
     ///
     /// # Errors
-    /// [`Damage::NoSuchPlace`] and [`Damage::NotANumber`] for a change; for a state what [`State::check`] says.
+    /// [`Damage::NoSuchIndex`] and [`Damage::NotANumber`] for a change; for a state what [`State::check`] says.
     pub fn apply(&mut self, record: &Record) -> Result<(), Damage> {
         match record {
             Record::State(state) => {
@@ -96,19 +96,19 @@ impl State {
     fn check_change(&self, change: &Change) -> Result<(), Damage> {
         match change {
             Change::Axis { axis, state } => {
-                let (what, place) = (Limit::Axes, *axis);
+                let (what, index) = (Limit::Axes, *axis);
                 if *axis as usize >= self.axes.len() {
-                    return Err(Damage::NoSuchPlace { what, place });
+                    return Err(Damage::NoSuchIndex { what, index });
                 }
                 finite(*axis as usize, state)
             }
             Change::Tag { tag, offset, bytes } => {
-                let (what, place) = (Limit::Tags, *tag);
+                let (what, index) = (Limit::Tags, *tag);
                 let known = self.tags.get(*tag as usize);
                 let room = known.and_then(|tag| tag.bytes.len().checked_sub(*offset as usize));
                 match room {
                     Some(room) if bytes.len() <= room => Ok(()),
-                    _ => Err(Damage::NoSuchPlace { what, place }),
+                    _ => Err(Damage::NoSuchIndex { what, index }),
                 }
             }
         }
@@ -139,9 +139,9 @@ impl State {
     pub fn check(&self) -> Result<(), Damage> {
         within(Limit::Axes, self.axes.len(), MAX_AXES)?;
         within(Limit::Tags, self.tags.len(), MAX_TAGS)?;
-        for (place, axis) in self.axes.iter().enumerate() {
+        for (index, axis) in self.axes.iter().enumerate() {
             within(Limit::Text, axis.name.len().max(axis.kind.len()), MAX_TEXT)?;
-            finite(place, &axis.state)?;
+            finite(index, &axis.state)?;
         }
         let mut total = 0;
         for tag in &self.tags {

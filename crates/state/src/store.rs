@@ -8,12 +8,12 @@ use std::path::Path;
 
 use crate::disk::Disk;
 use crate::format::{self, Chain};
-use crate::{Damage, MAX_FILE, Place, Record, State, horizon};
+use crate::{Damage, LockedFile, MAX_FILE, Record, State, horizon};
 
 /// A state and its file, which are the same but for what could not be written.
 #[derive(Debug)]
 pub(crate) struct Store<D: Disk> {
-    place: Place<D>,
+    locked: LockedFile<D>,
     state: State,
     /// `None` before the file is written for the first time and after a failure: nothing may stand behind half a record.
     log: Option<Log<D>>,
@@ -41,9 +41,9 @@ struct Log<D: Disk> {
 pub(crate) struct Synchronised(usize);
 
 impl<D: Disk> Store<D> {
-    pub(crate) fn new(place: Place<D>, state: State, growth: usize) -> Self {
+    pub(crate) fn new(locked: LockedFile<D>, state: State, growth: usize) -> Self {
         Store {
-            place,
+            locked,
             state,
             log: None,
             beside: None,
@@ -54,11 +54,11 @@ impl<D: Disk> Store<D> {
     }
 
     pub(crate) fn disk(&self) -> &D {
-        self.place.disk()
+        self.locked.disk()
     }
 
     pub(crate) fn path(&self) -> &Path {
-        self.place.file()
+        self.locked.file()
     }
 
     /// Takes a record over into the state. It is not written yet.
@@ -69,7 +69,7 @@ impl<D: Disk> Store<D> {
     /// Writes records that were applied, each whole or not at all. After a failure the file is given up, so that nothing is written behind half
     /// a record.
     pub(crate) fn append<'r>(&mut self, records: impl Iterator<Item = &'r Record> + Clone) -> io::Result<()> {
-        let disk = self.place.disk();
+        let disk = self.locked.disk();
         // The file beside has no name yet: a failure to write it only ends it.
         if let Some(beside) = &mut self.beside
             && beside.append(disk, records.clone(), &mut self.buffer).is_err()
@@ -106,7 +106,7 @@ impl<D: Disk> Store<D> {
 
     /// Notes in the file how much of it is synchronised.
     pub(crate) fn synchronised(&mut self, covered: Synchronised) -> io::Result<()> {
-        let disk = self.place.disk();
+        let disk = self.locked.disk();
         match &mut self.log {
             Some(log) => log.note(disk, covered),
             None => Ok(()),
@@ -125,9 +125,9 @@ impl<D: Disk> Store<D> {
         if let Some(log) = &self.log {
             self.rewrite_at = log.length + self.growth;
         }
-        let disk = self.place.disk();
+        let disk = self.locked.disk();
         let (bytes, chain) = format::fresh(&self.state);
-        let file = disk.create(&self.place.beside())?;
+        let file = disk.create(&self.locked.beside())?;
         disk.append(&file, &bytes)?;
         self.beside = Some(Log {
             file: file.clone(),
@@ -147,7 +147,7 @@ impl<D: Disk> Store<D> {
     pub(crate) fn finish_rewrite(&mut self) -> io::Result<()> {
         let beside = self.beside.take();
         let beside = beside.ok_or_else(|| io::Error::other("the new file could not be written"))?;
-        self.place.disk().rename(&self.place.beside(), self.place.file())?;
+        self.locked.disk().rename(&self.locked.beside(), self.locked.file())?;
         self.rewrite_at = beside.length + beside.length.max(self.growth);
         self.log = Some(beside);
         Ok(())

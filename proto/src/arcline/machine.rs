@@ -27,6 +27,8 @@ pub mod service {
     /// Executes moves of coordinate systems in their order up to the first that fails or finds no room. The data is that of a Multiple
     /// Service Packet with the motion services, the reply data a [`SeriesReply`](super::SeriesReply).
     pub const EXECUTE_SERIES: u8 = 0x35;
+    /// Lets ticks pass on the step clock, a [`Step`](super::Step). The reply comes when they have passed.
+    pub const STEP: u8 = 0x36;
 }
 
 /// Attributes of the instance.
@@ -39,6 +41,10 @@ pub mod attribute {
     pub const MODE: u16 = 3;
     /// The major fault that has stopped the program, in words, as `length UINT` and UTF-8; empty: none.
     pub const MAJOR_FAULT: u16 = 4;
+    /// The tick, ULINT: the coarse update periods since the start.
+    pub const TICK: u16 = 5;
+    /// Whether the machine is on the step clock, BOOL.
+    pub const IS_STEPPED: u16 = 6;
 }
 
 /// The mode of the controller's program.
@@ -92,6 +98,42 @@ pub fn decode_text(data: &[u8]) -> Option<String> {
     let mut reader = Reader::new(data);
     let length = reader.u16()?;
     String::from_utf8(reader.take(length.into())?.to_vec()).ok()
+}
+
+/// Ticks that are to pass: `ticks UDINT`, then, where a tag is to end them, its path as SHORT_STRING.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Step {
+    /// How many, at most.
+    pub ticks: u32,
+    /// The tag that ends the steps when it is not 0; empty: none.
+    pub until: String,
+}
+
+impl Step {
+    /// The request data of [`service::STEP`].
+    pub fn to_bytes(&self) -> Bytes {
+        let mut out = BytesMut::new();
+        out.put_u32_le(self.ticks);
+        if !self.until.is_empty() {
+            put_name(&mut out, &self.until);
+        }
+        out.freeze()
+    }
+
+    /// Reads request data.
+    ///
+    /// # Errors
+    /// 0x13 when it is cut, 0x15 for bytes behind it, 0x20 for a path that is no UTF-8.
+    pub fn decode(data: &[u8]) -> Result<Self, CipStatus> {
+        let (ticks, rest) = data.split_first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+        let mut reader = RequestReader::new(rest);
+        let until = if rest.is_empty() { String::new() } else { reader.name()? };
+        reader.end()?;
+        Ok(Self {
+            ticks: u32::from_le_bytes(*ticks),
+            until,
+        })
+    }
 }
 
 /// What a client tells of itself: `product, user, program`, each a SHORT_STRING. An empty one is not told.

@@ -29,7 +29,9 @@ pub(crate) fn refusal(refused: &Refused) -> CipStatus {
         Refused::Call(error) => call_status(error),
         Refused::Role { .. } | Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
         // Only jog buttons of the page are refused so.
-        Refused::MovedByAnother { .. } | Refused::NoProgram => CipStatus::OBJECT_STATE_CONFLICT,
+        Refused::MovedByAnother { .. } | Refused::NoProgram | Refused::Force(_) | Refused::NotStepped => {
+            CipStatus::OBJECT_STATE_CONFLICT
+        }
         Refused::NotPersisted(_) => CipStatus::STORE_FAILURE,
     }
 }

@@ -10,9 +10,9 @@ use arcline_tag::{TagPath, Value};
 use super::Shared;
 use super::protocol::{Done, Executed, Refusal};
 use super::workers::Workers;
-use crate::names::ImageNames;
 use crate::plant::control::{MotionObject, ViewerId};
 use crate::plant::{Call, CallRefused, Command, Outcome, Plant, Principal, Refused, Systems};
+use arcline_simulation::ImageNames;
 
 /// The longest text that is read by the threads that others share, bytes.
 const SHORT: usize = 1024;

@@ -16,7 +16,7 @@ use super::protocol::{
     RestEvent, SlowPart, text_of,
 };
 use crate::plant::control::MotionObject;
-use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause, ending};
+use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -170,7 +170,7 @@ fn rest_event(plant: &Plant, rest: &Rest) -> RestEvent {
 
 /// What ended an instruction or cleared a fault: its text and its parts.
 fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<EndCause> {
-    let text = ending(machine, image, cause)?.to_string();
+    let text = image.ending(machine, cause)?.to_string();
     let by = match cause {
         Cause::Itself => return None,
         Cause::Instruction { ticket, mnemonic, .. } => CauseKind::Instruction {

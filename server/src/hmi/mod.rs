@@ -6,6 +6,7 @@
 
 mod access;
 mod assets;
+mod controller;
 mod drive;
 mod events;
 mod frames;

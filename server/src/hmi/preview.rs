@@ -10,6 +10,7 @@ use arcline_controller::machine::{Machine, Start};
 use arcline_controller::{AcceptedMove, Controller, Event, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
+use arcline_simulation::{End, Observer, Options, Runner};
 use arcline_structured_text::{Interpreter, Policy, Program};
 use tokio::sync::Semaphore;
 
@@ -17,7 +18,6 @@ use super::paths;
 use super::peaks::{Exceeded, Peaks, Shape};
 use super::protocol::{AxisPeaks, LimitText, Refusal, Simulated, SimulatedEvent, SimulatedPath};
 use crate::plant::{Plant, View};
-use crate::simulate::{End, Observer, Options, Runner};
 
 /// Longest simulated time, s.
 const LONGEST: f64 = 3600.0;
@@ -69,17 +69,13 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
         policy: Policy::default(),
     };
     let mut seen = Seen::new(&machine, patience);
-    let mut runner = Runner::new(&machine, image, Interpreter::new(program), options);
-    runner.take_overrides();
-    let end = runner.run(&mut seen);
-    match end {
+    let machine = Arc::new(machine);
+    let mut runner = Runner::new(machine.clone(), image);
+    runner.simulation().take_overrides();
+    match runner.run(Interpreter::new(program), options, &mut seen) {
         End::Finished => Ok(seen.told(&machine, None)),
-        End::Erred(erred) => {
-            let (err, exerr, mnemonic, line) = erred.codes();
-            Err(Refusal::motion(err, exerr, mnemonic).at(line))
-        }
+        End::Erred(erred) => Err(Refusal::motion(erred.err, erred.exerr, erred.mnemonic).at(erred.line)),
         End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
-        End::Unread(failure) => Err(Refusal::new(failure.to_string())),
         End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
         End::Left => Ok(seen.told(
             &machine,

@@ -16,9 +16,9 @@ use tokio::sync::watch;
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
 use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
 use super::tags;
-use crate::names::ImageNames;
 use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
+use arcline_simulation::ImageNames;
 
 /// Time between two looks at motion that must end.
 const POLL: Duration = Duration::from_millis(5);

@@ -30,6 +30,7 @@ use super::socket::Socket;
 use super::viewer::{self, Page};
 use super::{Door, Shared, access};
 use crate::limits::Place;
+use crate::metrics;
 use crate::plant::roles::{role_of_address, role_of_page};
 use crate::tls::Tls;
 
@@ -153,6 +154,7 @@ fn router(shared: Arc<Shared>) -> Router {
     Router::new()
         .route("/api/machine", get(machine))
         .route("/api/instructions", get(instructions))
+        .route("/metrics", get(measurements))
         .route("/login", post(login::log_in))
         .route("/logout", post(login::log_out))
         .route("/lock", post(login::lock))
@@ -201,6 +203,11 @@ async fn machine(State(shared): State<Arc<Shared>>) -> Response {
 
 async fn instructions(State(shared): State<Arc<Shared>>) -> Response {
     json(shared.instructions.clone())
+}
+
+async fn measurements(State(shared): State<Arc<Shared>>) -> Response {
+    let text = metrics::metrics(&shared.plant);
+    ([(header::CONTENT_TYPE, metrics::CONTENT_TYPE)], text).into_response()
 }
 
 fn json(text: String) -> Response {

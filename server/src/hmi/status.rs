@@ -123,6 +123,7 @@ impl Words {
                 inhibited: shared.plant.is_inhibited(),
                 realtime: realtime(&health),
                 drivers,
+                controller: super::controller::status(&shared.plant),
             })
         })
     }

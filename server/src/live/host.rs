@@ -1,6 +1,7 @@
 //! The machine around the program's routines: its tags, exchanged with those that clients see, and the door for its instructions.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
 use arcline_controller::image::{ChangedPart, ForeignChanges, Image, TagId};
@@ -9,7 +10,7 @@ use arcline_routine::{Cell, Host, Pace};
 use time::OffsetDateTime;
 
 use super::names::{Placed, Places};
-use crate::plant::{ANSWER_WITHIN, Command, Outcome, Plant, Principal};
+use crate::plant::{ANSWER_WITHIN, Command, Outcome, Plant, Principal, Program};
 
 /// Lets a moment pass while an instruction waits for the tick.
 pub(crate) type Pause = Box<dyn FnMut() + Send>;
@@ -17,7 +18,11 @@ pub(crate) type Pause = Box<dyn FnMut() + Send>;
 /// The host of a program on a running machine.
 pub(super) struct LiveHost {
     plant: Plant,
+    program: Arc<Program>,
     places: Places,
+    /// Forced inputs of modules, and the change of the forces that they are of.
+    forced: Vec<Forced>,
+    forces: u64,
     /// First bytes of motion control structures by slot.
     controls: BTreeMap<u32, usize>,
     /// The numbers of the placed tags.
@@ -37,7 +42,7 @@ pub(super) struct LiveHost {
 }
 
 impl LiveHost {
-    pub(super) fn new(plant: Plant, cell: &Cell, places: Places, pause: Pause) -> Self {
+    pub(super) fn new(plant: Plant, program: Arc<Program>, cell: &Cell, places: Places, pause: Pause) -> Self {
         let controls = cell.controls().iter().map(|(at, slot)| (slot.0, *at as usize));
         let numbers = (0..).zip(&places.tags).map(|(number, tag)| (tag.id, number));
         LiveHost {
@@ -45,7 +50,10 @@ impl LiveHost {
             numbers: numbers.collect(),
             shown: cell.memory().to_vec(),
             plant,
+            program,
             places,
+            forced: Vec::new(),
+            forces: 0,
             executed: BTreeMap::new(),
             false_rungs: BTreeSet::new(),
             pause,
@@ -58,7 +66,7 @@ impl LiveHost {
     /// Becomes the host of another program on the same machine.
     pub(super) fn take_over(&mut self, cell: &Cell, places: Places) {
         let pause = std::mem::replace(&mut self.pause, Box::new(|| {}));
-        *self = LiveHost::new(self.plant.clone(), cell, places, pause);
+        *self = LiveHost::new(self.plant.clone(), self.program.clone(), cell, places, pause);
     }
 
     /// Takes what others have changed and shows what the program has changed: from now on both memories are the same. Returns the tick.
@@ -85,7 +93,36 @@ impl LiveHost {
             both.image.snapshot_tick()
         });
         self.shown_at = Instant::now();
+        self.force(memory);
         tick
+    }
+
+    /// Puts forced values over those of the inputs. Without forces this reads one number.
+    fn force(&mut self, memory: &mut [u8]) {
+        let changes = self.program.forces.changes();
+        if changes != self.forces {
+            self.forces = changes;
+            let before = std::mem::take(&mut self.forced);
+            // The inputs have the values again that clients gave them.
+            before.iter().rev().for_each(|one| one.release(memory));
+            let all = self.program.forces.all().into_iter();
+            self.forced = all
+                .filter_map(|force| {
+                    let at = self
+                        .numbers
+                        .get(&force.tag)
+                        .and_then(|number| self.places.tags.get(*number))?
+                        .from;
+                    Some(Forced {
+                        at: at + force.offset,
+                        given: vec![0; force.bytes.len()],
+                        bytes: force.bytes,
+                        is_new: true,
+                    })
+                })
+                .collect();
+        }
+        self.forced.iter_mut().for_each(|one| one.apply(memory));
     }
 
     /// Takes what others have changed, between two rungs.
@@ -101,6 +138,7 @@ impl LiveHost {
             let foreign = image.take_foreign_changes();
             Both { image, memory, shown }.take(&foreign, &places.tags, numbers, controls);
         });
+        self.force(memory);
     }
 
     /// Takes the tags that an instruction names as a whole: it may have written to them.
@@ -139,6 +177,41 @@ impl LiveHost {
         // The time of the motion is not that of the program.
         self.deadline = self.deadline.and_then(|deadline| deadline.checked_add(waited));
         outcome.ok()
+    }
+}
+
+/// A forced input in the project's memory.
+struct Forced {
+    at: usize,
+    /// The forced bits of each byte, and their values.
+    bytes: Vec<(u8, u8)>,
+    /// The values that clients gave.
+    given: Vec<u8>,
+    is_new: bool,
+}
+
+impl Forced {
+    /// Puts the values over those of the input, which are remembered.
+    fn apply(&mut self, memory: &mut [u8]) {
+        let places = memory.iter_mut().skip(self.at);
+        for ((place, (mask, value)), given) in places.zip(&self.bytes).zip(&mut self.given) {
+            if self.is_new || *place & mask != *value {
+                *given = *place & mask;
+            }
+            *place = *place & !mask | value;
+        }
+        self.is_new = false;
+    }
+
+    /// Gives the input its own values back.
+    fn release(&self, memory: &mut [u8]) {
+        if self.is_new {
+            return;
+        }
+        let places = memory.iter_mut().skip(self.at);
+        for ((place, (mask, _)), given) in places.zip(&self.bytes).zip(&self.given) {
+            *place = *place & !mask | given;
+        }
     }
 }
 
@@ -313,5 +386,5 @@ impl Host for LiveHost {
 const LOOK_EVERY: u32 = 64;
 /// Clients see what a long scan has done so far within this time.
 const SHOW_WITHIN: Duration = Duration::from_millis(10);
-/// The watchdog of a task without one (spec/programs.md §8).
+/// The watchdog of a task without one that is not continuous (spec/programs.md §8).
 const LONGEST_RUN: Duration = Duration::from_millis(500);

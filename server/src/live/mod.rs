@@ -15,11 +15,11 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcline_config::Project as Configuration;
+use arcline_config::{ControllerConfig, Project as Configuration};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_routine::source::Project;
-use arcline_routine::{Cell, Finding, FindingKind, Loaded};
+use arcline_routine::source::{Answer, Project};
+use arcline_routine::{Cell, Finding, FindingKind, Listing, Loaded};
 
 use crate::cli::Failure;
 use crate::plant::{Mode, Plant, Program, machine_changes};
@@ -77,9 +77,15 @@ pub(crate) struct Replacement {
 
 /// A project on a machine, before the machine runs.
 pub(crate) struct Prepared {
+    bound: Bound,
+    given: Given,
+}
+
+/// A project whose tags are tags of the machine.
+struct Bound {
     cell: Cell,
     places: Places,
-    given: Given,
+    listing: Listing,
 }
 
 /// A program as the command line or the configuration names it.
@@ -93,6 +99,8 @@ pub(crate) struct Given {
     pub(crate) missing: Missing,
     /// Whether the machine is that of the file too.
     pub(crate) has_machine: bool,
+    /// What answers its messages.
+    pub(crate) answers: Vec<Answer>,
 }
 
 /// The thread of a program. Dropped, it ends the thread.
@@ -111,11 +119,27 @@ struct Order {
     answer: mpsc::SyncSender<Result<(), String>>,
 }
 
+/// The answers to messages of a configuration.
+pub(crate) fn answers(controller: &ControllerConfig) -> Vec<Answer> {
+    let rows = controller.messages.iter().map(|row| Answer {
+        service: row.service,
+        class: row.class,
+        instance: row.instance,
+        attribute: row.attribute,
+        data: row.answer.clone(),
+        delay_ms: row.delay_ms,
+        error: row.error,
+    });
+    rows.collect()
+}
+
 /// Reads the program of a project's file.
-fn read(file: &Path) -> Result<Project, Failure> {
+fn read(file: &Path, answers: &[Answer]) -> Result<Project, Failure> {
     let text = crate::l5x::read(file)?;
     let source = arcline_l5x::logic(&text, &file.display().to_string());
-    source.map_err(|error| Failure::usage(error.to_string()))
+    let mut source = source.map_err(|error| Failure::usage(error.to_string()))?;
+    source.answers = answers.to_vec();
+    Ok(source)
 }
 
 /// The configuration of the machine that a project's file describes. Its tags are the program's.
@@ -130,17 +154,20 @@ pub(crate) fn configuration(file: &Path) -> Result<Configuration, Failure> {
 impl Prepared {
     /// Loads the project of a file on a machine, and makes its tags tags of the machine.
     pub(crate) fn load(given: Given, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
-        let Given { file, missing, .. } = &given;
-        let source = read(file)?;
+        let Given {
+            file, missing, answers, ..
+        } = &given;
+        let source = read(file, answers)?;
         let bound = bind(machine, image, &source, *missing);
-        let (cell, places) = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
-        Ok(Prepared { cell, places, given })
+        let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
+        Ok(Prepared { bound, given })
     }
 
     /// Runs it on a thread of its own.
     pub(crate) fn spawn(self, plant: &Plant) -> std::io::Result<Live> {
-        let Prepared { cell, places, given } = self;
-        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode));
+        let Prepared { bound, given } = self;
+        let Bound { cell, places, listing } = bound;
+        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode, listing));
         plant.set_program(program.clone());
         plant.exchange(false, Image::follow_for_program);
         let pause = Box::new(|| std::thread::sleep(MOMENT));
@@ -185,6 +212,7 @@ impl Live {
             file,
             missing,
             has_machine,
+            answers,
             ..
         } = &self.given;
         let shown = file.display();
@@ -195,7 +223,7 @@ impl Live {
                 return Err(wrong(format!("{} changed, which needs a restart", changes.join(", "))));
             }
         }
-        let source = read(file)?;
+        let source = read(file, answers)?;
         let mut copy = plant.with_image(Image::clone);
         rebind(plant.machine(), &mut copy, &source, *missing).map_err(|error| wrong(error.to_string()))?;
         let (answer, done) = mpsc::sync_channel(1);
@@ -228,9 +256,13 @@ impl Drop for Live {
 }
 
 /// Loads a project on a machine, and makes its tags tags of the machine.
-fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
-    let mut names = Names::new(machine, image);
-    let Loaded { mut cell, findings } = arcline_routine::load(source, &mut names);
+fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
+    let mut directory = Names::new(machine, image);
+    let Loaded {
+        mut cell,
+        findings,
+        names,
+    } = arcline_routine::load(source, &mut directory);
     let mut wrong = blocking(&findings, missing).cloned();
     if let Some(first) = wrong.next() {
         let rest: Vec<Finding> = wrong.collect();
@@ -240,21 +272,20 @@ fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing
             rest: rest.into_iter().take(SHOWN).collect(),
         });
     }
-    let places = names.place(&mut cell, source)?;
-    Ok((cell, places))
+    let places = directory.place(&mut cell, source)?;
+    Ok(Bound {
+        cell,
+        places,
+        listing: Listing::new(source.clone(), names),
+    })
 }
 
 /// The same on a machine that has a program, whose other tags go.
-fn rebind(
-    machine: &Machine,
-    image: &mut Image,
-    source: &Project,
-    missing: Missing,
-) -> Result<(Cell, Places), LoadError> {
+fn rebind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
     // On a copy without the tags of the present program, whatever is wrong changes nothing.
     let mut copy = image.clone();
     copy.remove_program_tags(|_| false);
-    let (cell, _) = bind(machine, &mut copy, source, missing)?;
+    let Bound { cell, .. } = bind(machine, &mut copy, source, missing)?;
     remove_others(image, &cell);
     bind(machine, image, source, missing)
 }

@@ -298,6 +298,28 @@ impl Directory for Names<'_> {
         Some(id.0)
     }
 
+    fn constant(&self, object: Object, index: u16, name: &str) -> Option<f64> {
+        let name = name.to_ascii_lowercase();
+        if object == Object::MotionGroup || name == "interpolationtime" {
+            let is_period = matches!(name.as_str(), "coarseupdateperiod" | "interpolationtime");
+            return is_period.then(|| self.machine.period_ns as f64 / 1e3);
+        }
+        if object != Object::Axis {
+            return None;
+        }
+        let home = &self.machine.axes.get(usize::from(index))?.home;
+        Some(match name.as_str() {
+            "homemode" => f64::from(home.mode as u8),
+            "homesequence" => f64::from(home.sequence as u8),
+            "homedirection" => f64::from(home.direction as u8),
+            "homeposition" => home.position,
+            "homeoffset" => home.offset,
+            "homespeed" => home.speed,
+            "homereturnspeed" => home.return_speed,
+            _ => return None,
+        })
+    }
+
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)> {
         let attribute = Attribute::named(object, name)?;
         self.image.attribute(self.machine, attribute, index)?;

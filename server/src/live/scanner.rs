@@ -1,14 +1,14 @@
 //! The scan of a program on a running machine, a step at a time: the thread of the program makes the steps, a test may make them too.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Fault};
 
 use super::host::{LiveHost, Pause};
 use super::names::Places;
-use super::{LoadError, Missing, Replacement, rebind};
+use super::{Bound, LoadError, Missing, Replacement, rebind};
 use crate::audit::What;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 
@@ -22,6 +22,11 @@ pub(crate) struct Scanner {
     /// The newest tick whose tasks have run.
     tick: u64,
     period: u64,
+    /// The looks that the cell traces, and whether there are any.
+    looks: u64,
+    is_looked_at: bool,
+    sampled_at: Instant,
+    version: u64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -35,7 +40,11 @@ impl Scanner {
     pub(crate) fn new(plant: Plant, program: Arc<Program>, cell: Cell, places: Places, pause: Pause) -> Self {
         Scanner {
             period: plant.machine().period_ns,
-            host: LiveHost::new(plant.clone(), &cell, places, pause),
+            host: LiveHost::new(plant.clone(), program.clone(), &cell, places, pause),
+            looks: 0,
+            is_looked_at: false,
+            sampled_at: Instant::now(),
+            version: program.listing().0,
             plant,
             program,
             cell,
@@ -47,6 +56,39 @@ impl Scanner {
     /// Takes a mode that was asked for, exchanges tags, and scans the tasks that are due in a tick that has not been scanned yet.
     /// Returns whether there was one.
     pub(crate) fn step(&mut self) -> bool {
+        let scanned = self.scan();
+        self.show();
+        scanned
+    }
+
+    /// Samples what viewers look at. While there are none this reads one number.
+    fn show(&mut self) {
+        let looks = &self.program.looks;
+        let changes = looks.changes();
+        if changes == self.looks && (!self.is_looked_at || self.sampled_at.elapsed() < SHOW_EVERY) {
+            return;
+        }
+        let mut all = looks.lock();
+        // A viewer may have gone while its look was compiled.
+        all.retain(|_, one| !one.samples.is_closed());
+        let current = all.values().filter(|one| one.version == self.version);
+        if changes != self.looks {
+            self.looks = changes;
+            self.is_looked_at = !all.is_empty();
+            self.cell.trace(current.clone().map(|one| one.look.routine()));
+        }
+        for one in current {
+            let newest = self.cell.sample(&one.look);
+            one.samples.send_if_modified(|shown| {
+                let is_new = *shown != newest;
+                *shown = newest;
+                is_new
+            });
+        }
+        self.sampled_at = Instant::now();
+    }
+
+    fn scan(&mut self) -> bool {
         let tick = self.host.exchange(self.cell.memory_mut());
         match (self.program.mode(), self.state) {
             (Mode::Run, State::Stopped) => self.run(tick),
@@ -77,16 +119,19 @@ impl Scanner {
     pub(crate) fn replace(&mut self, replacement: &Replacement) -> Result<(), LoadError> {
         self.host.exchange(self.cell.memory_mut());
         let Replacement { source, missing } = replacement;
-        let (cell, places) = self.bind(source, *missing)?;
+        let Bound { cell, places, listing } = self.bind(source, *missing)?;
         self.host.take_over(&cell, places);
         self.cell = cell;
+        self.version = self.program.set_listing(listing);
+        // The looks of the program before are over.
+        self.looks = self.looks.wrapping_sub(1);
         if self.state == State::Running {
             self.run(self.tick);
         }
         Ok(())
     }
 
-    fn bind(&self, source: &Project, missing: Missing) -> Result<(Cell, Places), LoadError> {
+    fn bind(&self, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
         let machine = self.plant.machine();
         self.plant
             .exchange(true, |image| rebind(machine, image, source, missing))
@@ -97,7 +142,7 @@ impl Scanner {
         self.state = State::Running;
         self.tick = tick;
         self.program.show(|shown| {
-            shown.state = ProgramState::Running;
+            (shown.state, shown.fault) = (ProgramState::Running, None);
             (shown.scans, shown.last_us, shown.longest_us) = (0, 0, 0);
         });
         let began = self.cell.start(tick * self.period, &mut self.host);
@@ -111,7 +156,9 @@ impl Scanner {
     fn stop(&mut self) {
         self.state = State::Stopped;
         self.plant.stop_all();
-        self.program.show(|status| status.state = ProgramState::Stopped);
+        self.program.show(|status| {
+            (status.state, status.fault) = (ProgramState::Stopped, None);
+        });
     }
 
     fn fault(&mut self, fault: &Fault) {
@@ -121,6 +168,11 @@ impl Scanner {
         tracing::error!("the program of the controller has stopped: {words}");
         self.plant
             .record(Principal::Controller, What::Stop, words.clone(), "major fault");
-        self.program.show(|status| status.state = ProgramState::Faulted(words));
+        self.program.show(|status| {
+            (status.state, status.fault) = (ProgramState::Faulted(words), Some(fault.clone()));
+        });
     }
 }
+
+/// Shortest time between two samples of what viewers look at.
+const SHOW_EVERY: Duration = Duration::from_millis(200);

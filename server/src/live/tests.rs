@@ -8,7 +8,7 @@ use arcline_realtime::Rings;
 use arcline_tag::Value;
 
 use super::*;
-use crate::plant::{Command, Principal, ProgramState, Refused, Right, image_of};
+use crate::plant::{Command, Force, ForceError, Principal, ProgramState, Refused, Right};
 
 /// A machine, a program on it, and a client with the role of an engineer.
 struct Bench {
@@ -67,14 +67,14 @@ impl Bench {
     fn new(text: &str, mode: Mode) -> Self {
         let mut project = arcline_l5x::import(text, "Cell.L5X").expect("it is read").project;
         project.tags.clear();
-        let mut image = image_of(&project);
+        let mut image = project.image();
         let bound = bind(&project.machine, &mut image, &source(text), Missing::Refused);
-        let (cell, places) = bound.unwrap_or_else(|error| panic!("{error}"));
+        let Bound { cell, places, listing } = bound.unwrap_or_else(|error| panic!("{error}"));
         let (rings, link) = arcline_realtime::link(&project.machine);
         let machine = Arc::new(Mutex::new((Controller::new(&project.machine), rings)));
         let plant = Plant::with(&project, link, image, None);
         plant.roles().set(1, Role::Engineer);
-        let program = Arc::new(Program::new("Cell.L5X".to_owned(), mode));
+        let program = Arc::new(Program::new("Cell.L5X".to_owned(), mode, listing));
         plant.set_program(program.clone());
         plant.exchange(false, Image::follow_for_program);
         let other = machine.clone();
@@ -376,4 +376,108 @@ fn a_loop_without_end_ends_by_the_watchdog() {
     );
     bench.ticks(2);
     assert!(matches!(bench.state(), ProgramState::Faulted(words) if words.starts_with("major fault 6/1")));
+}
+
+/// A module with inputs in slot 1.
+const INPUTS: &str = r#"<Modules><Module Name="Inputs" CatalogNumber="1756-IB16" ParentModule="Local"><Ports><Port Id="1" Address="1" Type="ICP" Upstream="true"/></Ports>
+<Communications><Connections><Connection Name="Input"><InputTag ExternalAccess="Read/Write"><Data Format="Decorated"><Structure DataType="AB:1756_DI:I:0">
+<DataValueMember Name="Fault" DataType="DINT" Value="0"/><DataValueMember Name="Data" DataType="DINT" Value="0"/></Structure></Data></InputTag></Connection></Connections>
+</Communications></Module></Modules>"#;
+
+#[test]
+fn an_input_is_forced_by_right_and_gets_its_own_value_back() {
+    let text = cell(
+        &["Seen BOOL", "Plain BOOL"],
+        &[],
+        "",
+        &["XIC(Local:1:I.Data.3)OTE(Seen);"],
+    );
+    let text = text.replacen("</DataTypes>", &format!("</DataTypes>{INPUTS}"), 1);
+    let mut bench = Bench::new(&text, Mode::Run);
+    bench.ticks(8);
+    let force =
+        |bench: &Bench, name: &str, on| bench.plant.with_image(|image| Force::new(image, name, Value::Bool(on)));
+    let on = force(&bench, "Local:1:I.Data.3", true).expect("an input");
+    bench.plant.roles().set(1, Role::Operator);
+    let refused = bench.apply(CLIENT, Command::Force(&on));
+    assert!(
+        matches!(
+            refused,
+            Err(Refused::Role {
+                right: Right::Force,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+    bench.plant.roles().set(1, Role::Engineer);
+    bench.apply(CLIENT, Command::Force(&on)).expect("an engineer may");
+    bench.ticks(8);
+    assert_eq!(bench.number("Seen"), 1.0);
+    assert_eq!(bench.number("Local:1:I.Data"), 8.0, "clients see the forced value");
+    // What a client writes waits under the force; other bits are its own.
+    bench.write("Local:1:I.Data", 5.0);
+    bench.ticks(8);
+    assert_eq!(bench.number("Local:1:I.Data"), 13.0);
+    bench
+        .apply(CLIENT, Command::RemoveForce(Some("local:1:i.data.3")))
+        .expect("it is forced");
+    bench.ticks(8);
+    assert_eq!((bench.number("Seen"), bench.number("Local:1:I.Data")), (0.0, 5.0));
+    let none = bench.apply(CLIENT, Command::RemoveForce(Some("Local:1:I.Data.3")));
+    assert!(
+        matches!(none, Err(Refused::Force(ForceError::NotForced { .. }))),
+        "{none:?}"
+    );
+    bench.apply(CLIENT, Command::RemoveForce(None)).expect("none is left");
+    #[rustfmt::skip]
+    let wrong = [
+        ("a plain tag",  "Plain",          "Plain is not an input of a module, expected a tag such as Local:1:I.Data.0; other tags can be written"),
+        ("a structure",  "Local:1:I",      "Local:1:I is AB:1756_DI:I:0, expected a BOOL, a bit or a number"),
+        ("no tag",       "Local:2:I.Data", "Local:2:I.Data: there is no tag \"Local:2:I\""),
+    ];
+    for (why, name, words) in wrong {
+        let error = force(&bench, name, true).expect_err(why);
+        assert_eq!(error.to_string(), words, "{why}");
+    }
+}
+
+#[test]
+fn what_is_looked_at_is_sampled_until_nobody_looks() {
+    let text = cell(
+        &["Go BOOL", "Count DINT"],
+        &[],
+        "",
+        &["XIC(Go)ADD(Count,1,Count);", "NOP();"],
+    );
+    let mut bench = Bench::new(&text, Mode::Run);
+    let program = bench.plant.program().expect("it has one").clone();
+    let (version, listing) = program.listing();
+    let routine = listing.routine("Main", "Go").expect("there is one");
+    let mut samples = program.looks.begin(7, version, listing.look(routine, 0, 2, None));
+    let old = program.looks.begin(8, version + 1, listing.look(routine, 0, 2, None));
+    bench.write("Go", 1.0);
+    // Samples come with the clock of the system.
+    let deadline = std::time::Instant::now() + Duration::from_secs(20);
+    loop {
+        bench.ticks(4);
+        let rows = samples.borrow_and_update().clone();
+        if rows.first().is_some_and(|row| row.power == "111") {
+            assert_eq!((rows.len(), rows[1].power.as_str()), (2, "11"));
+            assert_eq!(rows[0].values[0], arcline_routine::Shown::Bool(true));
+            break;
+        }
+        assert!(std::time::Instant::now() < deadline, "{rows:?}");
+    }
+    assert!(old.borrow().is_empty(), "numbers of another program mean nothing");
+    drop((samples, old));
+    program.looks.end(9);
+    let deadline = std::time::Instant::now() + Duration::from_secs(20);
+    while !program.looks.lock().is_empty() {
+        bench.ticks(4);
+        assert!(
+            std::time::Instant::now() < deadline,
+            "looks of viewers that have gone stay"
+        );
+    }
 }

@@ -50,6 +50,8 @@ pub struct Pending {
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
     /// Is ready when the file of the retained state has all writes; `None`: none of them is kept over a restart.
     kept: Option<WhenPersisted>,
+    /// The ticks that are to pass behind them, in their order.
+    steps: Vec<(u32, Option<TagPath>)>,
 }
 
 impl Plant {
@@ -130,7 +132,7 @@ impl Plant {
     }
 
     pub(super) async fn settle(&self, pending: Pending) -> Result<(), Unsettled> {
-        let Pending { answers, kept } = pending;
+        let Pending { answers, kept, steps } = pending;
         let (tickets, receivers): (Vec<Ticket>, Vec<_>) = answers.into_iter().unzip();
         let all = async {
             for receiver in receivers {
@@ -144,6 +146,9 @@ impl Plant {
             for ticket in tickets {
                 state.waiting.remove(&ticket);
             }
+        }
+        for (ticks, until) in steps {
+            self.step(ticks, until).await;
         }
         if let Some(kept) = kept
             && !matches!(tokio::time::timeout(ANSWER_WITHIN, kept).await, Ok(Ok(Ok(()))))
@@ -302,6 +307,20 @@ impl Transaction<'_> {
                 self.shared.program.get().ok_or(Refused::NoProgram)?.ask(mode);
                 None
             }
+            Command::Force(force) => {
+                let program = self.shared.program.get().ok_or(Refused::NoProgram)?;
+                program.forces.set(force.clone())?;
+                None
+            }
+            Command::RemoveForce(name) => {
+                self.shared
+                    .program
+                    .get()
+                    .ok_or(Refused::NoProgram)?
+                    .forces
+                    .remove(name)?;
+                None
+            }
             Command::CreateTag(tag) => return Ok(Outcome::Created(self.state.image_mut().create(tag)?)),
             Command::DeleteTag(tag) => {
                 self.state.image_mut().delete(tag)?;
@@ -325,7 +344,20 @@ impl Transaction<'_> {
             }
             Command::Inhibit => Some(Edge::Inhibit(true)),
             Command::Release => Some(Edge::Inhibit(false)),
+            Command::Step { ticks, until } => {
+                if self.shared.stepper.is_none() {
+                    return Err(Refused::NotStepped);
+                }
+                if let Some(path) = &until {
+                    self.state.image().read(path).map_err(WriteError::from)?;
+                }
+                self.pending.steps.push((ticks, until));
+                None
+            }
         };
+        if let Some(Edge::Steps(ticks)) = edge {
+            self.pending.steps.push((ticks, None));
+        }
         self.edges.extend(edge);
         Ok(Outcome::Done)
     }

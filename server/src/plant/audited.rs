@@ -140,6 +140,9 @@ impl Shared {
                 (What::Motion, format!("{} {object:?}{target}{control}", call.mnemonic))
             }
             Command::SetMode(mode) => (What::Config, format!("mode {}", mode.word())),
+            Command::Force(force) => (What::Write, format!("force {} := {}", force.name, force.value.as_f64())),
+            Command::RemoveForce(Some(name)) => (What::Write, format!("force of {name} removed")),
+            Command::RemoveForce(None) => (What::Write, "all forces removed".to_owned()),
             // A program that runs is one change, not each of its instructions.
             Command::Execute(_) | Command::RungFalse(..) => return None,
             Command::CreateTag(tag) => (What::Config, format!("create {}", tag.name)),
@@ -148,6 +151,8 @@ impl Shared {
             Command::StopAll => (What::Estop, "stop of everything".to_owned()),
             Command::Inhibit => (What::Estop, "STOP".to_owned()),
             Command::Release => (What::Estop, "release of STOP".to_owned()),
+            // Tests step in every line.
+            Command::Step { .. } => return None,
             Command::Lose { .. } | Command::Disown(_) => return None,
         };
         Some(self.bare(principal, role, what, object, ""))
@@ -163,7 +168,14 @@ impl Shared {
             }
             Err(Refused::NoControl { .. }) => "no control",
             Err(Refused::MovedByAnother { .. }) => "moved by another",
-            Err(Refused::Write(_) | Refused::Table(_) | Refused::Call(_) | Refused::NoProgram) => "refused",
+            Err(
+                Refused::Write(_)
+                | Refused::Table(_)
+                | Refused::Call(_)
+                | Refused::NoProgram
+                | Refused::Force(_)
+                | Refused::NotStepped,
+            ) => "refused",
             Err(Refused::NotPersisted(_)) => "not kept",
         };
     }

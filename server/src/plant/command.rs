@@ -8,8 +8,9 @@ use std::sync::Arc;
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Given, Mnemonic, SystemId};
+use arcline_tag::TagPath;
 
-use super::{CallRefused, Executed, Lost, Mode, Mover, Principal, Right};
+use super::{CallRefused, Executed, Force, ForceError, Lost, Mode, Mover, Principal, Right};
 use crate::retained::NotPersisted;
 
 /// A change of the machine.
@@ -70,6 +71,10 @@ pub enum Command<'a> {
     RungFalse(Mnemonic, ControlSlot),
     /// Lets the controller's program run, or stops it.
     SetMode(Mode),
+    /// Forces an input of a module: the controller's program sees this value.
+    Force(&'a Force),
+    /// Removes the force of an input by its name, or all forces.
+    RemoveForce(Option<&'a str>),
     /// Creates a tag.
     CreateTag(&'a PlainTag),
     /// Deletes a tag that was created.
@@ -96,6 +101,13 @@ pub enum Command<'a> {
     Inhibit,
     /// Inhibits motion no more.
     Release,
+    /// Lets ticks pass on the step clock, behind all else of the transaction.
+    Step {
+        /// How many, at most.
+        ticks: u32,
+        /// The tag that ends the steps when it is not 0.
+        until: Option<TagPath>,
+    },
 }
 
 /// Coordinate systems.
@@ -178,6 +190,12 @@ pub enum Refused {
         "the controller has no program: start it with one (arcline-server run PROJECT.L5X, or `program` in [controller])"
     )]
     NoProgram,
+    /// An input was not forced.
+    #[error(transparent)]
+    Force(#[from] ForceError),
+    /// Ticks pass by themselves.
+    #[error("the machine is on the real clock: a server that was started with `--clock step` can be stepped")]
+    NotStepped,
     /// It is done, but may not be so after a restart.
     #[error(transparent)]
     NotPersisted(#[from] NotPersisted),

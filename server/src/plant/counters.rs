@@ -23,11 +23,13 @@ pub enum Counter {
     Stops,
     /// Changes of the controller's mode.
     Modes,
+    /// Steps of the clock, but for those that writes of `ClockStep` ask for.
+    Steps,
 }
 
 impl Counter {
     /// Every kind, in their order.
-    pub const ALL: [Counter; 9] = [
+    pub const ALL: [Counter; 10] = [
         Counter::Writes,
         Counter::Attributes,
         Counter::InjectedFaults,
@@ -37,6 +39,7 @@ impl Counter {
         Counter::Owners,
         Counter::Stops,
         Counter::Modes,
+        Counter::Steps,
     ];
 
     /// Its name, for people.
@@ -51,6 +54,7 @@ impl Counter {
             Self::Owners => "ended clients",
             Self::Stops => "stops",
             Self::Modes => "modes",
+            Self::Steps => "clock steps",
         }
     }
 }

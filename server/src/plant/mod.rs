@@ -16,8 +16,10 @@ mod client;
 mod command;
 pub(crate) mod control;
 mod counters;
+mod forces;
 mod io;
 mod log;
+mod looks;
 mod movers;
 mod moves;
 mod owned;
@@ -32,6 +34,7 @@ mod role_tests;
 pub(crate) mod roles;
 mod series;
 mod state;
+mod steps;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -40,12 +43,12 @@ use std::time::{Duration, SystemTime};
 
 use arc_swap::ArcSwap;
 use arcline_config::{ConnectionLoss, Project, Role, ServerConfig};
+use arcline_controller::Ticket;
 use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Cause, Ticket};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl};
-use arcline_realtime::{Handle, Link, Meter, Options, SpawnError, Stops};
+use arcline_realtime::{Clock, Handle, Link, Meter, Options, SpawnError, Stepper, Stops};
 use tokio::sync::Notify;
 
 use crate::audit::{Audit, What};
@@ -61,6 +64,7 @@ pub use command::{Call, Command, Outcome, Refused, Systems};
 use control::Control;
 use counters::Counters;
 pub use counters::{Count, Counter};
+pub use forces::{Force, ForceError};
 pub use io::View;
 pub use log::{Change, Logged, Rest, RestCause};
 pub use movers::{Mover, Movers};
@@ -135,6 +139,10 @@ pub(crate) struct Shared {
     machine: Machine,
     server: ServerConfig,
     trace: Trace,
+    /// Lets ticks pass, on the step clock.
+    stepper: Option<Stepper>,
+    /// Whose turn it is to step.
+    step_turn: tokio::sync::Mutex<()>,
     /// Stops that wait for no lock and no command.
     stops: Stops,
     guard: Guard,
@@ -160,7 +168,7 @@ impl Plant {
     /// # Panics
     /// Outside of a tokio runtime.
     pub fn start(project: &Project) -> Result<(Plant, Handle), SpawnError> {
-        Plant::start_with(project, image_of(project), None)
+        Plant::start_with(project, project.image(), None, Clock::Real)
     }
 
     /// As [`Plant::start`] with the tags of `image`; `watch` sees their changes.
@@ -168,8 +176,13 @@ impl Plant {
         project: &Project,
         image: Image,
         watch: Option<ChangeTracker>,
+        clock: Clock,
     ) -> Result<(Plant, Handle), SpawnError> {
-        let (link, handle) = arcline_realtime::spawn(&project.machine, Options::default())?;
+        let options = Options {
+            clock,
+            ..Options::default()
+        };
+        let (link, handle) = arcline_realtime::spawn(&project.machine, options)?;
         let plant = Plant::with(project, link, image, watch);
         if let Err(error) = plant.trace().spawn() {
             tracing::warn!(%error, "no thread for traces: rows are kept only while a client reads them");
@@ -192,7 +205,7 @@ impl Plant {
 
     /// A plant on rings whose other ends the caller serves. Only reads drain them.
     pub fn new(project: &Project, link: Link) -> Plant {
-        Plant::with(project, link, image_of(project), None)
+        Plant::with(project, link, project.image(), None)
     }
 
     pub(crate) fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
@@ -206,6 +219,7 @@ impl Plant {
         let meter = link.meter.clone();
         let trace = Trace::new(&project.machine, link.samples.take());
         let stops = link.stops.clone();
+        let stepper = link.stepper.take();
         let guard = Guard::new(stops.clone(), &project.machine, project.server.jog_silence);
         let observers = Observers {
             watch,
@@ -220,6 +234,8 @@ impl Plant {
             machine: project.machine.clone(),
             server: project.server.clone(),
             trace,
+            stepper,
+            step_turn: tokio::sync::Mutex::default(),
             stops,
             guard,
             control: Mutex::default(),
@@ -255,6 +271,11 @@ impl Plant {
     /// The guard of jogs, which stops those of clients that are lost.
     pub(crate) fn guard(&self) -> &Guard {
         &self.0.guard
+    }
+
+    /// Whether the machine is on the step clock.
+    pub fn is_stepped(&self) -> bool {
+        self.0.stepper.is_some()
     }
 
     /// The real-time thread's measurements.
@@ -410,7 +431,7 @@ impl Plant {
         state.refresh();
         let ended = state.records.end_of(instance)?;
         Some(Ended {
-            ending: ending(&self.0.machine, state.image(), ended.cause)?,
+            ending: state.image().ending(&self.0.machine, ended.cause)?,
             time: ended.tick as f64 * self.0.machine.period(),
             at: ended.at,
         })
@@ -501,30 +522,6 @@ async fn pump(plant: Weak<Shared>) {
         // A command does not wait for the end of an idle pause.
         let _ = tokio::time::timeout(pause, sent).await;
     }
-}
-
-/// A cause with its names; `None` where there is none.
-pub(crate) fn ending(machine: &Machine, image: &Image, cause: Cause) -> Option<Ending> {
-    Some(match cause {
-        Cause::Itself => return None,
-        Cause::Instruction { control, mnemonic, .. } => Ending::Instruction {
-            mnemonic,
-            tag: image.control_name(control).to_owned(),
-        },
-        Cause::Fault { axis, faults } => Ending::Fault {
-            axis: machine.axes.get(usize::from(axis))?.name.clone(),
-            faults,
-        },
-        Cause::StopAll => Ending::StopAll,
-        Cause::Jog(why) => Ending::Jog(why),
-    })
-}
-
-/// The tags of a project.
-pub fn image_of(project: &Project) -> Image {
-    let mut image = Image::new(&project.machine, &project.instruction_tags, &project.tags);
-    image.declare(&project.types);
-    image
 }
 
 /// Longest wait for DN, ER or IP.

@@ -97,6 +97,8 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
         Command::Execute(_)
         | Command::RungFalse(..)
         | Command::SetMode(_)
+        | Command::Force(_)
+        | Command::RemoveForce(_)
         | Command::Hold(_)
         | Command::CreateTag(_)
         | Command::DeleteTag(_)
@@ -105,7 +107,8 @@ fn moved_by(command: &Command<'_>, image: &Image, machine: &Machine) -> Vec<Moti
         | Command::Disown(_)
         | Command::StopAll
         | Command::Inhibit
-        | Command::Release => Vec::new(),
+        | Command::Release
+        | Command::Step { .. } => Vec::new(),
     }
 }
 
@@ -167,11 +170,14 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::Execute(_)
         | Command::RungFalse(..)
         | Command::SetMode(_)
+        | Command::Force(_)
+        | Command::RemoveForce(_)
         | Command::Lose { .. }
         | Command::Disown(_)
         | Command::StopAll
         | Command::Inhibit
-        | Command::Release => false,
+        | Command::Release
+        | Command::Step { .. } => false,
     }
 }
 
@@ -229,9 +235,11 @@ pub(super) fn counter(command: &Command<'_>) -> Counter {
         Command::SetFeedOverride { .. } | Command::Hold(_) | Command::Resume(_) => Counter::Overrides,
         Command::Call(_) | Command::Execute(_) | Command::RungFalse(..) => Counter::Instructions,
         Command::SetMode(_) => Counter::Modes,
+        Command::Force(_) | Command::RemoveForce(_) => Counter::Writes,
         Command::CreateTag(_) | Command::DeleteTag(_) | Command::Reload { .. } => Counter::Tables,
         Command::Lose { .. } | Command::Disown(_) => Counter::Owners,
         Command::StopAll | Command::Inhibit | Command::Release => Counter::Stops,
+        Command::Step { .. } => Counter::Steps,
     }
 }
 

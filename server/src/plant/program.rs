@@ -4,8 +4,11 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use arcline_controller::image::Image;
+use arcline_routine::{Fault, Listing};
 
 use super::Plant;
+use super::forces::Forces;
+use super::looks::Looks;
 
 /// The mode that the controller is to have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -51,26 +54,56 @@ pub struct ProgramStatus {
     pub last_us: u64,
     /// The longest time of one, µs.
     pub longest_us: u64,
+    /// The major fault that has stopped the tasks.
+    pub fault: Option<Fault>,
+    /// Another number for each program that was loaded.
+    pub version: u64,
 }
 
-/// The mode and the state, which the thread of the program and the faces share.
+/// What the thread of the program and the faces share: the mode and the state, the program as people read it, what viewers look at, and
+/// the forced inputs.
 #[derive(Debug)]
-pub(crate) struct Program(Mutex<Shown>);
+pub(crate) struct Program {
+    shown: Mutex<Shown>,
+    pub(crate) looks: Looks,
+    pub(crate) forces: Forces,
+}
 
 #[derive(Debug)]
 struct Shown {
     mode: Mode,
     status: ProgramStatus,
+    listing: Arc<Listing>,
 }
 
 impl Program {
     /// A program that does not run yet, and the mode that it is to have.
-    pub(crate) fn new(file: String, mode: Mode) -> Self {
+    pub(crate) fn new(file: String, mode: Mode, listing: Listing) -> Self {
         let status = ProgramStatus {
             file,
+            version: 1,
             ..ProgramStatus::default()
         };
-        Program(Mutex::new(Shown { mode, status }))
+        let listing = Arc::new(listing);
+        Program {
+            shown: Mutex::new(Shown { mode, status, listing }),
+            looks: Looks::default(),
+            forces: Forces::default(),
+        }
+    }
+
+    /// The program as people read it, and its version.
+    pub(crate) fn listing(&self) -> (u64, Arc<Listing>) {
+        let shown = self.lock();
+        (shown.status.version, shown.listing.clone())
+    }
+
+    /// Another program has taken the place of this one. Returns its version.
+    pub(crate) fn set_listing(&self, listing: Listing) -> u64 {
+        let mut shown = self.lock();
+        shown.status.version += 1;
+        shown.listing = Arc::new(listing);
+        shown.status.version
     }
 
     /// The mode that was asked for last.
@@ -94,7 +127,7 @@ impl Program {
     }
 
     fn lock(&self) -> MutexGuard<'_, Shown> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -108,6 +141,11 @@ impl Plant {
     /// The state of the controller's program; `None`: it has none.
     pub fn program_status(&self) -> Option<ProgramStatus> {
         self.0.program.get().map(|program| program.status())
+    }
+
+    /// The controller's program; `None`: it has none.
+    pub(crate) fn program(&self) -> Option<&Arc<Program>> {
+        self.0.program.get()
     }
 
     /// Whether there are changes of tags that the program has not taken. It waits for no lock.

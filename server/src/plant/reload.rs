@@ -56,7 +56,9 @@ impl Plant {
                 | Refused::MovedByAnother { .. }
                 | Refused::Write(_)
                 | Refused::Call(_)
-                | Refused::NoProgram,
+                | Refused::NoProgram
+                | Refused::Force(_)
+                | Refused::NotStepped,
             ) => Ok(()),
         }
     }

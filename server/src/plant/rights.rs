@@ -47,6 +47,7 @@ rights! {
     WriteTag:          Operator,      "write tags",          "write tags, in whole, in part, by masks or as members of structures, but for those that other rows name";
     Move:              Operator,      "move",                "execute all other instructions: moves, jogs, servo on and off, shutdown and reset, clearing of faults";
     Override:          Operator,      "override",            "set feed overrides up to 100 %; resume";
+    StepClock:         Operator,      "step the clock",      "let ticks pass on the step clock (`--clock step`)";
     ReleaseStop:       Operator,      "release STOP",        "release a STOP";
     OwnOutputs:        Operator,      "own the outputs",     "open the exclusive owner connection of implicit I/O; set the output assembly without a connection";
     TakeControl:       Operator,      "take control",        "take and give back control of an axis or a coordinate system on the page";
@@ -55,6 +56,7 @@ rights! {
     OverrideAbove:     Engineer,      "override above 100",  "set feed overrides above 100 %";
     RunProgram:        Engineer,      "run programs",        "run Structured Text and G-code on the page; step and continue";
     ChangeMode:        Engineer,      "change the mode",     "let the program of the controller run, or stop it (Run and Program mode)";
+    Force:             Engineer,      "force inputs",        "force inputs of modules for the program of the controller, and remove forces";
     ChangeTags:        Engineer,      "change tags",         "create and delete tags";
     SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
     InjectFaults:      Engineer,      "inject faults",       "inject faults";
@@ -90,11 +92,13 @@ impl Right {
             Command::Hold(_) | Command::StopAll | Command::Inhibit => Right::Stop,
             Command::Resume(_) => Right::Override,
             Command::Release => Right::ReleaseStop,
+            Command::Step { .. } => Right::StepClock,
             Command::Call(Call { mnemonic, .. }) => executed(*mnemonic),
             Command::Execute(call) => executed(call.mnemonic),
             // The instruction was executed before.
             Command::RungFalse(..) => Right::Stop,
             Command::SetMode(_) => Right::ChangeMode,
+            Command::Force(_) | Command::RemoveForce(_) => Right::Force,
             Command::CreateTag(_) | Command::DeleteTag(_) => Right::ChangeTags,
             Command::Reload { .. } | Command::Lose { .. } | Command::Disown(_) => Right::Serve,
         }
@@ -125,6 +129,7 @@ fn written(image: &Image, tag: TagId, offset: usize, data: &[u8]) -> Right {
         Some(TagKind::MotionInhibit) if data.iter().any(|byte| *byte != 0) => Right::Stop,
         Some(TagKind::MotionInhibit) => Right::ReleaseStop,
         Some(TagKind::FaultInject) => Right::InjectFaults,
+        Some(TagKind::ClockStep) => Right::StepClock,
         Some(TagKind::FeedOverride) => {
             let mut bytes = image.bytes(tag).to_vec();
             if let Some(part) = bytes.get_mut(offset..).and_then(|rest| rest.get_mut(..data.len())) {

@@ -74,6 +74,7 @@ async fn every_command_for_every_role_of_every_principal() {
         ("MCS",                      Right::Stop,          call(Mnemonic::Mcs, &stop_all)),
         ("MAS",                      Right::Stop,          call(Mnemonic::Mas, &stop_all)),
         ("a mode",                   Right::ChangeMode,    Command::SetMode(Mode::Run)),
+        ("a force",                  Right::Force,         Command::RemoveForce(None)),
         ("a new tag",                Right::ChangeTags,    Command::CreateTag(&fresh)),
         ("a tag that goes",          Right::ChangeTags,    Command::DeleteTag(tag_of(&plant, "Move1"))),
         ("Lose",                     Right::Serve,         Command::Lose { lost: Principal::Viewer(99), reaction: ConnectionLoss::Finish }),
@@ -81,6 +82,7 @@ async fn every_command_for_every_role_of_every_principal() {
         ("StopAll",                  Right::Stop,          Command::StopAll),
         ("Inhibit",                  Right::Stop,          Command::Inhibit),
         ("Release",                  Right::ReleaseStop,   Command::Release),
+        ("Step",                     Right::StepClock,     Command::Step { ticks: 0, until: None }),
     ];
     let client = Principal::Client {
         session: 1,

@@ -637,6 +637,8 @@ impl State {
                 self.send_dynamics_bits();
                 return None;
             }
+            // The transaction does it at its end.
+            Edge::Steps(_) => return None,
             Edge::Input => {
                 for input in self.image.take_inputs() {
                     if self.later.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {

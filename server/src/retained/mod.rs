@@ -19,10 +19,9 @@ use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
-use arcline_state::{Axis, AxisState, Damage, Disk, Kept, OpenError, Pace, Place, ReadError, State, Tag};
+use arcline_state::{Axis, AxisState, Damage, Disk, Kept, LockedFile, OpenError, Pace, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
-use crate::plant::image_of;
 pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
@@ -103,15 +102,16 @@ impl Retained {
     /// When the file cannot be used at all: see [`RetainError`].
     pub(crate) fn open(file: &Path, project: &mut Project) -> Result<Self, RetainError> {
         let at = |file: &Path| file.to_owned();
-        let place = Place::lock(file).map_err(|error| RetainError::Open { file: at(file), error })?;
+        let locked = LockedFile::lock(file).map_err(|error| RetainError::Open { file: at(file), error })?;
         let Start {
-            place,
+            locked,
             image,
             state,
             tags,
-        } = Start::from(place, project)?;
+        } = Start::from(locked, project)?;
         let axes = state.axes.clone();
-        let keeper = StateWriter::start(place, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
+        let keeper =
+            StateWriter::start(locked, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
         let watch = ChangeTracker::new(keeper.jobs(), axes, tags, project.machine.period_ns);
         Ok(Retained { image, watch, keeper })
     }
@@ -119,7 +119,7 @@ impl Retained {
 
 /// What a project starts with: the tags, and the state that is kept from then on.
 struct Start<D: Disk> {
-    place: Place<D>,
+    locked: LockedFile<D>,
     image: Image,
     state: State,
     /// The tags in the state, in order.
@@ -127,12 +127,12 @@ struct Start<D: Disk> {
 }
 
 impl<D: Disk> Start<D> {
-    /// Reads the file of a place and makes `project` start as it says.
-    fn from(place: Place<D>, project: &mut Project) -> Result<Self, RetainError> {
-        let file = place.file().to_owned();
+    /// Reads the locked file and makes `project` start as it says.
+    fn from(locked: LockedFile<D>, project: &mut Project) -> Result<Self, RetainError> {
+        let file = locked.file().to_owned();
         let at = |file: &Path| file.to_owned();
-        let mut image = image_of(project);
-        let kept = match place.read() {
+        let mut image = project.image();
+        let kept = match locked.read() {
             Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
             Ok(kept) => Ok(kept),
             Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
@@ -141,7 +141,7 @@ impl<D: Disk> Start<D> {
         let kept: Option<Kept> = match kept {
             Ok(kept) => kept,
             Err(damage) => {
-                match place.set_aside() {
+                match locked.set_aside() {
                     // For whoever starts the server, whatever the log is set to.
                     Ok(aside) => eprintln!(
                         "arcline-server: --state {}: {damage}. It was renamed to {}, and everything starts as configured",
@@ -172,7 +172,7 @@ impl<D: Disk> Start<D> {
             RetainError::TooLarge { file, damage }
         })?;
         Ok(Start {
-            place,
+            locked,
             image,
             state,
             tags,
@@ -195,16 +195,16 @@ impl<D: Disk> SteppedState<D> {
     ///
     /// # Errors
     /// See [`RetainError`].
-    pub(crate) fn open(place: Place<D>, pace: Pace, project: &mut Project) -> Result<Self, RetainError> {
+    pub(crate) fn open(locked: LockedFile<D>, pace: Pace, project: &mut Project) -> Result<Self, RetainError> {
         let Start {
-            place,
+            locked,
             image,
             state,
             tags,
-        } = Start::from(place, project)?;
+        } = Start::from(locked, project)?;
         let (jobs, next) = mpsc::channel();
         let watch = ChangeTracker::new(jobs, state.axes.clone(), tags, project.machine.period_ns);
-        let keeper = Keeper::start(place, state, pace, Duration::ZERO, next);
+        let keeper = Keeper::start(locked, state, pace, Duration::ZERO, next);
         Ok(SteppedState { image, watch, keeper })
     }
 }
@@ -246,8 +246,8 @@ fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
 fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
     let mut taken = Taken::default();
     for axis in &state.axes {
-        let found = find_axis(axis, project).filter(|place| within_its_turn(axis, &project.machine.axes[*place]));
-        let Some(place) = found else {
+        let found = find_axis(axis, project).filter(|index| within_its_turn(axis, &project.machine.axes[*index]));
+        let Some(index) = found else {
             taken.left.push(format!("axis {} ({})", axis.name, axis.kind));
             continue;
         };
@@ -261,7 +261,7 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
         if moving {
             taken.moving.push(axis.name.clone());
         }
-        project.machine.axes[place].start = machine::Start {
+        project.machine.axes[index].start = machine::Start {
             position,
             servo_on: false,
             homed: homed && !moving,
@@ -279,8 +279,8 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
 }
 
 fn find_axis(axis: &Axis, project: &Project) -> Option<usize> {
-    let place = usize::from(project.machine.axis(&axis.name)?);
-    (axis_kind(project.machine.axes.get(place)?) == axis.kind).then_some(place)
+    let index = usize::from(project.machine.axis(&axis.name)?);
+    (axis_kind(project.machine.axes.get(index)?) == axis.kind).then_some(index)
 }
 
 /// A machine relies on it.

@@ -11,7 +11,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 pub use arcline_state::NotPersisted;
-use arcline_state::{Action, Disk, Ended, Failure, Pace, Place, Record, Report, State, System, Task, Writer};
+use arcline_state::{Action, Disk, Ended, Failure, LockedFile, Pace, Record, Report, State, System, Task, Writer};
 use tokio::sync::oneshot;
 
 /// Carries the answer: the record is kept, or it is not.
@@ -41,7 +41,7 @@ impl StateWriter {
     ///
     /// # Errors
     /// When the system has no thread left.
-    pub(super) fn start(place: Place, state: State) -> io::Result<Self> {
+    pub(super) fn start(locked: LockedFile, state: State) -> io::Result<Self> {
         // One task at a time, so none ever waits in there.
         let (disk, tasks) = mpsc::sync_channel::<Task<System>>(1);
         let (jobs, next) = mpsc::channel();
@@ -54,7 +54,7 @@ impl StateWriter {
             }
         })?;
         let begun = Instant::now();
-        let keeper = Keeper::start(place, state, Pace::default(), begun.elapsed(), next);
+        let keeper = Keeper::start(locked, state, Pace::default(), begun.elapsed(), next);
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
             .spawn(move || run(keeper, begun, &disk))?;
@@ -120,8 +120,14 @@ pub(crate) enum Turn<D: Disk> {
 
 impl<D: Disk> Keeper<D> {
     /// Writes a state to its file.
-    pub(crate) fn start(place: Place<D>, state: State, pace: Pace, now: Duration, jobs: mpsc::Receiver<Job>) -> Self {
-        let mut writer = Writer::start(place, state, pace, now);
+    pub(crate) fn start(
+        locked: LockedFile<D>,
+        state: State,
+        pace: Pace,
+        now: Duration,
+        jobs: mpsc::Receiver<Job>,
+    ) -> Self {
+        let mut writer = Writer::start(locked, state, pace, now);
         carry_out(&mut writer);
         Keeper { writer, jobs }
     }

@@ -72,7 +72,7 @@ fn what_has_the_same_name_and_type_is_taken_over() {
     };
     let mut project = project();
     let configured = project.machine.clone();
-    let mut image = image_of(&project);
+    let mut image = project.image();
     assert!(!is_foreign(&state, &project, &image));
     let taken = take_over(&state, &mut project, &mut image);
     let left = [
@@ -107,7 +107,7 @@ fn what_has_the_same_name_and_type_is_taken_over() {
 
 #[test]
 fn states_of_other_machines_are_foreign() {
-    let only = |axes, tags| is_foreign(&State { axes, tags }, &project(), &image_of(&project()));
+    let only = |axes, tags| is_foreign(&State { axes, tags }, &project(), &project().image());
     let elsewhere = || vec![axis("Arm", "servo, deg", at(0.0, false))];
     assert!(only(elsewhere(), vec![tag("Speed", "REAL", &[0; 4])]));
     assert!(
@@ -129,7 +129,7 @@ fn a_rotary_axis_is_kept_with_its_turn() {
     for (position, taken) in [(0.0, true), (359.9, true), (360.0, false), (-0.1, false)] {
         let axes = vec![axis("X", &kind, at(position, false))];
         let (state, mut project) = (State { axes, tags: vec![] }, project.clone());
-        let mut image = image_of(&project);
+        let mut image = project.image();
         let left = take_over(&state, &mut project, &mut image).left;
         assert_eq!(left.is_empty(), taken, "{position}");
         assert_eq!(
@@ -287,12 +287,13 @@ pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
 
 /// A plant whose state the test keeps.
 fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
-    let mut image = image_of(project);
+    let mut image = project.image();
     image.remember_written();
     let (sender, jobs) = mpsc::channel();
     let (state, tags) = state_of(project, &image);
     let watch = ChangeTracker::new(sender, state.axes, tags, project.machine.period_ns);
-    let (plant, handle) = Plant::start_with(project, image, Some(watch)).expect("a thread");
+    let (plant, handle) =
+        Plant::start_with(project, image, Some(watch), arcline_realtime::Clock::Real).expect("a thread");
     (plant, handle, jobs)
 }
 

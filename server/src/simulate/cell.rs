@@ -7,11 +7,12 @@ use std::process::ExitCode;
 
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Condition, Fault, Finding, Loaded};
+use arcline_simulation::{Observer as _, Simulation};
 
+use super::cannot_write;
 use super::cell_tags;
 use super::output::{Files, is_standard_output};
 use super::plant::Plant;
-use super::{Observer, cannot_write};
 use crate::cli::{Failure, SimulateArgs};
 use crate::live::{Missing, Names, blocking, configuration};
 
@@ -36,17 +37,21 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let file = args.program.display().to_string();
     let text = crate::l5x::read(&args.program)?;
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
-    let project = configuration(&args.program)?;
-    let source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
+    let project = match &args.config {
+        Some(config) => crate::cli::project(Some(config))?,
+        None => configuration(&args.program)?,
+    };
+    let mut source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
+    source.answers = crate::live::answers(&project.server.controller);
     let machine = &project.machine;
-    let mut plant = Plant::new(machine, crate::plant::image_of(&project));
+    let mut plant = Plant::new(Simulation::of_project(&project));
     let missing = if args.allow_missing {
         Missing::Allowed
     } else {
         Missing::Refused
     };
     let loaded = plant.load(&source, missing);
-    let Loaded { mut cell, findings } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
+    let Loaded { mut cell, findings, .. } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
     refuse(&file, &findings, missing)?;
     let until = args.until.as_deref().map(|text| {
         let condition = plant.with_names(|names| cell.condition(&source, names, text));
@@ -97,7 +102,7 @@ pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> 
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
     let import = arcline_l5x::import(text, file).map_err(wrong)?;
     let source = arcline_l5x::logic(text, file).map_err(wrong)?;
-    let mut image = crate::plant::image_of(&import.project);
+    let mut image = import.project.image();
     let mut names = Names::new(&import.project.machine, &mut image);
     Ok(arcline_routine::load(&source, &mut names).findings)
 }
@@ -122,7 +127,7 @@ enum End {
     Fault(Fault),
 }
 
-fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Files) -> Result<End, Failure> {
+fn run(cell: &mut Cell, plant: &mut Plant, setup: &Setup<'_>, files: &mut Files) -> Result<End, Failure> {
     files.begin(plant.machine());
     plant.begin_tick(cell);
     if let Err(fault) = cell.start(0, plant) {
@@ -147,7 +152,7 @@ fn run(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>, files: &mut Fi
 }
 
 /// Writes the values of `--set`.
-fn set_tags(cell: &mut Cell, plant: &mut Plant<'_>, setup: &Setup<'_>) -> Result<(), Failure> {
+fn set_tags(cell: &mut Cell, plant: &mut Plant, setup: &Setup<'_>) -> Result<(), Failure> {
     let mut given = Vec::new();
     for set in setup.sets {
         let (tag, value) = set

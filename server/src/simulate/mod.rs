@@ -8,20 +8,20 @@ mod cell_tags;
 mod output;
 mod pieces;
 mod plant;
-mod runner;
 mod summary;
 
 use std::path::Path;
 use std::process::ExitCode;
 
+use std::sync::Arc;
+
+use arcline_simulation::{End, Options, Refused, Runner};
 use arcline_structured_text::{Interpreter, OnError, Policy, RunError};
 
 use crate::cli::{Failure, SimulateArgs, project};
-use crate::plant::image_of;
 pub(crate) use cell::findings;
 use output::Files;
 use pieces::Pieces;
-pub(crate) use runner::{End, Observer, Options, Refused, Runner};
 use summary::Summary;
 
 /// Runs a program to its end.
@@ -34,7 +34,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     }
     let project = project(args.config.as_deref())?;
     let file = args.program.display();
-    let image = image_of(&project);
+    let image = project.image();
     let mut pieces = if args.lines {
         Pieces::of_lines(&args.program)?
     } else {
@@ -55,16 +55,17 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             },
         },
     };
-    let mut runner = Runner::new(&project.machine, image, first, options);
-    let end = runner.run_pieces(&mut files, &mut |image| pieces.next(image));
+    let mut runner = Runner::new(Arc::new(project.machine.clone()), image);
+    let end = runner.run_pieces(first, options, &mut files, |image| pieces.next(image));
     let mut summary = files.finish(args)?;
-    summary.stopped = runner.stopped();
-    summary.executed = runner.executed();
+    let simulation = runner.simulation();
+    summary.stopped = simulation.stopped();
+    summary.executed = simulation.executed();
     eprint!(
         "{}",
-        summary.text(&file.to_string(), &project.machine, matches!(end, End::Finished))
+        summary.text(&file.to_string(), &project.machine, matches!(end, Ok(End::Finished)))
     );
-    match end {
+    match end? {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(
@@ -78,7 +79,6 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             3,
             format!("{file}: not at its end after {seconds} s of simulated time (--until)"),
         )),
-        End::Unread(failure) => Err(failure),
         // Files take everything.
         End::Left => Ok(ExitCode::SUCCESS),
     }
@@ -94,6 +94,3 @@ fn is_l5x(program: &Path) -> bool {
 fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
     Failure::new(2, format!("{}: cannot be written: {error}", path.display()))
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,4 +1,4 @@
-//! Trace (CSV) and events (JSON lines), as text in one big buffer that is written out when it is full.
+//! The files of a simulation.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -7,16 +7,16 @@ use std::path::Path;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event, FaultChange};
-use arcline_instruction_set::{Ending, Flag};
+use arcline_simulation::{Observer, Record};
 
-use super::{Observer, Summary, cannot_write};
+use super::{Summary, cannot_write};
 use crate::cli::{Failure, SimulateArgs};
 
 /// What a simulation writes down.
 pub(super) struct Files {
-    pub(super) trace: Option<Output>,
-    pub(super) events: Option<Output>,
-    pub(super) faults: Option<Output>,
+    pub(super) trace: Option<Record>,
+    pub(super) events: Option<Record>,
+    pub(super) faults: Option<Record>,
     pub(super) summary: Summary,
 }
 
@@ -26,7 +26,7 @@ impl Files {
     /// # Errors
     /// A file that cannot be created, or more than one to standard output.
     pub(super) fn create(args: &SimulateArgs) -> Result<Self, Failure> {
-        let create = |path: &Path| Output::create(path).map_err(|error| cannot_write(path, &error));
+        let create = |path: &Path| open(path).map_err(|error| cannot_write(path, &error));
         let outputs = [&args.trace, &args.events, &args.faults, &args.tags];
         let to_output = outputs.into_iter().flatten().filter(|path| is_standard_output(path));
         if to_output.count() > 1 {
@@ -93,149 +93,16 @@ impl Observer for Files {
     }
 }
 
-/// A file that is written in large pieces. A failed write is reported at the end.
-pub(super) struct Output {
-    file: Box<dyn Write>,
-    text: Vec<u8>,
-    failed: Option<io::Error>,
-}
-
-impl Output {
-    pub(super) fn create(path: &Path) -> io::Result<Self> {
-        Ok(Output {
-            file: if is_standard_output(path) {
-                Box::new(io::stdout())
-            } else {
-                Box::new(File::create(path)?)
-            },
-            text: Vec::with_capacity(BUFFER + MARGIN),
-            failed: None,
-        })
-    }
-
-    /// Writes what is left.
-    pub(super) fn finish(mut self) -> io::Result<()> {
-        self.flush();
-        match self.failed {
-            None => self.file.flush(),
-            Some(failed) => Err(failed),
-        }
-    }
-
-    /// The header of a trace.
-    pub(super) fn header(&mut self, machine: &Machine) {
-        self.text.extend_from_slice(b"tick,time_s");
-        for axis in &machine.axes {
-            for column in [
-                "CommandPosition",
-                "CommandVelocity",
-                "CommandAcceleration",
-                "ActualPosition",
-            ] {
-                self.text.push(b',');
-                self.text.extend_from_slice(axis.name.as_bytes());
-                self.text.push(b'.');
-                self.text.extend_from_slice(column.as_bytes());
-            }
-        }
-        self.text.push(b'\n');
-    }
-
-    /// One row of a trace.
-    pub(super) fn row(&mut self, tick: u64, time: f64, axes: impl Iterator<Item = [f64; 4]>) {
-        let mut integer = itoa::Buffer::new();
-        self.text.extend_from_slice(integer.format(tick).as_bytes());
-        self.text.push(b',');
-        number(&mut self.text, time);
-        for value in axes.flatten() {
-            self.text.push(b',');
-            number(&mut self.text, value);
-        }
-        self.text.push(b'\n');
-        self.flush_if_full();
-    }
-
-    /// One change of an instruction's status.
-    pub(super) fn event(&mut self, event: &Event, time: f64, tag: &str) {
-        if event.set | event.clear == 0 {
-            // A cam has come to another segment.
-            return;
-        }
-        let text = &mut self.text;
-        text.extend_from_slice(b"{\"time_s\":");
-        number(text, time);
-        // Names of tags and flags need no escapes.
-        let line = (|| {
-            write!(
-                text,
-                ",\"tick\":{},\"tag\":\"{tag}\",\"instruction\":\"{}\"",
-                event.tick, event.mnemonic
-            )?;
-            for (key, flags) in [("set", event.set), ("clear", event.clear)] {
-                write!(text, ",\"{key}\":[")?;
-                for (place, flag) in Flag::in_word(flags).enumerate() {
-                    write!(text, "{}\"{flag}\"", if place == 0 { "" } else { "," })?;
-                }
-                text.push(b']');
-            }
-            writeln!(text, ",\"ERR\":{},\"EXERR\":{}}}", event.err, event.exerr)
-        })();
-        line.expect("a Vec takes everything");
-        self.flush_if_full();
-    }
-
-    /// One change of the faults of an axis.
-    pub(super) fn fault(&mut self, change: &FaultChange, time: f64, axis: &str) {
-        let text = &mut self.text;
-        text.extend_from_slice(b"{\"time_s\":");
-        number(text, time);
-        let words = |faults| {
-            let words: Vec<String> = Ending::words(faults).iter().map(|word| format!("\"{word}\"")).collect();
-            words.join(",")
-        };
-        let (set, again, clear) = (words(change.set), words(change.again), words(change.clear));
-        let tick = change.tick;
-        let refused = change
-            .refused
-            .map_or_else(String::new, |command| format!(",\"refused\":\"{command}\""));
-        writeln!(
-            text,
-            ",\"tick\":{tick},\"axis\":\"{axis}\",\"set\":[{set}],\"again\":[{again}],\"clear\":[{clear}]{refused}}}"
-        )
-        .expect("a Vec takes everything");
-        self.flush_if_full();
-    }
-
-    fn flush_if_full(&mut self) {
-        if self.text.len() >= BUFFER {
-            self.flush();
-        }
-    }
-
-    fn flush(&mut self) {
-        if self.failed.is_none() {
-            self.failed = self.file.write_all(&self.text).err();
-        }
-        self.text.clear();
-    }
+fn open(path: &Path) -> io::Result<Record> {
+    let file: Box<dyn Write + Send> = if is_standard_output(path) {
+        Box::new(io::stdout())
+    } else {
+        Box::new(File::create(path)?)
+    };
+    Ok(Record::new(file))
 }
 
 /// Whether a file is standard output.
 pub(super) fn is_standard_output(path: &Path) -> bool {
     path == Path::new("-")
 }
-
-/// The shortest decimal that reads back to the same number; whole numbers without point.
-pub(super) fn number(text: &mut Vec<u8>, value: f64) {
-    if value == 0.0 {
-        // A negative zero reads back as one.
-        text.extend_from_slice(if value.is_sign_negative() { b"-0" } else { b"0" });
-        return;
-    }
-    let mut buffer = zmij::Buffer::new();
-    let digits = buffer.format(value);
-    text.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes());
-}
-
-const BUFFER: usize = 1 << 20;
-const MARGIN: usize = 1 << 16;

@@ -6,23 +6,16 @@ use std::io::{self, BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
 use arcline_controller::image::Image;
+use arcline_simulation::{ImageNames, Piece};
 use arcline_structured_text::{Interpreter, Program, SyntaxError};
 
 use super::output::is_standard_output;
 use crate::cli::Failure;
-use crate::names::ImageNames;
 
 /// Lines of a piece.
 const LINES: usize = 1000;
 /// Longest line, bytes.
 const LONGEST: u64 = 1 << 16;
-
-/// A piece of a program.
-pub(crate) struct Piece {
-    pub(crate) interpreter: Interpreter,
-    /// Lines of the pieces before it.
-    pub(crate) lines_before: usize,
-}
 
 /// The pieces of a program.
 pub(super) struct Pieces {

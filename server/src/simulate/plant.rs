@@ -1,47 +1,34 @@
-//! The machine beside a project's tasks: its controller, its tags, and the door through which instructions of motion go.
+//! The machine beside a project's tasks: the simulation, and the door through which instructions of motion go.
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
-use arcline_controller::{ArrayWrite, ContourRequest, Controller, Event, Snapshot, Ticket};
+use arcline_controller::{ArrayWrite, Event, FaultChange, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Host, Loaded};
+use arcline_simulation::{Observer, Origin, Simulation};
 
-use super::Observer;
 use crate::live::{Missing, Names, NotPlaced, Placed, Places, blocking};
 
 /// A machine under control of a project.
-pub(super) struct Plant<'m> {
-    machine: &'m Machine,
-    controller: Controller,
-    image: Image,
-    snapshot: Snapshot,
-    contour: ContourRequest,
-    executed: u64,
-    events: Vec<Event>,
-    accepted: Vec<(Ticket, Call)>,
+pub(super) struct Plant {
+    simulation: Simulation,
     /// Where the project's tags stand.
     places: Places,
 }
 
-impl<'m> Plant<'m> {
-    pub(super) fn new(machine: &'m Machine, image: Image) -> Self {
+impl Plant {
+    pub(super) fn new(simulation: Simulation) -> Self {
         Plant {
-            machine,
-            controller: Controller::new(machine),
-            image,
-            snapshot: Snapshot::new(machine),
-            contour: ContourRequest::new(),
-            executed: 0,
-            events: Vec::new(),
-            accepted: Vec::new(),
+            simulation,
             places: Places::default(),
         }
     }
 
     /// Loads a project on the machine, and makes its tags tags of the machine.
     pub(super) fn load(&mut self, source: &Project, missing: Missing) -> Result<Loaded, NotPlaced> {
-        let mut names = Names::new(self.machine, &mut self.image);
+        let machine = self.simulation.machine().clone();
+        let mut names = Names::new(&machine, self.simulation.image_mut());
         let mut loaded = arcline_routine::load(source, &mut names);
         if blocking(&loaded.findings, missing).next().is_none() {
             self.places = names.place(&mut loaded.cell, source)?;
@@ -51,40 +38,39 @@ impl<'m> Plant<'m> {
 
     /// Looks for names of the machine, for what is compiled while it runs.
     pub(super) fn with_names<R>(&self, look: impl FnOnce(&mut Names<'_>) -> R) -> R {
-        let mut copy = self.image.clone();
-        look(&mut Names::new(self.machine, &mut copy))
+        let mut copy = self.simulation.image().clone();
+        look(&mut Names::new(self.simulation.machine(), &mut copy))
     }
 
-    pub(super) fn machine(&self) -> &'m Machine {
-        self.machine
+    pub(super) fn machine(&self) -> &Machine {
+        self.simulation.machine()
     }
 
     /// Instructions of motion that were executed.
     pub(super) fn executed(&self) -> u64 {
-        self.executed
+        self.simulation.executed()
     }
 
     pub(super) fn tick(&self) -> u64 {
-        self.controller.tick_number()
+        self.simulation.tick()
     }
 
     /// Simulated time at the present tick, s.
     pub(super) fn time(&self) -> f64 {
-        (self.tick() as f64 * self.machine.period_ns as f64) / 1e9
+        self.simulation.time()
     }
 
     /// Begins a tick, and shows the machine's state to the project.
     pub(super) fn begin_tick(&mut self, cell: &mut Cell) {
-        self.controller.begin_tick();
+        self.simulation.begin();
         self.show(cell.memory_mut());
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment.
     fn show(&mut self, memory: &mut [u8]) {
-        self.controller.snapshot(&mut self.snapshot);
-        self.image.apply_snapshot(&self.snapshot);
+        self.simulation.show_now();
         for (at, id) in &self.places.objects {
-            let bytes = self.image.bytes(*id);
+            let bytes = self.simulation.image().bytes(*id);
             let from = *at as usize;
             if let Some(place) = memory.get_mut(from..from + bytes.len()) {
                 place.copy_from_slice(bytes);
@@ -94,28 +80,11 @@ impl<'m> Plant<'m> {
 
     /// Ends the tick: what happened goes to the project's tags and to the observer.
     pub(super) fn end_tick(&mut self, cell: &mut Cell, observer: &mut impl Observer) {
-        let (tick, time, machine) = (self.tick(), self.time(), self.machine);
-        for (ticket, call) in self.accepted.drain(..) {
-            observer.accepted(ticket, &call);
-        }
-        self.controller.plan_contours(&mut self.contour);
-        self.controller
-            .take_fault_changes(|change| observer.fault(change, time, machine));
-        let events = &mut self.events;
-        self.controller.end_tick(|event| events.push(*event));
-        let (image, places, memory) = (&mut self.image, &self.places, cell.memory_mut());
-        self.controller.take_array_writes(|write| {
-            take_array(image, places, memory, write);
-        });
-        for event in self.events.drain(..) {
-            self.image.apply_event(&event);
-            if event.owner {
-                cell.change_control(event.control, |control| event.apply(control));
-            }
-            observer.event(&event, time, &self.image);
-        }
+        let places = &self.places;
+        self.simulation.end(&mut Shown { places, cell, observer });
         self.show(cell.memory_mut());
-        observer.tick(tick, machine, &mut self.controller);
+        let (tick, machine) = (self.tick(), self.simulation.machine().clone());
+        observer.tick(tick, &machine, self.simulation.controller_mut());
     }
 
     /// Brings the bytes of a tag that a call names from the project to the machine's tags, or back.
@@ -128,9 +97,9 @@ impl<'m> Plant<'m> {
             return;
         };
         match direction {
-            Direction::ToMachine => self.image.store(id, bytes),
+            Direction::ToMachine => self.simulation.image_mut().store(id, bytes),
             Direction::ToProject => {
-                let known = self.image.bytes(id);
+                let known = self.simulation.image().bytes(id);
                 if known.len() == bytes.len() {
                     bytes.copy_from_slice(known);
                 }
@@ -146,6 +115,35 @@ impl<'m> Plant<'m> {
                 _ => {}
             }
         }
+    }
+}
+
+/// Brings what happens in a tick to the project's tags, and to an observer. The end of the tick the plant shows itself, when the project has
+/// the machine's state.
+struct Shown<'s, O> {
+    places: &'s Places,
+    cell: &'s mut Cell,
+    observer: &'s mut O,
+}
+
+impl<O: Observer> Observer for Shown<'_, O> {
+    fn accepted(&mut self, ticket: Ticket, call: &Call) {
+        self.observer.accepted(ticket, call);
+    }
+
+    fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
+        self.observer.fault(change, time, machine);
+    }
+
+    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
+        take_array(image, self.places, self.cell.memory_mut(), write);
+    }
+
+    fn event(&mut self, event: &Event, time: f64, image: &Image) {
+        if event.owner {
+            self.cell.change_control(event.control, |control| event.apply(control));
+        }
+        self.observer.event(event, time, image);
     }
 }
 
@@ -174,19 +172,12 @@ fn take_array(image: &mut Image, places: &Places, memory: &mut [u8], write: &Arr
     }
 }
 
-impl Host for Plant<'_> {
+impl Host for Plant {
     fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl {
         self.exchange_all(call, memory, Direction::ToMachine);
-        self.executed += 1;
-        let ticket = Ticket(self.executed);
-        let (data, staged) = self.image.prepare(call);
-        let control = self.controller.execute_with(ticket, call, data);
-        if let Some(staged) = staged {
-            self.image.settle(staged, &control);
-        }
+        let (_, control) = self.simulation.execute(call, Origin::default());
         self.exchange_all(call, memory, Direction::ToProject);
         if !control.has(Flag::Er) {
-            self.accepted.push((ticket, *call));
             // Bits that the acceptance changes are seen in the same scan.
             self.show(memory);
         }
@@ -194,12 +185,13 @@ impl Host for Plant<'_> {
     }
 
     fn rung_false(&mut self, slot: ControlSlot) {
-        self.controller.rung_false(slot);
+        self.simulation.rung_false(slot);
     }
 
     fn attribute(&mut self, number: u32) -> f64 {
         let attribute = self.places.attributes.get(number as usize);
-        let value = attribute.and_then(|(attribute, index)| self.image.attribute(self.machine, attribute, *index));
+        let (image, machine) = (self.simulation.image(), self.simulation.machine());
+        let value = attribute.and_then(|(attribute, index)| image.attribute(machine, attribute, *index));
         value.unwrap_or_default()
     }
 
@@ -207,13 +199,10 @@ impl Host for Plant<'_> {
         let Some((attribute, index)) = self.places.attributes.get(number as usize) else {
             return false;
         };
-        if self.image.set_attribute(attribute, *index, value).is_err() {
-            return false;
-        }
-        for (object, index, bits) in self.image.dynamics_bits() {
-            self.controller.set_dynamics_bits(object, index, bits);
-        }
-        true
+        let written = self.simulation.write(Origin::default(), |image| {
+            image.set_attribute(attribute, *index, value).map(Some)
+        });
+        written.is_ok()
     }
 
     fn date(&self, now: u64) -> [i32; 7] {

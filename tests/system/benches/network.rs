@@ -1,6 +1,6 @@
 //! How fast tags are read over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
 //! this machine and in one run: `cargo bench -p arcline-system-tests --bench network`. Rounds take turns, so that whatever else the
-//! machine does meets all of them. `-- --test` asks each a few times and measures nothing.
+//! machine does meets all of them. Then plain reads beside the same over TLS, in turns. `-- --test` asks each a few times and measures nothing.
 #![allow(missing_docs)]
 
 use std::io::{BufRead, BufReader, Write as _};
@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use arcline_system_tests::load::{Load, Outcome, Question, read, read_all, serve_echo};
 use arcline_system_tests::python::Python;
+use arcline_system_tests::secured::Secured;
 use arcline_system_tests::server::Server;
 
 /// Tags that one Multiple Service Packet reads.
@@ -42,6 +43,8 @@ fn main() {
     }
     let packet = read_all((0..TAGS).map(|number| format!("Bench{number}")));
     faults += run.beside_echo("100 tags", &Question::Connected(packet, LARGE), 1, &server, &echo);
+
+    faults += run.over_tls(32, smoke);
 
     for client in ["cm_ethernetip", "cpppo"] {
         let other = match Python::with(client) {
@@ -97,6 +100,7 @@ impl Run {
             connections,
             time: self.time,
             pace: None,
+            tls: None,
         }
         .run()
     }
@@ -150,6 +154,42 @@ impl Run {
             println!("{what}: {why}");
         }
         ours.errors + bare.errors
+    }
+}
+
+impl Run {
+    /// One tag by plain connections and over TLS, in turns; how many answers were wrong.
+    fn over_tls(self, connections: usize, smoke: bool) -> usize {
+        let tag = "[[tag]]\nname = \"Bench\"\ntype = \"DINT\"\n";
+        let secured = Secured::start(&format!("{}\n{tag}", arcline_config::DEFAULT), "", &[]);
+        let server = &secured.server;
+        let doors = [
+            (server.address(), None),
+            (server.tls().expect("it has TLS"), Some(secured.tls())),
+        ];
+        let mut outcomes = [Outcome::default(), Outcome::default()];
+        for round in 0..self.rounds {
+            for index in [round % 2, 1 - round % 2] {
+                let (server, tls) = doors[index].clone();
+                let load = Load {
+                    server,
+                    question: Question::Connected(read("Bench"), SIZE),
+                    connections,
+                    time: self.time,
+                    pace: None,
+                    tls,
+                };
+                outcomes[index].add(load.run());
+            }
+        }
+        let [plain, tls] = &outcomes;
+        print("Arcline, one tag, plain", connections, plain);
+        print("Arcline, one tag, TLS", connections, tls);
+        let ratio = tls.rate() / plain.rate();
+        println!("{:>56} {ratio:.3} of the plain rate", "");
+        // spec/security.md: what TLS may cost.
+        assert!(smoke || ratio >= 0.7, "reads over TLS: {ratio:.3} of the plain rate");
+        plain.errors + tls.errors
     }
 }
 

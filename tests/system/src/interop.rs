@@ -11,6 +11,7 @@ use crate::command_line::read_numbers;
 use crate::libplctag::Libplctag;
 use crate::node::Node;
 use crate::python::Python;
+use crate::secured::{CLIENT, Secured};
 use crate::server::{Server, signal};
 use crate::tunnel::{Kind, Tunnel};
 
@@ -40,6 +41,25 @@ pub fn python_on_program(client: &str, script: &str) {
             let file = crate::fixture("config/Cell.L5X");
             let server = Server::start_with(&[file.to_str().expect("the project's paths are UTF-8")]);
             print!("{}", python.run(script, &[&server.address().to_string()]));
+        }
+        Err(why) => crate::not_run(script, &why),
+    }
+}
+
+/// Runs `tests/python/SCRIPT HOST:PORT` against two servers on the step clock, which must make it print the same.
+///
+/// # Panics
+/// When the script fails, or the two differ, or something needed is missing in CI.
+pub fn python_on_the_step_clock(client: &str, script: &str) {
+    match Python::with(client) {
+        Ok(python) => {
+            let run = || {
+                let server = Server::start_with(&["--clock", "step"]);
+                python.run(script, &[&server.address().to_string()])
+            };
+            let printed = run();
+            print!("{printed}");
+            assert_eq!(printed, run(), "{script}: the second run differs");
         }
         Err(why) => crate::not_run(script, &why),
     }
@@ -163,22 +183,10 @@ pub fn python_through(kind: Kind, client: &str, script: &str) {
         Ok(python) => python,
         Err(why) => return crate::not_run(&name, &why),
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path().to_str().expect("UTF-8");
-    for arguments in [&["init", at][..], &["client", at, "panel"]] {
-        let made = Command::new(crate::programs::arcline_server())
-            .arg("certs")
-            .args(arguments)
-            .output();
-        assert!(made.is_ok_and(|output| output.status.success()), "certs {arguments:?}");
-    }
     let text = std::fs::read_to_string(configuration(client)).expect("it was just written");
-    let security = "\n[security]\ntls = \"127.0.0.1:0\"\nplain = \"off\"\ndefault_role = \"engineer\"\n";
-    let file = folder.path().join("machine.toml");
-    std::fs::write(&file, text + security).expect("a writable folder");
-    let server = Server::start_on(&file);
-    let tls = server.tls().expect("the configuration has TLS");
-    match Tunnel::start(kind, tls, folder.path(), "panel") {
+    let secured = Secured::start(&text, "plain = \"off\"\n", &[]);
+    let tls = secured.server.tls().expect("the configuration has TLS");
+    match Tunnel::start(kind, tls, secured.folder(), CLIENT) {
         Ok(tunnel) => print!("{}", python.run(script, &[&tunnel.address().to_string()])),
         Err(why) => crate::not_run(&name, &why),
     }

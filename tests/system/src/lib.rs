@@ -2,7 +2,7 @@
 //!
 //! This library is their common ground. It finds the programs ([`programs`]), runs a server for the length of a test ([`server`]) and
 //! the command line ([`command_line`], [`terminal`]), the pages of the guide ([`guide`]), foreign clients ([`interop`], [`python`],
-//! [`node`], [`libplctag`], through a [`tunnel`]) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at a time ([`load`]) and
+//! [`node`], [`libplctag`], through a [`tunnel`] to a [`secured`] server) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at a time ([`load`]), looks at what that does to the ticks ([`lateness`]) and
 //! records the traffic of the loopback interface ([`capture`]).
 //!
 //! `tests/programs` needs nothing but the programs. `tests/foreign` needs programs of others and `tests/load` the machine for itself;
@@ -23,12 +23,14 @@ pub mod foreign;
 pub mod gcode;
 pub mod guide;
 pub mod interop;
+pub mod lateness;
 pub mod libplctag;
 pub mod load;
 pub mod node;
 pub mod programs;
 pub mod python;
 pub mod scanner;
+pub mod secured;
 pub mod server;
 pub mod terminal;
 pub mod tunnel;

@@ -6,6 +6,7 @@
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use arcline_client::Tls;
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::connection::{
     ConnectionKey, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
@@ -15,7 +16,7 @@ use arcline_proto::encap::{Command, Frame, FrameDecoder, Header, MAX_DATA, Regis
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::ReadTag;
 use bytes::{Bytes, BytesMut};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 
 /// What a connection asks.
@@ -65,7 +66,14 @@ pub struct Load {
     pub time: Duration,
     /// From one question to the next; `None`: as soon as there is an answer.
     pub pace: Option<Duration>,
+    /// Over TLS, with this certificate.
+    pub tls: Option<Tls>,
 }
+
+/// A TCP connection, or TLS over one.
+trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
+
+impl<S: AsyncRead + AsyncWrite + Unpin + Send> Stream for S {}
 
 /// What came of a load.
 #[derive(Clone, Debug, Default)]
@@ -127,7 +135,7 @@ impl Load {
         let mut open = Vec::with_capacity(self.connections);
         let mut all = Outcome::default();
         for number in 0..self.connections {
-            match Asker::connect(self.server, &self.question, number).await {
+            match Asker::connect(self, number).await {
                 Ok(asker) => open.push(asker),
                 Err(why) => all.fail(why),
             }
@@ -171,7 +179,7 @@ impl Outcome {
 
 /// One connection.
 struct Asker {
-    stream: TcpStream,
+    stream: Box<dyn Stream>,
     /// The frame that is sent, again and again.
     frame: Vec<u8>,
     /// Where the sequence count of class 3 stands in it.
@@ -182,10 +190,15 @@ struct Asker {
 }
 
 impl Asker {
-    async fn connect(server: SocketAddr, question: &Question, number: usize) -> Result<Self, String> {
+    async fn connect(load: &Load, number: usize) -> Result<Self, String> {
+        let (server, question) = (load.server, &load.question);
         let told = |error: std::io::Error| error.to_string();
         let stream = TcpStream::connect(server).await.map_err(told)?;
         stream.set_nodelay(true).map_err(told)?;
+        let stream: Box<dyn Stream> = match &load.tls {
+            Some(tls) => Box::new(tls.connect(stream, &server.to_string()).await.map_err(told)?),
+            None => Box::new(stream),
+        };
         let mut this = Self {
             stream,
             frame: Vec::new(),

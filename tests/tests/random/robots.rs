@@ -2,9 +2,15 @@
 //! ([`arcline_tests::robot_programs`]).
 #![allow(missing_docs)]
 
-use arcline_tests::robot_programs::{Scope, run};
+use arcline_tests::robot_programs::{Scope, run, run_one};
 
 #[test]
 fn random_programs_well_inside_the_reach() {
     run(&Scope::INSIDE, 2000);
+}
+
+/// A move that an MCCD let overshoot its end, with others behind it: the stop that the robot was looked at with led over to their paths.
+#[test]
+fn a_robot_follows_a_move_beyond_its_end() {
+    run_one(&Scope::INSIDE, 2_080_015_515);
 }

@@ -23,14 +23,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-controller",      &["arcline-motion"]),
     ("arcline-realtime",        &["arcline-controller"]),
     ("arcline-config",          &["arcline-controller"]),
+    ("arcline-simulation",      &["arcline-config", "arcline-structured-text"]),
     ("arcline-routine",         &["arcline-instruction-set", "arcline-tag"]),
     ("arcline-l5x",             &["arcline-config", "arcline-routine"]),
     ("arcline-state",           &[]),
     ("arcline-gcode",           &[]),
     ("arcline-plot",            &[]),
+    ("arcline-testing",         &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
                                   "arcline-gcode", "arcline-plot"]),
-    ("arcline-server",          &["arcline-realtime", "arcline-controller", "arcline-config", "arcline-l5x", "arcline-state",
+    ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-l5x", "arcline-state",
                                   "arcline-proto", "arcline-structured-text", "arcline-routine"]),
 ];
 
@@ -49,6 +51,8 @@ const BEFORE_REALTIME: &[&str] = &[
     "arcline-drive",
     "arcline-motion",
     "arcline-controller",
+    "arcline-config",
+    "arcline-simulation",
     "arcline-proto",
     "arcline-gcode",
 ];

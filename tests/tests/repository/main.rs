@@ -3,4 +3,5 @@
 mod architecture;
 mod doc_tests;
 mod readme;
+mod security;
 mod specification;

@@ -231,7 +231,7 @@ fn links(text: &str) -> Vec<String> {
 }
 
 /// Files of the repository with one of these extensions.
-fn files(extensions: &[&str]) -> Vec<PathBuf> {
+pub(crate) fn files(extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![workspace().to_path_buf()];
     while let Some(folder) = folders.pop() {
@@ -255,7 +255,7 @@ fn files(extensions: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-fn read(file: &Path) -> String {
+pub(crate) fn read(file: &Path) -> String {
     fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()))
 }
 

@@ -27,7 +27,7 @@ pub(crate) use help::command;
 pub(crate) use look::{Identify, Mode, ModeWord, Shell, Status, Watch};
 pub(crate) use margin::Margin;
 pub(crate) use moves::{Arc, Change, Circle, Direction, Dynamics, Home, Move, OnOff, Override, Servo, Stop, StopType};
-pub(crate) use pictures::{Gcode, Plot, Unit};
+pub(crate) use pictures::{Diff, Gcode, Plot, Unit};
 pub(crate) use programs::{Exec, Run};
 pub(crate) use tags::{CreateTag, DeleteTag, Read, TagAccess, Tags, TagsChange, Write};
 pub(crate) use tools::{Completions, Explain, Man, Subject};
@@ -240,6 +240,12 @@ pub(crate) enum LocalCommand {
     #[command(after_help = "The picture is SVG or PNG, by its ending.\n\
         Example: arcline plot trace.csv -o trace.svg --events events.jsonl\n         arcline plot trace.csv -o trace.png --axes X,Y,Z")]
     Plot(Plot),
+    /// Compare two traces: rows by their place, columns by their names
+    #[command(
+        after_help = "The exit code is 0 for traces that are the same within the tolerance, 1 for others. Needs no server.\n\
+        Example: arcline diff expected.csv trace.csv --tolerance 1e-6"
+    )]
+    Diff(Diff),
     /// Print completions for a shell
     #[command(after_help = "Example: arcline completions bash > ~/.local/share/bash-completion/completions/arcline")]
     Completions(Completions),

@@ -64,6 +64,26 @@ pub(crate) enum Unit {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct Diff {
+    /// A trace, of `arcline-server simulate --trace` or `arcline trace`
+    #[arg(value_name = "A.csv")]
+    pub(crate) a: PathBuf,
+    /// The other one
+    #[arg(value_name = "B.csv")]
+    pub(crate) b: PathBuf,
+    /// Greatest difference of two numbers that counts as none
+    #[arg(long, value_name = "NUMBER", default_value = "0", value_parser = tolerance)]
+    pub(crate) tolerance: f64,
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tolerance) if (0.0..f64::INFINITY).contains(&tolerance) => Ok(tolerance),
+        _ => Err("expected a number, 0 or more".to_owned()),
+    }
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct Plot {
     /// The trace, of `arcline-server simulate --trace` or `arcline trace`
     #[arg(value_name = "FILE.csv")]

@@ -332,7 +332,74 @@ pub(crate) static CONTROLLER: Keys = Keys {
             default: Default::Boolean(false),
             meaning: "whether instructions that Arcline does not have are passed over; otherwise the project is refused",
         },
+        Key {
+            name: "messages",
+            kind: Kind::Tables(&MESSAGE, 256),
+            default: Default::Prose("none"),
+            meaning: "the answers to MSG instructions, a row each; the first row that fits answers. A MSG without a row errs after its timeout",
+        },
     ],
+};
+
+pub(crate) static MESSAGE: Keys = Keys {
+    heading: "### `[[controller.messages]]`",
+    expected: "tables, [[controller.messages]]",
+    keys: &[
+        Key {
+            name: "service",
+            kind: Kind::Integer(1..=127, ""),
+            default: Default::Required,
+            meaning: "the service code of a MSG of the type CIP Generic",
+        },
+        Key {
+            name: "class",
+            kind: Kind::Integer(0..=65535, ""),
+            default: Default::Required,
+            meaning: "the class",
+        },
+        Key {
+            name: "instance",
+            kind: Kind::Integer(0..=4_294_967_295, ""),
+            default: Default::Prose("any"),
+            meaning: "the instance",
+        },
+        Key {
+            name: "attribute",
+            kind: Kind::Integer(0..=65535, ""),
+            default: Default::Prose("any"),
+            meaning: "the attribute",
+        },
+        Key {
+            name: "answer",
+            kind: Kind::Text(&HEX_BYTES),
+            default: Default::Prose("no data"),
+            meaning: "the data that comes to the destination, bytes in hexadecimal, such as `\"01 00 2A\"`; what the destination has no room for is lost",
+        },
+        Key {
+            name: "delay_ms",
+            kind: Kind::Integer(0..=3_600_000, "ms"),
+            default: Default::Integer(0),
+            meaning: "time from the request to the answer; the answer comes with the next tick at the earliest",
+        },
+        Key {
+            name: "err",
+            kind: Kind::Integer(0..=65535, ""),
+            default: Default::Integer(0),
+            meaning: "ERR; other than 0 the MSG errs",
+        },
+        Key {
+            name: "exerr",
+            kind: Kind::Integer(0..=4_294_967_295, ""),
+            default: Default::Integer(0),
+            meaning: "EXERR",
+        },
+    ],
+};
+
+static HEX_BYTES: TextRule = TextRule {
+    expected: "up to 500 bytes in hexadecimal, such as \"01 00 2A\"",
+    holds: |text| crate::read::hex_bytes(text).is_some_and(|bytes| bytes.len() <= 500),
+    pattern: "^([0-9A-Fa-f]{2} *)*$",
 };
 
 static FILE: TextRule = TextRule {

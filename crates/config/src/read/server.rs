@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use super::security;
 use crate::section::Section;
-use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, ServerConfig};
+use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, MessageAnswer, ServerConfig};
 
 pub(super) fn server(root: &Section<'_>) -> ServerConfig {
     let (section, _) = root.table("server");
@@ -57,7 +57,37 @@ fn controller(root: &Section<'_>) -> ControllerConfig {
         program: section.text("program").map(|file| file.value),
         begins_stopped: section.word("mode") == Some("program"),
         allow_missing: section.boolean("allow_missing").unwrap_or_default(),
+        messages: section.tables("messages").iter().map(message).collect(),
     }
+}
+
+fn message(row: &Section<'_>) -> MessageAnswer {
+    let small = |key| row.integer(key).and_then(|number| u16::try_from(number).ok());
+    let large = |key| row.integer(key).and_then(|number| u32::try_from(number).ok());
+    let answer = row.text("answer").and_then(|text| hex_bytes(&text.value));
+    MessageAnswer {
+        service: row
+            .integer("service")
+            .and_then(|code| u8::try_from(code).ok())
+            .unwrap_or_default(),
+        class: small("class").unwrap_or_default(),
+        instance: large("instance"),
+        attribute: small("attribute"),
+        answer: answer.unwrap_or_default(),
+        delay_ms: large("delay_ms").unwrap_or_default(),
+        error: (small("err").unwrap_or_default(), large("exerr").unwrap_or_default()),
+    }
+}
+
+/// Bytes in hexadecimal, with blanks between them or without.
+pub(crate) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
+    let digits: Vec<u8> = text.bytes().filter(|byte| *byte != b' ').collect();
+    let pairs = digits.chunks(2).map(|pair| {
+        let pair = std::str::from_utf8(pair).ok().filter(|pair| pair.len() == 2)?;
+        pair.bytes().all(|digit| digit.is_ascii_hexdigit()).then_some(())?;
+        u8::from_str_radix(pair, 16).ok()
+    });
+    pairs.collect()
 }
 
 /// EtherNet/IP's own port.

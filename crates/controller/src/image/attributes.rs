@@ -80,19 +80,19 @@ impl Image {
 
     /// The value of an attribute of an object of the machine that the image was made for; `None`: no such object.
     pub fn attribute(&self, machine: &Machine, attribute: &Attribute, index: u16) -> Option<f64> {
-        let place = usize::from(index);
+        let index = usize::from(index);
         if attribute.quantity == Quantity::DynamicsConfigurationBits {
             let bits = match attribute.object {
                 Object::MotionGroup => return None,
-                Object::Axis => self.attributes.axes.get(place),
-                Object::CoordinateSystem => self.attributes.systems.get(place),
+                Object::Axis => self.attributes.axes.get(index),
+                Object::CoordinateSystem => self.attributes.systems.get(index),
             };
             return Some(bits?.bits().into());
         }
         match attribute.object {
             Object::MotionGroup => None,
             Object::Axis => {
-                let axis = machine.axes.get(place)?;
+                let axis = machine.axes.get(index)?;
                 Some(match attribute.quantity {
                     Quantity::MaximumSpeed => axis.max_speed,
                     Quantity::MaximumAcceleration => axis.max_acceleration,
@@ -105,7 +105,7 @@ impl Image {
                 })
             }
             Object::CoordinateSystem => {
-                let system = machine.systems.get(place)?;
+                let system = machine.systems.get(index)?;
                 Some(match attribute.quantity {
                     Quantity::MaximumSpeed => system.max_speed,
                     Quantity::MaximumAcceleration => system.max_acceleration,

@@ -43,8 +43,8 @@ impl Image {
             return;
         };
         let values = numbers.iter().take(elements);
-        for (value, place) in values.zip(bytes.chunks_exact_mut(4)) {
-            place.copy_from_slice(&(*value as f32).to_le_bytes());
+        for (value, real) in values.zip(bytes.chunks_exact_mut(4)) {
+            real.copy_from_slice(&(*value as f32).to_le_bytes());
         }
         self.note_part(id, offset, 4 * numbers.len().min(elements), 0xFF);
     }
@@ -52,7 +52,7 @@ impl Image {
     /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.
     /// Tag, byte offset and number of elements.
     pub fn written_array(&self, tag: TagAddress) -> Option<(TagId, usize, usize)> {
-        let (id, offset) = place(tag);
+        let (id, offset) = tag_and_offset(tag);
         let tag = self.tag(id)?;
         let end = match &tag.tag_type.data_type {
             DataType::Structure(template) => {
@@ -69,7 +69,7 @@ impl Image {
 }
 
 /// The tag and the first byte of an address.
-pub(super) fn place(address: TagAddress) -> (TagId, usize) {
+pub(super) fn tag_and_offset(address: TagAddress) -> (TagId, usize) {
     (TagId(address.tag()), address.offset())
 }
 
@@ -84,11 +84,11 @@ impl Directory for Image {
     }
 
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
-        let (id, place) = self.locate(&name.parse().ok()?).ok()?;
-        let real = place.data_type == DataType::Elementary(Elementary::Real) && place.bit.is_none();
+        let (id, location) = self.locate(&name.parse().ok()?).ok()?;
+        let real = location.data_type == DataType::Elementary(Elementary::Real) && location.bit.is_none();
         let for_instructions = self.tag(id)?.kind != TagKind::FeedOverride;
-        let writable = for_instructions && self.writable(id, place.offset, 4 * place.elements as usize);
-        let tag = TagAddress::new(id.0, place.offset).filter(|_| real && writable)?;
+        let writable = for_instructions && self.writable(id, location.offset, 4 * location.elements as usize);
+        let tag = TagAddress::new(id.0, location.offset).filter(|_| real && writable)?;
         let (_, _, elements) = self.written_array(tag)?;
         Some(WrittenArray {
             tag,
@@ -97,15 +97,15 @@ impl Directory for Image {
     }
 
     fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
-        let (id, place) = self.locate(&name.parse().ok()?).ok()?;
+        let (id, location) = self.locate(&name.parse().ok()?).ok()?;
         // INT[4] is an array of four or more.
         let (type_name, least) = match type_name.strip_suffix(']').and_then(|array| array.split_once('[')) {
             Some((element, count)) => (element, count.parse().ok()?),
             None => (type_name, 1),
         };
-        let named = place.data_type.name().eq_ignore_ascii_case(type_name) && place.bit.is_none();
-        let named = named && place.elements >= least;
+        let named = location.data_type.name().eq_ignore_ascii_case(type_name) && location.bit.is_none();
+        let named = named && location.elements >= least;
         let plain = self.tag(id)?.kind == TagKind::Plain;
-        TagAddress::new(id.0, place.offset).filter(|_| named && plain)
+        TagAddress::new(id.0, location.offset).filter(|_| named && plain)
     }
 }

@@ -9,14 +9,14 @@ use arcline_instruction_set::{MotionError, TagAddress};
 use arcline_motion::cam::{Point, Profile, Segment, SegmentType};
 use arcline_tag::{DataType, Member};
 
-use super::calls::place;
+use super::calls::tag_and_offset;
 use super::cams::Refusal;
 use super::structures::{real, word};
 use super::{Image, TagId};
 
 /// Elements of an array of structures, from one of them to the end of the array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct ElementRange {
     pub(super) id: TagId,
     /// Byte of the first element.
     pub(super) offset: usize,
@@ -26,49 +26,53 @@ pub(super) struct Place {
 
 impl Image {
     /// The array that an operand names.
-    pub(super) fn array_of(&self, operand: &OperandValue<Option<TagAddress>>, size: usize) -> Result<Place, Refusal> {
+    pub(super) fn array_of(
+        &self,
+        operand: &OperandValue<Option<TagAddress>>,
+        size: usize,
+    ) -> Result<ElementRange, Refusal> {
         let unknown = || operand.out_of_range();
-        let (id, offset) = operand.map(place).ok_or_else(unknown)?;
+        let (id, offset) = operand.map(tag_and_offset).ok_or_else(unknown)?;
         let tag_type = &self.tag(id).ok_or_else(unknown)?.tag_type;
         let elements = elements_from(&tag_type.data_type, tag_type.elements() as usize, offset, size);
         match elements {
-            Some(elements) => Ok(Place { id, offset, elements }),
+            Some(elements) => Ok(ElementRange { id, offset, elements }),
             None => Err(unknown().into()),
         }
     }
 
-    pub(super) fn points(&self, cam: Place, length: usize) -> Result<Vec<Point>, Refusal> {
+    pub(super) fn points(&self, cam: ElementRange, length: usize) -> Result<Vec<Point>, Refusal> {
         let bytes = self.bytes(cam.id).get(cam.offset..).unwrap_or_default();
         let mut points: Vec<Point> = Vec::with_capacity(length);
-        for (place, element) in bytes.chunks_exact(CAM).take(length).enumerate() {
+        for (index, element) in bytes.chunks_exact(CAM).take(length).enumerate() {
             let [x, y] = [0, 4].map(|at| real(element, at));
             let kind = match i32::from_le_bytes(word(element, 8)) {
                 0 => SegmentType::Linear,
                 1 => SegmentType::Cubic,
-                _ => return Err(Refusal::element(MotionError::IllegalCamType, place)),
+                _ => return Err(Refusal::element(MotionError::IllegalCamType, index)),
             };
             let rises = points.last().is_none_or(|last| x > last.x);
             if !rises {
-                return Err(Refusal::element(MotionError::IllegalCamOrder, place));
+                return Err(Refusal::element(MotionError::IllegalCamOrder, index));
             }
             points.push(Point { x, y, kind });
         }
         Ok(points)
     }
 
-    pub(super) fn status(&self, place: Place) -> i32 {
-        let bytes = self.bytes(place.id).get(place.offset..);
+    pub(super) fn status(&self, range: ElementRange) -> i32 {
+        let bytes = self.bytes(range.id).get(range.offset..);
         bytes.map_or(NOT_CALCULATED, |bytes| i32::from_le_bytes(word(bytes, 0)))
     }
 
-    pub(super) fn set_status(&mut self, place: Place, status: i32) {
-        self.put(place.id, place.offset, &status.to_le_bytes());
+    pub(super) fn set_status(&mut self, range: ElementRange, status: i32) {
+        self.put(range.id, range.offset, &status.to_le_bytes());
     }
 
     /// The profile that the bytes of these elements are.
-    pub(super) fn stored(&self, place: Place) -> Option<Profile> {
-        let bytes = self.bytes(place.id).get(place.offset..)?;
-        let elements = bytes.chunks_exact(SEGMENT).take(place.elements).enumerate();
+    pub(super) fn stored(&self, range: ElementRange) -> Option<Profile> {
+        let bytes = self.bytes(range.id).get(range.offset..)?;
+        let elements = bytes.chunks_exact(SEGMENT).take(range.elements).enumerate();
         let segments = elements.map_while(|(at, element)| {
             let status = i32::from_le_bytes(word(element, 0));
             // The first one says how often the profile is used, and that it is calculated once more.
@@ -87,8 +91,8 @@ impl Image {
         Profile::from_segments(segments.collect())
     }
 
-    pub(super) fn write_profile(&mut self, place: Place, profile: &Profile) {
-        let mut bytes = Vec::with_capacity(place.elements * SEGMENT);
+    pub(super) fn write_profile(&mut self, range: ElementRange, profile: &Profile) {
+        let mut bytes = Vec::with_capacity(range.elements * SEGMENT);
         for segment in profile.segments() {
             bytes.extend(CALCULATED.to_le_bytes());
             bytes.extend((segment.kind as i32).to_le_bytes());
@@ -97,15 +101,15 @@ impl Image {
                 bytes.extend(number.to_le_bytes());
             }
         }
-        bytes.resize(place.elements * SEGMENT, 0);
-        self.put(place.id, place.offset, &bytes);
-        self.note_written(place.id, place.offset, bytes.len());
+        bytes.resize(range.elements * SEGMENT, 0);
+        self.put(range.id, range.offset, &bytes);
+        self.note_written(range.id, range.offset, bytes.len());
     }
 }
 
-impl Place {
-    pub(super) fn overlaps(&self, other: &Place) -> bool {
-        let end = |place: &Place| place.offset + place.elements * SEGMENT;
+impl ElementRange {
+    pub(super) fn overlaps(&self, other: &ElementRange) -> bool {
+        let end = |range: &ElementRange| range.offset + range.elements * SEGMENT;
         self.id == other.id && self.offset < end(other) && other.offset < end(self)
     }
 }

@@ -11,8 +11,8 @@ use arcline_instruction_set::{Call, Detail, Flag, Mnemonic, MotionControl, Motio
 use arcline_motion::cam::{CalculateError, Profile};
 use arcline_motion::{CallData, Results};
 
-use super::calls::place;
-use super::cam_tags::{CAM, Place, SEGMENT};
+use super::calls::tag_and_offset;
+use super::cam_tags::{CAM, ElementRange, SEGMENT};
 use super::shared::Kept;
 use super::{Image, TagId};
 
@@ -23,7 +23,7 @@ pub struct Staged(Written);
 
 #[derive(Clone, Debug)]
 enum Written {
-    Profile(Place, Profile),
+    Profile(ElementRange, Profile),
     Numbers(Vec<(TagAddress, f64)>),
     /// Results of the tick, for an array.
     Results(TagAddress, Arc<Results>),
@@ -34,9 +34,9 @@ enum Written {
 /// Profiles of the tags that something is done with.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Profiles {
-    calculated: Vec<Place>,
+    calculated: Vec<ElementRange>,
     /// Kept until nobody else has the profile any more: it is freed here.
-    used: Kept<(Place, Arc<Profile>)>,
+    used: Kept<(ElementRange, Arc<Profile>)>,
 }
 
 impl Image {
@@ -76,14 +76,14 @@ impl Image {
     pub fn settle(&mut self, staged: Staged, control: &MotionControl) {
         let done = control.has(Flag::Dn) && !control.has(Flag::Er);
         match staged.0 {
-            Written::Profile(place, profile) => {
-                self.profiles.calculated.retain(|other| *other != place);
+            Written::Profile(range, profile) => {
+                self.profiles.calculated.retain(|other| *other != range);
                 if done {
-                    self.write_profile(place, &profile);
-                } else if self.status(place) == BEING_CALCULATED {
+                    self.write_profile(range, &profile);
+                } else if self.status(range) == BEING_CALCULATED {
                     // What was there is there still.
-                    let status = self.stored(place).map_or(NOT_CALCULATED, |_| CALCULATED);
-                    self.set_status(place, status);
+                    let status = self.stored(range).map_or(NOT_CALCULATED, |_| CALCULATED);
+                    self.set_status(range, status);
                 }
             }
             Written::Results(array, results) => {
@@ -92,11 +92,11 @@ impl Image {
                 }
             }
             Written::Pose([position, configuration, turns], results) => {
-                for (place, number) in results.numbers().enumerate().filter(|_| done) {
-                    match place {
-                        0..=5 => self.write_element(position, place, number),
+                for (index, number) in results.numbers().enumerate().filter(|_| done) {
+                    match index {
+                        0..=5 => self.write_element(position, index, number),
                         6 => self.write_bytes(configuration, 0, &(number as i32).to_le_bytes()),
-                        _ => self.write_bytes(turns, 2 * (place - 7), &(number as i16).to_le_bytes()),
+                        _ => self.write_bytes(turns, 2 * (index - 7), &(number as i16).to_le_bytes()),
                     }
                 }
             }
@@ -114,10 +114,10 @@ impl Image {
         if self.profiles.used.is_empty() {
             return;
         }
-        let places: Vec<Place> = self.profiles.used.iter().map(|(place, _)| *place).collect();
-        for place in places {
-            if self.status(place) >= CALCULATED {
-                self.set_status(place, CALCULATED + self.users(place));
+        let ranges: Vec<ElementRange> = self.profiles.used.iter().map(|(range, _)| *range).collect();
+        for range in ranges {
+            if self.status(range) >= CALCULATED {
+                self.set_status(range, CALCULATED + self.users(range));
             }
         }
         self.profiles.used.retain(|(_, profile)| Arc::strong_count(profile) > 1);
@@ -154,9 +154,11 @@ impl Image {
     }
 
     /// Instructions that use a profile of these elements.
-    fn users(&self, place: Place) -> i32 {
-        let of_place = self.profiles.used.iter().filter(|(used, _)| used.overlaps(&place));
-        of_place.map(|(_, profile)| Arc::strong_count(profile) as i32 - 1).sum()
+    fn users(&self, range: ElementRange) -> i32 {
+        let overlapping = self.profiles.used.iter().filter(|(used, _)| used.overlaps(&range));
+        overlapping
+            .map(|(_, profile)| Arc::strong_count(profile) as i32 - 1)
+            .sum()
     }
 
     fn calculate_profile(&mut self, call: &Call) -> Prepared {
@@ -168,35 +170,35 @@ impl Image {
             cam_profile,
         } = Mccp::of(call);
         let points = self.array_of(&cam, CAM)?;
-        let place = self.array_of(&cam_profile, SEGMENT)?;
+        let range = self.array_of(&cam_profile, SEGMENT)?;
         let Some(length) = usize::try_from(*length)
             .ok()
             .filter(|length| (2..=points.elements).contains(length))
         else {
             return Err(MotionError::IllegalCamLength.into());
         };
-        if place.elements < length {
+        if range.elements < length {
             return Err(MotionError::IllegalCamProfileLength.into());
         }
-        if self.is_calculated(place) {
+        if self.is_calculated(range) {
             return Err(MotionError::CamProfileBeingCalculated.into());
         }
-        if self.users(place) > 0 {
+        if self.users(range) > 0 {
             return Err(MotionError::CamProfileBeingUsed.into());
         }
         let points = self.points(points, length)?;
         let profile = Profile::calculate(&points, *start_slope, *end_slope).map_err(|error| match error {
             CalculateError::TooFew { .. } => Refusal::from(MotionError::IllegalCamLength),
-            CalculateError::Order { place } => Refusal::element(MotionError::IllegalCamOrder, place),
+            CalculateError::Order { point } => Refusal::element(MotionError::IllegalCamOrder, point),
             // A number that is none: an operand out of range.
-            CalculateError::NotFinite { place } => Refusal {
+            CalculateError::NotFinite { point } => Refusal {
                 error: cam.out_of_range(),
-                element: place as u32,
+                element: point as u32,
             },
         })?;
-        self.profiles.calculated.push(place);
-        self.set_status(place, BEING_CALCULATED);
-        Ok((CallData::Done, Some(Staged(Written::Profile(place, profile)))))
+        self.profiles.calculated.push(range);
+        self.set_status(range, BEING_CALCULATED);
+        Ok((CallData::Done, Some(Staged(Written::Profile(range, profile)))))
     }
 
     fn calculate_values(&mut self, call: &Call) -> Prepared {
@@ -225,22 +227,22 @@ impl Image {
 
     fn use_profile(&mut self, cam_profile: &OperandValue<Option<TagAddress>>) -> Prepared {
         self.show_uses();
-        let place = self.array_of(cam_profile, SEGMENT)?;
-        let profile = Arc::new(self.profile(place)?);
-        self.profiles.used.push((place, profile.clone()));
+        let range = self.array_of(cam_profile, SEGMENT)?;
+        let profile = Arc::new(self.profile(range)?);
+        self.profiles.used.push((range, profile.clone()));
         Ok((CallData::Cam(profile), None))
     }
 
     /// The profile of these elements, if it can be used.
-    fn profile(&self, place: Place) -> Result<Profile, Refusal> {
-        if self.is_calculated(place) {
+    fn profile(&self, range: ElementRange) -> Result<Profile, Refusal> {
+        if self.is_calculated(range) {
             return Err(MotionError::CamProfileBeingCalculated.into());
         }
-        self.stored(place).ok_or(MotionError::CamProfileNotCalculated.into())
+        self.stored(range).ok_or(MotionError::CamProfileNotCalculated.into())
     }
 
-    fn is_calculated(&self, place: Place) -> bool {
-        self.profiles.calculated.iter().any(|other| other.overlaps(&place))
+    fn is_calculated(&self, range: ElementRange) -> bool {
+        self.profiles.calculated.iter().any(|other| other.overlaps(&range))
     }
 
     fn write_element(&mut self, array: TagAddress, index: usize, number: f64) {
@@ -259,18 +261,18 @@ impl Image {
 
     /// Bytes of a plain tag from where an operand begins.
     fn write_bytes(&mut self, tag: TagAddress, behind: usize, bytes: &[u8]) {
-        let (id, offset) = place(tag);
+        let (id, offset) = tag_and_offset(tag);
         let offset = offset + behind;
         self.put(id, offset, bytes);
         self.note_written(id, offset, bytes.len());
     }
 
     pub(super) fn put(&mut self, id: TagId, offset: usize, data: &[u8]) {
-        if let Some(place) = self
+        if let Some(bytes) = self
             .bytes_mut(id)
             .and_then(|bytes| bytes.get_mut(offset..offset + data.len()))
         {
-            place.copy_from_slice(data);
+            bytes.copy_from_slice(data);
         }
         self.note_part(id, offset, data.len(), 0xFF);
     }
@@ -286,10 +288,10 @@ pub(super) struct Refusal {
 
 impl Refusal {
     /// EXERR has one byte: elements behind the 127th show in SEGMENT only.
-    pub(super) fn element(error: fn(Detail) -> MotionError, place: usize) -> Self {
+    pub(super) fn element(error: fn(Detail) -> MotionError, element: usize) -> Self {
         Refusal {
-            error: error(Detail(place.min(127) as i8)),
-            element: place as u32,
+            error: error(Detail(element.min(127) as i8)),
+            element: element as u32,
         }
     }
 }

@@ -25,7 +25,7 @@ impl Image {
 
     /// Shows the counters of a snapshot.
     pub(super) fn show_contour_rests(&mut self, snapshot: &Snapshot) {
-        let Some(place) = self.tags.iter().position(|tag| tag.kind == TagKind::ContourRests) else {
+        let Some(row) = self.tags.iter().position(|tag| tag.kind == TagKind::ContourRests) else {
             return;
         };
         let numbers = |system: &SystemSnapshot| {
@@ -38,8 +38,8 @@ impl Image {
         };
         let shown: Vec<u8> = snapshot.systems.iter().flat_map(numbers).collect();
         // A write gives the tag memory of its own.
-        if self.bytes.get(place).is_some_and(|bytes| bytes != shown.as_slice())
-            && let Some(bytes) = self.bytes.get_mut(place).filter(|bytes| bytes.len() == shown.len())
+        if self.bytes.get(row).is_some_and(|bytes| bytes != shown.as_slice())
+            && let Some(bytes) = self.bytes.get_mut(row).filter(|bytes| bytes.len() == shown.len())
         {
             bytes.copy_from_slice(&shown);
         }

@@ -1,10 +1,11 @@
 //! Motion control tags: which slot of the controller shows where, and what a slot shows.
 
-use arcline_instruction_set::{ControlSlot, Flag, MotionControl, predefined};
+use arcline_instruction_set::{ControlSlot, Ending, Flag, MotionControl, predefined};
 use arcline_tag::TagType;
 
 use super::{ControlError, Image, MOTION_CONTROL, TagId, TagKind, is_tag_name};
-use crate::{CONTROL_SLOTS, UNNAMED};
+use crate::machine::Machine;
+use crate::{CONTROL_SLOTS, Cause, UNNAMED};
 
 impl Image {
     /// The slot of a motion control tag; a name that is not known yet becomes a MOTION_INSTRUCTION tag. The name
@@ -55,11 +56,11 @@ impl Image {
     /// Notes that an instruction names a slot.
     fn note_use(&mut self, slot: ControlSlot) {
         self.uses += 1;
-        let place = slot.0 as usize;
-        if self.last_uses.len() <= place {
-            self.last_uses.resize(place + 1, 0);
+        let index = slot.0 as usize;
+        if self.last_uses.len() <= index {
+            self.last_uses.resize(index + 1, 0);
         }
-        self.last_uses[place] = self.uses;
+        self.last_uses[index] = self.uses;
     }
 
     /// The slot of a motion control tag that exists.
@@ -93,8 +94,8 @@ impl Image {
 
     /// What a slot shows.
     pub fn control(&self, slot: ControlSlot) -> MotionControl {
-        let place = self.controls.get(slot.0 as usize);
-        let bytes = place.and_then(|(id, offset)| self.bytes(*id).get(*offset..)?.first_chunk());
+        let index = self.controls.get(slot.0 as usize);
+        let bytes = index.and_then(|(id, offset)| self.bytes(*id).get(*offset..)?.first_chunk());
         bytes.map_or_else(MotionControl::default, |bytes| MotionControl::from_bytes(*bytes))
     }
 
@@ -103,12 +104,29 @@ impl Image {
         let Some((id, offset)) = self.controls.get(slot.0 as usize).copied() else {
             return;
         };
-        if let Some(place) = self
+        if let Some(index) = self
             .bytes_mut(id)
             .and_then(|bytes| bytes.get_mut(offset..offset + MotionControl::SIZE))
         {
-            place.copy_from_slice(&control.to_bytes());
+            index.copy_from_slice(&control.to_bytes());
         }
+    }
+
+    /// The cause that ended an instruction, with its names; `None`: the instruction ended by itself.
+    pub fn ending(&self, machine: &Machine, cause: Cause) -> Option<Ending> {
+        Some(match cause {
+            Cause::Itself => return None,
+            Cause::Instruction { control, mnemonic, .. } => Ending::Instruction {
+                mnemonic,
+                tag: self.control_name(control).to_owned(),
+            },
+            Cause::Fault { axis, faults } => Ending::Fault {
+                axis: machine.axes.get(usize::from(axis))?.name.clone(),
+                faults,
+            },
+            Cause::StopAll => Ending::StopAll,
+            Cause::Jog(why) => Ending::Jog(why),
+        })
     }
 
     pub(super) fn free_slot(&self) -> Option<ControlSlot> {
@@ -121,8 +139,8 @@ impl Image {
     /// Makes a slot that [`Image::free_slot`] gave show at an offset of a tag.
     pub(super) fn use_slot(&mut self, slot: ControlSlot, id: TagId, offset: usize) {
         match self.controls.get_mut(slot.0 as usize) {
-            Some(place) => {
-                *place = (id, offset);
+            Some(index) => {
+                *index = (id, offset);
                 self.table.spare_slots.retain(|spare| *spare != slot.0);
             }
             None => self.controls.push((id, offset)),

@@ -108,15 +108,15 @@ impl Encoder {
         let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
         let mut faults = 0;
         let axes = snapshot.axes.iter().zip(&self.is_virtual);
-        for (place, (axis, is_virtual)) in (FIRST_AXIS..).zip(axes) {
+        for (row, (axis, is_virtual)) in (FIRST_AXIS..).zip(axes) {
             faults |= axis.fault;
             let layout = if *is_virtual { &self.virtual_ } else { &self.cip };
-            if let Some(bytes) = memory.get_mut(place) {
+            if let Some(bytes) = memory.get_mut(row) {
                 layout.encode(axis, group_fault, bytes);
             }
         }
-        for (place, system) in (FIRST_AXIS + self.is_virtual.len()..).zip(&snapshot.systems) {
-            if let Some(bytes) = memory.get_mut(place) {
+        for (row, system) in (FIRST_AXIS + self.is_virtual.len()..).zip(&snapshot.systems) {
+            if let Some(bytes) = memory.get_mut(row) {
                 self.system.encode(system, group_fault, bytes);
             }
         }
@@ -149,8 +149,8 @@ impl Encoder {
         let feedforward = template
             .member("VelocityFeedforwardGain")
             .map(|member| member.offset as usize);
-        for (place, (axis, drive)) in (FIRST_AXIS..).zip(machine.axes.iter().zip(&machine.drives)) {
-            let Some(bytes) = memory.get_mut(place) else { continue };
+        for (row, (axis, drive)) in (FIRST_AXIS..).zip(machine.axes.iter().zip(&machine.drives)) {
+            let Some(bytes) = memory.get_mut(row) else { continue };
             let layout = if axis.is_virtual() { &self.virtual_ } else { &self.cip };
             if let Some(offset) = layout.interpolation_time {
                 put(bytes, offset, 0i32.to_le_bytes());
@@ -261,14 +261,14 @@ impl SystemLayout {
         put(bytes, self.faulted, system.axes_faulted.to_le_bytes());
         put(bytes, self.shutdown, system.axes_shutdown.to_le_bytes());
         put(bytes, self.servo_on, system.axes_servo_on.to_le_bytes());
-        for (place, actual) in system.actual.iter().enumerate() {
-            put(bytes, self.actual + 4 * place, (*actual as f32).to_le_bytes());
+        for (row, actual) in system.actual.iter().enumerate() {
+            put(bytes, self.actual + 4 * row, (*actual as f32).to_le_bytes());
         }
         for (offset, id) in self.frames.into_iter().zip(system.frames) {
             put(bytes, offset, id.to_le_bytes());
         }
-        for (place, turns) in system.turns.iter().enumerate() {
-            put(bytes, self.turns + 2 * place, turns.to_le_bytes());
+        for (row, turns) in system.turns.iter().enumerate() {
+            put(bytes, self.turns + 2 * row, turns.to_le_bytes());
         }
         put(bytes, self.configuration, system.configuration.to_le_bytes());
     }
@@ -280,8 +280,8 @@ fn at(template: &Template, name: &str) -> usize {
 }
 
 fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {
-    if let Some(place) = bytes.get_mut(offset..offset + N) {
-        place.copy_from_slice(&value);
+    if let Some(row) = bytes.get_mut(offset..offset + N) {
+        row.copy_from_slice(&value);
     }
 }
 

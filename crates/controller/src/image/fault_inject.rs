@@ -56,8 +56,8 @@ impl Image {
         data: &[u8],
     ) -> Result<Option<Edge>, WriteError> {
         let mut next = self.bytes(id).to_vec();
-        if let Some(place) = next.get_mut(offset..offset.saturating_add(data.len())) {
-            place.copy_from_slice(data);
+        if let Some(bytes) = next.get_mut(offset..offset.saturating_add(data.len())) {
+            bytes.copy_from_slice(data);
         }
         for (axis, (bits, possible)) in elements(&next).zip(&self.possible_faults).enumerate() {
             if bits & !possible.bits() != 0 {

@@ -63,8 +63,8 @@ impl Image {
         data: &[u8],
     ) -> Result<Option<Edge>, WriteError> {
         let mut next = self.bytes(id).to_vec();
-        if let Some(place) = next.get_mut(offset..offset.saturating_add(data.len())) {
-            place.copy_from_slice(data);
+        if let Some(bytes) = next.get_mut(offset..offset.saturating_add(data.len())) {
+            bytes.copy_from_slice(data);
         }
         if let Some(value) = elements(&next).find(|value| !FEED_OVERRIDE_PERCENT.contains(value)) {
             return Err(WriteError::OutOfRange {

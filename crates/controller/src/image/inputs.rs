@@ -13,8 +13,8 @@ use crate::machine::Machine;
 pub(super) struct Inputs {
     paths: Vec<(TagPath, Means)>,
     /// As far as there are tags.
-    places: Vec<Place>,
-    /// The table of tags for which `places` were found.
+    tags: Vec<InputTag>,
+    /// The table of tags for which `tags` were found.
     found_for: Option<u32>,
     /// What was written and not taken yet.
     written: Vec<Input>,
@@ -27,7 +27,7 @@ enum Means {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct InputTag {
     means: Means,
     id: TagId,
     offset: usize,
@@ -72,20 +72,20 @@ impl Image {
         self.find_inputs();
         let mut written = Vec::new();
         self.note_words(id, offset, length, &mut written);
-        for at in 0..self.inputs.places.len() {
-            let place = self.inputs.places[at];
-            let end = place.offset + place.kind.size();
-            if place.id != id || offset >= end || place.offset >= offset + length {
+        for at in 0..self.inputs.tags.len() {
+            let tag = self.inputs.tags[at];
+            let end = tag.offset + tag.kind.size();
+            if tag.id != id || offset >= end || tag.offset >= offset + length {
                 continue;
             }
-            match place.means {
+            match tag.means {
                 Means::Position(axis) => {
-                    let position = self.input_number(&place);
+                    let position = self.input_number(&tag);
                     written.push(Input::Position { axis, position });
                 }
                 Means::Registration(axis, input) => {
-                    let on = self.input_bit(&place);
-                    if std::mem::replace(&mut self.inputs.places[at].on, on) != on {
+                    let on = self.input_bit(&tag);
+                    if std::mem::replace(&mut self.inputs.tags[at].on, on) != on {
                         written.push(Input::Registration { axis, input, on });
                     }
                 }
@@ -101,7 +101,7 @@ impl Image {
         if self.inputs.found_for == Some(self.table.changes) {
             return;
         }
-        let mut places = Vec::new();
+        let mut tags = Vec::new();
         for (path, means) in &self.inputs.paths {
             let Ok((id, location)) = self.locate(path) else {
                 continue;
@@ -111,33 +111,33 @@ impl Image {
                 continue;
             };
             if plain {
-                let known = self.inputs.places.iter().find(|place| place.means == *means);
-                places.push(Place {
+                let known = self.inputs.tags.iter().find(|tag| tag.means == *means);
+                tags.push(InputTag {
                     means: *means,
                     id,
                     offset: location.offset,
                     kind,
                     bit: location.bit,
-                    on: known.is_some_and(|place| place.on),
+                    on: known.is_some_and(|tag| tag.on),
                 });
             }
         }
-        self.inputs.places = places;
+        self.inputs.tags = tags;
         self.inputs.found_for = Some(self.table.changes);
     }
 
-    fn input_number(&self, place: &Place) -> f64 {
-        let bytes = self.bytes(place.id).get(place.offset..).unwrap_or_default();
-        Value::read(place.kind, bytes).map_or(f64::NAN, Value::as_f64)
+    fn input_number(&self, tag: &InputTag) -> f64 {
+        let bytes = self.bytes(tag.id).get(tag.offset..).unwrap_or_default();
+        Value::read(tag.kind, bytes).map_or(f64::NAN, Value::as_f64)
     }
 
-    fn input_bit(&self, place: &Place) -> bool {
-        match place.bit {
+    fn input_bit(&self, tag: &InputTag) -> bool {
+        match tag.bit {
             Some(bit) => {
-                let byte = self.bytes(place.id).get(place.offset + usize::from(bit / 8));
+                let byte = self.bytes(tag.id).get(tag.offset + usize::from(bit / 8));
                 byte.is_some_and(|byte| byte & 1 << (bit % 8) != 0)
             }
-            None => self.input_number(place) != 0.0,
+            None => self.input_number(tag) != 0.0,
         }
     }
 }

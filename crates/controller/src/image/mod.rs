@@ -12,6 +12,7 @@ mod calls;
 mod cam_tags;
 mod cams;
 mod changes;
+mod clock_step;
 mod contour_rests;
 mod controls;
 mod encode;
@@ -49,6 +50,7 @@ use shared::{Kept, Memory, Shared};
 
 pub use attributes::Progress;
 pub use cams::Staged;
+pub use clock_step::{CLOCK_STEP_TAG, MOST_STEPS};
 pub use contour_rests::CONTOUR_RESTS_TAG;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
@@ -121,6 +123,8 @@ pub struct Image {
     program_tags: Shared<program::ProgramTags>,
     /// What others change of them.
     notes: program::Notes,
+    /// The tag that shows the tick, on the step clock.
+    clock_step: Option<TagId>,
 }
 
 impl Image {
@@ -155,6 +159,7 @@ impl Image {
             shown: attributes::Shown::default(),
             program_tags: Shared::default(),
             notes: program::Notes::default(),
+            clock_step: None,
         };
         image.add(
             &machine.group,
@@ -217,7 +222,7 @@ impl Image {
 
     /// The name of a tag with its program: what [`Image::find`] finds.
     pub fn full_name(&self, tag: &Tag) -> String {
-        match tag.program.and_then(|place| self.programs.get(usize::from(place))) {
+        match tag.program.and_then(|row| self.programs.get(usize::from(row))) {
             Some(program) => format!("Program:{program}.{}", tag.name),
             None => tag.name.clone(),
         }
@@ -230,9 +235,7 @@ impl Image {
 
     /// The bytes of a tag; empty when there is none of that id.
     pub fn bytes(&self, id: TagId) -> &[u8] {
-        self.place(id)
-            .and_then(|place| self.bytes.get(place))
-            .unwrap_or_default()
+        self.place(id).and_then(|row| self.bytes.get(row)).unwrap_or_default()
     }
 
     /// The structure types in use, by ascending template instance id.
@@ -267,6 +270,7 @@ impl Image {
         self.show_attributes(snapshot);
         self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
         self.show_contour_rests(snapshot);
+        self.show_clock(snapshot.tick);
         self.show_uses();
     }
 
@@ -275,7 +279,7 @@ impl Image {
         self.overlapping = health.overlapping;
         self.encoder.health(health, &mut self.bytes);
         let real_time = self.tags.iter().position(|tag| tag.kind == TagKind::RealTime);
-        if let Some(bytes) = real_time.and_then(|place| self.bytes.get_mut(place)) {
+        if let Some(bytes) = real_time.and_then(|row| self.bytes.get_mut(row)) {
             health.encode(bytes);
         }
     }
@@ -296,7 +300,7 @@ impl Image {
         // At the end, unless ids are used again.
         let at = self.tags.partition_point(|tag| tag.id < id);
         self.bytes.insert(at, vec![0; size]);
-        let scope = program.and_then(|place| self.programs.get(usize::from(place)));
+        let scope = program.and_then(|row| self.programs.get(usize::from(row)));
         self.names.insert(scope.map(String::as_str), name, id);
         let tag = Tag {
             id,
@@ -329,10 +333,10 @@ impl Image {
         let kind = match &tag.alias {
             None => TagKind::Plain,
             Some(path) => match self.locate(path) {
-                Ok((tag, place)) => TagKind::Alias(AliasOf {
+                Ok((tag, row)) => TagKind::Alias(AliasOf {
                     tag,
-                    offset: place.offset,
-                    bit: place.bit,
+                    offset: row.offset,
+                    bit: row.bit,
                 }),
                 // The configuration saw to it that there is such a path.
                 Err(_) => return None,
@@ -348,8 +352,8 @@ impl Image {
             TagKind::Alias(alias) => self.tag(alias.tag).map(|tag| tag.access),
             _ => None,
         };
-        if let Some(place) = self.place(id) {
-            self.tags[place].access = match base {
+        if let Some(row) = self.place(id) {
+            self.tags[row].access = match base {
                 Some(Access::ReadOnly) => Access::ReadOnly,
                 _ => tag.access,
             };
@@ -360,22 +364,22 @@ impl Image {
     /// The place of a program, which the list of tags shows from its first tag on.
     fn add_program(&mut self, name: &str) -> u16 {
         let known = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name));
-        let place = known.unwrap_or(self.programs.len()) as u16;
+        let row = known.unwrap_or(self.programs.len()) as u16;
         if known.is_none() {
             self.programs.push(name.to_owned());
         }
         // A program whose tags have gone was forgotten.
         let listed = format!("Program:{name}");
         if self.find(&listed).is_none() {
-            self.add(&listed, TagType::scalar(Elementary::Udint), TagKind::Program(place));
+            self.add(&listed, TagType::scalar(Elementary::Udint), TagKind::Program(row));
         }
-        place
+        row
     }
 
     fn add_instruction(&mut self, tag: &InstructionTag) {
         let Some(control) = self.free_slot() else { return };
         let template = instruction_tag_template(tag.mnemonic);
-        let place = template
+        let row = template
             .member(MOTION_CONTROL)
             .map_or(0, |member| member.offset as usize);
         let target = template
@@ -386,7 +390,7 @@ impl Image {
             control,
         });
         let id = self.add(&tag.name, TagType::scalar(template), kind);
-        self.use_slot(control, id, place);
+        self.use_slot(control, id, row);
         if let Some(bytes) = self.bytes_mut(id) {
             let first = instruction_tag_defaults(tag.mnemonic);
             let len = first.len().min(bytes.len());
@@ -411,8 +415,8 @@ impl Image {
     }
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
-        let place = self.place(id)?;
-        self.bytes.get_mut(place)
+        let row = self.place(id)?;
+        self.bytes.get_mut(row)
     }
 }
 

@@ -11,8 +11,8 @@ use arcline_instruction_set::{Call, MotionError, TagAddress};
 use arcline_motion::{BitCompensation, CallData, CamElement, Input, OUTPUT_BITS, OutputCam, OutputCamError};
 use arcline_tag::TagPath;
 
-use super::calls::place;
-use super::cam_tags::Place;
+use super::calls::tag_and_offset;
+use super::cam_tags::ElementRange;
 use super::cams::{Prepared, Refusal};
 use super::shared::Kept;
 use super::structures::{dint, real, word};
@@ -43,15 +43,17 @@ impl Image {
         let compensation: Vec<BitCompensation> = match *output_compensation {
             None => Vec::new(),
             Some(_) => {
-                let place = self.array_of(&output_compensation, OUTPUT_COMPENSATION)?;
-                let elements = self.elements(place, OUTPUT_COMPENSATION);
+                let range = self.array_of(&output_compensation, OUTPUT_COMPENSATION)?;
+                let elements = self.elements(range, OUTPUT_COMPENSATION);
                 elements.take(OUTPUT_BITS).map(compensation).collect()
             }
         };
         let range = *cam_start_position..=*cam_end_position;
         let cam = OutputCam::new(range, &elements, &compensation).map_err(|error| match error {
-            OutputCamError::Element { place } => Refusal::element(MotionError::IllegalOutputCam, place),
-            OutputCamError::Compensation { place } => Refusal::element(MotionError::IllegalOutputCompensation, place),
+            OutputCamError::Element { element } => Refusal::element(MotionError::IllegalOutputCam, element),
+            OutputCamError::Compensation { element } => {
+                Refusal::element(MotionError::IllegalOutputCompensation, element)
+            }
         })?;
         let cam = Arc::new(cam);
         let tags = [*output, *input];
@@ -63,7 +65,7 @@ impl Image {
     /// Tells the words around output cams among the bytes that were written.
     pub(super) fn note_words(&self, id: TagId, offset: usize, length: usize, written: &mut Vec<Input>) {
         for tag in self.outputs.used.iter().flat_map(|(tags, _)| tags.iter().flatten()) {
-            let (of, from) = place(*tag);
+            let (of, from) = tag_and_offset(*tag);
             let known = |input: &Input| matches!(input, Input::Word { tag: other, .. } if other == tag);
             if of == id && offset < from + WORD && from < offset + length && !written.iter().any(known) {
                 let bits = self.word_of(*tag);
@@ -79,7 +81,7 @@ impl Image {
         };
         let outputs = self.outputs.used.iter().filter_map(|([output, _], _)| *output);
         outputs
-            .map(place)
+            .map(tag_and_offset)
             .any(|(of, from)| of == id && (from..from + WORD).contains(&at.offset))
     }
 
@@ -95,19 +97,19 @@ impl Image {
 
     /// Writes bits of a word; the others stay as they are.
     pub(super) fn apply_bits(&mut self, tag: TagAddress, mask: u32, bits: u32) {
-        let (id, from) = place(tag);
+        let (id, from) = tag_and_offset(tag);
         let word = (self.word_of(tag) & !mask) | (bits & mask);
         self.put(id, from, &word.to_le_bytes());
     }
 
     fn word_of(&self, tag: TagAddress) -> u32 {
-        let (id, from) = place(tag);
+        let (id, from) = tag_and_offset(tag);
         u32::from_le_bytes(word(self.bytes(id), from))
     }
 
-    fn elements(&self, place: Place, size: usize) -> impl Iterator<Item = &[u8]> {
-        let bytes = self.bytes(place.id).get(place.offset..).unwrap_or_default();
-        bytes.chunks_exact(size).take(place.elements)
+    fn elements(&self, range: ElementRange, size: usize) -> impl Iterator<Item = &[u8]> {
+        let bytes = self.bytes(range.id).get(range.offset..).unwrap_or_default();
+        bytes.chunks_exact(size).take(range.elements)
     }
 }
 

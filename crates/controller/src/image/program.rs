@@ -93,10 +93,10 @@ impl Image {
                 if !self.tag(known).is_some_and(fits) {
                     return Err(TableError::Taken { name: tag.name });
                 }
-                if let Some(place) = self.place(known)
-                    && self.tags[place].kind == TagKind::Plain
+                if let Some(row) = self.place(known)
+                    && self.tags[row].kind == TagKind::Plain
                 {
-                    self.tags[place].access = tag.access;
+                    self.tags[row].access = tag.access;
                 }
                 known
             }
@@ -152,8 +152,8 @@ impl Image {
     /// The slot of a structure by its path, such as `Program:Main.Moves[2].Control`.
     pub fn placed_control(&self, path: &str) -> Option<ControlSlot> {
         let controls = &self.program_tags.controls;
-        let place = controls.iter().find(|(_, known)| known.eq_ignore_ascii_case(path));
-        place.map(|(slot, _)| ControlSlot(*slot))
+        let row = controls.iter().find(|(_, known)| known.eq_ignore_ascii_case(path));
+        row.map(|(slot, _)| ControlSlot(*slot))
     }
 
     /// Makes a reserved slot show in a tag of the program, from a byte on.
@@ -164,8 +164,8 @@ impl Image {
 
     /// Gives a slot back that stands in no tag any more.
     pub fn release_control(&mut self, slot: ControlSlot) {
-        if let Some(place) = self.controls.get_mut(slot.0 as usize) {
-            *place = (TagId(0), 0);
+        if let Some(row) = self.controls.get_mut(slot.0 as usize) {
+            *row = (TagId(0), 0);
             self.table.spare_slots.push(slot.0);
         }
         self.program_tags.controls.remove(&slot.0);

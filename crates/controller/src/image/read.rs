@@ -38,16 +38,16 @@ impl Image {
         tag: &Tag,
         rest: &[PathSegment<S>],
     ) -> Result<(TagId, Location), PathError> {
-        let mut place = match tag.kind {
+        let mut location = match tag.kind {
             TagKind::Program(_) => return Err(PathError::Empty),
             _ => arcline_instruction_set::locate(&tag.tag_type, rest)?,
         };
         let TagKind::Alias(alias) = tag.kind else {
-            return Ok((tag.id, place));
+            return Ok((tag.id, location));
         };
-        place.offset += alias.offset;
-        place.bit = place.bit.or(alias.bit);
-        Ok((alias.tag, place))
+        location.offset += alias.offset;
+        location.bit = location.bit.or(alias.bit);
+        Ok((alias.tag, location))
     }
 
     /// The value at a path: of an array its first element from there on.
@@ -55,8 +55,8 @@ impl Image {
     /// # Errors
     /// [`ReadError::NotAValue`] for a structure, else see [`Image::locate`].
     pub fn read(&self, path: &TagPath) -> Result<Value, ReadError> {
-        let (id, place) = self.locate(path)?;
-        value_at(self.bytes(id), &place).ok_or_else(|| not_a_value(path, &place))
+        let (id, location) = self.locate(path)?;
+        value_at(self.bytes(id), &location).ok_or_else(|| not_a_value(path, &location))
     }
 
     /// The numbers from a path to the end of its array.
@@ -64,16 +64,16 @@ impl Image {
     /// # Errors
     /// As [`Image::read`].
     pub fn read_numbers(&self, path: &TagPath) -> Result<Vec<f64>, ReadError> {
-        let (id, place) = self.locate(path)?;
-        let DataType::Elementary(kind) = place.data_type else {
-            return Err(not_a_value(path, &place));
+        let (id, location) = self.locate(path)?;
+        let DataType::Elementary(kind) = location.data_type else {
+            return Err(not_a_value(path, &location));
         };
-        if place.bit.is_some() {
-            let value = value_at(self.bytes(id), &place).ok_or_else(|| not_a_value(path, &place))?;
+        if location.bit.is_some() {
+            let value = value_at(self.bytes(id), &location).ok_or_else(|| not_a_value(path, &location))?;
             return Ok(vec![value.as_f64()]);
         }
-        let bytes = self.bytes(id).get(place.offset..).unwrap_or_default();
-        let elements = bytes.chunks_exact(kind.size()).take(place.elements as usize);
+        let bytes = self.bytes(id).get(location.offset..).unwrap_or_default();
+        let elements = bytes.chunks_exact(kind.size()).take(location.elements as usize);
         Ok(elements
             .filter_map(|bytes| Value::read(kind, bytes))
             .map(Value::as_f64)
@@ -81,20 +81,20 @@ impl Image {
     }
 }
 
-fn value_at(bytes: &[u8], place: &Location) -> Option<Value> {
-    let DataType::Elementary(kind) = place.data_type else {
+fn value_at(bytes: &[u8], location: &Location) -> Option<Value> {
+    let DataType::Elementary(kind) = location.data_type else {
         return None;
     };
-    if let Some(bit) = place.bit {
-        let byte = bytes.get(place.offset + usize::from(bit / 8))?;
+    if let Some(bit) = location.bit {
+        let byte = bytes.get(location.offset + usize::from(bit / 8))?;
         return Some(Value::Bool(byte & 1 << (bit % 8) != 0));
     }
-    Value::read(kind, bytes.get(place.offset..)?)
+    Value::read(kind, bytes.get(location.offset..)?)
 }
 
-pub(super) fn not_a_value(path: &TagPath, place: &Location) -> ReadError {
+pub(super) fn not_a_value(path: &TagPath, location: &Location) -> ReadError {
     ReadError::NotAValue {
         path: path.to_string(),
-        data_type: place.data_type.name().to_owned(),
+        data_type: location.data_type.name().to_owned(),
     }
 }

@@ -73,13 +73,13 @@ pub(super) type TagBytes = Shared<Vec<u8>>;
 pub(super) struct Memory(Vec<Shared<Vec<TagBytes>>>);
 
 impl Memory {
-    pub(super) fn get(&self, place: usize) -> Option<&[u8]> {
-        let bytes = self.0.get(place / GROUP)?.get(place % GROUP)?;
+    pub(super) fn get(&self, index: usize) -> Option<&[u8]> {
+        let bytes = self.0.get(index / GROUP)?.get(index % GROUP)?;
         Some(bytes.as_slice())
     }
 
-    pub(super) fn get_mut(&mut self, place: usize) -> Option<&mut Vec<u8>> {
-        let bytes = self.0.get_mut(place / GROUP)?.get_mut(place % GROUP)?;
+    pub(super) fn get_mut(&mut self, index: usize) -> Option<&mut Vec<u8>> {
+        let bytes = self.0.get_mut(index / GROUP)?.get_mut(index % GROUP)?;
         Some(bytes)
     }
 
@@ -89,9 +89,9 @@ impl Memory {
             if now.is_same(before) {
                 continue;
             }
-            for (place, (now, before)) in now.iter().zip(before.iter()).enumerate() {
+            for (index, (now, before)) in now.iter().zip(before.iter()).enumerate() {
                 if !now.is_same(before) && **now != **before {
-                    note(number * GROUP + place);
+                    note(number * GROUP + index);
                 }
             }
         }
@@ -101,24 +101,24 @@ impl Memory {
     ///
     /// # Panics
     /// If the place is not among the others or right behind them.
-    pub(super) fn insert(&mut self, place: usize, bytes: Vec<u8>) {
+    pub(super) fn insert(&mut self, index: usize, bytes: Vec<u8>) {
         let bytes = TagBytes::new(bytes);
-        let in_the_last = place / GROUP + 1 == self.0.len();
-        let at_the_end = place == self.len();
+        let in_the_last = index / GROUP + 1 == self.0.len();
+        let at_the_end = index == self.len();
         match self.0.last_mut() {
-            Some(last) if in_the_last && last.len() < GROUP => last.insert(place % GROUP, bytes),
+            Some(last) if in_the_last && last.len() < GROUP => last.insert(index % GROUP, bytes),
             _ if at_the_end => self.0.push(Shared::new(vec![bytes])),
             _ => {
                 let mut all = self.all();
-                all.insert(place, bytes);
+                all.insert(index, bytes);
                 *self = Self::of(all);
             }
         }
     }
 
-    pub(super) fn remove(&mut self, place: usize) {
+    pub(super) fn remove(&mut self, index: usize) {
         let mut all = self.all();
-        all.remove(place);
+        all.remove(index);
         *self = Self::of(all);
     }
 
@@ -152,13 +152,13 @@ mod tests {
         // Places that are spread over all groups, by a step that has no common factor with any length here.
         for step in 0..400_usize {
             let number = step.to_le_bytes().to_vec();
-            let place = if step % 3 == 0 {
+            let index = if step % 3 == 0 {
                 list.len()
             } else {
                 step * 7919 % (list.len() + 1)
             };
-            list.insert(place, number.clone());
-            memory.insert(place, number);
+            list.insert(index, number.clone());
+            memory.insert(index, number);
             if step % 5 == 4 {
                 let gone = step * 104_729 % list.len();
                 list.remove(gone);
@@ -167,7 +167,7 @@ mod tests {
             assert_eq!(memory.len(), list.len());
         }
         let held: Vec<Vec<u8>> = (0..=list.len())
-            .map_while(|place| memory.get(place).map(<[u8]>::to_vec))
+            .map_while(|index| memory.get(index).map(<[u8]>::to_vec))
             .collect();
         assert_eq!(held, list);
     }

@@ -12,7 +12,7 @@ use arcline_instruction_set::{Enumeration, MotionError, TagAddress};
 use arcline_motion::{Calculation, DynamicsData, Frame, Frames, PathData, PathMove, Results};
 
 use super::Image;
-use super::calls::place;
+use super::calls::tag_and_offset;
 
 impl Image {
     /// The frames of a work and a tool.
@@ -72,7 +72,7 @@ impl Image {
     /// There is no such tag any more: 13 with the operand.
     pub(super) fn structure_of(&self, operand: &TagOperand) -> Result<&[u8], MotionError> {
         let bytes = operand.and_then(|tag| {
-            let (id, offset) = place(tag);
+            let (id, offset) = tag_and_offset(tag);
             self.bytes(id).get(offset..).filter(|bytes| !bytes.is_empty())
         });
         bytes.ok_or(operand.out_of_range())

@@ -318,9 +318,9 @@ impl Image {
         }
         // A tag that nobody may write is as it is configured; another one when its first value has changed.
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
-        if let Some(place) = self.place(id) {
-            self.tags[place].access = after.access;
-            if let Some(bytes) = self.bytes.get_mut(place).filter(|_| anew) {
+        if let Some(row) = self.place(id) {
+            self.tags[row].access = after.access;
+            if let Some(bytes) = self.bytes.get_mut(row).filter(|_| anew) {
                 let length = bytes.len();
                 bytes.fill(0);
                 if after.first.len() == length {
@@ -348,9 +348,9 @@ impl Image {
     /// The place of a tag among the tags, and of its bytes.
     pub(super) fn place(&self, id: TagId) -> Option<usize> {
         // Nothing below it was removed.
-        let place = index(id)?;
-        if self.tags.get(place).is_some_and(|tag| tag.id == id) {
-            return Some(place);
+        let row = index(id)?;
+        if self.tags.get(row).is_some_and(|tag| tag.id == id) {
+            return Some(row);
         }
         self.tags.binary_search_by_key(&id, |tag| tag.id).ok()
     }
@@ -370,12 +370,10 @@ impl Image {
     }
 
     pub(super) fn remove(&mut self, id: TagId) {
-        let Some(place) = self.place(id) else { return };
-        let tag = self.tags.remove(place);
-        self.bytes.remove(place);
-        let program = tag
-            .program
-            .and_then(|place| self.programs.get(usize::from(place)).cloned());
+        let Some(row) = self.place(id) else { return };
+        let tag = self.tags.remove(row);
+        self.bytes.remove(row);
+        let program = tag.program.and_then(|row| self.programs.get(usize::from(row)).cloned());
         self.names.remove(program.as_deref(), &tag.name, id);
         let slot = match tag.kind {
             TagKind::Instruction(kind) => Some(kind.control),
@@ -398,7 +396,7 @@ impl Image {
         let empty: Vec<TagId> = self
             .tags
             .iter()
-            .filter(|tag| matches!(tag.kind, TagKind::Program(place) if !self.tags.iter().any(|other| other.program == Some(place))))
+            .filter(|tag| matches!(tag.kind, TagKind::Program(row) if !self.tags.iter().any(|other| other.program == Some(row))))
             .map(|tag| tag.id)
             .collect();
         empty.into_iter().for_each(|id| self.remove(id));

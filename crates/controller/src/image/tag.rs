@@ -43,6 +43,8 @@ pub enum TagKind {
     FaultInject,
     /// Whether motion is inhibited.
     MotionInhibit,
+    /// The tick, and the ticks that are to pass, on the step clock.
+    ClockStep,
     /// How often the planned contours of every coordinate system have come to rest between moves that go on.
     ContourRests,
 }
@@ -105,7 +107,8 @@ impl TagKind {
             | TagKind::Plain
             | TagKind::FeedOverride
             | TagKind::FaultInject
-            | TagKind::MotionInhibit => Access::ReadWrite,
+            | TagKind::MotionInhibit
+            | TagKind::ClockStep => Access::ReadWrite,
             _ => Access::ReadOnly,
         }
     }
@@ -175,6 +178,8 @@ pub enum Edge {
     DynamicsBits,
     /// The tag `MotionInhibit` was written: motion stops and stays inhibited, or is released.
     Inhibit(bool),
+    /// The tag `ClockStep` was written: so many ticks are to pass.
+    Steps(u32),
     /// A plain tag that the machine reads was written: [`Image::take_inputs`](super::Image::take_inputs).
     Input,
 }

@@ -3,7 +3,7 @@
 use arcline_tag::{DataType, TagPath, Value};
 
 use super::read::not_a_value;
-use super::{Access, CallRoom, Edge, Image, MOTION_CONTROL, TagId, TagKind, WriteError};
+use super::{Access, CallRoom, Edge, Image, MOTION_CONTROL, Tag, TagId, TagKind, WriteError};
 
 impl Image {
     /// Whether clients may write these bytes of a tag.
@@ -15,7 +15,7 @@ impl Image {
         }
         match tag.kind {
             TagKind::Plain => tag.access == Access::ReadWrite,
-            TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit => true,
+            TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit | TagKind::ClockStep => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
@@ -53,6 +53,7 @@ impl Image {
             Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
             Some(TagKind::FaultInject) => return self.write_fault_inject(id, offset, data),
             Some(TagKind::MotionInhibit) => return self.write_motion_inhibit(id, data),
+            Some(TagKind::ClockStep) => return self.write_clock_step(id, data),
             _ => {}
         }
         if let Some(bytes) = self.bytes_mut(id) {
@@ -72,8 +73,9 @@ impl Image {
         if enable.is_none() {
             self.check_write(id, offset, 1)?;
         }
-        if let Some(tag) = self.tag(id).filter(|tag| tag.kind == TagKind::FeedOverride) {
-            // A REAL has no bits.
+        let has_no_bits = |tag: &&Tag| matches!(tag.kind, TagKind::FeedOverride | TagKind::ClockStep);
+        if let Some(tag) = self.tag(id).filter(has_no_bits) {
+            // One is a REAL, the other asks for ticks by its number as a whole.
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
         }
         if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FaultInject) {
@@ -113,17 +115,17 @@ impl Image {
     /// # Errors
     /// As [`Image::locate`] and [`Image::write`].
     pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Option<Edge>, WriteError> {
-        let (id, place) = self.locate(path)?;
-        if let Some(bit) = place.bit {
-            return self.write_bit(id, place.offset, bit, value.as_bool());
+        let (id, location) = self.locate(path)?;
+        if let Some(bit) = location.bit {
+            return self.write_bit(id, location.offset, bit, value.as_bool());
         }
-        let DataType::Elementary(kind) = place.data_type else {
-            return Err(not_a_value(path, &place).into());
+        let DataType::Elementary(kind) = location.data_type else {
+            return Err(not_a_value(path, &location).into());
         };
         let mut bytes = [0; 8];
         let bytes = &mut bytes[..kind.size()];
         value.convert(kind).write(bytes);
-        self.write(id, place.offset, bytes)
+        self.write(id, location.offset, bytes)
     }
 
     /// Whether a bit of a tag is the `EnableIn` of an instruction tag.

@@ -144,8 +144,8 @@ impl Curve {
 
 impl Cuts {
     fn push(&mut self, t: f64) {
-        if let Some(place) = self.at.get_mut(self.count) {
-            *place = t;
+        if let Some(zero) = self.at.get_mut(self.count) {
+            *zero = t;
             self.count += 1;
         }
     }

@@ -114,13 +114,13 @@ impl Drive {
                 now = KinematicState::at_rest(now.position);
             }
         }
-        self.place(now);
+        self.set_state(now);
         self.actual()
     }
 
     /// Removes torque and speed at once: the axis stands where its encoder sees it.
     pub fn halt(&mut self) {
-        self.place(KinematicState::at_rest(self.actual().position));
+        self.set_state(KinematicState::at_rest(self.actual().position));
     }
 
     /// What the axis really does, between the counts of its encoder.
@@ -131,10 +131,10 @@ impl Drive {
         }
     }
 
-    fn place(&mut self, now: KinematicState) {
+    fn set_state(&mut self, now: KinematicState) {
         match self {
             Drive::Ideal(actual) => *actual = now,
-            Drive::Servo(servo) => servo.place(now),
+            Drive::Servo(servo) => servo.set_state(now),
         }
     }
 }

@@ -142,7 +142,7 @@ fn a_command_that_comes_to_rest_within_a_period_is_followed_as_it_is() {
     };
     let run = |period: f64| {
         let mut drive = Drive::servo(0.0, &Settings::unlimited(40.0, 0.3));
-        drive.place(command(0.0));
+        drive.set_state(command(0.0));
         for k in 1..=(0.02 / period).round() as u32 {
             let now = f64::from(k) * period;
             drive.rest_for(now - 0.01);

@@ -215,10 +215,10 @@ impl Drives for SimulatedDrives {
             period: self.period,
             rest: stood,
         };
-        for (place, axis) in axes.iter().enumerate().take(MOST_AXES) {
+        for (index, axis) in axes.iter().enumerate().take(MOST_AXES) {
             if let Some(Some(axis)) = self.axes.get(usize::from(*axis)) {
-                settling.drives[place] = axis.before;
-                settling.ends[place] = axis.set_point.position;
+                settling.drives[index] = axis.before;
+                settling.ends[index] = axis.set_point.position;
             }
         }
         match settling.within() {

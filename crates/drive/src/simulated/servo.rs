@@ -125,7 +125,7 @@ impl Servo {
     }
 
     /// The axis is there, and the command is what the encoder makes of it.
-    pub(crate) fn place(&mut self, now: KinematicState) {
+    pub(crate) fn set_state(&mut self, now: KinematicState) {
         self.actual = now;
         self.command = KinematicState {
             position: self.encoder.read(now.position),

@@ -10,7 +10,7 @@ use crate::{Mnemonic, OperandIndex};
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum BindError {
     /// An operand that has no default was left out.
-    #[error("{mnemonic}: {} is missing", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is missing", NamedOperand(*mnemonic, *operand))]
     TooFew {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -28,7 +28,7 @@ pub enum BindError {
         most: usize,
     },
     /// Not the type of the operand.
-    #[error("{mnemonic}: {} is {given}, expected {expected}", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {given}, expected {expected}", NamedOperand(*mnemonic, *operand))]
     WrongType {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -40,7 +40,7 @@ pub enum BindError {
         expected: &'static str,
     },
     /// An array longer than any instruction uses, where the length has a meaning.
-    #[error("{mnemonic}: {} has {given} elements, at most {most} are possible", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} has {given} elements, at most {most} are possible", NamedOperand(*mnemonic, *operand))]
     TooLong {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -52,7 +52,7 @@ pub enum BindError {
         most: usize,
     },
     /// A word that the enumeration does not have.
-    #[error("{mnemonic}: {} is {word:?}, expected one of {}", Place(*mnemonic, *operand), Choices(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {word:?}, expected one of {}", NamedOperand(*mnemonic, *operand), Choices(*mnemonic, *operand))]
     UnknownWord {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -62,7 +62,7 @@ pub enum BindError {
         word: String,
     },
     /// No object of that name.
-    #[error("{mnemonic}: {} is {name:?}, there is no such {object}", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {name:?}, there is no such {object}", NamedOperand(*mnemonic, *operand))]
     UnknownObject {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -74,7 +74,7 @@ pub enum BindError {
         name: String,
     },
     /// No REAL array tag of that name.
-    #[error("{mnemonic}: {} is {name:?}, there is no such REAL array tag", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {name:?}, there is no such REAL array tag", NamedOperand(*mnemonic, *operand))]
     UnknownArray {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -84,7 +84,7 @@ pub enum BindError {
         name: String,
     },
     /// No tag of that type and name.
-    #[error("{mnemonic}: {} is {name:?}, there is no such tag of type {type_name}", Place(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {name:?}, there is no such tag of type {type_name}", NamedOperand(*mnemonic, *operand))]
     UnknownTag {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -114,9 +114,9 @@ impl BindError {
 }
 
 /// "operand 7 (Speed)".
-struct Place(Mnemonic, OperandIndex);
+struct NamedOperand(Mnemonic, OperandIndex);
 
-impl fmt::Display for Place {
+impl fmt::Display for NamedOperand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let operand = self.0.instruction().operands.get(usize::from(self.1.0));
         write!(

@@ -7,7 +7,7 @@ use crate::text;
 
 /// Where a value stands, which decides its element.
 #[derive(Clone, Copy)]
-pub(super) enum Place<'n> {
+pub(super) enum ValueKind<'n> {
     /// The value of a tag.
     Value,
     /// That of a member.
@@ -24,12 +24,12 @@ pub(super) fn radix(data_type: &DataType) -> &'static str {
 }
 
 /// Writes a value of a type from its bytes.
-pub(super) fn value(xml: &mut Xml, place: Place<'_>, data_type: &DataType, dimensions: &[u32], bytes: &[u8]) {
+pub(super) fn value(xml: &mut Xml, kind: ValueKind<'_>, data_type: &DataType, dimensions: &[u32], bytes: &[u8]) {
     let bits = matches!(data_type, DataType::Elementary(Elementary::Dword));
     let word = if bits { "BOOL" } else { data_type.name() };
-    let named = |element: &'static str, member: &'static str| match place {
-        Place::Value => (element, Vec::new()),
-        Place::Member(name) => (member, vec![("Name", name)]),
+    let named = |element: &'static str, member: &'static str| match kind {
+        ValueKind::Value => (element, Vec::new()),
+        ValueKind::Member(name) => (member, vec![("Name", name)]),
     };
     if dimensions.is_empty() {
         match data_type {
@@ -113,7 +113,13 @@ fn members(xml: &mut Xml, template: &Template, bytes: &[u8]) {
         let dimension = [u32::from(member.dimension)];
         let dimensions = if member.dimension == 0 { &[][..] } else { &dimension };
         let bytes = bytes.get(from..from + member.size()).unwrap_or_default();
-        value(xml, Place::Member(&member.name), &member.data_type, dimensions, bytes);
+        value(
+            xml,
+            ValueKind::Member(&member.name),
+            &member.data_type,
+            dimensions,
+            bytes,
+        );
     }
 }
 

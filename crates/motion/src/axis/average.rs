@@ -11,7 +11,9 @@ pub(crate) struct Average {
     /// Length of the timebase in whole updates, seconds.
     timebase: f64,
     /// How far the axis has come within it.
-    way: f64,
+    displacement: f64,
+    /// For how many updates in a row the position has been the same.
+    unchanged: usize,
 }
 
 impl Average {
@@ -22,14 +24,18 @@ impl Average {
             positions: vec![position; updates as usize].into_boxed_slice(),
             next: 0,
             timebase: updates * period,
-            way: 0.0,
+            displacement: 0.0,
+            unchanged: 0,
         }
     }
 
     /// Takes the position of the next update. Real-time.
     pub(crate) fn take(&mut self, position: f64) {
+        let newest = self.next.checked_sub(1).unwrap_or(self.positions.len() - 1);
+        let is_same = self.positions.get(newest) == Some(&position);
+        self.unchanged = if is_same { self.unchanged.saturating_add(1) } else { 0 };
         if let Some(oldest) = self.positions.get_mut(self.next) {
-            self.way = position - std::mem::replace(oldest, position);
+            self.displacement = position - std::mem::replace(oldest, position);
             self.next += 1;
             if self.next == self.positions.len() {
                 self.next = 0;
@@ -39,7 +45,12 @@ impl Average {
 
     /// Units/s. The division is done only where the velocity is read.
     pub(crate) fn velocity(&self) -> f64 {
-        self.way / self.timebase
+        self.displacement / self.timebase
+    }
+
+    /// All positions are the same: another one like them changes nothing.
+    pub(crate) fn is_steady(&self) -> bool {
+        self.unchanged >= self.positions.len()
     }
 }
 

@@ -80,7 +80,7 @@ impl Axis {
         stop.parting = self.is_parting();
         stop.coordinated = self.has_coordinated_motion();
         self.after_stop = AfterStop::Hold;
-        self.sum.place(from.position);
+        self.sum.set_position(from.position);
         self.begin(GeneratorKind::Stop, stop);
         self.started_at = started_at;
     }
@@ -89,7 +89,7 @@ impl Axis {
     pub(crate) fn brake_from(&mut self, last: KinematicState, began: Instant) {
         let limits = self.dynamics.stop(false);
         self.after_stop = AfterStop::Hold;
-        self.sum.place(last.position);
+        self.sum.set_position(last.position);
         self.command = KinematicState::at_rest(last.position);
         if limits.deceleration <= 0.0 {
             return;

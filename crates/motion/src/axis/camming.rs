@@ -26,6 +26,13 @@ pub(crate) struct Cams {
     pub(crate) offset: Offset,
 }
 
+impl Cams {
+    /// Nothing waits or is to be reported.
+    pub(crate) fn are_idle(&self) -> bool {
+        self.pending.is_none() && self.ended.is_none()
+    }
+}
+
 /// An offset of a master, in its units (MAM 5, 6).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Offset {

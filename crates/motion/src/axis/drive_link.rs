@@ -78,7 +78,7 @@ impl Axis {
     /// is.
     pub(crate) fn take_feedback(&mut self, feedback: Option<&Feedback>, sent: &SetPoint, clock: &Clock) {
         if let Some(now) = self.fed(clock) {
-            self.sum.place(now.position);
+            self.sum.set_position(now.position);
             self.command = now;
             self.set_actual(now);
         } else if self.is_virtual {
@@ -94,7 +94,7 @@ impl Axis {
                     self.link.feedback = *feedback;
                     self.link.at_set_point = feedback.motion.position == sent.position;
                     self.set_actual(KinematicState {
-                        position: self.placed(feedback.motion.position),
+                        position: self.in_axis_coordinates(feedback.motion.position),
                         ..feedback.motion
                     });
                 }
@@ -112,6 +112,17 @@ impl Axis {
         }
         self.link.stood = 0.0;
         self.average.take(self.actual.position - self.redefined);
+    }
+
+    /// Whether the next exchange would leave the axis as it is: it brings the same feedback, or the axis has no drive.
+    pub(crate) fn is_unchanged_by(&self, feedback: Option<&Feedback>) -> bool {
+        !self.has_drive() || feedback.is_some_and(|feedback| *feedback == self.link.feedback)
+    }
+
+    /// Whether the same feedback once more would change nothing.
+    pub(super) fn is_link_steady(&self) -> bool {
+        let link = &self.link;
+        link.lost == 0 && link.stood == 0.0 && link.feedback.latches.iter().all(Option::is_none) && !self.has_gone_off()
     }
 
     fn set_actual(&mut self, actual: KinematicState) {
@@ -137,12 +148,12 @@ impl Axis {
     }
 
     /// The actual position, with what positions were redefined by.
-    pub(super) fn place_actual(&mut self) {
-        self.actual.position = self.placed(self.link.feedback.motion.position);
+    pub(super) fn update_actual(&mut self) {
+        self.actual.position = self.in_axis_coordinates(self.link.feedback.motion.position);
     }
 
     /// A machine position of the last feedback as a position of the axis: exactly its command where it is at its set-point.
-    fn placed(&self, position: f64) -> f64 {
+    fn in_axis_coordinates(&self, position: f64) -> f64 {
         if self.link.at_set_point && self.has_torque() {
             self.command.position
         } else {

@@ -167,6 +167,20 @@ impl Faults {
         strongest
     }
 
+    /// Whether the next check would find what the last one did, and report nothing.
+    pub(crate) fn are_steady(&self) -> bool {
+        let none = [
+            self.injected,
+            self.found,
+            self.raised,
+            self.cleared,
+            self.set,
+            self.again,
+            self.clear,
+        ];
+        none.iter().all(|faults| faults.is_empty()) && self.refused.is_none() && self.exceeded == 0.0
+    }
+
     /// A command of the present update did not go out: the next check finds it.
     pub(crate) fn refuse(&mut self, command: RefusedCommand) {
         self.refused = Some(command);

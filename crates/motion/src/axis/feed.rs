@@ -113,7 +113,7 @@ impl Axis {
     }
 
     /// The axis is somewhere else without having moved there.
-    pub(crate) fn place_fed(&mut self, offset: f64) {
+    pub(crate) fn shift_fed_position(&mut self, offset: f64) {
         self.sum.redefine(offset);
         self.shift(offset);
     }

@@ -78,6 +78,8 @@ pub(crate) struct Axis {
     /// What [`Sum::command`] says at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
+    /// Nothing in the next tick changes it, unless its feedback does or something is done to it: the tick passes over it.
+    pub(crate) dormant: bool,
     /// Something began since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
@@ -141,6 +143,7 @@ impl Axis {
             actual: KinematicState::at_rest(position),
             command: KinematicState::at_rest(position),
             sum: Sum::at_rest(position),
+            dormant: false,
             stale: false,
             homed: start.homed,
             home: description.home,
@@ -329,6 +332,30 @@ impl Axis {
         }
     }
 
+    /// Whether the next tick would leave everything of the axis as it is, if its feedback stays as it is: it stands and nothing is
+    /// under way, awaited, found or to be reported. To be asked at the end of a tick.
+    pub(crate) fn can_be_dormant(&self) -> bool {
+        let stands = |motion: &KinematicState| motion.velocity == 0.0 && motion.acceleration == 0.0;
+        self.sum.is_idle()
+            && stands(&self.command)
+            && stands(&self.actual)
+            && self.average.is_steady()
+            && matches!(
+                self.state,
+                AxisState::Stopped | AxisState::Running | AxisState::Faulted | AxisState::Shutdown
+            )
+            && !self.stale
+            && !self.transforms.controlled
+            && self.homing.is_none()
+            && !self.home_reached
+            && self.feeding.is_none()
+            && self.links.is_empty()
+            && self.cams.iter().all(Cams::are_idle)
+            && !self.awaits_events()
+            && self.is_link_steady()
+            && self.faults.are_steady()
+    }
+
     /// Whether its servo is off for another reason than a fault or a shutdown.
     pub(crate) fn is_off(&self) -> bool {
         matches!(
@@ -361,7 +388,7 @@ impl Axis {
 
     pub(super) fn stand_at(&mut self, position: f64) {
         self.after_stop = AfterStop::Hold;
-        self.sum.place(position);
+        self.sum.set_position(position);
         self.command = KinematicState::at_rest(position);
     }
 }

@@ -43,7 +43,7 @@ impl Axis {
             let position = self.command.position;
             let shown = rotary::shown(position, unwind);
             if shown != position {
-                self.sum.place(shown);
+                self.sum.set_position(shown);
             }
             shown - position
         } else {
@@ -59,7 +59,7 @@ impl Axis {
         self.command = self.sum.command();
         self.redefined += offset;
         if self.has_drive() {
-            self.place_actual();
+            self.update_actual();
         } else {
             self.actual.position += offset;
         }

@@ -120,7 +120,7 @@ impl Sum {
     }
 
     /// Everything is over: the axis stands at a position.
-    pub(crate) fn place(&mut self, position: f64) {
+    pub(crate) fn set_position(&mut self, position: f64) {
         *self = Sum::at_rest(position);
     }
 

@@ -43,19 +43,23 @@ pub(super) fn execute(
     }
     let direction = *transform_direction;
     let point = match (robot, direction) {
-        (None, TransformDirection::Forward) => frame.place_back(&reference),
-        (None, TransformDirection::Inverse) => frame.place(&reference),
+        (None, TransformDirection::Forward) => frame.inverse_transform_point(&reference),
+        (None, TransformDirection::Inverse) => frame.transform_point(&reference),
         (None, _) => return Err(MotionError::TransformDirectionNotSupported),
-        (Some((robot, Joints::Target)), TransformDirection::Forward) => frame.place_back(&tool(&robot, &reference)?),
+        (Some((robot, Joints::Target)), TransformDirection::Forward) => {
+            frame.inverse_transform_point(&tool(&robot, &reference)?)
+        }
         (Some((robot, Joints::Target)), _) => {
             let arm = arm(&robot, direction, three(&positions(motion, to)))?;
-            joints(&robot, &frame.place(&reference), arm)?
+            joints(&robot, &frame.transform_point(&reference), arm)?
         }
         (Some((robot, Joints::Source)), TransformDirection::Forward) => {
             let arm = robot.arm(three(&positions(motion, from)));
-            joints(&robot, &frame.place_back(&reference), arm)?
+            joints(&robot, &frame.inverse_transform_point(&reference), arm)?
         }
-        (Some((robot, Joints::Source)), TransformDirection::Inverse) => frame.place(&tool(&robot, &reference)?),
+        (Some((robot, Joints::Source)), TransformDirection::Inverse) => {
+            frame.transform_point(&tool(&robot, &reference)?)
+        }
         (Some((_, Joints::Source)), _) => return Err(MotionError::TransformDirectionNotSupported),
     };
     if let Some(results) = data.results() {

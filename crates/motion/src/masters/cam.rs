@@ -64,7 +64,7 @@ pub(crate) struct Cam {
     /// Where the slave was then, in its generator's frame.
     slave_from: f64,
     /// Position in the profile at the last look; that of Continuous goes on beyond its ends.
-    place: f64,
+    position: f64,
     /// Which time Continuous runs, from 0; below 0 in reverse.
     turn: f64,
     /// The slave follows the master.
@@ -101,7 +101,7 @@ impl Cam {
             master: Reader::new(at, clock),
             displacement,
             slave_from: slave,
-            place: entry,
+            position: entry,
             turn: 0.0,
             segment: program.profile.at(entry).segment,
             program,
@@ -173,7 +173,7 @@ impl Cam {
         let (start, end) = (program.profile.start().0, program.profile.end().0);
         program.entry = if exit.at_end { start } else { end };
         (program.source, program.link) = (self.program.source, self.program.link);
-        self.place = program.entry;
+        self.position = program.entry;
         self.program = program;
         self.displacement = Displacement::at_once(self.program.sense, exit.master, false);
         self.slave_from = exit.slave;
@@ -193,18 +193,18 @@ impl Cam {
         let (slave_scale, master_scale, entry) = (*slave_scale, *master_scale, *entry);
         let master = self.master.now;
         let gone = self.displacement.gone(&self.master);
-        let place = entry + gone / master_scale;
-        let before = std::mem::replace(&mut self.place, place);
+        let position = entry + gone / master_scale;
+        let before = std::mem::replace(&mut self.position, position);
         let (start, length) = (profile.start().0, profile.length());
         let rounding = ROUNDING * length;
         let turn = match mode {
-            ExecutionMode::Continuous => ((place - start) / length).floor(),
+            ExecutionMode::Continuous => ((position - start) / length).floor(),
             ExecutionMode::Once | ExecutionMode::Persistent => 0.0,
         };
         let ends = *mode == ExecutionMode::Once || hands_over;
         let (first, last) = (start + self.turn * length, start + (self.turn + 1.0) * length);
         let beyond = |end: f64, sign: f64| {
-            let (now, then) = (sign * (place - end), sign * (before - end));
+            let (now, then) = (sign * (position - end), sign * (before - end));
             now > rounding || (now >= -rounding && then < -rounding)
         };
         let at_end = beyond(last, 1.0);
@@ -224,7 +224,7 @@ impl Cam {
             return (KinematicState::at_rest(slave), Some(exit));
         }
         self.turn = turn;
-        let inside = place - turn * length;
+        let inside = position - turn * length;
         let value = profile.at(inside);
         let within =
             *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);

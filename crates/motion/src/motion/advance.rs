@@ -216,10 +216,10 @@ impl Motion {
 
     /// The commands stand exactly on a point.
     fn hold_at(&mut self, index: SystemId, end: &Point) {
-        for (place, axis) in numbered(self.systems[index].description.linear()) {
+        for (member, axis) in numbered(self.systems[index].description.linear()) {
             if let Some(axis) = self.axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
-                    position: component(end, place),
+                    position: component(end, member),
                     ..Default::default()
                 });
             }
@@ -362,9 +362,9 @@ impl Motion {
             }
             if let Some(end) = system.travel.active().map(|active| active.path.end()) {
                 let axes = &self.axes;
-                let squares = numbered(system.description.linear()).map(|(place, axis)| {
+                let squares = numbered(system.description.linear()).map(|(member, axis)| {
                     let generator = axes.get(axis).and_then(|axis| axis.sum.get(GeneratorKind::System));
-                    let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, place);
+                    let left = generator.map_or(0.0, |generator| generator.now.position) - component(&end, member);
                     left * left
                 });
                 system.shown.in_command_tolerance = squares.sum::<f64>().sqrt() < system.description.command_tolerance;
@@ -393,12 +393,12 @@ fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Resul
 }
 
 fn set_commands(members: &[AxisId], axes: &mut Axes, sample: &Sample) {
-    for (place, axis) in numbered(members) {
+    for (member, axis) in numbered(members) {
         if let Some(axis) = axes.get_mut(axis) {
             axis.set_coordinated(KinematicState {
-                position: component(&sample.position, place),
-                velocity: component(&sample.velocity, place),
-                acceleration: component(&sample.acceleration, place),
+                position: component(&sample.position, member),
+                velocity: component(&sample.velocity, member),
+                acceleration: component(&sample.acceleration, member),
             });
         }
     }

@@ -26,6 +26,9 @@ impl Motion {
         let mut refused = AxisSet::default();
         let mut first = None;
         for id in self.axes.ids() {
+            if self.axes[id].dormant {
+                continue;
+            }
             let Some(command) = self.refused_command(id) else {
                 continue;
             };
@@ -163,7 +166,7 @@ impl Motion {
         }
         let position = self.set_points[id.index()].position + self.axes[id].redefined;
         let axis = &mut self.axes[id];
-        axis.sum.place(position);
+        axis.sum.set_position(position);
         axis.command = KinematicState::at_rest(position);
     }
 }

@@ -34,6 +34,9 @@ impl Motion {
     pub(super) fn check_faults(&mut self) {
         let period = self.clock.period();
         for index in self.axes.ids() {
+            if self.axes[index].dormant {
+                continue;
+            }
             let axis = &mut self.axes[index];
             let mut observed = axis.observed();
             observed.lost = axis

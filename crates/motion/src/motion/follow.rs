@@ -14,8 +14,8 @@ impl Motion {
     /// Commands of all axes at the present tick, in order.
     pub(crate) fn advance_followers(&mut self) {
         let mut followers = 0;
-        for place in 0..self.order.len() {
-            let Some(step) = self.order.step(place) else {
+        for step_index in 0..self.order.len() {
+            let Some(step) = self.order.step(step_index) else {
                 break;
             };
             match step {
@@ -43,8 +43,8 @@ impl Motion {
 
     /// Commands alone, once more: something changed within the tick.
     pub(crate) fn refresh_followers(&mut self) {
-        for place in 0..self.order.len() {
-            if let Some(step) = self.order.step(place) {
+        for step_index in 0..self.order.len() {
+            if let Some(step) = self.order.step(step_index) {
                 self.compute(step);
             }
         }
@@ -89,8 +89,8 @@ impl Motion {
 
     /// Which side of each transform moves the other one, once the motions that ended in this update are over.
     pub(super) fn show_transforms(&mut self) {
-        for place in 0..self.order.len() {
-            match self.order.step(place) {
+        for step_index in 0..self.order.len() {
+            match self.order.step(step_index) {
                 Some(Step::Transform(part)) => self.transforms.show(part, &self.axes),
                 Some(Step::Whole(axis)) if self.axes[axis].is_transformed() => {
                     self.transforms.show_controlled(axis, &mut self.axes);

@@ -21,7 +21,7 @@ impl Motion {
             self.advance_followers();
             return;
         }
-        for axis in self.axes.iter_mut() {
+        for axis in self.axes.awake_mut() {
             axis.advance(&self.clock);
             axis.advance_homing(&self.clock);
         }
@@ -30,7 +30,8 @@ impl Motion {
     /// What instructions began at this tick shows in the commands of it. `changed`: coordinated motion began or changed.
     pub(super) fn refresh_axes(&mut self, mut changed: bool) {
         for index in self.axes.ids() {
-            if std::mem::take(&mut self.axes[index].stale) {
+            if self.axes[index].stale {
+                self.axes[index].stale = false;
                 changed = true;
                 self.axes[index].advance(&self.clock);
                 self.report_generators(index);

@@ -221,7 +221,7 @@ impl Motion {
                 link.show_active(is_used, &mut self.controls, self.clock.tick);
             }
         }
-        for axis in self.axes.iter_mut().filter(|axis| !axis.links.is_empty()) {
+        for axis in self.axes.awake_mut().filter(|axis| !axis.links.is_empty()) {
             let follower = |kind| axis.sum.get(kind)?.follower.map(|follower| follower.link);
             let cam = axis.cam(GeneratorKind::TimeCam).and_then(Cam::link);
             let [moves, jogs, offsets] = GeneratorKind::GUIDED.map(follower);

@@ -105,7 +105,7 @@ impl Motion {
             return;
         };
         if let Fed::Placed(offset) = feeding.take(position, unwind, &clock) {
-            state.place_fed(offset);
+            state.shift_fed_position(offset);
         }
     }
 

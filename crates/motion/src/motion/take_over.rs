@@ -84,8 +84,8 @@ impl Motion {
         let s_curve = system.is_s_curve();
         let before = system.travel.limits_in_force(&system.time_base(&self.clock));
         self.end_travel(index);
-        for place in 0..self.systems[index].taken().len() {
-            let axis = self.systems[index].taken()[place];
+        for member in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[member];
             let Some(state) = self.axes.get_mut(axis) else {
                 continue;
             };
@@ -145,8 +145,8 @@ impl Motion {
         } else {
             description.linear().len()
         };
-        for place in 0..taken {
-            let axis = self.systems[index].description.axes[place];
+        for member in 0..taken {
+            let axis = self.systems[index].description.axes[member];
             let Some(axis) = self.axes.get_mut(axis) else {
                 continue;
             };
@@ -162,8 +162,8 @@ impl Motion {
 
     /// Takes Rx, Ry, Rz of a system into the moves that wait: from now on what else turns them is added to where these lead.
     pub(crate) fn join_turned_axes(&mut self, index: SystemId, s_curve: bool) {
-        for place in 0..self.systems[index].description.oriented().len() {
-            let axis = self.systems[index].description.oriented()[place];
+        for member in 0..self.systems[index].description.oriented().len() {
+            let axis = self.systems[index].description.oriented()[member];
             if let Some(axis) = self.axes.get_mut(axis)
                 && !axis.is_coordinated()
             {
@@ -174,8 +174,8 @@ impl Motion {
 
     /// Takes the axes of a system out of its coordinated move as they are.
     pub(crate) fn part_axes(&mut self, index: SystemId) {
-        for place in 0..self.systems[index].taken().len() {
-            let axis = self.systems[index].taken()[place];
+        for member in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[member];
             if let Some(axis) = self.axes.get_mut(axis) {
                 axis.release();
             }
@@ -185,8 +185,8 @@ impl Motion {
     /// Everything the system moved stands; nothing is active any more.
     pub(crate) fn release_axes(&mut self, index: SystemId) {
         self.rest_system(index);
-        for place in 0..self.systems[index].taken().len() {
-            let axis = self.systems[index].taken()[place];
+        for member in 0..self.systems[index].taken().len() {
+            let axis = self.systems[index].taken()[member];
             if let Some(axis) = self.axes.get_mut(axis)
                 && axis.is_coordinated()
             {

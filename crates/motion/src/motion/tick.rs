@@ -22,6 +22,7 @@ impl Motion {
         self.check_faults();
         self.finish_stops();
         self.show_status();
+        self.axes.let_rest();
     }
 
     /// Commands of all axes at the present tick: coordinate systems, then axes, what follows behind what it follows.
@@ -40,12 +41,18 @@ impl Motion {
     /// exchange.
     fn exchange(&mut self, drives: &mut dyn Drives) {
         for (axis, set_point) in self.axes.iter().zip(&mut self.set_points) {
-            axis.write_set_point(set_point);
+            if !axis.dormant {
+                axis.write_set_point(set_point);
+            }
         }
         let answered = drives.exchange(&self.set_points, &mut self.feedback).is_ok();
         let values = self.set_points.iter().zip(&self.feedback);
-        for (axis, (sent, feedback)) in self.axes.iter_mut().zip(values) {
-            axis.take_feedback(answered.then_some(feedback), sent, &self.clock);
+        for (axis, (sent, feedback)) in self.axes.all_mut().zip(values) {
+            let feedback = answered.then_some(feedback);
+            axis.dormant &= axis.is_unchanged_by(feedback);
+            if !axis.dormant {
+                axis.take_feedback(feedback, sent, &self.clock);
+            }
         }
         self.axes.exchanged = true;
     }
@@ -58,6 +65,9 @@ impl Motion {
             self.finish_settling(index, drives);
         }
         for index in self.axes.ids() {
+            if self.axes[index].dormant {
+                continue;
+            }
             let found = self.axes[index].home_was_found(&self.clock);
             if self.axes[index].in_motion() {
                 self.report_generators(index);

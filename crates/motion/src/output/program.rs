@@ -59,16 +59,16 @@ pub struct BitCompensation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum OutputCamError {
     /// An element of the OUTPUT_CAM array (36).
-    #[error("element {place} of the output cam cannot be")]
+    #[error("element {element} of the output cam cannot be")]
     Element {
         /// Which one.
-        place: usize,
+        element: usize,
     },
     /// An element of the OUTPUT_COMPENSATION array (37).
-    #[error("element {place} of the output compensation cannot be")]
+    #[error("element {element} of the output compensation cannot be")]
     Compensation {
         /// Which one.
-        place: usize,
+        element: usize,
     },
 }
 
@@ -165,7 +165,7 @@ impl OutputCam {
     ) -> Result<Self, OutputCamError> {
         if elements.len() > MAX_OUTPUT_ELEMENTS {
             return Err(OutputCamError::Element {
-                place: MAX_OUTPUT_ELEMENTS,
+                element: MAX_OUTPUT_ELEMENTS,
             });
         }
         let (start, end) = range.into_inner();
@@ -176,15 +176,17 @@ impl OutputCam {
             compensation: [Compensation::default(); OUTPUT_BITS],
             mask: 0,
         };
-        for (place, element) in elements.iter().enumerate() {
-            let element = element.checked(start, end).ok_or(OutputCamError::Element { place })?;
+        for (index, element) in elements.iter().enumerate() {
+            let element = element
+                .checked(start, end)
+                .ok_or(OutputCamError::Element { element: index })?;
             if (element.latch, element.unlatch) != (Latch::Inactive, Unlatch::Inactive) {
                 cam.mask |= 1 << element.bit;
                 cam.elements.push(element);
             }
         }
-        for (place, (own, given)) in cam.compensation.iter_mut().zip(compensation).enumerate() {
-            *own = given.checked().ok_or(OutputCamError::Compensation { place })?;
+        for (index, (own, given)) in cam.compensation.iter_mut().zip(compensation).enumerate() {
+            *own = given.checked().ok_or(OutputCamError::Compensation { element: index })?;
         }
         for element in &mut cam.elements {
             let own = &cam.compensation[usize::from(element.bit)];
@@ -326,7 +328,7 @@ mod tests {
         ];
         for (why, element, legal) in cases {
             let cam = OutputCam::new(0.0..=100.0, &[WINDOW, *element], &[]);
-            let expected = OutputCamError::Element { place: 1 };
+            let expected = OutputCamError::Element { element: 1 };
             assert_eq!(cam.err(), (!legal).then_some(expected), "{why}");
         }
         let many = [WINDOW; MAX_OUTPUT_ELEMENTS + 1];
@@ -356,7 +358,7 @@ mod tests {
         ];
         for (why, compensation, legal) in cases {
             let cam = OutputCam::new(0.0..=100.0, &[WINDOW], &[BitCompensation::default(), *compensation]);
-            let expected = OutputCamError::Compensation { place: 1 };
+            let expected = OutputCamError::Compensation { element: 1 };
             assert_eq!(cam.err(), (!legal).then_some(expected), "{why}");
         }
     }

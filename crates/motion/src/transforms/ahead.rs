@@ -205,11 +205,11 @@ impl Present<'_> {
     fn step_along(&self, stop: &mut PathStop, sample: &Sample, steps: &mut [KinematicState]) {
         let system = &self.systems[stop.system].description;
         let mut add = |axes: &[AxisId], [position, velocity, acceleration]: [Vector; 3]| {
-            for (place, axis) in numbered(axes) {
+            for (component_index, axis) in numbered(axes) {
                 let step = &mut steps[usize::from(axis)];
-                step.position += component(&position, place) - self.coordinated(axis);
-                step.velocity += component(&velocity, place);
-                step.acceleration += component(&acceleration, place);
+                step.position += component(&position, component_index) - self.coordinated(axis);
+                step.velocity += component(&velocity, component_index);
+                step.acceleration += component(&acceleration, component_index);
             }
         };
         add(system.linear(), [sample.position, sample.velocity, sample.acceleration]);

@@ -104,8 +104,8 @@ impl Transforms {
     fn keep_feedback(&mut self, id: TransformId, cancelled: &Transform) {
         for other in self.active.iter_mut().take(id.index()).flatten() {
             for (axis, kept) in other.source.iter().zip(&mut other.cancelled_feedback) {
-                if let Some(place) = cancelled.source.index_of(*axis) {
-                    *kept += cancelled.feedback[place].position;
+                if let Some(index) = cancelled.source.index_of(*axis) {
+                    *kept += cancelled.feedback[index].position;
                 }
             }
         }

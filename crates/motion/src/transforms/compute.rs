@@ -52,7 +52,7 @@ impl Transforms {
             *point = self.before_feedback(axes, *axis, id);
             point.position -= cancelled;
         }
-        let target = transform.place(&source).and_then(|target| {
+        let target = transform.target_of(&source).and_then(|target| {
             if !transform.is_led_by_others() {
                 within_speeds(transform, axes, [&transform.target_before, &target], period)?;
             }
@@ -119,7 +119,7 @@ impl Transforms {
     fn set_points_of(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Result<Side, MotionError> {
         let source = self.source_without_feedback(axes, id, transform);
         let Map::Robot(robot) = &transform.map else {
-            return transform.place(&source);
+            return transform.target_of(&source);
         };
         if source == transform.source_before {
             return Ok(transform.target_before);
@@ -134,7 +134,7 @@ impl Transforms {
         let mut own = *robot;
         own.note_joints(positions(&transform.with(&added)));
         moved.map = Map::Robot(own);
-        let mut target = moved.place(&whole)?;
+        let mut target = moved.target_of(&whole)?;
         for (target, added) in target.iter_mut().zip(&added) {
             target.position -= added.position;
             target.velocity -= added.velocity;
@@ -168,25 +168,25 @@ impl Transforms {
             state.stale = true;
         }
         let target_axes = transform.target;
-        for (place, axis) in target_axes.iter().enumerate() {
-            transform.added_at_start[place] = self.added(axes, *axis).position;
+        for (index, axis) in target_axes.iter().enumerate() {
+            transform.added_at_start[index] = self.added(axes, *axis).position;
         }
         let source = self.source_without_feedback(axes, id, &transform);
         // It cannot fail: it has been verified for this position.
-        let placed = transform.place(&source).unwrap_or_default();
+        let placed = transform.target_of(&source).unwrap_or_default();
         transform.source_before = source;
-        for (place, axis) in target_axes.iter().enumerate() {
+        for (index, axis) in target_axes.iter().enumerate() {
             let part = &mut axes[*axis].transforms;
-            transform.offset[place] = part.rest - placed[place].position;
-            transform.target_before[place] = KinematicState::at_rest(part.rest);
-            transform.target_set_points[place] = KinematicState::at_rest(part.rest);
+            transform.offset[index] = part.rest - placed[index].position;
+            transform.target_before[index] = KinematicState::at_rest(part.rest);
+            transform.target_set_points[index] = KinematicState::at_rest(part.rest);
             part.target_of = Some(id);
         }
         for axis in transform.source.iter() {
             axes[*axis].transforms.source_of |= id.bit();
         }
-        if let Some(place) = self.active.get_mut(id.index()) {
-            *place = Some(transform);
+        if let Some(index) = self.active.get_mut(id.index()) {
+            *index = Some(transform);
         }
     }
 
@@ -204,14 +204,14 @@ impl Transforms {
         }
         let mut settled = *transform;
         let whole = settled.with(&added);
-        for (place, axis) in transform.source.iter().enumerate() {
-            axes[*axis].transforms.settled += settled.feedback[place].position;
-            settled.source_before[place].position += settled.feedback[place].position;
+        for (index, axis) in transform.source.iter().enumerate() {
+            axes[*axis].transforms.settled += settled.feedback[index].position;
+            settled.source_before[index].position += settled.feedback[index].position;
         }
         settled.feedback = Side::default();
-        for (place, (axis, added)) in transform.target.iter().zip(&added).enumerate() {
-            settled.added_at_start[place] = self.added(axes, *axis).position;
-            settled.offset[place] -= added.position;
+        for (index, (axis, added)) in transform.target.iter().zip(&added).enumerate() {
+            settled.added_at_start[index] = self.added(axes, *axis).position;
+            settled.offset[index] -= added.position;
         }
         if let Map::Robot(robot) = &mut settled.map {
             robot.settle(&settled.source_before, &whole);
@@ -240,8 +240,8 @@ impl Transforms {
     fn feedback_to(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> KinematicState {
         let mut total = KinematicState::default();
         for transform in self.fed_back_by(axes, axis, but) {
-            if let Some(place) = transform.source.index_of(axis) {
-                add(&mut total, &transform.feedback[place]);
+            if let Some(index) = transform.source.index_of(axis) {
+                add(&mut total, &transform.feedback[index]);
             }
         }
         total
@@ -251,7 +251,7 @@ impl Transforms {
     fn set_point(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
-            Some((transform, place)) => transform.target_set_points[place],
+            Some((transform, index)) => transform.target_set_points[index],
             None => KinematicState::at_rest(part.rest),
         };
         point.position += part.settled;
@@ -277,14 +277,14 @@ impl Transforms {
     fn before_feedback(&self, axes: &Axes, axis: AxisId, id: TransformId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
-            Some((transform, place)) => transform.target_before[place],
+            Some((transform, index)) => transform.target_before[index],
             None => KinematicState::at_rest(part.rest),
         };
         point.position += part.settled;
         let mut total = seen(&axes[axis], point);
         for (_, other) in self.iter().take_while(|(other, _)| *other < id) {
-            if let Some(place) = other.source.index_of(axis) {
-                add(&mut total, &other.feedback[place]);
+            if let Some(index) = other.source.index_of(axis) {
+                add(&mut total, &other.feedback[index]);
             }
         }
         total
@@ -303,9 +303,9 @@ impl Transforms {
     /// The same of each axis of a target since the transform began, or since the displacement became part of the source's position.
     pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> Side {
         let mut added = Side::default();
-        for ((place, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
+        for ((index, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
             *added = self.added(axes, *axis);
-            added.position -= transform.added_at_start[place];
+            added.position -= transform.added_at_start[index];
         }
         added
     }
@@ -363,14 +363,14 @@ fn within_speeds(
     if !transform.has_robot_target() {
         return Ok(());
     }
-    for (place, axis) in transform.target.iter().enumerate() {
-        let (now, before) = (&now[place], &before[place]);
+    for (index, axis) in transform.target.iter().enumerate() {
+        let (now, before) = (&now[index], &before[index]);
         if guard::too_far(before, now, axes[*axis].dynamics.speed, period) {
             let at_once = (now.position - before.position).abs() > guard::AT_ONCE;
             return Err(if at_once {
                 MotionError::TransformAtOrigin
             } else {
-                MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8))
+                MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8))
             });
         }
     }
@@ -382,11 +382,11 @@ fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, perio
     if transform.robot().is_none() || transform.has_robot_target() {
         return Ok(());
     }
-    for (place, axis) in transform.source.iter().enumerate() {
+    for (index, axis) in transform.source.iter().enumerate() {
         // Only a part of the joint's motion comes from the target.
-        let most = axes[*axis].dynamics.speed + transform.source_before[place].velocity.abs();
-        if guard::too_far(&transform.feedback[place], &feedback[place], most, period) {
-            return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
+        let most = axes[*axis].dynamics.speed + transform.source_before[index].velocity.abs();
+        if guard::too_far(&transform.feedback[index], &feedback[index], most, period) {
+            return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
         }
     }
     Ok(())

@@ -43,8 +43,8 @@ struct Look {
 }
 
 impl Look {
-    fn joint(&self, place: usize) -> KinematicState {
-        let (led, own) = (&self.led[place], &self.own[place]);
+    fn joint(&self, index: usize) -> KinematicState {
+        let (led, own) = (&self.led[index], &self.own[index]);
         KinematicState {
             position: led.position + own.position,
             velocity: led.velocity + own.velocity,
@@ -138,8 +138,8 @@ impl Present<'_> {
             left: CLOSER,
         };
         let mut before = now;
-        for place in 0..=LOOKS {
-            let share = f64::from(place) / f64::from(LOOKS);
+        for index in 0..=LOOKS {
+            let share = f64::from(index) / f64::from(LOOKS);
             before = stop.go_to(before, duration * share)?;
             if duration <= 0.0 {
                 break;
@@ -209,11 +209,11 @@ impl Present<'_> {
                 point.position += point.velocity * seconds * share;
                 point.velocity *= (1.0 - share).sqrt();
             }
-            let led = robot.place(&there)?;
+            let led = robot.target_of(&there)?;
             robot.follow_joints(&led);
-            for (place, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
+            for (index, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
                 if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + ROUNDING) {
-                    return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
+                    return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
                 }
             }
         }
@@ -222,23 +222,23 @@ impl Present<'_> {
 
     fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [Bounds; MAX_SYSTEM_AXES] {
         let added = self.transforms.added_to(self.axes, transform);
-        std::array::from_fn(|place| {
+        std::array::from_fn(|index| {
             let mut bounds = Bounds {
                 speed: f64::INFINITY,
                 room: [f64::NEG_INFINITY, f64::INFINITY],
-                beyond: MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)),
+                beyond: MotionError::MaxJointAngleExceeded(AxisIndex(index as u8)),
             };
-            let Some(axis) = transform.target.get(place) else {
+            let Some(axis) = transform.target.get(index) else {
                 return bounds;
             };
             let axis = &self.axes[*axis];
-            let now = transform.target_before[place].position - transform.offset[place];
+            let now = transform.target_before[index].position - transform.offset[index];
             bounds.speed = axis.dynamics.speed;
             bounds.room = axis.faults.room(axis.command.position).map(|room| now + room);
-            if let Some([least, most]) = robot.range(place) {
-                let own = [least, most].map(|end| end - added[place].position);
+            if let Some([least, most]) = robot.range(index) {
+                let own = [least, most].map(|end| end - added[index].position);
                 if !robot.has_mirror() && (own[0] > bounds.room[0] || own[1] < bounds.room[1]) {
-                    bounds.beyond = MotionError::InvalidTransformPosition(Detail(place as i8));
+                    bounds.beyond = MotionError::InvalidTransformPosition(Detail(index as i8));
                 }
                 // A joint that is beyond may come back.
                 bounds.room = [bounds.room[0].max(own[0].min(now)), bounds.room[1].min(own[1].max(now))];
@@ -291,7 +291,7 @@ impl Stop<'_> {
         let mut look = Look { at, ..self.now };
         if self.transform.source_moves {
             let source = self.present.source_ahead(self.transform, self.ahead);
-            look.led = self.robot.place(&source)?;
+            look.led = self.robot.target_of(&source)?;
         }
         for (axis, own) in self.transform.target.iter().zip(&mut look.own) {
             *own = self.ahead.step(*axis);
@@ -302,11 +302,11 @@ impl Stop<'_> {
     fn between(&self, before: &Look, next: &Look) -> Between {
         let width = next.at - before.at;
         let mut verdict = Between::Kept;
-        for place in 0..self.transform.target.len() {
-            let bounds = &self.bounds[place];
-            let (from, to) = (before.joint(place), next.joint(place));
+        for index in 0..self.transform.target.len() {
+            let bounds = &self.bounds[index];
+            let (from, to) = (before.joint(index), next.joint(index));
             if to.velocity.abs() > bounds.speed * (1.0 + ROUNDING) {
-                return Between::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8)));
+                return Between::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
             }
             let [least, most] = bounds.room;
             if to.position < least - SMALL || to.position > most + SMALL {
@@ -338,13 +338,13 @@ impl Stop<'_> {
     fn judge(&self, before: &Look, next: &Look) -> Result<(), MotionError> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
-        for place in 0..self.transform.target.len() {
-            let way = (next.joint(place).position - before.joint(place).position).abs();
-            if way > self.bounds[place].speed * width * (1.0 + NEAR) + SMALL {
+        for index in 0..self.transform.target.len() {
+            let way = (next.joint(index).position - before.joint(index).position).abs();
+            if way > self.bounds[index].speed * width * (1.0 + NEAR) + SMALL {
                 if way > AT_ONCE {
                     return Err(MotionError::TransformAtOrigin);
                 }
-                verdict = verdict.and(Err(MotionError::MaxJointVelocityExceeded(AxisIndex(place as u8))));
+                verdict = verdict.and(Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8))));
             }
         }
         verdict

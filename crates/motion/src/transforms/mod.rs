@@ -105,8 +105,8 @@ impl Transforms {
             }
             let led = above.turned(&self.step_of(above, step, depth - 1));
             for (axis, led) in above.target.iter().zip(&led) {
-                if let Some(place) = transform.source.index_of(*axis) {
-                    add(&mut whole[place], led);
+                if let Some(index) = transform.source.index_of(*axis) {
+                    add(&mut whole[index], led);
                 }
             }
         }

@@ -83,15 +83,15 @@ impl Present<'_> {
         for transform in self.robots_led_by(system) {
             let axes = self.systems[system].description.linear();
             let source = self.when(transform, &|axis| {
-                let place = axes.iter().position(|own| *own == axis);
-                place.map_or_else(KinematicState::default, |place| KinematicState {
-                    position: at[place] - self.axes[axis].command.position,
-                    velocity: turn[place],
+                let index = axes.iter().position(|own| *own == axis);
+                index.map_or_else(KinematicState::default, |index| KinematicState {
+                    position: at[index] - self.axes[axis].command.position,
+                    velocity: turn[index],
                     acceleration: 0.0,
                 })
             });
             // Where the joints cannot be found the move comes to rest before.
-            let Ok(joints) = transform.place(&source) else {
+            let Ok(joints) = transform.target_of(&source) else {
                 return 0.0;
             };
             for (axis, joint) in transform.target.iter().zip(&joints) {
@@ -134,14 +134,14 @@ impl Present<'_> {
         });
         self.when(transform, &|axis| {
             let among = |axes: &[AxisId]| axes.iter().position(|own| *own == axis);
-            let moved = among(description.linear()).map(|place| (place, linear));
+            let moved = among(description.linear()).map(|index| (index, linear));
             let turned = || among(description.oriented()).zip(turned);
             moved
                 .or_else(turned)
-                .map_or_else(KinematicState::default, |(place, of)| KinematicState {
-                    position: of[0][place] - self.axes[axis].command.position,
-                    velocity: of[1][place],
-                    acceleration: of[2][place],
+                .map_or_else(KinematicState::default, |(index, of)| KinematicState {
+                    position: of[0][index] - self.axes[axis].command.position,
+                    velocity: of[1][index],
+                    acceleration: of[2][index],
                 })
         })
     }
@@ -168,7 +168,7 @@ impl Present<'_> {
             let goal = f64::from(step) / f64::from(STEPS);
             let mut next = goal;
             while here < goal {
-                let there = robot.place(&source(next))?;
+                let there = robot.target_of(&source(next))?;
                 looks -= 1;
                 if looks > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
                     if next - here < FINEST {
@@ -178,9 +178,9 @@ impl Present<'_> {
                     continue;
                 }
                 self.verify_joints(transform, &there, limits)?;
-                for place in 0..transform.target.len() {
+                for index in 0..transform.target.len() {
                     let way = Between {
-                        place,
+                        index,
                         ends: [here, next],
                         joints: [&joints, &there],
                     };
@@ -209,12 +209,12 @@ impl Present<'_> {
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let [mut low, mut high] = way.ends;
-        let rises = way.joints[0][way.place].velocity > 0.0;
+        let rises = way.joints[0][way.index].velocity > 0.0;
         for _ in 0..HALVES {
             let middle = 0.5 * (low + high);
-            let joints = robot.place(&source(middle))?;
+            let joints = robot.target_of(&source(middle))?;
             self.verify_joints(transform, &joints, limits)?;
-            if (joints[way.place].velocity > 0.0) == rises {
+            if (joints[way.index].velocity > 0.0) == rises {
                 low = middle;
             } else {
                 high = middle;
@@ -225,10 +225,10 @@ impl Present<'_> {
 
     /// Within their soft travel; what they do per unit of the path slows it down.
     fn verify_joints(&self, transform: &Transform, joints: &Side, limits: &mut PathLimits) -> Result<(), MotionError> {
-        for (place, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
+        for (index, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
             let axis = &self.axes[*axis];
             if axis.faults.forbids_position(joint.position) {
-                return Err(MotionError::MaxJointAngleExceeded(AxisIndex(place as u8)));
+                return Err(MotionError::MaxJointAngleExceeded(AxisIndex(index as u8)));
             }
             let dynamics = &axis.dynamics;
             limits.slow(joint, dynamics.speed, [dynamics.acceleration, dynamics.deceleration]);
@@ -239,7 +239,7 @@ impl Present<'_> {
 
 /// The way of a joint between two looks at a path, at shares of it.
 struct Between<'a> {
-    place: usize,
+    index: usize,
     ends: [f64; 2],
     joints: [&'a Side; 2],
 }
@@ -247,7 +247,7 @@ struct Between<'a> {
 impl Between<'_> {
     /// Whether it goes one way at the beginning and the other way at the end.
     fn turns_round(&self, length: f64) -> bool {
-        let [before, after] = self.joints.map(|joints| joints[self.place].velocity);
+        let [before, after] = self.joints.map(|joints| joints[self.index].velocity);
         let way = (self.ends[1] - self.ends[0]) * length;
         before * after < 0.0 && before.abs().max(after.abs()) * way > ROUNDING
     }
@@ -256,11 +256,11 @@ impl Between<'_> {
 /// Whether a joint that turns does so by more than a step should, or might between its ends. `way`: of the path.
 fn turns_far(robot: &RobotMap, before: &Side, after: &Side, way: f64) -> bool {
     let mut joints = before.iter().zip(after).enumerate();
-    joints.any(|(place, (before, after))| {
+    joints.any(|(index, (before, after))| {
         let gone = after.position - before.position;
         // Of the cubic through both, in the middle: how far from where the straight way between the velocities would be.
         let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * way);
-        robot.turns(place) && (gone.abs() > FAR || bent.abs() > FAR)
+        robot.turns(index) && (gone.abs() > FAR || bent.abs() > FAR)
     })
 }
 

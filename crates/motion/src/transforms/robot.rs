@@ -171,22 +171,26 @@ impl RobotMap {
     }
 
     /// The inverse or forward transform, whichever leads from the source to the target.
-    pub(super) fn place(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => self.wrist_joints(wrist, source),
             (Mechanism::Arm { frame, robot, arm }, Joints::Target) => {
-                let tool = framed(source, |p| frame.place(p), |d| frame.turn(d));
+                let tool = framed(source, |p| frame.transform_point(p), |d| frame.transform_vector(d));
                 self.joints(robot, *arm, &tool)
             }
             (Mechanism::Arm { frame, robot, .. }, Joints::Source) => {
                 let tool = tool(robot, source)?;
-                Ok(framed(&tool, |p| frame.place(p), |d| frame.turn(d)))
+                Ok(framed(
+                    &tool,
+                    |p| frame.transform_point(p),
+                    |d| frame.transform_vector(d),
+                ))
             }
         }
     }
 
     /// The other one.
-    pub(super) fn place_back(&self, target: &Side) -> Result<Side, MotionError> {
+    pub(super) fn source_of(&self, target: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
                 let point = wrist.point(target).map_err(refused)?;
@@ -194,10 +198,18 @@ impl RobotMap {
             }
             (Mechanism::Arm { frame, robot, .. }, Joints::Target) => {
                 let tool = tool(robot, target)?;
-                Ok(framed(&tool, |p| frame.place_back(p), |d| frame.turn_back(d)))
+                Ok(framed(
+                    &tool,
+                    |p| frame.inverse_transform_point(p),
+                    |d| frame.inverse_transform_vector(d),
+                ))
             }
             (Mechanism::Arm { frame, robot, arm }, Joints::Source) => {
-                let tool = framed(target, |p| frame.place_back(p), |d| frame.turn_back(d));
+                let tool = framed(
+                    target,
+                    |p| frame.inverse_transform_point(p),
+                    |d| frame.inverse_transform_vector(d),
+                );
                 self.joints(robot, *arm, &tool)
             }
         }
@@ -208,11 +220,11 @@ impl RobotMap {
         if let Mechanism::Arm { frame, robot, arm } = &self.mechanism
             && robot.geometry().has_mirror()
         {
-            let tool = framed(source, |p| frame.place(p), |d| frame.turn(d));
+            let tool = framed(source, |p| frame.transform_point(p), |d| frame.transform_vector(d));
             let joints = robot.inverse(three(&tool), *arm).map_err(refused)?;
             self.last[0] = joints[0].position;
         }
-        let joints = self.place(source)?;
+        let joints = self.target_of(source)?;
         self.follow_joints(&joints);
         Ok(joints)
     }
@@ -264,8 +276,8 @@ impl RobotMap {
 
     /// In the turns in which they were last.
     pub(super) fn near(&self, mut joints: Side) -> Side {
-        for (place, joint) in joints.iter_mut().enumerate().filter(|(place, _)| self.turns(*place)) {
-            joint.position += TURN * ((self.last[place] - joint.position) / TURN).round();
+        for (index, joint) in joints.iter_mut().enumerate().filter(|(index, _)| self.turns(*index)) {
+            joint.position += TURN * ((self.last[index] - joint.position) / TURN).round();
         }
         joints
     }
@@ -277,9 +289,9 @@ fn tool(robot: &Robot, joints: &Side) -> Result<Side, MotionError> {
 }
 
 /// Where a side is in the frame at the other end.
-fn framed(side: &Side, place: impl Fn(&Vector) -> Vector, turn: impl Fn(&Vector) -> Vector) -> Side {
+fn framed(side: &Side, point: impl Fn(&Vector) -> Vector, vector: impl Fn(&Vector) -> Vector) -> Side {
     let [position, velocity, acceleration] = vectors(side);
-    self::side([place(&position), turn(&velocity), turn(&acceleration)])
+    self::side([point(&position), vector(&velocity), vector(&acceleration)])
 }
 
 /// The motion error of a position that a robot cannot take (spec/coordinated-instructions.md §19.8).

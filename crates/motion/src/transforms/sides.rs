@@ -37,20 +37,20 @@ pub(super) fn at_rest(positions: &Positions) -> Side {
 /// The first three of a side as vectors: position, velocity, acceleration.
 pub(super) fn vectors(side: &Side) -> [Vector; 3] {
     let mut vectors = [Vector::zeros(); 3];
-    for (place, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
-        vectors[0][place] = point.position;
-        vectors[1][place] = point.velocity;
-        vectors[2][place] = point.acceleration;
+    for (index, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
+        vectors[0][index] = point.position;
+        vectors[1][index] = point.velocity;
+        vectors[2][index] = point.acceleration;
     }
     vectors
 }
 
 /// A side of three axes.
 pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
-    wide([0, 1, 2].map(|place| KinematicState {
-        position: position[place],
-        velocity: velocity[place],
-        acceleration: acceleration[place],
+    wide([0, 1, 2].map(|index| KinematicState {
+        position: position[index],
+        velocity: velocity[index],
+        acceleration: acceleration[index],
     }))
 }
 

@@ -105,13 +105,17 @@ impl Transform {
     ///
     /// # Errors
     /// Where a robot cannot be.
-    pub(super) fn place(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         let mut placed = match &self.map {
             Map::Frames(frame) => {
                 let [position, velocity, acceleration] = vectors(source);
-                side([frame.place(&position), frame.turn(&velocity), frame.turn(&acceleration)])
+                side([
+                    frame.transform_point(&position),
+                    frame.transform_vector(&velocity),
+                    frame.transform_vector(&acceleration),
+                ])
             }
-            Map::Robot(robot) => robot.place(source)?,
+            Map::Robot(robot) => robot.target_of(source)?,
         };
         for (point, offset) in placed.iter_mut().zip(self.offset) {
             point.position += offset;
@@ -125,10 +129,12 @@ impl Transform {
     /// Where a robot cannot be.
     pub(super) fn feedback_of(&self, added: &Side) -> Result<Side, MotionError> {
         match &self.map {
-            Map::Frames(frame) => Ok(side(vectors(added).map(|vector| frame.turn_back(&vector)))),
+            Map::Frames(frame) => Ok(side(
+                vectors(added).map(|vector| frame.inverse_transform_vector(&vector)),
+            )),
             Map::Robot(_) if *added == Side::default() => Ok(Side::default()),
             Map::Robot(robot) => {
-                let mut back = robot.place_back(&self.with(added))?;
+                let mut back = robot.source_of(&self.with(added))?;
                 for (back, above) in back.iter_mut().zip(&self.source_before) {
                     back.position -= above.position;
                     back.velocity -= above.velocity;
@@ -162,7 +168,7 @@ impl Transform {
     /// A step of the source as one of the target; none behind a robot's joints.
     pub(super) fn turned(&self, step: &Side) -> Side {
         match &self.map {
-            Map::Frames(frame) => side(vectors(step).map(|vector| frame.turn(&vector))),
+            Map::Frames(frame) => side(vectors(step).map(|vector| frame.transform_vector(&vector))),
             Map::Robot(_) => Side::default(),
         }
     }
@@ -203,14 +209,18 @@ impl Transform {
         match &self.map {
             Map::Frames(frame) => {
                 let [position, velocity, acceleration] = vectors(&target);
-                Ok(positions(&side([frame.place_back(&position), velocity, acceleration])))
+                Ok(positions(&side([
+                    frame.inverse_transform_point(&position),
+                    velocity,
+                    acceleration,
+                ])))
             }
-            Map::Robot(robot) => Ok(positions(&robot.place_back(&target)?)),
+            Map::Robot(robot) => Ok(positions(&robot.source_of(&target)?)),
         }
     }
 
     /// Whether the target could be led while the source is there, and moves.
     pub(crate) fn verify(&self, source: &Positions) -> Result<(), MotionError> {
-        self.place(&at_rest(source)).map(drop)
+        self.target_of(&at_rest(source)).map(drop)
     }
 }

@@ -10,6 +10,7 @@ mod contour_pace;
 mod merge_limits;
 mod merges;
 mod short_moves;
+mod stops;
 mod storms;
 mod streams;
 

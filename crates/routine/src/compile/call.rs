@@ -111,6 +111,9 @@ impl Compiler<'_> {
                     arguments.push(argument);
                 }
                 self.promote(row.op, operands, &mut arguments)?;
+                if let (Op::Msg, [message, ..]) = (row.op, operands) {
+                    arguments.extend(self.reply(message));
+                }
                 arguments
             }
         };

@@ -10,12 +10,14 @@ use super::expression::{Sort, cast};
 use super::operand::parse;
 use super::{Compiler, Wrong};
 use crate::code::{Area, Ex, MotionCall, MotionOperand};
+use crate::error::{Finding, FindingKind};
 use crate::expression::Expression;
 
 impl Compiler<'_> {
     /// Notes where the machine's objects and the motion control tags stand.
     pub(crate) fn motion_objects(&mut self) {
         let control = DataType::Structure(predefined::motion_instruction());
+        let mut without = Vec::new();
         let kinds = [Object::MotionGroup, Object::Axis, Object::CoordinateSystem];
         for tag in &self.tags.list {
             if tag.program.is_none() {
@@ -35,10 +37,25 @@ impl Compiler<'_> {
                 &mut places,
             );
             for (at, name) in places {
-                if let Some(slot) = self.directory.control(&name) {
-                    self.controls.push((at, slot));
+                match self.directory.control(&name) {
+                    Some(slot) => self.controls.push((at, slot)),
+                    None => without.push(name),
                 }
             }
+        }
+        if let Some(first) = without.first().filter(|_| self.directory.has_motion()) {
+            self.findings.push(Finding {
+                kind: FindingKind::Error,
+                name: first.clone(),
+                reason: format!(
+                    "there is no room for it and {} further motion control tags, the machine has room for {}",
+                    without.len() - 1,
+                    self.controls.len()
+                ),
+                program: None,
+                routine: None,
+                place: None,
+            });
         }
         self.objects.sort_by_key(|(at, ..)| *at);
         self.controls.sort_by_key(|(at, _)| *at);

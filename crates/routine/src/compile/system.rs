@@ -1,9 +1,11 @@
 //! GSV and SSV (spec/programs.md §10.8): the attributes that projects read.
 
 use arcline_instruction_set::Object;
+use arcline_tag::DataType;
 
 use super::{Compiler, Owner, Wrong};
-use crate::code::{Attribute, System, TaskAttribute, WallClock};
+use crate::code::{Attribute, Cellular, System, TaskAttribute, WallClock};
+use crate::expression::Expression;
 use crate::table::Op;
 
 impl Compiler<'_> {
@@ -52,7 +54,7 @@ impl Compiler<'_> {
             )
             || matches!(
                 found,
-                Some(Attribute::MinorFaults | Attribute::Task(_, TaskAttribute::InhibitTask))
+                Some(Attribute::MinorFaults | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status))
             )
             // To clear events that never come.
             || (class == "faultlog" && found.is_some()
@@ -114,7 +116,23 @@ impl Compiler<'_> {
             _ => Object::MotionGroup,
         };
         let index = self.directory.object(object, instance)?;
-        let (number, _) = self.directory.attribute(object, index, attribute)?;
-        Some(Attribute::Host(number))
+        if let Some((number, _)) = self.directory.attribute(object, index, attribute) {
+            return Some(Attribute::Host(number));
+        }
+        if let Some(value) = self.directory.constant(object, index, attribute) {
+            return Some(Attribute::Number(value));
+        }
+        // Positions and status words are members of the object's tag.
+        let reference = Expression::parse_reference(&format!("{instance}.{attribute}")).ok()?;
+        let found = self.resolve(&reference).ok()?;
+        match found.data_type {
+            DataType::Elementary(kind) if found.bit.is_none() && !found.is_array() => {
+                Some(Attribute::Member(Cellular {
+                    place: found.place(),
+                    kind,
+                }))
+            }
+            _ => None,
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 use arcline_tag::{DataType, Elementary};
 
+use super::Number;
 use super::counters::member;
-use super::value::Number;
 use super::{Run, Scan};
 use crate::code::{Area, Argument, Cellular, TextPart};
 use crate::table::Op;

@@ -1,7 +1,7 @@
 //! One shots, limits, and values that routines give back.
 
+use super::Number;
 use super::counters::member_bit;
-use super::value::Number;
 use super::{Run, Scan};
 use crate::code::Argument;
 use crate::table::Op;

@@ -2,7 +2,7 @@
 
 use arcline_tag::{DataType, Elementary};
 
-use super::value::Number;
+use super::Number;
 use super::{Run, Scan};
 use crate::code::{Area, Argument, LEN, POS};
 use crate::table::Op;

@@ -1,8 +1,8 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
-use super::{Exit, MAX_CALLS, Run, Scan};
-use crate::code::{Argument, Body, Instruction, Node, Transfer};
-use crate::run::value::Number;
+use super::Number;
+use super::{Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
+use crate::code::{Argument, Body, Instruction, Node, Rung, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -19,7 +19,15 @@ impl<'s> Scan<'s> {
         self.s.routine = number;
         self.s.depth += 1;
         let ran = match &routine.body {
-            Body::Ladder(rungs) => self.rungs(rungs),
+            Body::Ladder(rungs) => match self.s.traces.iter().position(|trace| trace.routine == number) {
+                None => self.rungs::<false>(rungs),
+                Some(trace) => {
+                    let outer = std::mem::replace(&mut self.s.trace, Cursor { trace, bit: 0 });
+                    let ran = self.rungs::<true>(rungs);
+                    self.s.trace = outer;
+                    ran
+                }
+            },
             Body::Text(statements) => self.statements(statements),
         };
         self.s.depth -= 1;
@@ -35,10 +43,20 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    fn rungs(&mut self, rungs: &'s [crate::code::Rung]) -> Run<()> {
+    /// The rungs of a routine; `TRACED`: someone looks at their power flow.
+    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [Rung]) -> Run<()> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
             self.s.line = rung.number;
+            if !TRACED && rung.is_of_bits {
+                let end = (next + TOGETHER).min(rungs.len());
+                next += self.bits(rungs.get(next..end).unwrap_or_default());
+                match self.spend(0).and_then(|()| self.pass()) {
+                    Err(Exit::Fault) if self.recovers() => {}
+                    passed => passed?,
+                }
+                continue;
+            }
             match self.spend(rung.nodes.len() + 1).and_then(|()| self.pass()) {
                 Err(Exit::Fault) if self.recovers() => {
                     next += 1;
@@ -47,7 +65,10 @@ impl<'s> Scan<'s> {
                 passed => passed?,
             }
             let power = !self.s.prescan && !self.s.zone;
-            match self.nodes(&rung.nodes, power) {
+            if TRACED {
+                self.s.trace_rung(next, power);
+            }
+            match self.nodes::<TRACED>(&rung.nodes, power) {
                 Ok(_) => next += 1,
                 Err(Exit::Jump(rung)) => next = rung as usize,
                 Err(Exit::Return) => return Ok(()),
@@ -57,7 +78,41 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    fn nodes(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
+    /// Runs the rungs at the beginning of these that have instructions of one bit only; returns how many they are.
+    fn bits(&mut self, rungs: &'s [Rung]) -> usize {
+        let on = !self.s.prescan && !self.s.zone;
+        let memory = self.s.memory.as_mut_slice();
+        let (mut count, mut instructions) = (0, 0);
+        for rung in rungs.iter().take_while(|rung| rung.is_of_bits) {
+            let mut power = on;
+            for node in &rung.nodes {
+                let (Node::Xic(at, mask)
+                | Node::Xio(at, mask)
+                | Node::Ote(at, mask)
+                | Node::Otl(at, mask)
+                | Node::Otu(at, mask)) = node
+                else {
+                    break;
+                };
+                let Some(byte) = memory.get_mut(*at as usize) else {
+                    break;
+                };
+                match node {
+                    Node::Xic(..) => power &= *byte & mask != 0,
+                    Node::Xio(..) => power &= *byte & mask == 0,
+                    Node::Ote(..) => *byte = *byte & !mask | if power { *mask } else { 0 },
+                    Node::Otl(..) => *byte |= if power { *mask } else { 0 },
+                    _ => *byte &= if power { !*mask } else { 0xFF },
+                }
+            }
+            count += 1;
+            instructions += rung.nodes.len() + 1;
+        }
+        self.s.budget -= instructions as i64;
+        count
+    }
+
+    fn nodes<const TRACED: bool>(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
         for node in nodes {
             power = match node {
                 Node::Xic(at, mask) => power && self.has(*at, *mask),
@@ -82,12 +137,15 @@ impl<'s> Scan<'s> {
                     let mut out = false;
                     for leg in legs {
                         self.s.budget -= leg.len() as i64;
-                        out |= self.nodes(leg, power)?;
+                        out |= self.nodes::<TRACED>(leg, power)?;
                     }
                     out
                 }
                 Node::Instruction(instruction) => self.instruction(instruction, power)?,
             };
+            if TRACED {
+                self.s.trace_power(power);
+            }
         }
         Ok(power)
     }
@@ -154,6 +212,9 @@ impl<'s> Scan<'s> {
                 if let Some(triggered) = self.s.triggered.get_mut(*task as usize) {
                     *triggered = true;
                 }
+                if let Some(status) = self.s.status.get_mut(*task as usize) {
+                    *status |= STATUS_EVENT;
+                }
                 Ok(true)
             }
             (Op::Fal | Op::Fsc, _) => self.file(i.op, a, power).map(|()| power),
@@ -177,7 +238,13 @@ impl<'s> Scan<'s> {
                 _,
             ) if power => self.text(i.op, a).map(|()| true),
             (Op::Gsv | Op::Ssv, [Argument::System(system)]) if power => self.system(i.op, system).map(|()| true),
-            (Op::Msg, [Argument::Area(area)]) => self.message(area, power).map(|()| power),
+            (Op::Msg, [Argument::Area(area), reply @ ..]) => {
+                let reply = match reply {
+                    [Argument::Reply(reply)] => Some(*reply),
+                    _ => None,
+                };
+                self.message(area, reply, power).map(|()| power)
+            }
             (Op::Motion, [Argument::Motion(call)]) => self.motion(call, power).map(|()| power),
             (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call, power),
             _ => Ok(power),
@@ -291,3 +358,6 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 }
+
+/// Rungs of bits between which clients do not write.
+const TOGETHER: usize = 16;

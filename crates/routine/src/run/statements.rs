@@ -1,6 +1,6 @@
 //! Structured Text (spec/programs.md §12): from top to end in each scan.
 
-use super::value::Number;
+use super::Number;
 use super::{Exit, Run, Scan};
 use crate::code::{Action, Argument, Instruction, Loop, Statement};
 use crate::table::Op;

@@ -1,7 +1,7 @@
 //! GSV, SSV and MSG (spec/programs.md §10.8).
 
-use super::{MAX_MESSAGES, Run, Scan};
-use crate::code::{Area, Attribute, System, TaskAttribute, WallClock, When};
+use super::{MAX_MESSAGES, Run, Scan, Sent};
+use crate::code::{Area, Attribute, Reply, System, TaskAttribute, WallClock, When};
 use crate::table::Op;
 use arcline_tag::DataType;
 
@@ -12,7 +12,7 @@ const DN: u8 = 0x20;
 const ST: u8 = 0x40;
 const EN: u8 = 0x80;
 /// A message without answer: the error of a timeout.
-const EXERR_TIMEOUT: i32 = 0x0204;
+const EXERR_TIMEOUT: u32 = 0x0204;
 /// The timeout of a message that has none, ns.
 const TIMEOUT: u64 = 30_000_000_000;
 
@@ -61,6 +61,12 @@ impl Scan<'_> {
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
+            Attribute::Number(number) => return self.put_host(&system.area, range.at, *number),
+            Attribute::Member(cell) => {
+                let at = self.address(&cell.place)?;
+                let number = self.read_real(at, cell.kind);
+                return self.put_host(&system.area, range.at, number);
+            }
             Attribute::Host(number) => {
                 let number = self.host.attribute(*number);
                 return self.put_host(&system.area, range.at, number);
@@ -109,6 +115,12 @@ impl Scan<'_> {
                     *flag = on;
                 }
             }
+            Attribute::Task(task, TaskAttribute::Status) => {
+                let status = self.dint(at);
+                if let Some(place) = self.s.status.get_mut(*task as usize) {
+                    *place = status;
+                }
+            }
             Attribute::MinorFaults => {
                 self.s.minor_bits = self.dint(at) as u32;
                 self.s.minor = self.s.minor_bits != 0;
@@ -139,12 +151,13 @@ impl Scan<'_> {
             TaskAttribute::OverlapCount => self.s.overlaps.get(task).copied().unwrap_or_default(),
             TaskAttribute::InhibitTask => i32::from(self.s.inhibited.get(task).copied().unwrap_or_default()),
             // Scans cost no virtual time.
-            TaskAttribute::Status | TaskAttribute::LastScanTime | TaskAttribute::MaxScanTime => 0,
+            TaskAttribute::Status => self.s.status.get(task).copied().unwrap_or_default(),
+            TaskAttribute::LastScanTime | TaskAttribute::MaxScanTime => 0,
         }
     }
 
-    /// MSG: without a network it is never answered, and errs after its timeout.
-    pub(crate) fn message(&mut self, area: &Area, power: bool) -> Run<()> {
+    /// MSG: its answer comes from the table after its delay; without one it errs after its timeout.
+    pub(crate) fn message(&mut self, area: &Area, reply: Option<u32>, power: bool) -> Run<()> {
         let at = self.address(&area.place)?;
         let flags = at + 4;
         if self.s.prescan {
@@ -163,27 +176,56 @@ impl Scan<'_> {
         self.set(flags, DN | ER | ST, false);
         self.set(flags, EN | EW, true);
         let timeout = u64::try_from(self.dint(at + 40)).unwrap_or(0) * 1000;
-        let deadline = self.s.now + if timeout == 0 { TIMEOUT } else { timeout };
+        let delay = match reply.and_then(|reply| self.code.replies.get(reply as usize)) {
+            Some(reply) => reply.delay,
+            None if timeout == 0 => TIMEOUT,
+            None => timeout,
+        };
+        let due = self.s.now + delay;
         if self.s.messages.len() < MAX_MESSAGES {
-            self.s.messages.push((at, deadline));
+            self.s.messages.push(Sent { at, due, reply });
         }
         Ok(())
     }
 
-    /// Ends messages whose time is over.
+    /// Ends messages whose answer has come, or whose time is over.
     pub(crate) fn messages(&mut self) {
         let mut next = 0;
-        while let Some((at, deadline)) = self.s.messages.get(next).copied() {
-            if deadline > self.s.now {
+        while let Some(Sent { at, due, reply }) = self.s.messages.get(next).copied() {
+            if due > self.s.now {
                 next += 1;
                 continue;
             }
             self.s.messages.remove(next);
             self.set(at + 4, EW | ST, false);
-            self.set(at + 4, ER, true);
-            self.put(at + 6, 1_i16.to_le_bytes());
-            self.put_dint(at + 8, EXERR_TIMEOUT);
+            let code = self.code;
+            let reply = reply.and_then(|reply| code.replies.get(reply as usize));
+            let (err, exerr) = reply.map_or((1, EXERR_TIMEOUT), |reply| reply.error);
+            self.put(at + 6, err.to_le_bytes());
+            self.put(at + 8, exerr.to_le_bytes());
+            if err != 0 {
+                self.set(at + 4, ER, true);
+                continue;
+            }
+            let length = reply.map_or(0, |reply| self.answer(reply));
+            self.put(at + 14, length.to_le_bytes());
+            self.set(at + 4, DN, true);
         }
+    }
+
+    /// Writes the data of an answer to its destination; returns how many bytes.
+    fn answer(&mut self, reply: &Reply) -> u16 {
+        let range = reply.destination.as_ref().and_then(|area| self.range(area).ok());
+        // A subscript out of range is no fault of the task that runs next.
+        let _ = self.take_fault();
+        let Some(range) = range else { return 0 };
+        let room = range.end.max(range.array_end).saturating_sub(range.at) as usize;
+        let length = reply.data.len().min(room);
+        let at = range.at as usize;
+        if let (Some(place), Some(data)) = (self.s.memory.get_mut(at..at + length), reply.data.get(..length)) {
+            place.copy_from_slice(data);
+        }
+        u16::try_from(length).unwrap_or(u16::MAX)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Instructions of texts (spec/programs.md §10.7). Positions count from 1.
 
-use super::value::Number;
+use super::Number;
 use super::{Run, Scan};
 use crate::code::{Argument, TextPart};
 use crate::table::Op;

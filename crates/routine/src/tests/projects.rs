@@ -125,6 +125,7 @@ fn tasks_run_by_rate_and_priority() {
     let task = |name: &str, trigger, priority: u32, program: &str| TaskSource {
         name: name.to_owned(),
         trigger,
+        event_tag: String::new(),
         priority,
         watchdog_ms: 500.0,
         is_inhibited: false,

@@ -49,12 +49,12 @@ struct Scene {
 
 impl Scene {
     fn start(disk: Recording, state: State) -> Self {
-        let place = Place::lock_on(disk.clone(), file()).expect("a lock");
+        let locked = LockedFile::lock_on(disk.clone(), file()).expect("a lock");
         let pace = Pace {
             growth: 48 * 1024,
             ..Pace::default()
         };
-        let writer = Writer::start(place, state.clone(), pace, Duration::ZERO);
+        let writer = Writer::start(locked, state.clone(), pace, Duration::ZERO);
         Scene {
             sent: vec![0; disk.count()],
             disk,
@@ -215,7 +215,7 @@ fn goes_on(content: &[u8], state: &State) {
     let mut scene = Scene::start(disk.clone(), state.clone());
     scene.step(Write(10));
     assert_eq!(scene.answers.last().map(|answer| answer.2), Some(Ok(())));
-    let read = Place::lock_on(disk, file()).expect("a lock").read();
+    let read = LockedFile::lock_on(disk, file()).expect("a lock").read();
     assert_eq!(
         read.expect("whole").map(|kept| kept.state),
         scene.history.last().cloned()

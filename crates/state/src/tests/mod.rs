@@ -76,8 +76,8 @@ fn history() -> Vec<State> {
 }
 
 fn begin(file: &Path, state: State) -> Writer<System, ()> {
-    let place = Place::lock(file).expect("no other process has it");
-    Writer::start(place, state, Pace::default(), Duration::ZERO)
+    let locked = LockedFile::lock(file).expect("no other process has it");
+    Writer::start(locked, state, Pace::default(), Duration::ZERO)
 }
 
 /// Hands a record to the writer, and returns the answer.
@@ -92,7 +92,7 @@ fn keep(writer: &mut Writer<System, ()>, record: Record) -> Result<(), NotPersis
 }
 
 fn read(file: &Path) -> Option<State> {
-    let kept = Place::lock(file).expect("no other process has it").read();
+    let kept = LockedFile::lock(file).expect("no other process has it").read();
     kept.expect("whole").map(|kept| kept.state)
 }
 
@@ -202,19 +202,19 @@ fn a_file_cut_off_before_its_horizon_is_damaged() {
 #[test]
 fn a_bit_that_has_flipped_before_the_horizon_is_found() {
     let (bytes, last) = (synchronised(example()), history().pop());
-    for place in (0..16).chain(4096..4108).chain(8192..8204).chain(12_288..bytes.len()) {
+    for byte in (0..16).chain(4096..4108).chain(8192..8204).chain(12_288..bytes.len()) {
         for bit in 0..8 {
             let mut bytes = bytes.clone();
-            bytes[place] ^= 1 << bit;
+            bytes[byte] ^= 1 << bit;
             let read = parse(&bytes);
-            if (4096..8204).contains(&place) {
+            if (4096..8204).contains(&byte) {
                 assert_eq!(
                     read.map(|kept| Some(kept.state)),
                     Ok(last.clone()),
                     "a horizon, and the other is whole"
                 );
             } else {
-                assert!(read.is_err(), "bit {bit} of byte {place}: {read:?}");
+                assert!(read.is_err(), "bit {bit} of byte {byte}: {read:?}");
             }
         }
     }
@@ -370,9 +370,9 @@ fn a_file_is_set_aside_and_never_written_over() {
     let file = folder.path().join("machine.state");
     for (number, text) in (1..).zip(["one", "two", "three"]) {
         fs::write(&file, text).expect("a writable folder");
-        let place = Place::lock(&file).expect("nobody has it");
-        assert!(matches!(place.read(), Err(ReadError::Damage(Damage::NotAState))));
-        let aside = place.set_aside().expect("a writable folder");
+        let locked = LockedFile::lock(&file).expect("nobody has it");
+        assert!(matches!(locked.read(), Err(ReadError::Damage(Damage::NotAState))));
+        let aside = locked.set_aside().expect("a writable folder");
         let expected = folder.path().join(format!("machine.state.set-aside-{number}"));
         assert_eq!(aside, expected.canonicalize().expect("it is there"));
         assert!(!file.exists());
@@ -387,25 +387,25 @@ fn a_file_is_set_aside_and_never_written_over() {
 fn one_process_has_a_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("machine.state");
-    let first_one = Place::lock(&file).expect("nobody has it");
-    assert!(matches!(Place::lock(&file), Err(OpenError::InUse)));
+    let first_one = LockedFile::lock(&file).expect("nobody has it");
+    assert!(matches!(LockedFile::lock(&file), Err(OpenError::InUse)));
     drop(first_one);
-    assert!(Place::lock(&file).is_ok());
-    assert!(matches!(Place::lock(folder.path()), Err(OpenError::NotAFile)));
+    assert!(LockedFile::lock(&file).is_ok());
+    assert!(matches!(LockedFile::lock(folder.path()), Err(OpenError::NotAFile)));
     let nowhere = folder.path().join("missing").join("machine.state");
-    assert!(matches!(Place::lock(&nowhere), Err(OpenError::Io(_))));
+    assert!(matches!(LockedFile::lock(&nowhere), Err(OpenError::Io(_))));
 }
 
 #[test]
 fn a_long_file_is_written_anew_while_changes_go_on() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("machine.state");
-    let place = Place::lock(&file).expect("no other process has it");
+    let locked = LockedFile::lock(&file).expect("no other process has it");
     let pace = Pace {
         growth: 100_000,
         ..Pace::default()
     };
-    let mut writer = Writer::start(place, first(), pace, Duration::ZERO);
+    let mut writer = Writer::start(locked, first(), pace, Duration::ZERO);
     let mut state = first();
     let mut step = |writer: &mut Writer<System, ()>| {
         let count = u32::from_le_bytes(state.tags[0].bytes[..].try_into().expect("a DINT")) + 1;

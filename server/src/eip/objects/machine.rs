@@ -1,7 +1,8 @@
 //! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
 //! Series of moves are in [`series`](super::series).
 
-use arcline_proto::arcline::machine::{self, CommandCount, ControllerMode, Identification, attribute, service};
+use arcline_controller::image::MOST_STEPS;
+use arcline_proto::arcline::machine::{self, CommandCount, ControllerMode, Identification, Step, attribute, service};
 use arcline_proto::cip::{CipStatus, Reply};
 use bytes::Bytes;
 
@@ -24,11 +25,12 @@ const fn row(code: u8, name: &'static str, access: Access, right: Right) -> OwnS
 }
 
 /// Stop alone waits for no lock.
-const SERVICES: [OwnService; 4] = [
+const SERVICES: [OwnService; 5] = [
     row(service::STOP, "Stop", Access::Read, Right::Stop),
     row(service::RELEASE, "Release", Access::Set, Right::ReleaseStop),
     row(service::IDENTIFY, "Identify", Access::Read, Right::Look),
     row(service::EXECUTE_SERIES, "Execute Series", Access::Series, Right::Move),
+    row(service::STEP, "Step", Access::Change, Right::StepClock),
 ];
 
 impl Object for MachineObject {
@@ -59,13 +61,14 @@ impl Object for MachineObject {
                 cx.no_data()?;
                 cx.apply(Command::Release)?;
             }
+            service::STEP => step(cx)?,
             _ => identify(cx)?,
         }
         Ok(Reply::success(code, Bytes::new()))
     }
 
     fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        Extent::dense(1, attribute::MAJOR_FAULT)
+        Extent::dense(1, attribute::IS_STEPPED)
     }
 
     fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
@@ -94,6 +97,8 @@ impl Object for MachineObject {
                 };
                 Ok(machine::encode_text(&fault))
             }
+            attribute::TICK => Ok(Bytes::copy_from_slice(&cx.image().snapshot_tick().to_le_bytes())),
+            attribute::IS_STEPPED => u8_value(plant.is_stepped().into()),
             _ => no_attribute(),
         }
     }
@@ -129,6 +134,19 @@ pub(super) fn mode(plant: &Plant) -> ControllerMode {
         Some(ProgramState::Running) => ControllerMode::Run,
         Some(ProgramState::Faulted(_)) => ControllerMode::Faulted,
     }
+}
+
+/// Lets ticks pass behind all else of the packet.
+fn step(cx: &mut ObjectContext<'_, '_>) -> Result<(), CipStatus> {
+    let Step { ticks, until } = Step::decode(&cx.request.data)?;
+    if ticks > MOST_STEPS {
+        return Err(CipStatus::INVALID_PARAMETER);
+    }
+    let until = match until.as_str() {
+        "" => None,
+        path => Some(path.parse().map_err(|_| CipStatus::INVALID_PARAMETER)?),
+    };
+    cx.apply(Command::Step { ticks, until }).map(drop)
 }
 
 /// Notes what a client tells of itself.

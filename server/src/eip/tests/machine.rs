@@ -68,10 +68,13 @@ async fn stop_is_a_service_and_holds_until_it_is_released() {
         assert_eq!(two.is_inhibited().await, inhibited, "{why}");
     }
     #[rustfmt::skip]
-    let refused: [(&str, Request, (u8, u16)); 4] = [
+    let refused: [(&str, Request, (u8, u16)); 7] = [
         ("data behind it",   service_of(own::STOP, &[1]),    (0x15, 0)),
         ("data of Release",  service_of(own::RELEASE, &[1]), (0x15, 0)),
-        ("a service of none", service_of(0x36, &[]),         (0x08, 0)),
+        ("a service of none", service_of(0x37, &[]),         (0x08, 0)),
+        ("a step that is cut", service_of(own::STEP, &[1, 0]), (0x13, 0)),
+        ("too many ticks",   service_of(own::STEP, &1_000_001u32.to_le_bytes()), (0x20, 0)),
+        ("a step on the real clock", service_of(own::STEP, &1u32.to_le_bytes()), (0x0C, 0)),
         ("the class",        Request::new(own::STOP, Epath::object(machine::CLASS, 0), Bytes::new()), (0x08, 0)),
     ];
     for (why, request, status) in refused {

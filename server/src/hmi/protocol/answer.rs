@@ -207,5 +207,181 @@ pub(crate) struct EventPage {
     pub(crate) events: Vec<Event>,
 }
 
+/// The controller's own program.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RoutineList {
+    /// Another number for each program that is loaded.
+    pub(crate) version: u64,
+    /// Name of its file.
+    pub(crate) file: String,
+    /// Its tasks.
+    pub(crate) tasks: Vec<TaskRow>,
+    /// Its programs.
+    pub(crate) programs: Vec<ProgramRow>,
+    /// Its add-on instructions.
+    pub(crate) add_ons: Vec<AddOnRow>,
+}
+
+/// A task.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct TaskRow {
+    /// Name.
+    pub(crate) name: String,
+    /// When it runs, in words.
+    pub(crate) trigger: String,
+    /// 1, the highest, to 15.
+    pub(crate) priority: u32,
+    /// Longest time of a run, ms.
+    pub(crate) watchdog_ms: f64,
+    /// Whether it never runs.
+    pub(crate) inhibited: bool,
+    /// Names of its programs, in their order.
+    pub(crate) programs: Vec<String>,
+}
+
+/// A program of the controller.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ProgramRow {
+    /// Name.
+    pub(crate) name: String,
+    /// Name of the routine that its task runs.
+    pub(crate) main: Option<String>,
+    /// Name of the routine that runs after a major fault.
+    pub(crate) fault: Option<String>,
+    /// Whether its task passes over it.
+    pub(crate) disabled: bool,
+    /// Its routines.
+    pub(crate) routines: Vec<RoutineRow>,
+}
+
+/// An add-on instruction.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct AddOnRow {
+    /// Name.
+    pub(crate) name: String,
+    /// Its instances among the tags, at most 200.
+    pub(crate) instances: Vec<String>,
+    /// Its routines.
+    pub(crate) routines: Vec<RoutineRow>,
+}
+
+/// A routine.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RoutineRow {
+    /// Number, for other requests.
+    pub(crate) routine: u32,
+    /// Name.
+    pub(crate) name: String,
+    /// `ladder`, `text`, or another language, which does not run.
+    pub(crate) language: String,
+    /// Rungs or lines.
+    pub(crate) count: usize,
+}
+
+/// Rungs or lines of a routine.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RoutinePage {
+    /// Version of the program.
+    pub(crate) version: u64,
+    /// Of a ladder routine.
+    pub(crate) rungs: Vec<Rung>,
+    /// Of a routine of Structured Text.
+    pub(crate) lines: Vec<TextLine>,
+}
+
+/// A rung.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct Rung {
+    /// Number in the file.
+    pub(crate) number: u32,
+    /// Comment; empty: none.
+    pub(crate) comment: String,
+    /// Elements from left to right.
+    pub(crate) elements: Vec<RungElement>,
+}
+
+/// An element of a rung: an instruction, or a branch with legs.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RungElement {
+    /// Index of its condition in `power` of a look.
+    pub(crate) condition: usize,
+    /// Mnemonic; empty: a branch.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    #[cfg_attr(test, schemars(default))]
+    pub(crate) name: String,
+    /// Name of the instruction in words.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    #[cfg_attr(test, schemars(default))]
+    pub(crate) title: String,
+    /// Operands, in the order of the values of a look.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, schemars(default))]
+    pub(crate) operands: Vec<RungOperand>,
+    /// Legs of a branch, from top to bottom.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, schemars(default))]
+    pub(crate) legs: Vec<Vec<RungElement>>,
+}
+
+/// An operand.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct RungOperand {
+    /// What it is.
+    pub(crate) name: String,
+    /// As it is written.
+    pub(crate) text: String,
+}
+
+/// A line of Structured Text.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct TextLine {
+    /// Number in the file.
+    pub(crate) number: u32,
+    /// The line.
+    pub(crate) text: String,
+    /// Tags in it, in the order of the values of a look.
+    pub(crate) names: Vec<String>,
+}
+
+/// The uses of a tag.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct UseList {
+    /// Full name of the tag, through aliases.
+    pub(crate) tag: String,
+    /// At most 500.
+    pub(crate) uses: Vec<UseRow>,
+    /// Whether there are more.
+    pub(crate) more: bool,
+}
+
+/// A use of a tag.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct UseRow {
+    /// Number of the routine.
+    pub(crate) routine: u32,
+    /// The rung or line in words.
+    pub(crate) line: String,
+    /// Index of the rung or line in the routine, from 0.
+    pub(crate) index: usize,
+    /// Mnemonic; empty: a statement of Structured Text.
+    pub(crate) instruction: String,
+    /// The tag as it is written there.
+    pub(crate) operand: String,
+    /// Whether it is written.
+    pub(crate) writes: bool,
+}
+
 /// Names of viewers by the objects that they control.
 pub(crate) type Controllers = BTreeMap<String, String>;

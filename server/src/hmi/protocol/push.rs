@@ -43,6 +43,89 @@ pub(crate) enum Push<'s> {
     },
     /// Comes when the program has changed.
     Program(ProgramStatus<'s>),
+    /// Comes when what is looked at has changed, at most five times a second. The first one has all rows.
+    Look {
+        /// Number of the routine.
+        routine: u32,
+        /// The rungs or lines that have changed.
+        rows: Vec<LookRow>,
+    },
+}
+
+/// The state of a rung or line.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct LookRow {
+    /// Index in the routine, from 0.
+    pub(crate) index: usize,
+    /// `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last
+    /// scan.
+    pub(crate) power: String,
+    /// Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text.
+    pub(crate) values: Vec<Value>,
+}
+
+/// The controller's own program.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ControllerStatus {
+    /// Mode that was asked for: `program` or `run`.
+    pub(crate) mode: &'static str,
+    /// What it does.
+    pub(crate) state: ControllerState,
+    /// Another number for each program that is loaded.
+    pub(crate) version: u64,
+    /// Ticks in which the due tasks were scanned.
+    pub(crate) scans: u64,
+    /// Time of the newest of these, µs.
+    pub(crate) last_us: u64,
+    /// Longest time of one, µs.
+    pub(crate) longest_us: u64,
+    /// The major fault that has stopped the tasks.
+    pub(crate) fault: Option<ControllerFault>,
+    /// Forced inputs.
+    pub(crate) forces: Vec<ForceRow>,
+}
+
+/// What the controller's own program does.
+#[derive(Clone, Copy, Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ControllerState {
+    /// The tasks do not run.
+    Stopped,
+    /// The tasks run.
+    Running,
+    /// A major fault has stopped them.
+    Faulted,
+}
+
+/// A major fault.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ControllerFault {
+    /// A sentence for people.
+    pub(crate) text: String,
+    /// Number of the routine.
+    pub(crate) routine: Option<u32>,
+    /// Number of the rung or line in the file.
+    pub(crate) line: u32,
+    /// Mnemonic; empty: a statement.
+    pub(crate) instruction: String,
+    /// The operand at fault.
+    pub(crate) operand: Option<String>,
+    /// Its value.
+    pub(crate) value: Option<i64>,
+}
+
+/// A forced input.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct ForceRow {
+    /// Its name.
+    pub(crate) tag: String,
+    /// The value that the program sees.
+    pub(crate) value: Value,
 }
 
 /// The state of the machine.
@@ -65,6 +148,8 @@ pub(crate) struct Status {
     pub(crate) realtime: RealTime,
     /// The viewer that has control of an object, by the object's name.
     pub(crate) drivers: Controllers,
+    /// The controller's own program; null: it has none.
+    pub(crate) controller: Option<Box<ControllerStatus>>,
 }
 
 /// The state of an axis, in its position units.

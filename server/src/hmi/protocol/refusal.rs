@@ -147,6 +147,8 @@ impl From<Refused> for Refusal {
             | Refused::Table(_)
             | Refused::Call(_)
             | Refused::NoProgram
+            | Refused::Force(_)
+            | Refused::NotStepped
             | Refused::NotPersisted(_) => Self::new(refused.to_string()),
         }
     }

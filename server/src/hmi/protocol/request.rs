@@ -4,7 +4,10 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::Asks;
-use super::answer::{CallLine, Checked, Done, EventPage, Executed, HistoryPiece, Signals, Simulated, TagPage, Values};
+use super::answer::{
+    CallLine, Checked, Done, EventPage, Executed, HistoryPiece, RoutineList, RoutinePage, Signals, Simulated, TagPage,
+    UseList, Values,
+};
 
 /// Makes [`Request`], a struct for each of its variants, and the answer type of each.
 macro_rules! requests {
@@ -173,6 +176,55 @@ requests! {
         /// A number, boolean or text; a whole number beyond 2⁵³ as text.
         value: Value,
     } -> Done;
+    /// Lists the tasks, programs and routines of the controller's own program.
+    Routines {} -> RoutineList;
+    /// Reads rungs or lines of a routine as they are written, at most 100.
+    Rungs {
+        /// Number of the routine.
+        routine: u32,
+        /// Index of the first one, from 0.
+        from: usize,
+        /// How many.
+        count: usize,
+    } -> RoutinePage;
+    /// Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most
+    /// five times a second, in place of those looked at before. Without a routine it ends.
+    Look {
+        /// Number of the routine.
+        routine: Option<u32>,
+        /// Index of the first rung or line, from 0.
+        #[serde(default)]
+        from: usize,
+        /// How many.
+        #[serde(default)]
+        count: usize,
+        /// Version of the program that the numbers are of.
+        #[serde(default)]
+        version: u64,
+        /// Instance of the add-on instruction whose values are shown.
+        instance: Option<String>,
+    } -> Done;
+    /// Lists where a tag of the controller's own program, a part of it, or the whole that it is a part of is used.
+    Uses {
+        /// Name of the tag or of its part.
+        tag: String,
+        /// Program in whose scope it is named; without one it is that of the controller.
+        program: Option<String>,
+    } -> UseList;
+    /// Lets the controller's own program run, or stops it and all motion.
+    Mode {
+        /// Whether it is to run.
+        run: bool,
+    } -> Done;
+    /// Forces an input of a module: the controller's own program sees this value.
+    Force {
+        /// Name of the input, such as `Local:1:I.Data.0`.
+        tag: String,
+        /// A number or boolean; null removes the force.
+        value: Value,
+    } -> Done;
+    /// Removes all forces.
+    RemoveForces {} -> Done;
     /// Begins or ends the binary frames of samples.
     Trace {
         /// Whether frames come.

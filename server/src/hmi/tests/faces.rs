@@ -2,15 +2,11 @@
 
 use arcline_client::{Client, ProgramError, Runner};
 use arcline_config::{IoListen, Project};
-use arcline_controller::machine::Machine;
-use arcline_controller::{Controller, Event};
 use arcline_structured_text::{Interpreter, Policy, Program, RunError, SyntaxError};
 
 use super::*;
 use crate::eip::{Listener, Settings};
-use crate::names::ImageNames;
-use crate::plant::image_of;
-use crate::simulate::{self, End, Observer};
+use arcline_simulation::{Blind, End, ImageNames, Options};
 
 /// How a program ended.
 #[derive(Clone, PartialEq, Debug)]
@@ -147,41 +143,29 @@ fn rows() -> Vec<Row> {
     ]
 }
 
-/// Sees nothing.
-struct Blind;
-
-impl Observer for Blind {
-    fn tick(&mut self, _tick: u64, _machine: &Machine, _controller: &mut Controller) -> bool {
-        true
-    }
-    fn event(&mut self, _event: &Event, _time: f64, _image: &arcline_controller::image::Image) {}
-}
-
 fn unread_at(error: &SyntaxError) -> Ended {
     unread(error.line as u64, error.column as u64, &error.problem.to_string())
 }
 
 fn simulated(project: &Project, text: &str) -> Ended {
-    let image = image_of(project);
+    let image = project.image();
     let checked = Program::parse(text).and_then(|mut program| program.check(&ImageNames(&image)).map(|()| program));
     let program = match checked {
         Ok(program) => program,
         Err(error) => return unread_at(&error),
     };
-    let options = simulate::Options {
+    let options = Options {
         until: 60.0,
         policy: Policy::default(),
     };
-    let mut runner = simulate::Runner::new(&project.machine, image, Interpreter::new(program), options);
-    match runner.run(&mut Blind) {
+    let mut runner = arcline_simulation::Runner::new(Arc::new(project.machine.clone()), image);
+    match runner.run(Interpreter::new(program), options, &mut Blind) {
         End::Finished => {
-            let at = runner.positions();
+            let simulation = runner.simulation();
+            let at: Vec<f64> = simulation.controller().trace().map(|axis| axis[0]).collect();
             Ended::At(at[0], at[1])
         }
-        End::Erred(erred) => {
-            let (err, exerr, _, line) = erred.codes();
-            Ended::Erred(line as u64, err.into(), exerr.into())
-        }
+        End::Erred(erred) => Ended::Erred(erred.line as u64, erred.err.into(), erred.exerr.into()),
         End::Wrong(RunError::Runtime(error)) => failed(error.line as u64, &error.problem.to_string()),
         End::Wrong(RunError::Hopeless(error)) => failed(error.line as u64, &error.problem()),
         End::Wrong(RunError::Driver { line, error }) => failed(line as u64, &error.to_string()),

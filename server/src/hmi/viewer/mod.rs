@@ -36,11 +36,11 @@ use super::protocol::{
 use super::sessions::{Joined, Key, State};
 use super::socket::{Socket, Writing};
 use super::status::Status;
-use super::{Shared, drive, events, frames, line, program, tags};
+use super::{Shared, controller, drive, events, frames, line, program, tags};
 use crate::audit::{What, sha256};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{ClientIdentity, Command, Plant, Principal, Right};
+use crate::plant::{ClientIdentity, Command, Mode, Plant, Principal, Right};
 use crate::trace::history;
 
 /// The page of a viewer, or the script.
@@ -137,6 +137,7 @@ pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, pag
     }
     shared.program.end_of(number);
     shared.jogs.leave(&shared.plant, number);
+    controller::leave(&shared.plant, number);
     debug!(%name, "a viewer of the HMI went");
     Ok(())
 }
@@ -188,7 +189,6 @@ impl Sight {
 }
 
 /// A message for the task that sends.
-#[derive(Debug)]
 enum Outgoing {
     /// A text.
     Text(Utf8Bytes),
@@ -200,6 +200,8 @@ enum Outgoing {
     Samples(bool),
     /// The tags whose values are wanted.
     Watch(Vec<String>),
+    /// What of the controller's own program is looked at.
+    Look(Option<controller::Looking>),
 }
 
 impl Shared {
@@ -376,6 +378,47 @@ impl Viewer {
                 let by = Principal::Viewer(viewer);
                 request.answer(tags::write(&shared.plant, by, &request.tag, &request.value).await)
             }
+            Request::Routines(request) => {
+                self.computed(true, move |plant| request.answer(controller::routines(plant)))
+                    .await
+            }
+            Request::Rungs(request) => {
+                self.computed(true, move |plant| {
+                    request.answer(controller::rungs(plant, request.routine, request.from, request.count))
+                })
+                .await
+            }
+            Request::Look(request) => {
+                let (outbox, viewer) = (self.outbox.clone(), self.id);
+                self.computed(true, move |plant| {
+                    let looking = controller::look(plant, viewer, &request);
+                    let sent = looking.and_then(|looking| {
+                        let full = |_| Refusal::new("the page does not read the messages of the server");
+                        outbox.try_send(Outgoing::Look(looking)).map_err(full)
+                    });
+                    request.answer(sent.map(|()| Done {}))
+                })
+                .await
+            }
+            Request::Uses(request) => {
+                self.computed(true, move |plant| {
+                    request.answer(controller::uses(plant, &request.tag, request.program.as_deref()))
+                })
+                .await
+            }
+            Request::Mode(request) => {
+                let mode = if request.run { Mode::Run } else { Mode::Program };
+                request.answer(shared.apply(Principal::Viewer(viewer), Command::SetMode(mode)).await)
+            }
+            Request::Force(request) => {
+                let by = Principal::Viewer(viewer);
+                let forced = controller::force(&shared.plant, by, &request.tag, &request.value).await;
+                request.answer(forced.map(|()| Done {}))
+            }
+            Request::RemoveForces(request) => {
+                let by = Principal::Viewer(viewer);
+                request.answer(shared.apply(by, Command::RemoveForce(None)).await)
+            }
             Request::Trace(request) => request.answer(self.trace(request.on)),
             Request::History(request) => request.answer(self.history(request.before)),
             Request::Events(request) => {
@@ -490,6 +533,7 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
     let mut programs = shared.program.watch();
     let mut frames = None;
     let mut watched = Watched::new(&shared.plant);
+    let mut looking = None;
     let (mut paths, mut program) = (0, None);
     let mut pings = interval(PING);
     loop {
@@ -505,6 +549,10 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
                 }
                 Some(Outgoing::Watch(names)) => {
                     watched.watch(&shared.plant, names);
+                    continue;
+                }
+                Some(Outgoing::Look(at)) => {
+                    looking = at;
                     continue;
                 }
                 None => return,
@@ -542,6 +590,7 @@ async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<
                 Err(RecvError::Closed) => return,
             },
             frame = next_frame(&mut frames) => Message::Binary(frame),
+            push = next_look(&mut looking) => Message::Text(push.into()),
             changes = watched.changes() => {
                 let Some(changes) = changes else { return };
                 let names = watched.take(&shared.plant, &changes);
@@ -582,6 +631,9 @@ fn moves(request: &Request) -> bool {
         | Request::Continue(_)
         | Request::Override(_)
         | Request::Resume(_)
+        | Request::Mode(_)
+        | Request::Force(_)
+        | Request::RemoveForces(_)
         | Request::Write(_) => true,
         Request::Ping(_)
         | Request::Active(_)
@@ -601,6 +653,10 @@ fn moves(request: &Request) -> bool {
         | Request::Tags(_)
         | Request::Read(_)
         | Request::Watch(_)
+        | Request::Routines(_)
+        | Request::Rungs(_)
+        | Request::Look(_)
+        | Request::Uses(_)
         | Request::Trace(_)
         | Request::History(_)
         | Request::Events(_) => false,
@@ -632,6 +688,10 @@ fn right(request: &Request) -> Right {
         | Request::Tags(_)
         | Request::Read(_)
         | Request::Watch(_)
+        | Request::Routines(_)
+        | Request::Rungs(_)
+        | Request::Look(_)
+        | Request::Uses(_)
         | Request::Trace(_)
         | Request::History(_)
         | Request::Events(_) => Right::Look,
@@ -648,6 +708,8 @@ fn right(request: &Request) -> Right {
         Request::Run(_) | Request::Step(_) | Request::Continue(_) => Right::RunProgram,
         // They are commands of the plant: what each needs depends on what it does.
         Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
+        Request::Mode(_) => Right::ChangeMode,
+        Request::Force(_) | Request::RemoveForces(_) => Right::Force,
     }
 }
 
@@ -667,6 +729,14 @@ async fn next_frame(frames: &mut Option<broadcast::Receiver<Bytes>>) -> Bytes {
         }
     }
     std::future::pending().await
+}
+
+/// The next push of what is looked at; never, where nothing is.
+async fn next_look(looking: &mut Option<controller::Looking>) -> String {
+    match looking {
+        Some(looking) => looking.changed().await,
+        None => std::future::pending().await,
+    }
 }
 
 /// The newest status, with the paths if they are others than those the viewer has.

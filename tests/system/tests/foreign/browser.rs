@@ -85,3 +85,18 @@ fn a_login_over_https_gives_the_role() {
 fn a_users_name_is_text() {
     case_with_users("a_users_name_is_text", true);
 }
+
+#[test]
+fn a_program_is_seen() {
+    case_on("a_program_is_seen", "ladder.toml");
+}
+
+#[test]
+fn a_fault_leads_to_its_rung() {
+    case_on("a_fault_leads_to_its_rung", "ladder.toml");
+}
+
+#[test]
+fn a_program_fits_small_screens() {
+    case_on("a_program_fits_small_screens", "ladder.toml");
+}

@@ -2,7 +2,8 @@
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
 use arcline_system_tests::interop::{
-    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program, python_through,
+    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program, python_on_the_step_clock,
+    python_through,
 };
 use arcline_system_tests::tunnel::Kind;
 
@@ -39,6 +40,11 @@ fn libplctag_works_unmodified() {
 #[test]
 fn pycomm3_works_unmodified() {
     python("pycomm3", "pycomm3_move.py");
+}
+
+#[test]
+fn pycomm3_steps_the_clock_to_the_same_positions_every_time() {
+    python_on_the_step_clock("pycomm3", "pycomm3_clock.py");
 }
 
 #[test]

@@ -8,4 +8,5 @@ mod disk;
 mod guide;
 mod interop;
 mod mcap;
+mod metrics;
 mod readme;

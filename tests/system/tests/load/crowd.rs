@@ -5,9 +5,8 @@
 
 use std::time::Duration;
 
-use arcline_system_tests::bare::Bare;
-use arcline_system_tests::command_line::read_numbers;
 use arcline_system_tests::gcode::high_water;
+use arcline_system_tests::lateness::{beside, p99};
 use arcline_system_tests::load::{Load, Question, read_all};
 use arcline_system_tests::server::Server;
 
@@ -31,8 +30,6 @@ const MOST_MEMORY: f64 = 100.0;
 const MOST_P99: f64 = 10_000.0;
 /// By which the tick's p99 lateness may rise over that of an idle server, µs.
 const MOST_RISE: f64 = 20.0;
-/// Buckets of a histogram: the first ends at 0.25 µs, every other at twice the one before.
-const BUCKETS: usize = 24;
 
 #[test]
 fn a_thousand_clients_read_ten_tags_each() {
@@ -55,6 +52,7 @@ fn a_thousand_clients_read_ten_tags_each() {
         connections: CLIENTS,
         time,
         pace: Some(pace),
+        tls: None,
     };
     // The connections stay open for a moment, so that the memory is that of all of them.
     let (outcome, loaded) = beside(&server, time, || load.run());
@@ -93,50 +91,6 @@ fn a_thousand_clients_read_ten_tags_each() {
     );
     assert!(outcome.percentile(0.99) < MOST_P99);
     assert!(tick < MOST_RISE);
-}
-
-/// What was seen during a work.
-struct Seen {
-    /// How many ticks were how late.
-    ticks: Vec<f64>,
-    /// What a thread that only sleeps made of the same time.
-    bare: Bare,
-}
-
-/// Does a work that takes so long, and sees what it does to the ticks.
-fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (T, Seen) {
-    let from = ticks(server);
-    let bare = Bare::beside(time, Duration::from_millis(1));
-    let done = work();
-    let to = ticks(server);
-    let seen = Seen {
-        ticks: from.iter().zip(&to).map(|(from, to)| to - from).collect(),
-        bare: bare.join().expect("it does not panic"),
-    };
-    (done, seen)
-}
-
-/// How many ticks were how late so far.
-fn ticks(server: &Server) -> Vec<f64> {
-    let names: Vec<String> = (0..BUCKETS)
-        .map(|bucket| format!("RealTime.LatenessHistogram[{bucket}]"))
-        .collect();
-    read_numbers(server.address(), &names.iter().map(String::as_str).collect::<Vec<_>>())
-}
-
-/// Of so many ticks in each bucket, µs: within its bucket by proportion.
-fn p99(counts: &[f64]) -> f64 {
-    let wanted = counts.iter().sum::<f64>() * 0.99;
-    let mut below = 0.0;
-    for (bucket, count) in counts.iter().enumerate() {
-        if below + count >= wanted {
-            let end = 0.25 * 2_f64.powi(bucket as i32);
-            let begin = if bucket == 0 { 0.0 } else { end / 2.0 };
-            return begin + (end - begin) * (wanted - below) / count;
-        }
-        below += count;
-    }
-    f64::INFINITY
 }
 
 /// The most memory that a process has had in use, MiB.

@@ -13,4 +13,5 @@ mod retained_state;
 mod simulate;
 mod startup;
 mod tag_table;
+mod testing;
 mod update_periods;

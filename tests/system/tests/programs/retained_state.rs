@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Operands, TagValue, WriteValue};
-use arcline_state::{Axis, AxisState, Pace, Place, State, Writer, parse};
+use arcline_state::{Axis, AxisState, LockedFile, Pace, State, Writer, parse};
 use arcline_system_tests::programs;
 use arcline_system_tests::server::Server;
 use arcline_tests::random::Random;
@@ -234,7 +234,7 @@ fn judge(kept: &[Axis], legs: &[Leg], killed: Instant, why: &str) {
 /// Makes the axes homed again, for lack of anything that would do so in the server. Where they were moving they
 /// were moving.
 fn home_again(file: &Path) {
-    let place = Place::lock(file).expect("no other process has it");
+    let place = LockedFile::lock(file).expect("no other process has it");
     let mut state = place.read().expect("whole").expect("it is there").state;
     for axis in &mut state.axes {
         axis.state.homed = true;
@@ -243,7 +243,7 @@ fn home_again(file: &Path) {
 }
 
 /// Puts a state in the place of the one that is kept.
-fn write_state(place: Place, state: State) {
+fn write_state(place: LockedFile, state: State) {
     let mut writer = Writer::<_, ()>::start(place, state, Pace::default(), Duration::ZERO);
     assert_eq!(writer.actions().count(), 0, "the folder is writable");
 }
@@ -507,7 +507,7 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
         kind: "servo, deg".to_owned(),
         state: AxisState::default(),
     });
-    write_state(Place::lock(&files.state).expect("no other process has it"), other);
+    write_state(LockedFile::lock(&files.state).expect("no other process has it"), other);
     let foreign = std::fs::read(&files.state).expect("it is there");
     let cases: [(&str, &[u8]); 4] = [
         ("is wrong", &damaged),

@@ -88,3 +88,32 @@ fn what_stepped_once_does_so_no_more() {
         }
     }
 }
+
+/// A move that was merged onto blends with its successor while the residual of the merge still ramps out: the successor's ramp ended with the
+/// move's own, and its full speed came on top of the residual's (spec/coordinated-instructions.md §7.4).
+#[test]
+fn a_blend_waits_for_what_ramps_out_beside_the_move() {
+    let dynamics = "101.298, 0, 471.359, 0, 127.712, 0, 0, 100, 100, 2";
+    let mut bench = Bench::new();
+    let calls = [
+        (
+            format!("MCLM(XY, M2, 1, [-39.635, -28.315], {dynamics}, 3, 2, 1, 5)"),
+            149,
+        ),
+        (format!("MCLM(XY, M3, 1, [-8.810, 1.246], {dynamics}, 3, 2, 0, 5)"), 212),
+        (
+            format!("MCLM(XY, M4, 1, [-56.580, -5.441], {dynamics}, 2, 0, 1, 5)"),
+            400,
+        ),
+    ];
+    let mut fastest = 0.0_f64;
+    for (call, ticks) in calls {
+        assert_eq!(bench.call(&call).0, 0, "{call}");
+        for _ in 0..ticks {
+            bench.tick();
+            let [x, y] = ["X", "Y"].map(|axis| bench.axis(axis).command[1]);
+            fastest = fastest.max(x.hypot(y));
+        }
+    }
+    assert!(fastest > 101.2 && fastest < 101.298 * (1.0 + 1e-9), "{fastest}");
+}

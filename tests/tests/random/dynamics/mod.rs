@@ -559,7 +559,7 @@ const JOG: u64 = 0;
 const AXIS_MAXIMUM: f64 = 10_000.0;
 /// How many times the hardest programmed rate there may be at once: two moves of a blend; or a path and what ramps out beside it, hastened
 /// where a limited jerk has to stop within the way of a trapezoid (spec/coordinated-instructions.md §6.3).
-const OVERLAP: f64 = 4.0;
+const OVERLAP: f64 = 2.5;
 
 #[test]
 fn no_program_runs_away() {

@@ -46,9 +46,9 @@ impl CamState {
     }
 
     /// An element with what compensates its bit.
-    pub(super) fn element(&self, place: usize) -> Option<(&Element, &Compensation)> {
+    pub(super) fn element(&self, element_index: usize) -> Option<(&Element, &Compensation)> {
         let cam = self.cam()?;
-        let element = cam.elements.get(place)?;
+        let element = cam.elements.get(element_index)?;
         Some((element, &cam.compensation[usize::from(element.bit)]))
     }
 }

@@ -30,12 +30,12 @@ impl Target {
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
         for &cam_index in self.live() {
-            for place in 0..self.cams[cam_index].states.len() {
-                if self.state(cam_index, place).passed {
+            for element_index in 0..self.cams[cam_index].states.len() {
+                if self.state(cam_index, element_index).passed {
                     continue;
                 }
                 for latch in [true, false] {
-                    let (course, window) = self.signal(piece, cam_index, place, latch);
+                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
                     let crossed = window.crossed(course.from, course.to);
                     let [entered, left] = if latch {
                         [Happens::LatchEntered, Happens::LatchLeft]
@@ -51,7 +51,7 @@ impl Target {
                                 along: (value - course.from).abs(),
                                 what,
                                 cam_index,
-                                element: place,
+                                element: element_index,
                             });
                         }
                     }
@@ -73,16 +73,16 @@ impl Target {
         }
         // What rounding has made of the ends.
         for &cam_index in self.live() {
-            for place in 0..self.cams[cam_index].states.len() {
-                if self.state(cam_index, place).passed {
+            for element_index in 0..self.cams[cam_index].states.len() {
+                if self.state(cam_index, element_index).passed {
                     continue;
                 }
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
-                    let (course, window) = self.signal(piece, cam_index, place, latch);
+                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
                     window.contains(course.at(until))
                 });
-                self.correct(cam_index, place, inside, at);
+                self.correct(cam_index, element_index, inside, at);
             }
         }
     }
@@ -97,8 +97,8 @@ impl Target {
     }
 
     /// How the position of an axis that an element compares goes, in the positions of its cam, and with what it is compared.
-    fn signal(&self, piece: &Piece, cam_index: usize, place: usize, latch: bool) -> (Interpolation, Window) {
-        let Some((element, compensation)) = self.cams[cam_index].element(place) else {
+    fn signal(&self, piece: &Piece, cam_index: usize, element_index: usize, latch: bool) -> (Interpolation, Window) {
+        let Some((element, compensation)) = self.cams[cam_index].element(element_index) else {
             return (Interpolation::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
@@ -132,39 +132,39 @@ impl Target {
     }
 
     pub(super) fn arm_enabled(&mut self, at: Instant) {
-        for place in 0..self.cams[ACTIVE].states.len() {
+        for element_index in 0..self.cams[ACTIVE].states.len() {
             let CamState { program, states } = &mut self.cams[ACTIVE];
             let Some(program) = program else { return };
-            let effect = states[place].arm(&program.cam.elements[place]);
-            self.take(ACTIVE, place, effect, at);
+            let effect = states[element_index].arm(&program.cam.elements[element_index]);
+            self.take(ACTIVE, element_index, effect, at);
         }
     }
 
     /// An element is in its ranges, or it is not.
-    pub(super) fn correct(&mut self, cam_index: usize, place: usize, [latch, unlatch]: [bool; 2], at: Instant) {
+    pub(super) fn correct(&mut self, cam_index: usize, element_index: usize, [latch, unlatch]: [bool; 2], at: Instant) {
         let events = [
             (false, unlatch, Happens::UnlatchLeft, Happens::UnlatchEntered),
             (true, latch, Happens::LatchLeft, Happens::LatchEntered),
         ];
         for (which, inside, left, entered) in events {
-            if self.state(cam_index, place).is_in(which) != inside {
-                self.happens(cam_index, place, if inside { entered } else { left }, at);
+            if self.state(cam_index, element_index).is_in(which) != inside {
+                self.happens(cam_index, element_index, if inside { entered } else { left }, at);
             }
         }
     }
 
-    pub(super) fn happens(&mut self, cam_index: usize, place: usize, what: Happens, at: Instant) {
+    pub(super) fn happens(&mut self, cam_index: usize, element_index: usize, what: Happens, at: Instant) {
         let CamState { program, states } = &mut self.cams[cam_index];
-        let (Some(program), Some(state)) = (program, states.get_mut(place)) else {
+        let (Some(program), Some(state)) = (program, states.get_mut(element_index)) else {
             return;
         };
-        let effect = state.happens(&program.cam.elements[place], what);
-        self.take(cam_index, place, effect, at);
+        let effect = state.happens(&program.cam.elements[element_index], what);
+        self.take(cam_index, element_index, effect, at);
     }
 
     /// What has come of an event.
-    pub(super) fn take(&mut self, cam_index: usize, place: usize, effect: Effect, at: Instant) {
-        let Some((element, _)) = self.cams[cam_index].element(place) else {
+    pub(super) fn take(&mut self, cam_index: usize, element_index: usize, effect: Effect, at: Instant) {
+        let Some((element, _)) = self.cams[cam_index].element(element_index) else {
             return;
         };
         let (bit, duration) = (usize::from(element.bit), element.duration);
@@ -173,7 +173,7 @@ impl Target {
             Effect::Nothing => {}
             Effect::Latches => {
                 if ends {
-                    self.cams[cam_index].states[place].off_at = Some(at.after(duration, &self.ticks));
+                    self.cams[cam_index].states[element_index].off_at = Some(at.after(duration, &self.ticks));
                 }
                 if self.on & (1 << bit) == 0 {
                     self.on |= 1 << bit;
@@ -187,13 +187,13 @@ impl Target {
     /// A bit is off, unless an element holds it.
     pub(super) fn release(&mut self, bit: usize) {
         let holds = |cam_index: &CamState| {
-            let of_bit = |place: usize| {
+            let of_bit = |element_index: usize| {
                 cam_index
-                    .element(place)
+                    .element(element_index)
                     .is_some_and(|(own, _)| usize::from(own.bit) == bit)
             };
             let mut states = cam_index.states.iter().enumerate();
-            states.any(|(place, state)| state.holds && of_bit(place))
+            states.any(|(element_index, state)| state.holds && of_bit(element_index))
         };
         if self.trailing_bits[bit].is_none() && !self.cams.iter().any(holds) {
             self.on &= !(1 << bit);
@@ -210,11 +210,11 @@ impl Target {
             }
         }
         for cam_index in [ACTIVE, PENDING, TAIL] {
-            for place in 0..self.cams[cam_index].states.len() {
-                let state = &mut self.cams[cam_index].states[place];
+            for element_index in 0..self.cams[cam_index].states.len() {
+                let state = &mut self.cams[cam_index].states[element_index];
                 if state.off_at.is_some_and(is_over) {
                     let effect = state.release();
-                    self.take(cam_index, place, effect, at);
+                    self.take(cam_index, element_index, effect, at);
                 }
             }
         }
@@ -233,23 +233,27 @@ impl Target {
         let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
         let input = self.input.map_or(0, |input| input.bits);
         let armed = cam_index == ACTIVE && self.phase == Phase::Armed;
-        for place in 0..self.cams[cam_index].states.len() {
-            let Some((element, _)) = self.cams[cam_index].element(place) else {
+        for element_index in 0..self.cams[cam_index].states.len() {
+            let Some((element, _)) = self.cams[cam_index].element(element_index) else {
                 continue;
             };
-            if self.state(cam_index, place).is_over() {
+            if self.state(cam_index, element_index).is_over() {
                 continue;
             }
             let element = *element;
             let word = if element.enable.of_output { output } else { input };
             let enabled = (word & (1 << element.enable.bit) != 0) != element.enable.inverted;
-            let effect = self.cams[cam_index].states[place].enable(&element, enabled, armed);
-            self.take(cam_index, place, effect, at);
+            let effect = self.cams[cam_index].states[element_index].enable(&element, enabled, armed);
+            self.take(cam_index, element_index, effect, at);
         }
     }
 
-    pub(super) fn state(&self, cam_index: usize, place: usize) -> State {
-        self.cams[cam_index].states.get(place).copied().unwrap_or_default()
+    pub(super) fn state(&self, cam_index: usize, element_index: usize) -> State {
+        self.cams[cam_index]
+            .states
+            .get(element_index)
+            .copied()
+            .unwrap_or_default()
     }
 }
 

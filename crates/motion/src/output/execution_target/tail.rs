@@ -21,22 +21,22 @@ pub(super) struct Trailing {
     pub(super) turns: Turns,
     forward: bool,
     /// Where the axis left it.
-    place: f64,
+    position: f64,
 }
 
 impl Target {
-    /// The armed cam is over at a place; the pending one takes over. Returns whose is over.
-    pub(super) fn leave(&mut self, place: f64, at: Instant) -> Option<Execution> {
+    /// The armed cam is over at a position; the pending one takes over. Returns whose is over.
+    pub(super) fn leave(&mut self, position: f64, at: Instant) -> Option<Execution> {
         let zero = self.zero();
         let middle = |start: f64, end: f64| 0.5 * (start + end);
         let forward = self.cams[ACTIVE]
             .cam()
-            .is_none_or(|cam| place - zero > middle(cam.start, cam.end));
+            .is_none_or(|cam| position - zero > middle(cam.start, cam.end));
         let left = Trailing {
             zero,
             turns: self.turns_of_active(),
             forward,
-            place,
+            position,
         };
         self.make_room(at);
         let over = self.cams[ACTIVE].program.as_ref().map(|program| program.execution);
@@ -50,7 +50,7 @@ impl Target {
         let entry = self.cams[ACTIVE]
             .cam()
             .map_or(0.0, |cam| if forward { cam.start } else { cam.end });
-        (self.base, self.turns) = (place - entry, 0.0);
+        (self.base, self.turns) = (position - entry, 0.0);
         self.came_forward = Some(forward);
         self.arm_enabled(at);
         over
@@ -60,20 +60,20 @@ impl Target {
     pub(super) fn let_pass(&mut self, at: Instant) {
         let Some(left) = self.trailing else { return };
         let axis = self.last;
-        let is_back = (axis.position < left.place) == left.forward && axis.position != left.place;
+        let is_back = (axis.position < left.position) == left.forward && axis.position != left.position;
         let mut goes_on = false;
-        for place in 0..self.cams[TAIL].states.len() {
+        for element_index in 0..self.cams[TAIL].states.len() {
             let Some(cam) = self.cams[TAIL].cam() else { break };
-            let compensation = &cam.compensation[usize::from(cam.elements[place].bit)];
+            let compensation = &cam.compensation[usize::from(cam.elements[element_index].bit)];
             let bound = left.zero + compensation.offset + if left.forward { cam.end } else { cam.start };
             let is_beyond = [true, false].into_iter().all(|latch| {
                 let compared = axis.position + compensation.delay(latch) * axis.velocity;
                 (compared >= bound) == left.forward
             });
             if is_back || is_beyond {
-                self.pass(place, at);
+                self.pass(element_index, at);
             }
-            goes_on |= !self.state(TAIL, place).is_over();
+            goes_on |= !self.state(TAIL, element_index).is_over();
         }
         if !goes_on {
             self.trailing = None;
@@ -93,7 +93,7 @@ impl Target {
             .iter()
             .enumerate()
             .filter(|(_, state)| !state.is_over());
-        let bits = elements.filter_map(|(place, _)| Some(1 << cam_index.element(place)?.0.bit));
+        let bits = elements.filter_map(|(element_index, _)| Some(1 << cam_index.element(element_index)?.0.bit));
         bits.fold(self.trailing_bits(), |all, bit: u32| all | bit)
     }
 
@@ -101,8 +101,10 @@ impl Target {
     pub(super) fn held(&self) -> u32 {
         let mut bits = self.trailing_bits();
         for cam_index in [&self.cams[PENDING], &self.cams[TAIL]] {
-            for (place, _) in cam_index.states.iter().enumerate().filter(|(_, state)| state.holds) {
-                bits |= cam_index.element(place).map_or(0, |(element, _)| 1 << element.bit);
+            for (element_index, _) in cam_index.states.iter().enumerate().filter(|(_, state)| state.holds) {
+                bits |= cam_index
+                    .element(element_index)
+                    .map_or(0, |(element, _)| 1 << element.bit);
             }
         }
         bits
@@ -110,13 +112,13 @@ impl Target {
 
     /// Durations that are under way go on without the elements of a cam, and bits show as they did.
     pub(super) fn carry(&mut self, cam_index: usize) {
-        for place in 0..self.cams[cam_index].states.len() {
-            let Some((element, compensation)) = self.cams[cam_index].element(place) else {
+        for element_index in 0..self.cams[cam_index].states.len() {
+            let Some((element, compensation)) = self.cams[cam_index].element(element_index) else {
                 continue;
             };
             let bit = usize::from(element.bit);
             self.trailing_bits_as[bit] = *compensation;
-            let state = &mut self.cams[cam_index].states[place];
+            let state = &mut self.cams[cam_index].states[element_index];
             let Some(off_at) = state.off_at.take() else { continue };
             state.holds = false;
             let is_later = |other: &Instant| other.elapsed(&self.ticks) < off_at.elapsed(&self.ticks);
@@ -131,28 +133,28 @@ impl Target {
         self.trailing = None;
     }
 
-    /// The cam before the one that is over gives its place to that.
+    /// The cam before the one that is over makes room for that one.
     fn make_room(&mut self, at: Instant) {
-        for place in 0..self.cams[TAIL].states.len() {
-            self.pass(place, at);
+        for element_index in 0..self.cams[TAIL].states.len() {
+            self.pass(element_index, at);
         }
         self.carry(TAIL);
         self.cams[TAIL].take();
     }
 
     /// An element is over, but for a duration. Bits that it does not hold by its position stay as they are.
-    fn pass(&mut self, place: usize, at: Instant) {
-        let state = self.state(TAIL, place);
+    fn pass(&mut self, element_index: usize, at: Instant) {
+        let state = self.state(TAIL, element_index);
         if state.passed {
             return;
         }
         if state.is_in(true) {
-            self.happens(TAIL, place, Happens::LatchLeft, at);
+            self.happens(TAIL, element_index, Happens::LatchLeft, at);
         }
         if state.is_in(false) || state.holds {
-            self.happens(TAIL, place, Happens::UnlatchLeft, at);
+            self.happens(TAIL, element_index, Happens::UnlatchLeft, at);
         }
-        let state = &mut self.cams[TAIL].states[place];
+        let state = &mut self.cams[TAIL].states[element_index];
         state.passed = true;
         state.holds = state.off_at.is_some();
     }

@@ -127,14 +127,14 @@ impl Target {
                     self.phase = Phase::Armed;
                 }
                 Phase::Armed => {
-                    let Some((until, place)) = self.exit(&way, share) else {
+                    let Some((until, position)) = self.exit(&way, share) else {
                         self.run(piece, share, 1.0, clock, edges);
                         return;
                     };
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
-                    let over = self.leave(place, at);
+                    let over = self.leave(position, at);
                     if let Some(free) = ended.iter_mut().find(|ended| ended.is_none()) {
                         *free = over;
                     }
@@ -152,7 +152,7 @@ impl Target {
         let zero = self.zero();
         let rounding = ROUNDING * (program.cam.end - program.cam.start);
         let (start, end) = (zero + program.cam.start, zero + program.cam.end);
-        let beyond = |place: f64| place > end + rounding || place < start - rounding;
+        let beyond = |position: f64| position > end + rounding || position < start - rounding;
         let here = way.at(share);
         if beyond(here) {
             // A persistent one was left long ago.
@@ -166,8 +166,8 @@ impl Target {
     }
 
     /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.
-    pub(super) fn arm(&mut self, place: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
-        (self.base, self.turns) = (place - self.entry, 0.0);
+    pub(super) fn arm(&mut self, position: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
+        (self.base, self.turns) = (position - self.entry, 0.0);
         for element in 0..self.cams[ACTIVE].states.len() {
             let Some((own, compensation)) = self.cams[ACTIVE].element(element) else {
                 continue;
@@ -209,15 +209,15 @@ impl Target {
         if repeats && self.cams[PENDING].program.is_none() {
             self.turns += turns;
         }
-        let place = self.last.position - self.zero();
-        self.locked = (cam.start..=cam.end).contains(&place);
+        let position = self.last.position - self.zero();
+        self.locked = (cam.start..=cam.end).contains(&position);
         let beyond = |compensation: &Compensation| {
             [true, false].into_iter().any(|latch| {
-                let place = place + compensation.delay(latch) * self.last.velocity - compensation.offset;
+                let position = position + compensation.delay(latch) * self.last.velocity - compensation.offset;
                 if self.forward {
-                    place > cam.end
+                    position > cam.end
                 } else {
-                    place < cam.start
+                    position < cam.start
                 }
             })
         };

@@ -29,6 +29,37 @@ fn with_input(mut command: Command, input: &str) -> Outcome {
 }
 
 #[test]
+fn traces_are_compared_within_a_tolerance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = std::net::SocketAddr::from(([127, 0, 0, 1], 9));
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("a file");
+        path.to_str().expect("the project's paths are UTF-8").to_owned()
+    };
+    let a = file("a.csv", "tick,time_s,X\n0,0,1\n1,0.001,2\n");
+    #[rustfmt::skip]
+    let cases = [
+        // why,                  the other,                                   tolerance, code, words
+        ("itself",               "tick,time_s,X\n0,0,1\n1,0.001,2\n",         "0",    0, "the same: 2 rows, greatest difference 0"),
+        ("other columns' order", "time_s,X,tick\n0,1,0\n0.001,2,1\n",         "0",    0, "the same"),
+        ("within",               "tick,time_s,X\n0,0,1\n1,0.001,2.25\n",      "0.25", 0, "greatest difference 0.25"),
+        ("beyond",               "tick,time_s,X\n0,0,1\n1,0.001,2.5\n",       "0.25", 1, "line 3, X: 2 and 2.5; 1 numbers differ, by 0.5 at most"),
+        ("shorter",              "tick,time_s,X\n0,0,1\n",                    "0",    1, "ends after 1 row"),
+        ("a column less",        "tick,time_s\n0,0\n1,0.001\n",               "0",    1, "has no column X"),
+        ("no trace",             "hello\n",                                   "0",    2, "is no trace"),
+        ("a row that is cut",    "tick,time_s,X\n0,0\n",                      "0",    2, "line 2 has 2 cells, expected 3"),
+    ];
+    for (why, text, tolerance, code, words) in cases {
+        let b = file("b.csv", text);
+        let ran = arcline(at, &["diff", &a, &b, "--tolerance", tolerance]);
+        assert_eq!(ran.code, Some(code), "{why}: {}{}", ran.stdout, ran.stderr);
+        let told = format!("{}{}", ran.stdout, ran.stderr);
+        assert!(told.contains(words), "{why}: {told}");
+    }
+}
+
+#[test]
 fn an_error_is_explained() {
     let server = Server::start();
     let at = server.address();

@@ -8,7 +8,7 @@ use crate::{Damage, Kept, MAX_FILE, format};
 
 /// A file in which no other process keeps a state while this lives. It may not exist yet.
 #[derive(Debug)]
-pub struct Place<D: Disk = System> {
+pub struct LockedFile<D: Disk = System> {
     disk: D,
     file: PathBuf,
     _lock: D::File,
@@ -25,25 +25,25 @@ pub enum ReadError {
     Io(#[from] io::Error),
 }
 
-impl Place {
+impl LockedFile {
     /// Takes a file for this process.
     ///
     /// # Errors
     /// See [`OpenError`].
-    pub fn lock(file: &Path) -> Result<Place, OpenError> {
+    pub fn lock(file: &Path) -> Result<LockedFile, OpenError> {
         let (disk, file) = System::with(file)?;
-        Place::lock_on(disk, file)
+        LockedFile::lock_on(disk, file)
     }
 }
 
-impl<D: Disk> Place<D> {
+impl<D: Disk> LockedFile<D> {
     /// Takes a file of this disk for this process.
     ///
     /// # Errors
     /// See [`OpenError`].
     pub fn lock_on(disk: D, file: PathBuf) -> Result<Self, OpenError> {
         let lock = disk.lock(&with_suffix(&file, ".lock"))?;
-        Ok(Place {
+        Ok(LockedFile {
             disk,
             file,
             _lock: lock,
@@ -67,7 +67,7 @@ impl<D: Disk> Place<D> {
     /// Reads the file; `None`: there is none.
     ///
     /// # Errors
-    /// See [`ReadError`]. After a [`Damage`] the file should be [set aside](Place::set_aside).
+    /// See [`ReadError`]. After a [`Damage`] the file should be [set aside](LockedFile::set_aside).
     pub fn read(&self) -> Result<Option<Kept>, ReadError> {
         match self.disk.read(&self.file, MAX_FILE) {
             Ok(None) => Ok(None),

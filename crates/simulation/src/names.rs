@@ -7,7 +7,7 @@ use arcline_tag::{PathError, TagPath};
 
 /// The names of an image, for the check of a program.
 #[derive(Debug)]
-pub(crate) struct ImageNames<'i>(pub(crate) &'i Image);
+pub struct ImageNames<'i>(pub &'i Image);
 
 impl Names for ImageNames<'_> {
     fn is_object(&self, object: Object, name: &str) -> bool {

@@ -1,0 +1,47 @@
+//! The tag `ClockStep` of a machine on the step clock: it shows the tick, and a number that is written to it lets so many ticks pass
+//! (spec/contract.md §10).
+
+use arcline_tag::{Elementary, TagType};
+
+use super::{Edge, Image, TagId, TagKind, WriteError};
+
+/// Name of the tag.
+pub const CLOCK_STEP_TAG: &str = "ClockStep";
+/// The most ticks that one write lets pass.
+pub const MOST_STEPS: u32 = 1_000_000;
+
+impl Image {
+    /// Adds the tag, where the name is free.
+    pub fn add_clock_step(&mut self) {
+        if self.find(CLOCK_STEP_TAG).is_none() {
+            let tag_type = TagType::scalar(Elementary::Dint);
+            self.clock_step = Some(self.add(CLOCK_STEP_TAG, tag_type, TagKind::ClockStep));
+        }
+    }
+
+    /// Shows the tick, modulo 2^31.
+    pub(super) fn show_clock(&mut self, tick: u64) {
+        let Some(id) = self.clock_step else { return };
+        if let Some(bytes) = self.bytes_mut(id) {
+            bytes.copy_from_slice(&((tick & 0x7FFF_FFFF) as u32).to_le_bytes());
+        }
+    }
+
+    /// Writes the tag.
+    pub(super) fn write_clock_step(&mut self, id: TagId, data: &[u8]) -> Result<Option<Edge>, WriteError> {
+        let name = || self.tag(id).map(|tag| tag.name.clone()).unwrap_or_default();
+        let Ok(bytes) = <[u8; 4]>::try_from(data) else {
+            return Err(WriteError::ReadOnly { name: name() });
+        };
+        let ticks = i32::from_le_bytes(bytes);
+        match u32::try_from(ticks) {
+            Ok(ticks) if ticks <= MOST_STEPS => Ok(Some(Edge::Steps(ticks))),
+            _ => Err(WriteError::OutOfRange {
+                name: name(),
+                value: ticks as f32,
+                low: 0.0,
+                high: MOST_STEPS as f32,
+            }),
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Partial exports: what runs of them.
+
+use arcline_routine::source::Trigger;
+
+use crate::logic;
+
+fn file(target: &str, name: &str, inside: &str) -> String {
+    format!(
+        "<RSLogix5000Content SchemaRevision=\"1.0\" TargetName=\"{name}\" TargetType=\"{target}\" ContainsContext=\"true\">\
+         <Controller Use=\"Context\" Name=\"Cell\">{inside}</Controller></RSLogix5000Content>"
+    )
+}
+
+const ADD_ON: &str = r#"<AddOnInstructionDefinitions Use="Context"><AddOnInstructionDefinition Name="Other"><Parameters/><Routines/></AddOnInstructionDefinition>
+<AddOnInstructionDefinition Use="Target" Name="Scale"><Parameters>
+<Parameter Name="EnableIn" DataType="BOOL" Usage="Input" Required="false"/>
+<Parameter Name="In" DataType="DINT" Usage="Input" Required="true"/>
+<Parameter Name="Arr" DataType="REAL" Dimensions="4" Usage="InOut" Required="true"/>
+<Parameter Name="Hidden" DataType="DINT" Usage="Output" Required="false"/>
+<Parameter Name="Out" DataType="REAL" Usage="Output" Required="true"/></Parameters><Routines/></AddOnInstructionDefinition></AddOnInstructionDefinitions>
+<Tags Use="Context"><Tag Name="in" TagType="Base" DataType="BOOL"/></Tags>"#;
+
+const ROUTINES: &str = r#"<Programs Use="Context"><Program Use="Context" Name="First"><Routines><Routine Name="Sub" Type="RLL"/></Routines></Program>
+<Program Use="Context" Name="Main" MainRoutineName="Go"><Routines Use="Context"><Routine Use="Context" Name="Go" Type="RLL"/>
+<Routine Use="Context" Name="Sub" Type="RLL"><RLLContent Use="Context"><Rung Use="Target" Number="0" Type="N"><Text>NOP();</Text></Rung></RLLContent></Routine>
+</Routines></Program></Programs>"#;
+
+#[test]
+fn an_add_on_instruction_alone_is_called_in_every_scan() {
+    let project = logic(&file("AddOnInstructionDefinition", "Scale", ADD_ON), "scale.L5X").expect("it is read");
+    let tags: Vec<_> = project
+        .tags
+        .iter()
+        .map(|tag| (tag.name.as_str(), tag.data_type.as_str(), tag.dimensions.len()))
+        .collect();
+    let expected = [
+        ("in", "BOOL", 0),
+        ("Scale1", "Scale", 0),
+        ("In_", "DINT", 0),
+        ("Arr", "REAL", 1),
+        ("Out", "REAL", 0),
+    ];
+    assert_eq!(tags, expected, "a name that is taken gets an underscore");
+    let arcline_routine::source::Content::Ladder(rungs) = &project.programs[0].routines[0].content else {
+        panic!("{:?}", project.programs)
+    };
+    assert_eq!(rungs[0].text, "Scale(Scale1,In_,Arr,Out);");
+    assert_eq!(project.tasks[0].trigger, Trigger::Periodic(10.0));
+    assert_eq!(project.tasks[0].programs, ["Trial"]);
+}
+
+#[test]
+fn the_target_of_a_partial_export_runs() {
+    let of_program = ROUTINES.replace("Use=\"Context\" Name=\"Main\"", "Use=\"Target\" Name=\"Main\"");
+    let of_routine = ROUTINES.replace("Use=\"Context\" Name=\"Sub\"", "Use=\"Target\" Name=\"Sub\"");
+    #[rustfmt::skip]
+    let cases = [
+        ("a program",        "Program",    of_program.as_str(), Some(("Main", "Go"))),
+        ("a routine",        "Routine",    of_routine.as_str(), Some(("Main", "Sub"))),
+        ("rungs",            "Rung",       ROUTINES,            Some(("Main", "Sub"))),
+        ("a data type",      "DataType",   ROUTINES,            None),
+        ("no target",        "Program",    ROUTINES,            None),
+        ("a whole project",  "Controller", ROUTINES,            None),
+    ];
+    for (why, target, inside, expected) in cases {
+        let project = logic(&file(target, "Sub", inside), "part.L5X").expect(why);
+        let found = project.tasks.first().map(|task| {
+            let program = project.programs.iter().find(|one| one.name == task.programs[0]);
+            let program = program.expect("the task's program");
+            (program.name.as_str(), program.main.as_deref().unwrap_or_default())
+        });
+        assert_eq!(found, expected, "{why}");
+    }
+}

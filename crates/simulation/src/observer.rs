@@ -1,0 +1,41 @@
+//! What a simulation shows.
+
+use arcline_controller::image::Image;
+use arcline_controller::machine::Machine;
+use arcline_controller::{ArrayWrite, Controller, Event, FaultChange, Ticket};
+use arcline_instruction_set::Call;
+
+/// Sees a simulation, tick by tick. Of one tick the methods are called in the order in which they stand here.
+pub trait Observer {
+    /// Before the first tick.
+    fn begin(&mut self, machine: &Machine) {
+        let _ = machine;
+    }
+    /// An instruction was accepted in this tick.
+    fn accepted(&mut self, ticket: Ticket, call: &Call) {
+        let _ = (ticket, call);
+    }
+    /// A change of the faults of an axis, s after the beginning.
+    fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
+        let _ = (change, time, machine);
+    }
+    /// An instruction wrote to an array: takes it into the tag memory.
+    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
+        image.apply_array_write(write);
+    }
+    /// A change of an instruction's status, s after the beginning.
+    fn event(&mut self, event: &Event, time: f64, image: &Image) {
+        let _ = (event, time, image);
+    }
+    /// The state at the end of a tick. False: it has seen enough.
+    fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
+        let _ = (tick, machine, controller);
+        true
+    }
+}
+
+/// Looks at nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Blind;
+
+impl Observer for Blind {}

@@ -1,0 +1,400 @@
+//! A program on a simulation: it runs within a tick until it has to wait, and continues in a later tick in which it has something to do.
+//!
+//! A program is a future that waits only in its pauses. It owns its interpreter and shares the simulation with the [`Runner`](crate::Runner), which
+//! lets the ticks pass, decides when the pause is over, and polls the program then.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::future::poll_fn;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
+
+use arcline_controller::image::TagKind;
+use arcline_controller::{Ticket, UNNAMED};
+use arcline_instruction_set::{Call, ControlSlot, Directory as _, Flag, MotionControl, bind};
+use arcline_structured_text::{
+    BoundCall, Called, Calls, Driver, ObjectAttribute, OnError, Outcome, Pause, Policy, ProgramRun, Progress, Reading,
+    RunError, Stopped, unmade_control,
+};
+use arcline_tag::{TagPath, Value};
+
+use crate::calls::Origin;
+use crate::end::{Refused, STILL_SECONDS};
+use crate::simulation::Simulation;
+
+/// Identifies a program of a [`Runner`](crate::Runner).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct ProgramId(pub(crate) u32);
+
+/// A simulation and the pauses of its programs.
+#[derive(Debug)]
+pub(crate) struct Stage {
+    pub(crate) simulation: Simulation,
+    pub(crate) waits: BTreeMap<ProgramId, Wait>,
+}
+
+/// The stage as the runner and the programs share it. Only one of them works at a time: the lock is always free.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedStage(Arc<Mutex<Stage>>);
+
+impl SharedStage {
+    pub(crate) fn new(simulation: Simulation) -> Self {
+        SharedStage(Arc::new(Mutex::new(Stage {
+            simulation,
+            waits: BTreeMap::new(),
+        })))
+    }
+
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Stage> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What a program waits for, and what it has done since time last passed.
+#[derive(Debug)]
+pub(crate) struct Wait {
+    policy: Policy,
+    wake: Wake,
+    /// The pause is over.
+    over: Option<Result<(), Refused>>,
+    /// What the WAIT has read so far: the slots and what they showed.
+    watched: Vec<(ControlSlot, MotionControl)>,
+    /// Whether it has read anything else that changes by itself.
+    reads_motion: bool,
+    /// The first tick since which the program waits for a condition and the machine is at rest.
+    still_since: Option<u64>,
+}
+
+/// When the program continues.
+#[derive(Debug)]
+enum Wake {
+    /// In the next tick.
+    Next,
+    /// In the next tick, in which the condition of a WAIT may have changed.
+    Condition,
+    /// When a motion control tag that it has read shows something else.
+    Change,
+    /// When there is room for the move.
+    Room(Box<Call>),
+    /// In that tick.
+    At(u64),
+}
+
+impl Wait {
+    pub(crate) fn new(policy: Policy) -> Self {
+        Wait {
+            policy,
+            wake: Wake::Next,
+            over: None,
+            watched: Vec::new(),
+            reads_motion: false,
+            still_since: None,
+        }
+    }
+
+    /// Ends the pause.
+    pub(crate) fn end(&mut self, result: Result<(), Refused>) {
+        self.over = Some(result);
+    }
+
+    /// Whether the program may have something to do in this tick.
+    pub(crate) fn is_due(&self, simulation: &Simulation) -> bool {
+        let controller = simulation.controller();
+        match &self.wake {
+            Wake::Next | Wake::Condition => true,
+            Wake::Change => self
+                .watched
+                .iter()
+                .any(|(slot, shown)| controller.control(*slot) != *shown),
+            Wake::Room(call) => controller.has_room(call),
+            Wake::At(tick) => simulation.tick() >= *tick,
+        }
+    }
+
+    /// The error that ends the program.
+    pub(crate) fn error(&self, program: ProgramId, simulation: &Simulation) -> Option<Refused> {
+        let erred = simulation.calls().erred(program)?;
+        (self.policy.on_error == OnError::Stop).then_some(Refused::Erred { err: erred.err })
+    }
+
+    /// Whether this is a WAIT during which the machine has been at rest for [`STILL_SECONDS`].
+    pub(crate) fn is_vain(&mut self, simulation: &Simulation) -> bool {
+        if !matches!(self.wake, Wake::Change | Wake::Condition) {
+            return false;
+        }
+        if !simulation.controller().is_still() {
+            self.still_since = None;
+            return false;
+        }
+        let tick = simulation.tick();
+        let since = *self.still_since.get_or_insert(tick);
+        let still_ns = u128::from(tick - since) * u128::from(simulation.machine().period_ns);
+        still_ns >= u128::from(STILL_SECONDS) * 1_000_000_000
+    }
+}
+
+impl Stage {
+    /// Something was executed: a machine at rest may move again.
+    fn note_execution(&mut self) {
+        for wait in self.waits.values_mut() {
+            wait.still_since = None;
+        }
+    }
+}
+
+/// How a program ended; and what of it can go on with the next piece.
+pub(crate) type Ended = (ProgramRun<Ticket>, Result<(), RunError<Refused>>);
+
+/// A program under way.
+pub(crate) struct Task(Pin<Box<dyn Future<Output = Ended> + Send>>);
+
+impl fmt::Debug for Task {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Task")
+    }
+}
+
+impl Task {
+    /// A program in front of its next statement. The stage has its [`Wait`].
+    pub(crate) fn new(stage: SharedStage, id: ProgramId, mut run: ProgramRun<Ticket>) -> Self {
+        Task(Box::pin(async move {
+            let mut seat = Seat { stage, id, line: 1 };
+            let end = run.run(&mut seat).await;
+            (run, end)
+        }))
+    }
+
+    /// Lets the program run until it waits. `None`: it does.
+    pub(crate) fn poll(&mut self) -> Option<Ended> {
+        match self.0.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Ready(ended) => Some(ended),
+            Poll::Pending => None,
+        }
+    }
+}
+
+/// The program's place at the simulation.
+struct Seat {
+    stage: SharedStage,
+    id: ProgramId,
+    /// Line of the statement that runs.
+    line: usize,
+}
+
+impl Seat {
+    fn origin(&self) -> Origin {
+        Origin {
+            program: Some(self.id),
+            line: self.line,
+        }
+    }
+
+    /// Works on the simulation.
+    fn with<R>(&self, work: impl FnOnce(&mut Simulation) -> R) -> R {
+        work(&mut self.stage.lock().simulation)
+    }
+
+    /// Works on the simulation and the pause of this program.
+    fn with_wait<R>(&self, work: impl FnOnce(&mut Simulation, &mut Wait) -> R) -> R {
+        let mut stage = self.stage.lock();
+        let Stage { simulation, waits } = &mut *stage;
+        let wait = waits.entry(self.id).or_insert_with(|| Wait::new(Policy::default()));
+        work(simulation, wait)
+    }
+
+    /// Writes to the tags, unless that is refused or an instruction has erred.
+    fn change(
+        &self,
+        write: impl FnOnce(&mut Simulation) -> Result<Option<arcline_controller::image::Edge>, Refused>,
+    ) -> Result<(), Refused> {
+        let mut stage = self.stage.lock();
+        let edge = write(&mut stage.simulation)?;
+        if let Some(edge) = edge
+            && stage.simulation.apply(edge, self.origin())?.is_some()
+        {
+            stage.note_execution();
+        }
+        let Stage { simulation, waits } = &*stage;
+        match waits.get(&self.id).and_then(|wait| wait.error(self.id, simulation)) {
+            Some(error) => Err(error),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Reads a tag: a motion control as the controller has it in this moment, everything else from the image.
+///
+/// Nothing but programs executes instructions here: one that has ended, or never began, stays so during a WAIT.
+fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<Reading, Refused> {
+    let mut settled = false;
+    let kind = path
+        .tag()
+        .and_then(|name| simulation.image().find(name))
+        .map(|tag| tag.kind);
+    let mut watch = |simulation: &mut Simulation, slot: ControlSlot| {
+        let control = simulation.show_control(slot);
+        wait.watched.push((slot, control));
+        control.has_ended() || control == MotionControl::default()
+    };
+    match kind {
+        Some(TagKind::MotionControl(slot)) => settled = watch(simulation, slot),
+        Some(TagKind::Instruction(kind)) => settled = watch(simulation, kind.control),
+        Some(TagKind::Plain) => {
+            simulation.image_mut().show_uses();
+            // Output cams write it.
+            wait.reads_motion |= simulation.image().is_output(path);
+        }
+        Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => {}
+        Some(_) => {
+            wait.reads_motion = true;
+            simulation.show();
+        }
+        // A motion control that is made later in the program.
+        None => {
+            if let Some(value) = unmade_control(path) {
+                return Ok(Reading::Settled(value));
+            }
+        }
+    }
+    let value = simulation.image().read(path)?;
+    Ok(if settled {
+        Reading::Settled(value)
+    } else {
+        Reading::Value(value)
+    })
+}
+
+fn bound(simulation: &mut Simulation, call: &BoundCall) -> Result<Call, Refused> {
+    let image = simulation.image_mut();
+    let target = image.object(call.mnemonic.instruction().object, &call.target);
+    let control = match &call.control {
+        Some(name) => image.control_slot(name)?,
+        None => UNNAMED,
+    };
+    Ok(bind(call.mnemonic, target, control, &call.given, image)?)
+}
+
+impl Driver for Seat {
+    type Error = Refused;
+    type Execution = Ticket;
+
+    // Events report errors.
+    const LOOKS: usize = 0;
+
+    async fn turn(&mut self, line: usize) -> Result<(), Refused> {
+        self.line = line;
+        Ok(())
+    }
+
+    async fn read(&mut self, path: &TagPath, _calls: &Calls<Ticket>) -> Result<Reading, Refused> {
+        self.with_wait(|simulation, wait| read(simulation, wait, path))
+    }
+
+    async fn read_array(&mut self, path: &TagPath) -> Result<Vec<f64>, Refused> {
+        self.with(|simulation| {
+            simulation.show();
+            Ok(simulation.image().read_numbers(path)?)
+        })
+    }
+
+    async fn write(&mut self, path: &TagPath, value: Value) -> Result<(), Refused> {
+        self.change(|simulation| Ok(simulation.image_mut().write_value(path, value)?))
+    }
+
+    async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, Refused> {
+        self.with(|simulation| {
+            let (image, machine) = (simulation.image(), simulation.machine());
+            let index = image.object(of.attribute.object, &of.name);
+            let value = index.and_then(|index| image.attribute(machine, of.attribute, index));
+            value.ok_or_else(|| no_object(of))
+        })
+    }
+
+    async fn set_attribute(&mut self, of: &ObjectAttribute, value: f64) -> Result<(), Refused> {
+        self.change(|simulation| {
+            let image = simulation.image_mut();
+            let index = image.object(of.attribute.object, &of.name);
+            let index = index.ok_or_else(|| no_object(of))?;
+            Ok(Some(image.set_attribute(of.attribute, index, value)?))
+        })
+    }
+
+    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Refused> {
+        self.with(|simulation| {
+            let call = bound(simulation, call)?;
+            Ok(simulation.controller().has_room(&call))
+        })
+    }
+
+    async fn call(&mut self, given: &BoundCall) -> Result<Ticket, Refused> {
+        let mut stage = self.stage.lock();
+        let simulation = &mut stage.simulation;
+        let call = bound(simulation, given)?;
+        let (ticket, control) = simulation.execute(&call, self.origin());
+        let erred = simulation.calls_mut().erred_mut(self.id);
+        if let Some(erred) = erred.filter(|erred| erred.line == given.line) {
+            let instruction = given.mnemonic.instruction();
+            erred.left_out = instruction.left_out(erred.err, erred.exerr, &given.given);
+        }
+        stage.note_execution();
+        if control.has(Flag::Er) {
+            return Err(Refused::Erred { err: control.err });
+        }
+        Ok(ticket)
+    }
+
+    async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Refused> {
+        self.with_wait(|simulation, wait| {
+            if pause != Pause::Condition {
+                wait.still_since = None;
+            }
+            wait.wake = match pause {
+                Pause::Condition if !wait.reads_motion => Wake::Change,
+                Pause::Condition => Wake::Condition,
+                Pause::Tick | Pause::Queue { .. } | Pause::Motion => Wake::Next,
+                Pause::Room(call) => Wake::Room(Box::new(bound(simulation, call)?)),
+                Pause::Seconds(seconds) => {
+                    let nanoseconds = (seconds * 1e9).round() as u64;
+                    let ticks = nanoseconds.div_ceil(simulation.machine().period_ns).max(1);
+                    Wake::At(simulation.tick().saturating_add(ticks))
+                }
+            };
+            wait.over = None;
+            Ok::<(), Refused>(())
+        })?;
+        poll_fn(|_| {
+            let over = self.with_wait(|_, wait| wait.over.take());
+            over.map_or(Poll::Pending, Poll::Ready)
+        })
+        .await?;
+        self.with_wait(|_, wait| {
+            wait.watched.clear();
+            wait.reads_motion = false;
+        });
+        Ok(())
+    }
+
+    async fn progress(&mut self, _called: &Called<Ticket>) -> Result<Progress<Refused>, Refused> {
+        Ok(Progress::Ended)
+    }
+
+    async fn stopped(&mut self, _called: &Called<Ticket>) -> Result<Option<Stopped<Refused>>, Refused> {
+        Ok(None)
+    }
+
+    async fn outcome(&mut self, tag: &str, _called: Option<&Called<Ticket>>) -> Result<Outcome, Refused> {
+        Ok(self.with(|simulation| simulation.outcome(tag)))
+    }
+
+    fn err(error: &Refused) -> Option<i16> {
+        match error {
+            Refused::Erred { err } => Some(*err),
+            _ => None,
+        }
+    }
+}
+
+fn no_object(of: &ObjectAttribute) -> Refused {
+    Refused::NoObject { name: of.name.clone() }
+}

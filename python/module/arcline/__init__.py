@@ -1,0 +1,38 @@
+"""A coordinated-motion controller on a virtual clock.
+
+>>> import arcline
+>>> m = arcline.Machine()
+>>> m.program("MCLM(CS1, M1, Absolute, [10, 5, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);").wait()
+>>> m["X.CommandPosition"], m["M1.PC"]
+(10.0, True)
+"""
+
+from arcline._arcline import DEFAULT_CONFIG, Batch, __version__
+from arcline.errors import (
+    ArclineError,
+    ConfigError,
+    MotionError,
+    ProgramError,
+    TagError,
+    TagValueError,
+    TimeoutError,
+)
+from arcline.machine import Event, Machine, Program, Result, simulate
+
+__all__ = [
+    "DEFAULT_CONFIG",
+    "ArclineError",
+    "Batch",
+    "ConfigError",
+    "Event",
+    "Machine",
+    "MotionError",
+    "Program",
+    "ProgramError",
+    "Result",
+    "TagError",
+    "TagValueError",
+    "TimeoutError",
+    "__version__",
+    "simulate",
+]

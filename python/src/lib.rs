@@ -1,0 +1,23 @@
+//! The native half of the Python module `arcline`: machines on the virtual clock ([`machine`]), many at a time ([`batch`]), and whole
+//! programs ([`simulate`]). Python owns every array; Rust writes into it while the interpreter is released.
+
+mod batch;
+mod errors;
+mod inner;
+mod machine;
+mod signals;
+mod simulate;
+mod values;
+
+use pyo3::prelude::*;
+
+/// The native half of `arcline`.
+#[pymodule]
+fn _arcline(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("DEFAULT_CONFIG", arcline_config::DEFAULT)?;
+    module.add_class::<machine::Machine>()?;
+    module.add_class::<batch::Batch>()?;
+    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    Ok(())
+}

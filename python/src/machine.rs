@@ -1,0 +1,412 @@
+//! `Machine`: a machine with its tags and programs, stepped from Python.
+//!
+//! Calls that let time pass release the interpreter first and lock the machine then, so that other threads of Python run meanwhile. All others wait for
+//! the lock with the interpreter released.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use arcline_controller::machine::Machine as Configured;
+use arcline_instruction_set::{AxisId, FAULTS, FaultSet, Flag};
+use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::{PyList, PyTuple};
+
+use crate::errors::{self, raise};
+use crate::inner::{Entry, Inner};
+use crate::signals::Signal;
+use crate::values;
+
+/// Ticks between two looks at the wall clock.
+const SLICE: u64 = 1024;
+/// Wall time between two looks at the signals of Python, such as Ctrl-C.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// A machine on a virtual clock, with its tags and programs. Deterministic: the same calls in the same order give the same state.
+#[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
+pub(crate) struct Machine {
+    inner: Mutex<Inner>,
+    config: String,
+    seed: u64,
+}
+
+/// Whole ticks of so many seconds.
+fn ticks_of(machine: &Configured, seconds: f64) -> PyResult<u64> {
+    if !(0.0..1e9).contains(&seconds) {
+        return Err(PyValueError::new_err(format!("{seconds} s: expected 0 to 1e9 seconds")));
+    }
+    Ok((seconds * 1e9 / machine.period_ns as f64).round() as u64)
+}
+
+impl Machine {
+    /// Waits with the interpreter released: who holds the lock may need it.
+    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Inner> {
+        self.inner.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Works on the machine with the interpreter released.
+    fn detached<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Inner) -> R + Send) -> R {
+        py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    /// Lets ticks pass, and looks at signals of Python now and then.
+    fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
+        let mut left = ticks;
+        let mut looked = Instant::now();
+        while left > 0 {
+            let slice = left.min(SLICE);
+            self.detached(py, |inner| inner.step(slice));
+            left -= slice;
+            if left > 0 && looked.elapsed() >= LOOK {
+                py.check_signals()?;
+                looked = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    fn configured(&self, py: Python<'_>) -> Arc<Configured> {
+        self.lock(py).runner.simulation().machine().clone()
+    }
+}
+
+#[pymethods]
+impl Machine {
+    #[new]
+    #[pyo3(signature = (config=None, *, seed=0, set=None, journal=true))]
+    fn new(
+        py: Python<'_>,
+        config: Option<&str>,
+        seed: u64,
+        set: Option<Vec<(String, Bound<'_, PyAny>)>>,
+        journal: bool,
+    ) -> PyResult<Self> {
+        let (config, project) = errors::project(py, config)?;
+        let machine = Machine {
+            inner: Mutex::new(Inner::new(&project, journal)),
+            config,
+            seed,
+        };
+        for (path, value) in set.unwrap_or_default() {
+            machine.__setitem__(py, &path, &value)?;
+        }
+        Ok(machine)
+    }
+
+    /// The seed that was given; the machine itself is deterministic.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The text of the configuration.
+    #[getter]
+    fn config(&self) -> &str {
+        &self.config
+    }
+
+    /// The present tick.
+    #[getter]
+    fn tick(&self, py: Python<'_>) -> u64 {
+        self.lock(py).tick()
+    }
+
+    /// Seconds at the present tick.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.lock(py).runner.simulation().time()
+    }
+
+    /// Seconds of a tick.
+    #[getter]
+    fn period(&self, py: Python<'_>) -> f64 {
+        self.configured(py).period()
+    }
+
+    /// The names of the axes.
+    #[getter]
+    fn axes(&self, py: Python<'_>) -> Vec<String> {
+        self.configured(py).axes.iter().map(|axis| axis.name.clone()).collect()
+    }
+
+    /// The names of all tags.
+    fn tags(&self, py: Python<'_>) -> Vec<String> {
+        let inner = self.lock(py);
+        let simulation = inner.runner.simulation();
+        simulation
+            .image()
+            .tags()
+            .iter()
+            .map(|tag| simulation.image().full_name(tag))
+            .collect()
+    }
+
+    /// Whether nothing moves, and nothing is under way that would end.
+    #[getter]
+    fn at_rest(&self, py: Python<'_>) -> bool {
+        self.lock(py).runner.simulation().controller().at_rest()
+    }
+
+    fn __getitem__(&self, py: Python<'_>, path: &str) -> PyResult<Py<PyAny>> {
+        let inner = self.lock(py);
+        let mut simulation = inner.runner.simulation();
+        values::read(py, &mut simulation, path)
+    }
+
+    fn __setitem__(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let value = values::given(value)?;
+        let mut inner = self.lock(py);
+        values::write(py, &mut inner.runner.simulation(), path, &value)?;
+        inner.note(Entry::Write(path.to_owned(), value));
+        Ok(())
+    }
+
+    fn __contains__(&self, py: Python<'_>, path: &str) -> bool {
+        let inner = self.lock(py);
+        let simulation = inner.runner.simulation();
+        path.parse().is_ok_and(|path| simulation.image().locate(&path).is_ok())
+    }
+
+    /// Lets `ticks` ticks pass.
+    #[pyo3(signature = (ticks=1))]
+    fn step(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
+        self.pass(py, ticks)
+    }
+
+    /// Lets `seconds` pass.
+    fn run(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
+        self.pass(py, ticks_of(&self.configured(py), seconds)?)
+    }
+
+    /// Samples signals for `steps` ticks into `out`, or a new array of `(steps, len(signals))`.
+    #[pyo3(signature = (signals, steps, out=None))]
+    fn trace<'py>(
+        &self,
+        py: Python<'py>,
+        signals: Vec<String>,
+        steps: usize,
+        out: Option<Bound<'py, PyArray2<f64>>>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let signals = {
+            let inner = self.lock(py);
+            let simulation = inner.runner.simulation();
+            signals
+                .iter()
+                .map(|name| Signal::new(py, &simulation, name))
+                .collect::<PyResult<Vec<_>>>()?
+        };
+        let array = out.unwrap_or_else(|| PyArray2::zeros(py, [steps, signals.len()], false));
+        let mut rows: PyReadwriteArray2<'py, f64> = array.try_readwrite()?;
+        let shape = rows.as_array().dim();
+        if shape != (steps, signals.len()) {
+            let (rows, columns) = shape;
+            return Err(PyValueError::new_err(format!(
+                "out is {rows} by {columns}, expected {steps} by {}",
+                signals.len()
+            )));
+        }
+        let width = signals.len();
+        let mut left = rows
+            .as_slice_mut()
+            .map_err(|_| PyValueError::new_err("out is not contiguous in C order"))?;
+        let mut steps_left = steps;
+        while steps_left > 0 {
+            let slice = steps_left.min(SLICE as usize * 8);
+            let (part, rest) = left.split_at_mut(slice * width);
+            self.detached(py, |inner| inner.trace(slice as u64, &signals, part));
+            (left, steps_left) = (rest, steps_left - slice);
+            py.check_signals()?;
+        }
+        drop(rows);
+        Ok(array)
+    }
+
+    /// Puts a cause of a fault on an axis, now or `at` so many seconds; `None` takes all causes away.
+    #[pyo3(signature = (axis, kind, at=None))]
+    fn fault(&self, py: Python<'_>, axis: &str, kind: Option<&str>, at: Option<f64>) -> PyResult<()> {
+        let machine = self.configured(py);
+        let known = || {
+            machine
+                .axes
+                .iter()
+                .map(|axis| axis.name.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let index = machine
+            .axes
+            .iter()
+            .position(|known| known.name.eq_ignore_ascii_case(axis));
+        let index = index.ok_or_else(|| {
+            raise(
+                py,
+                "TagError",
+                (format!("there is no axis {axis:?}, only {}", known()),),
+            )
+        })?;
+        let bits = match kind {
+            None => 0,
+            Some(word) => {
+                let spaced = word.replace('_', " ");
+                let fault = FAULTS
+                    .iter()
+                    .find(|fault| fault.word.replace('_', " ").eq_ignore_ascii_case(&spaced));
+                let Some(fault) = fault else {
+                    let words: Vec<&str> = FAULTS.iter().map(|fault| fault.word).collect();
+                    return Err(PyValueError::new_err(format!(
+                        "{word:?} is no fault, expected one of {}",
+                        words.join(", ")
+                    )));
+                };
+                FaultSet::default().with(fault.kind).bits()
+            }
+        };
+        let possible = FaultSet::possible(!machine.axes[index].is_virtual()).bits();
+        if bits & !possible != 0 {
+            return Err(PyValueError::new_err(format!(
+                "{axis} is a virtual axis and cannot have that fault"
+            )));
+        }
+        let mut inner = self.lock(py);
+        let tick = match at {
+            None => inner.tick(),
+            Some(at) => ticks_of(&machine, at)?,
+        };
+        if tick < inner.tick() {
+            return Err(PyValueError::new_err("that time has passed"));
+        }
+        inner
+            .faults
+            .entry(tick)
+            .or_default()
+            .push((AxisId::from_index(index), bits));
+        inner.note(Entry::Fault(tick, index as u16, bits));
+        inner.inject_due();
+        Ok(())
+    }
+
+    /// The events since the last call, as tuples; collected from the first call on.
+    fn _events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let waiting = {
+            let mut inner = self.lock(py);
+            std::mem::take(&mut inner.events.waiting)
+        };
+        let list = PyList::empty(py);
+        for (time, event, tag) in waiting {
+            let flags = |word| Flag::in_word(word).map(Flag::name).collect::<Vec<_>>();
+            let row = (
+                time,
+                event.tick,
+                tag,
+                event.mnemonic.name(),
+                flags(event.set),
+                flags(event.clear),
+                event.err,
+                event.exerr,
+            );
+            list.append(row)?;
+        }
+        Ok(list)
+    }
+
+    /// Collects events from now on.
+    fn _collect_events(&self, py: Python<'_>) {
+        self.lock(py).events.is_on = true;
+    }
+
+    /// Starts a program; its number.
+    fn _start(&self, py: Python<'_>, text: &str, wait: bool, keep_going: bool) -> PyResult<usize> {
+        self.lock(py).start(py, text, wait, keep_going)
+    }
+
+    /// Whether a program still runs.
+    fn _runs(&self, py: Python<'_>, program: usize) -> bool {
+        let inner = self.lock(py);
+        inner.programs.get(program).is_some_and(|id| inner.runner.runs(*id))
+    }
+
+    /// The exception of a program that failed, so far.
+    fn _error<'py>(&self, py: Python<'py>, program: usize) -> Option<Bound<'py, PyAny>> {
+        let end = {
+            let inner = self.lock(py);
+            let id = *inner.programs.get(program)?;
+            inner.runner.end_of(id)?.err()?
+        };
+        Some(errors::ended(py, &end)?.into_value(py).into_bound(py).into_any())
+    }
+
+    /// Ends a program where it is.
+    fn _remove(&self, py: Python<'_>, program: usize) {
+        let mut inner = self.lock(py);
+        if let Some(id) = inner.programs.get(program).copied() {
+            inner.runner.remove(id);
+            inner.note(Entry::Remove(program));
+        }
+    }
+
+    /// What makes the same machine again: the configuration, the seed, and all that was done.
+    fn _journal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let inner = self.lock(py);
+        let Some(journal) = &inner.journal else {
+            return Err(raise(
+                py,
+                "ArclineError",
+                ("a machine with journal=False cannot be saved or pickled",),
+            ));
+        };
+        let list = PyList::empty(py);
+        for entry in journal {
+            match entry {
+                Entry::Step(ticks) => list.append(("step", ticks))?,
+                Entry::Write(path, value) => list.append(("write", path, values::python(py, value)?))?,
+                Entry::Program(text, wait, keep_going) => list.append(("program", text, wait, keep_going))?,
+                Entry::Remove(program) => list.append(("remove", program))?,
+                Entry::Fault(tick, axis, bits) => list.append(("fault", tick, axis, bits))?,
+            }
+        }
+        (self.config.as_str(), self.seed, list).into_pyobject(py)
+    }
+
+    /// Does again what a journal says.
+    fn _replay(&self, py: Python<'_>, journal: Vec<Bound<'_, PyTuple>>) -> PyResult<()> {
+        for entry in journal {
+            let kind: String = entry.get_item(0)?.extract()?;
+            match kind.as_str() {
+                "step" => self.pass(py, entry.get_item(1)?.extract()?)?,
+                "write" => self.__setitem__(py, &entry.get_item(1)?.extract::<String>()?, &entry.get_item(2)?)?,
+                "program" => {
+                    let (_, text, wait, keep_going): (String, String, bool, bool) = entry.extract()?;
+                    self.lock(py).start(py, &text, wait, keep_going)?;
+                }
+                "remove" => self._remove(py, entry.get_item(1)?.extract()?),
+                _ => {
+                    let (_, tick, axis, bits): (String, u64, u16, u32) = entry.extract()?;
+                    let mut inner = self.lock(py);
+                    inner.faults.entry(tick).or_default().push((AxisId(axis), bits));
+                    inner.note(Entry::Fault(tick, axis, bits));
+                    inner.inject_due();
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Becomes the machine of a configuration at its beginning.
+    fn _restart(&self, py: Python<'_>, config: &str) -> PyResult<()> {
+        if config != self.config {
+            return Err(raise(
+                py,
+                "ArclineError",
+                ("the state is of a machine with another configuration",),
+            ));
+        }
+        let (_, project) = errors::project(py, Some(config))?;
+        let mut inner = self.lock(py);
+        let is_on = inner.events.is_on;
+        *inner = Inner::new(&project, true);
+        inner.events.is_on = is_on;
+        Ok(())
+    }
+}

@@ -1,0 +1,305 @@
+"""The module as its users see it."""
+
+import copy
+import doctest
+import gc
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import arcline
+import arcline.errors
+import arcline.machine
+import arcline.server
+
+MOVE = "MCLM(CS1, M1, Absolute, [100, 50, 25], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);"
+
+
+@pytest.mark.parametrize("module", [arcline, arcline.errors, arcline.machine, arcline.server])
+def test_examples_of_the_docstrings(module):
+    result = doctest.testmod(module)
+    assert result.failed == 0
+    assert result.attempted > 0 or module is arcline.server
+
+
+def test_every_public_name_has_a_docstring():
+    for name in arcline.__all__:
+        thing = getattr(arcline, name)
+        if callable(thing):
+            assert thing.__doc__, name
+    for method in ("step", "run", "trace", "fault", "tags"):
+        assert getattr(arcline.Machine, method).__doc__, method
+
+
+def test_tags_are_python_values():
+    m = arcline.Machine()
+    cases = [("Move1.Speed", 12.5), ("Move1.EnableIn", False), ("Move1.CoordinateSystem", "CS2"), ("Move1.Position", [1.0, 2.0, 3.0])]
+    for path, value in cases:
+        m[path] = value
+        found = m[path]
+        assert found == value if not isinstance(value, list) else found[: len(value)] == value, path
+        assert type(found) is type(value)
+    assert m["Move1.MotionControl"]["PC"] is False
+    assert isinstance(m["X"], dict) and m["X"]["CommandPosition"] == 0.0
+    assert "Move1.Speed" in m and "Nobody" not in m
+    m["Move1.Position[1]"] = np.float64(4.5)
+    assert m["Move1.Position[1]"] == 4.5
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "error", "words"),
+    [
+        ("Mov1.Speed", 1.0, arcline.TagError, "did you mean 'Move1'|did you mean \"Move1\""),
+        ("Move1.Nothing", 1.0, arcline.TagError, "Nothing"),
+        ("1[", 1.0, arcline.TagError, "no path"),
+        ("X.CommandPosition", 1.0, arcline.TagValueError, "read-only"),
+        ("Move1.MergeSpeed", 1.5, arcline.TagValueError, "whole numbers"),
+        ("Move1.Speed", "fast", arcline.TagValueError, "another kind"),
+        ("Move1.EnableIn", 2, arcline.TagValueError, "BOOL"),
+        ("Move1.Speed", object(), TypeError, "expected a number"),
+    ],
+)
+def test_wrong_writes_say_what_is_wrong(path, value, error, words):
+    m = arcline.Machine()
+    with pytest.raises(error, match=words):
+        m[path] = value
+    with pytest.raises(KeyError):
+        m["Nobody"]
+
+
+def test_errors_have_their_codes():
+    m = arcline.Machine()
+    p = m.program(MOVE.replace("200,", "-5,"))
+    assert p.done
+    error = p.error
+    assert isinstance(error, arcline.MotionError)
+    assert (error.err, error.exerr, error.instruction, error.line, error.tag) == (13, 4, "MCLM", 1, "M1")
+    assert "Parameter Out Of Range" in str(error) and str(pickle.loads(pickle.dumps(error))) == str(error)
+    with pytest.raises(arcline.ProgramError) as wrong:
+        m.program("MSO(X, On);\nMSO(Q, On);")
+    assert wrong.value.line == 2
+    with pytest.raises(arcline.ConfigError, match="line|config"):
+        arcline.Machine("[[axis]]\nname = 5\n")
+    with pytest.raises(FileNotFoundError):
+        arcline.Machine("/nowhere.toml")
+    with pytest.raises(arcline.TimeoutError):
+        m.until("M1.PC", timeout=0.1)
+    waiting = arcline.Machine().program("WAIT(X.ActualPosition > 1);")
+    with pytest.raises(arcline.ProgramError, match="at rest"):
+        waiting.wait()
+
+
+def test_enable_in_executes_at_the_present_tick():
+    m = arcline.Machine(set={"Move1.Position": [10.0, 0.0, 0.0]})
+    m["Move1.EnableIn"] = True
+    assert m["Move1.IP"] is True and m.tick == 0
+    seconds = m.until("Move1.PC", timeout=5)
+    assert 0 < seconds < 5 and m["X.CommandPosition"] == 10.0
+
+
+def test_a_trace_fills_arrays_in_place():
+    m = arcline.Machine()
+    m.program(MOVE)
+    out = np.full((300, 3), np.nan)
+    signals = ["X.CommandPosition", "X.CommandVelocity", "M1.PC"]
+    assert m.trace(signals, 300, out=out) is out
+    assert not np.isnan(out).any() and out.flags.c_contiguous
+    assert m.tick == 300 and out[0, 0] == 0.0
+    again = arcline.Machine()
+    again.program(MOVE)
+    assert np.array_equal(again.trace(signals[:2], 300), out[:, :2])
+    with pytest.raises(ValueError, match="expected 10 by 1"):
+        m.trace(["X.CommandPosition"], 10, out=np.zeros((10, 2)))
+    with pytest.raises(ValueError, match="contiguous"):
+        m.trace(["X.CommandPosition"], 10, out=np.zeros((20, 1))[::2])
+    with pytest.raises(arcline.TagError):
+        m.trace(["Q.CommandPosition"], 10)
+
+
+def test_programs_run_beside_each_other():
+    m = arcline.Machine()
+    first = m.program(MOVE + "WAIT(M1.PC);")
+    second = m.program("DELAY(0.1);")
+    third = m.program("DELAY(100);")
+    m.run(0.2)
+    assert (first.done, second.done, third.done) == (False, True, False)
+    third.stop()
+    first.wait()
+    assert m["X.CommandPosition"] == 100.0
+
+
+def test_faults_come_at_their_time():
+    m = arcline.Machine()
+    m.program(MOVE)
+    m.fault("X", "overcurrent", at=0.1)
+    m.step(100)
+    assert m["X.AxisFault"] == 0
+    m.step(2)
+    assert m["X.AxisFault"] != 0
+    m.clear_faults("X")
+    for axis, kind, error in [("Q", "overcurrent", arcline.TagError), ("X", "boredom", ValueError), ("A", "overcurrent", ValueError)]:
+        with pytest.raises(error):
+            m.fault(axis, kind)
+    with pytest.raises(ValueError, match="passed"):
+        m.fault("X", "overcurrent", at=0.01)
+
+
+def test_a_state_is_saved_restored_copied_and_pickled_to_the_bit():
+    m = arcline.Machine(seed=7, set={"Move1.Speed": 33.0})
+    p = m.program(MOVE + "WAIT(M1.PC); MCLM(CS1, M2, Absolute, [0, 0, 0], 50, Unitspersec);")
+    m.fault("Y", "overcurrent", at=0.9)
+    m.run(0.25)
+    state = m.save()
+    signals = [f"{axis}.{signal}" for axis in "XYZ" for signal in ("CommandPosition", "ActualPosition")]
+    others = [pickle.loads(pickle.dumps(m)), copy.copy(m)]
+    went = m.trace(signals, 1500)
+    for other in others:
+        assert (other.seed, other["Move1.Speed"]) == (7, 33.0)
+        assert np.array_equal(other.trace(signals, 1500), went)
+    m.restore(state)
+    assert m.tick == 250 and not p.done
+    assert np.array_equal(m.trace(signals, 1500), went)
+    with pytest.raises(arcline.ArclineError, match="journal"):
+        arcline.Machine(journal=False).save()
+    with pytest.raises(arcline.ArclineError, match="another configuration"):
+        arcline.Machine(arcline.DEFAULT_CONFIG + "\n# another\n").restore(state)
+
+
+def test_events_tell_the_life_of_a_move():
+    m = arcline.Machine()
+    m.events()
+    m.program(MOVE).wait()
+    m.step()
+    events = m.events()
+    assert [event.set for event in events][0] == ["EN", "DN", "IP", "AC"] or "IP" in events[0].set
+    assert any("PC" in event.set for event in events) and all(event.tag == "M1" for event in events)
+    assert m.events() == []
+
+
+def test_ctrl_c_ends_a_run():
+    m = arcline.Machine()
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    timer.start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        m.run(1e8)
+    assert time.monotonic() - began < 10
+    m.step(1)
+
+
+def test_other_threads_run_while_time_passes():
+    m = arcline.Machine()
+    counted = 0
+    ended = threading.Event()
+
+    def run():
+        m.run(600)
+        ended.set()
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    while not ended.is_set():
+        counted += 1
+        _ = m.tick
+    thread.join()
+    assert counted > 100 and m.tick == 600_000
+
+
+def test_threads_share_machines_and_batches():
+    batch, machine = arcline.Batch(n=4, threads=2), arcline.Machine(journal=False)
+    x = batch.bind("X.CommandPosition")
+
+    def work():
+        for _ in range(200):
+            batch.step(20)
+            with pytest.raises(arcline.TagError):
+                batch.write("Nobody", 1.0)
+            machine.step(20)
+            with pytest.raises(arcline.TagError):
+                machine["Nobody"] = 1.0
+
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+        assert not thread.is_alive(), "the threads wait for each other"
+    assert machine.tick == 4 * 200 * 20 and x.sum() == 0.0
+
+
+def test_simulate_is_one_call():
+    r = arcline.simulate(MOVE, trace=["X.CommandPosition"])
+    assert r.error is None and r.check() is r
+    assert r.positions["X"] == 100.0 and r.trace.shape == (r.ticks + 1, 1)
+    failed = arcline.simulate(MOVE.replace("200,", "-5,"))
+    with pytest.raises(arcline.MotionError):
+        failed.check()
+    assert isinstance(arcline.simulate("DELAY(10);", until=1.0).error, arcline.TimeoutError)
+
+
+def test_a_batch_steps_all_machines():
+    b = arcline.Batch(n=7, threads=3)
+    assert (len(b), b.threads) == (7, 3)
+    x = b.bind("X.CommandPosition")
+    assert x.shape == (7,) and x.dtype == np.float64
+    b.write("Move1.Speed", np.linspace(50.0, 110.0, 7))
+    b.write("Move1.Position", [100.0, 0.0, 0.0])
+    b.write("Move1.SpeedUnits", 0)
+    b.write("Move1.EnableIn", True)
+    b.step(500)
+    assert np.all(np.diff(x) > 0), x
+    single = arcline.Machine(set={"Move1.Position": [100.0, 0.0, 0.0], "Move1.Speed": 50.0, "Move1.SpeedUnits": 0})
+    single["Move1.EnableIn"] = True
+    single.step(500)
+    assert single.trace(["X.CommandPosition"], 1)[0, 0] == x[0]
+    b.reset(np.array([True] + [False] * 6))
+    b.step(1)
+    assert x[0] == 0.0 and x[1] > 0.0
+    b.program(MOVE)
+    assert b.read(0, "M1.IP") is True
+    with pytest.raises(ValueError):
+        b.write("Move1.Speed", np.zeros(3))
+    with pytest.raises(ValueError):
+        arcline.Batch(n=0)
+    with pytest.raises(IndexError):
+        b.read(7, "X.CommandPosition")
+
+
+def test_arrays_outlive_their_batch():
+    b = arcline.Batch(n=3)
+    x = b.bind("X.CommandPosition")
+    b.step(5)
+    del b
+    gc.collect()
+    assert x.sum() == 0.0
+
+
+def test_machines_go_to_other_processes():
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    m = arcline.Machine()
+    m.program(MOVE)
+    m.run(0.1)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        ends = list(pool.map(_end_of, [m, m]))
+    m.run(1.0)
+    assert ends == [m["X.ActualPosition"]] * 2
+
+
+def _end_of(machine):
+    machine.run(1.0)
+    return machine["X.ActualPosition"]
+
+
+def test_the_module_is_imported_fast():
+    code = "import numpy, time; t = time.perf_counter(); import arcline; print(time.perf_counter() - t)"
+    times = [float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout) for _ in range(3)]
+    assert min(times) < 0.5, times

@@ -1,0 +1,120 @@
+"""The fixtures, as a project of tests uses them. Those with a server need its program."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import textwrap
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from arcline.server import Server
+
+
+PROGRAM = os.environ.get("ARCLINE_SERVER_PROGRAM") or shutil.which("arcline-server")
+needs_server = pytest.mark.skipif(PROGRAM is None, reason="no arcline-server: name it by ARCLINE_SERVER_PROGRAM")
+
+
+def connects(server):
+    host, port = server.enip.split(":")
+    with socket.create_connection((host, int(port)), timeout=5):
+        return True
+
+
+def test_a_machine_of_its_own_for_each_test_and_the_trace_of_a_failed_one(pytester):
+    pytester.makepyfile(
+        """
+        import pytest
+
+        def test_moves(machine):
+            machine.program("MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);").wait()
+            assert machine["X.CommandPosition"] == 5.0
+
+        def test_fails(machine):
+            assert machine["X.CommandPosition"] == 0.0
+            machine.program("MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);").wait()
+            assert machine["X.CommandPosition"] == 4.0
+        """
+    )
+    result = pytester.runpytest_subprocess("--arcline-trace", "kept")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*trace of the machine*", "*test_fails.csv*"])
+    (kept,) = (pytester.path / "kept").glob("*.csv")
+    lines = kept.read_text().splitlines()
+    assert lines[0].startswith("tick,time_s,X.CommandPosition") and lines[1].startswith("0,0,0,0,500,0")
+    assert len(lines) > 100
+
+
+@needs_server
+def test_a_server_on_the_clock_that_the_mark_names(pytester):
+    pytester.makepyfile(
+        """
+        import pytest, urllib.request
+
+        @pytest.mark.arcline(clock="step")
+        def test_page(server):
+            with urllib.request.urlopen(server.hmi) as page:
+                assert page.status == 200
+
+        def test_log(server):
+            assert False
+        """
+    )
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*log of arcline-server*"])
+
+
+@needs_server
+def test_fifty_servers_run_beside_each_other():
+    with ThreadPoolExecutor(50) as pool:
+        servers = list(pool.map(lambda _: Server(), range(50)))
+    try:
+        assert len({server.enip for server in servers}) == 50
+        assert all(connects(server) for server in servers)
+    finally:
+        with ThreadPoolExecutor(50) as pool:
+            codes = list(pool.map(Server.close, servers))
+    assert codes == [0] * 50
+
+
+@needs_server
+def test_a_server_ends_with_the_process_that_started_it_however_that_ends():
+    code = textwrap.dedent(
+        """
+        import time
+        from arcline.server import Server
+        server = Server()
+        print(server.pid, flush=True)
+        time.sleep(600)
+        """
+    )
+    starter = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    pid = int(starter.stdout.readline())
+    starter.send_signal(signal.SIGKILL)
+    starter.wait()
+    deadline = time.monotonic() + 20
+    while os.path.exists(f"/proc/{pid}/exe") and _state(pid) != "Z":
+        assert time.monotonic() < deadline, "the server lives on"
+        time.sleep(0.02)
+
+
+def _state(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0]
+    except FileNotFoundError:
+        return "Z"
+
+
+@needs_server
+def test_a_server_that_cannot_start_says_why(tmp_path):
+    (tmp_path / "wrong.toml").write_text("[[axis]]\nname = 5\n")
+    with pytest.raises(RuntimeError, match="missing, expected"):
+        Server(tmp_path / "wrong.toml")
+    with pytest.raises(FileNotFoundError):
+        Server(program=tmp_path / "nowhere")

@@ -1,0 +1,58 @@
+//! What viewers look at of the controller's program: each one rungs or lines of one routine. The thread of the program samples them
+//! between two scans; while nobody looks it reads one number.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use arcline_routine::{Look, Sampled};
+use tokio::sync::watch;
+
+use super::control::ViewerId;
+
+/// What one viewer looks at.
+#[derive(Debug)]
+pub(crate) struct Looking {
+    /// The version of the program that it was compiled for.
+    pub(crate) version: u64,
+    /// Its operands.
+    pub(crate) look: Look,
+    /// The newest samples.
+    pub(crate) samples: watch::Sender<Vec<Sampled>>,
+}
+
+/// What all viewers look at.
+#[derive(Debug, Default)]
+pub(crate) struct Looks {
+    all: Mutex<BTreeMap<ViewerId, Looking>>,
+    changes: AtomicU64,
+}
+
+impl Looks {
+    /// A viewer looks at something, in place of what it looked at before. The samples come as they change.
+    pub(crate) fn begin(&self, viewer: ViewerId, version: u64, look: Look) -> watch::Receiver<Vec<Sampled>> {
+        let samples = watch::Sender::new(Vec::new());
+        let receiver = samples.subscribe();
+        let looking = Looking { version, look, samples };
+        self.lock().insert(viewer, looking);
+        self.changes.fetch_add(1, Ordering::AcqRel);
+        receiver
+    }
+
+    /// A viewer looks at nothing any more.
+    pub(crate) fn end(&self, viewer: ViewerId) {
+        if self.lock().remove(&viewer).is_some() {
+            self.changes.fetch_add(1, Ordering::AcqRel);
+        }
+    }
+
+    /// Another number for other looks.
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes.load(Ordering::Acquire)
+    }
+
+    /// All of them.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, BTreeMap<ViewerId, Looking>> {
+        self.all.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

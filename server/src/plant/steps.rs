@@ -1,0 +1,43 @@
+//! Ticks that pass because a client says so: the step clock (spec/contract.md §10).
+
+use std::sync::Arc;
+
+use arcline_realtime::Steps;
+use arcline_tag::TagPath;
+use tokio::sync::oneshot;
+
+use super::{Plant, Shared};
+
+impl Plant {
+    /// Lets ticks pass, `ticks` at most, until a tag is not 0; the present tick counts too. Others step when this is done. Returns how many
+    /// have passed: 0 where the clock is not stepped.
+    pub(super) async fn step(&self, ticks: u32, until: Option<TagPath>) -> u32 {
+        let Some(stepper) = &self.0.stepper else { return 0 };
+        let _turn = self.0.step_turn.lock().await;
+        let (done, passed) = oneshot::channel();
+        let shared = Arc::downgrade(&self.0);
+        stepper.step(Steps {
+            ticks,
+            until: until.map(|path| {
+                let until = move || {
+                    shared
+                        .upgrade()
+                        .is_none_or(|shared: Arc<Shared>| is_true(&shared, &path))
+                };
+                Box::new(until) as Box<dyn FnMut() -> bool + Send>
+            }),
+            // The client may have gone.
+            done: Box::new(|passed| {
+                let _ = done.send(passed);
+            }),
+        });
+        passed.await.unwrap_or(0)
+    }
+}
+
+/// Whether a tag is not 0 at the present tick; one that is gone ends the steps.
+fn is_true(shared: &Shared, path: &TagPath) -> bool {
+    let mut state = shared.lock();
+    state.refresh();
+    state.image().read(path).map_or(true, |value| value.as_bool())
+}

@@ -1,0 +1,112 @@
+//! The scan of the controller's own program: `cargo bench -p arcline-benchmarks --bench scan`.
+//!
+//! Goals (issue "the machine's own program"): 20 million simple instructions a second and core, which is 50 ns for each; a project of
+//! 1,000 rungs on a task of 2 ms within 4 µs of each ms, 500 times real time. `throughput` counts instructions; "looked at" is the same
+//! scan while a page shows the routine.
+#![allow(missing_docs)]
+
+use std::collections::BTreeMap;
+use std::hint::black_box;
+
+use arcline_routine::source::{
+    Access, Content, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
+};
+use arcline_routine::{Cell, NoMachine, load};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+
+const RUNGS: usize = 1000;
+const PERIOD: u64 = 2_000_000;
+
+fn tag(name: &str, data_type: &str, dimensions: &[u32]) -> TagSource {
+    TagSource {
+        name: name.to_owned(),
+        data_type: data_type.to_owned(),
+        dimensions: dimensions.to_vec(),
+        alias: None,
+        value: None,
+        access: Access::ReadWrite,
+        is_module: false,
+        attributes: BTreeMap::new(),
+    }
+}
+
+/// A ladder routine on a task of 2 ms; `rung` makes the text of each rung.
+fn cell(rung: impl Fn(usize) -> String) -> Cell {
+    let rungs = (0..RUNGS).map(|number| RungSource {
+        number: number as u32,
+        kind: "N".to_owned(),
+        text: rung(number),
+        comment: String::new(),
+    });
+    let project = Project {
+        tags: vec![
+            tag("B", "BOOL", &[1024]),
+            tag("D", "DINT", &[1024]),
+            tag("R", "REAL", &[1024]),
+            tag("T", "TIMER", &[64]),
+        ],
+        programs: vec![ProgramSource {
+            name: "Main".to_owned(),
+            main: Some("Go".to_owned()),
+            fault: None,
+            is_disabled: false,
+            tags: Vec::new(),
+            routines: vec![RoutineSource {
+                name: "Go".to_owned(),
+                content: Content::Ladder(rungs.collect()),
+            }],
+        }],
+        tasks: vec![TaskSource {
+            name: "Task".to_owned(),
+            trigger: Trigger::Periodic(2.0),
+            event_tag: String::new(),
+            priority: 5,
+            watchdog_ms: 500.0,
+            is_inhibited: false,
+            programs: vec!["Main".to_owned()],
+        }],
+        ..Project::default()
+    };
+    let loaded = load(&project, &mut NoMachine);
+    assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
+    let mut cell = loaded.cell;
+    cell.start(0, &mut NoMachine).expect("no fault");
+    cell
+}
+
+fn bench(c: &mut Criterion) {
+    type Text = fn(usize) -> String;
+    #[rustfmt::skip]
+    let kinds: [(&str, u64, Text); 3] = [
+        // name, instructions of a rung, its text
+        ("contacts and coils", 6, |k| format!("XIC(B[{k}])XIO(B[{}])[XIC(B[{}]) ,XIO(B[{}]) ]XIO(B[{}])OTE(B[{}]);", (k + 7) % 1000, (k + 11) % 1000, (k + 13) % 1000, (k + 17) % 1000, (k + 1) % 1000)),
+        ("arithmetic", 4, |k| format!("ADD(D[{k}],1,D[{k}])GRT(D[{k}],5)MUL(D[{k}],3,D[{}])MOV(D[{k}],R[{k}]);", (k + 1) % 1000)),
+        ("a mixed project", 5, |k| match k % 5 {
+            0 => format!("XIO(T[{}].DN)TON(T[{}],?,?)XIC(B[{k}])XIO(B[1])OTE(B[{}]);", k % 64, k % 64, k % 1000),
+            1 => format!("XIC(B[{k}])EQU(D[{k}],3)ADD(D[{k}],1,D[{k}])LES(D[{k}],100)MOV(D[{k}],D[{}]);", (k + 3) % 1000),
+            2 => format!("XIC(B[{k}])[OTL(B[{}]) ,OTU(B[{}]) ]XIC(B[2])OTE(B[{k}]);", (k + 1) % 1000, (k + 2) % 1000),
+            3 => format!("LIM(0,D[{k}],50)CPT(R[{k}],R[{k}]*0.5+1.25)XIC(B[{k}])XIO(B[{}])OTE(B[{k}]);", (k + 9) % 1000),
+            _ => format!("XIC(B[{k}])ONS(B[{}])ADD(D[{k}],1,D[{k}])NEQ(D[{k}],7)SUB(D[{k}],1,D[{}]);", (k + 5) % 1000, (k + 6) % 1000),
+        }),
+    ];
+    for (name, instructions, text) in kinds {
+        let mut group = c.benchmark_group("1,000 rungs");
+        group.throughput(Throughput::Elements(instructions * RUNGS as u64));
+        for (looked_at, words) in [(false, name.to_owned()), (true, format!("{name}, looked at"))] {
+            let mut cell = cell(text);
+            if looked_at {
+                cell.trace([0]);
+            }
+            let mut tick = 0;
+            group.bench_function(words, |b| {
+                b.iter(|| {
+                    tick += 1;
+                    black_box(cell.tick(tick, PERIOD, &mut NoMachine)).expect("no fault");
+                });
+            });
+        }
+    }
+}
+
+criterion_group!(benches, bench);
+criterion_main!(benches);

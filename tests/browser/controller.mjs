@@ -1,0 +1,98 @@
+// The controller's own program in the browser: ladder with power flow and values, text, uses, forced inputs, mode, a fault at its rung.
+// A case throws when it does not hold.
+
+import assert from "node:assert/strict";
+import path from "node:path";
+import { close, go, open, until } from "./browser.mjs";
+
+const picture = (page, folder, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
+
+/** Writes a tag over a connection of the test's own. */
+function write(page, tag, value) {
+  return page.evaluate(([name, wanted]) => new Promise((done) => {
+    const socket = new WebSocket(`ws://${location.host}/ws`);
+    socket.onopen = () => socket.send(JSON.stringify({ id: 1, do: "write", tag: name, value: wanted }));
+    socket.onmessage = ({ data }) => {
+      if (typeof data !== "string" || JSON.parse(data).id !== 1) return;
+      socket.close();
+      done(data);
+    };
+  }), [tag, value]);
+}
+
+const rung = (page, number) => page.locator(`.rung:has(.rung-picture[aria-label="Rung ${number}"])`);
+const on = (page, number, selector) => rung(page, number).locator(`${selector}[data-on=true]`);
+
+/** Contacts, coils and wires show the last scan; values stand beside the operands; a tag leads to its uses. */
+export async function a_program_is_seen({ browser, url, folder }) {
+  const page = await open(browser, url, "controller");
+  await page.getByText("Run mode").waitFor();
+  await rung(page, 0).waitFor();
+  assert.match(await rung(page, 0).innerText(), /The cell runs while Start is pressed/, "a rung has its comment");
+  await page.locator(`[data-name="Main/Go"][aria-current=true]`).waitFor();
+  assert.equal(await on(page, 0, ".coil").count(), 0, "Running is off");
+  await write(page, "Start", true);
+  await write(page, "Override", true);
+  await on(page, 0, ".coil").waitFor();
+  assert.equal(await on(page, 0, ".contact").count(), 4, "Start, not Stop, Override, not Guard");
+  await rung(page, 1).getByText("EN TT").waitFor();
+  await until(page, "Count counts", () => Number([...document.querySelectorAll(".rung-picture[aria-label='Rung 2'] .operand-value")][0]?.textContent) > 0);
+  await picture(page, folder, "controller-ladder");
+  await rung(page, 2).locator("[data-tag=Count]").first().click();
+  await page.locator(".tag-full-name", { hasText: /^Count$/ }).waitFor();
+  const writing = page.locator(".uses li", { hasText: "writes" });
+  assert.equal(await writing.count(), 1, "ADD alone writes Count");
+  await page.locator(`[data-name="Main/Logic"]`).click();
+  await page.locator(".text-line", { hasText: "Average := Sum" }).locator("b", { hasText: /\d/ }).first().waitFor();
+  await picture(page, folder, "controller-text");
+  await page.locator(".uses button", { hasText: "rung 5" }).click();
+  await page.locator(".rung.marked", { hasText: "MOV" }).waitFor();
+  // The logic of an add-on instruction shows the values of an instance.
+  await page.getByText("Add-on instructions").click();
+  await page.locator(`[data-name="Scale/Logic"]`).click();
+  await rung(page, 0).locator(".operand-value", { hasText: /^\d/ }).first().waitFor();
+  await close(page);
+}
+
+/** A fault is shown with its operand and value and leads to its rung; Program mode clears it; inputs are forced. */
+export async function a_fault_leads_to_its_rung({ browser, url, folder }) {
+  const page = await open(browser, url, "controller");
+  await rung(page, 0).waitFor();
+  await write(page, "Fail", true);
+  const fault = page.locator(".controller .problem", { hasText: "Main/Go rung 5, MOV: Bad is 12" });
+  await fault.waitFor();
+  await fault.getByRole("button", { name: "Show the rung" }).click();
+  await page.locator(".rung.marked", { hasText: "Recipe[Bad]" }).waitFor();
+  await picture(page, folder, "controller-fault");
+  await write(page, "Fail", false);
+  const mode = page.getByRole("group", { name: "Mode of the controller" });
+  await mode.getByRole("button", { name: "Program" }).click();
+  await page.locator(".pill", { hasText: "Program mode" }).waitFor();
+  await fault.waitFor({ state: "hidden" });
+  await mode.getByRole("button", { name: "Run" }).click();
+  await page.locator(".pill", { hasText: "Run mode" }).waitFor();
+  await page.getByLabel("Tag whose uses are shown").fill("PartPresent");
+  await page.getByRole("button", { name: "Find" }).click();
+  await page.locator(".tag-full-name", { hasText: "Local:1:I.Data.0" }).waitFor();
+  await page.getByRole("button", { name: "Force 1" }).click();
+  await page.getByText("1 forced input").waitFor();
+  await page.locator(".tag-value", { hasText: /true|1/ }).waitFor();
+  await picture(page, folder, "controller-force");
+  await page.getByRole("button", { name: "Remove all forces" }).click();
+  await page.getByText("1 forced input").waitFor({ state: "hidden" });
+  await close(page);
+}
+
+/** A tablet has room for the ladder; on a phone the view scrolls and nothing is wider than the page. */
+export async function a_program_fits_small_screens({ browser, url, folder }) {
+  const page = await open(browser, url, "controller");
+  for (const [name, width, height] of [["tablet", 820, 1180], ["phone", 390, 844]]) {
+    await page.setViewportSize({ width, height });
+    await rung(page, 0).waitFor();
+    const wide = await page.evaluate(() => [document.documentElement.scrollWidth, document.querySelector("main").scrollWidth]);
+    assert.ok(wide.every((one) => one <= width), `${name}: nothing is wider than the page, ${wide}`);
+    await picture(page, folder, `controller-${name}`);
+  }
+  await go(page, "machine");
+  await close(page);
+}

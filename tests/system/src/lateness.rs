@@ -1,0 +1,59 @@
+//! What a load does to the ticks of a server, beside what the machine itself does to a thread that only sleeps.
+
+use std::time::Duration;
+
+use crate::bare::Bare;
+use crate::command_line::read_numbers;
+use crate::server::Server;
+
+/// Buckets of a histogram: the first ends at 0.25 µs, every other at twice the one before.
+const BUCKETS: usize = 24;
+
+/// What was seen during a work.
+pub struct Seen {
+    /// How many ticks were how late.
+    pub ticks: Vec<f64>,
+    /// What a thread that only sleeps made of the same time.
+    pub bare: Bare,
+}
+
+/// Does a work that takes so long, and sees what it does to the ticks.
+///
+/// # Panics
+/// When the server does not tell how late its ticks were.
+#[must_use]
+pub fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (T, Seen) {
+    let from = ticks(server);
+    let bare = Bare::beside(time, Duration::from_millis(1));
+    let done = work();
+    let to = ticks(server);
+    let seen = Seen {
+        ticks: from.iter().zip(&to).map(|(from, to)| to - from).collect(),
+        bare: bare.join().expect("it does not panic"),
+    };
+    (done, seen)
+}
+
+/// How many ticks were how late so far.
+fn ticks(server: &Server) -> Vec<f64> {
+    let names: Vec<String> = (0..BUCKETS)
+        .map(|bucket| format!("RealTime.LatenessHistogram[{bucket}]"))
+        .collect();
+    read_numbers(server.address(), &names.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Of so many ticks in each bucket, µs: within its bucket by proportion.
+#[must_use]
+pub fn p99(counts: &[f64]) -> f64 {
+    let wanted = counts.iter().sum::<f64>() * 0.99;
+    let mut below = 0.0;
+    for (bucket, count) in counts.iter().enumerate() {
+        if below + count >= wanted {
+            let end = 0.25 * 2_f64.powi(bucket as i32);
+            let begin = if bucket == 0 { 0.0 } else { end / 2.0 };
+            return begin + (end - begin) * (wanted - below) / count;
+        }
+        below += count;
+    }
+    f64::INFINITY
+}
