@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::random::Random;
 use arcline_planner::geometry::{Arc as Circle, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
@@ -107,7 +108,12 @@ impl Course {
             0.3 * self.chord
         };
         self.line(self.ahead(along));
-        let (radius, turn) = (1.5, core::f64::consts::FRAC_PI_2);
+        self.arc(1.5, core::f64::consts::FRAC_PI_2);
+    }
+
+    /// An arc that goes on in the direction of travel, to the left by an angle above 0, else to the right.
+    fn arc(&mut self, radius: f64, turn: f64) {
+        let radius = radius * turn.signum();
         let side = Point::new(-self.heading.sin(), self.heading.cos(), 0.0);
         let centre = self.at + side * radius;
         let round = |angle: f64| {
@@ -115,11 +121,32 @@ impl Course {
             centre - Point::new(-heading.sin(), heading.cos(), 0.0) * radius
         };
         let via = CirclePoint::Via(round(0.5 * turn));
+        // With a point on the way the direction does not count.
         let direction = Direction::from_word(0).expect("a direction");
         let arc = Circle::new(Dimension::Two, self.at, round(turn), via, direction).expect("an arc");
         self.at = round(turn);
         self.heading += turn;
         self.paths.push(Path::Arc(arc));
+    }
+
+    fn part(&mut self, part: Part) {
+        match part {
+            Part::Chords(count, length, turn, change) => {
+                for k in 0..count {
+                    self.heading += turn + change * (k as f64 - 0.5 * count as f64);
+                    self.line(self.ahead(length));
+                }
+            }
+            Part::Line(length) => self.line(self.ahead(length)),
+            Part::Arc(radius, turn) => self.arc(radius, turn),
+            Part::Corner(turn) => self.heading += turn,
+            Part::Slot(count, length, radius) => {
+                for k in 0..count {
+                    self.line(self.ahead(if k % 2 == 0 { length } else { 0.3 * length }));
+                    self.arc(radius.abs(), radius.signum() * core::f64::consts::FRAC_PI_2);
+                }
+            }
+        }
     }
 
     /// A small ring of tiny moves, then a long line with a sudden corner at its end.
@@ -132,6 +159,116 @@ impl Course {
             self.heading += 0.1 + 0.02 * (on as f64 * 0.7).sin();
             self.line(self.ahead(self.chord));
         }
+    }
+}
+
+/// A part of a random toolpath.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    /// So many chords: their length, the turn at each (rad), and how the turn changes from chord to chord.
+    Chords(usize, f64, f64, f64),
+    /// A line.
+    Line(f64),
+    /// An arc that goes on in the direction of travel: its radius and the angle by which it turns, to the left or right.
+    Arc(f64, f64),
+    /// A sudden corner.
+    Corner(f64),
+    /// A slot: so many times a line and an arc that goes on in its direction.
+    Slot(usize, f64, f64),
+}
+
+/// A random toolpath, as its seed reproduces it: dense chords of curves, islands of tiny moves, lines, arcs between lines and sudden corners, at any speed
+/// and tolerance that CAM systems use.
+#[derive(Debug)]
+pub struct Wild {
+    /// Its moves, numbered; the last one ends in a stop.
+    pub moves: Vec<Move<usize>>,
+    /// Jerk of the axes; `None`: trapezoids.
+    pub jerk: Option<f64>,
+    /// Programmed speed and command tolerance.
+    pub speed: f64,
+    /// Command tolerance.
+    pub tolerance: f64,
+    parts: Vec<Part>,
+}
+
+impl Wild {
+    /// The toolpath of a seed, of about so many moves.
+    #[must_use]
+    pub fn new(seed: u64, about: usize) -> Wild {
+        let mut random = Random(seed);
+        let jerk = (random.below(2) == 0).then_some(100_000.0);
+        let (speed, tolerance) = (random.between(50.0, 400.0), random.between(0.005, 0.02));
+        // Most toolpaths are of one kind, with others in between.
+        let usual = random.below(6);
+        let mut course = Course {
+            paths: Vec::with_capacity(about + 300),
+            at: Point::zeros(),
+            heading: 0.3,
+            chord: random.between(0.05, 0.5),
+            chords: 0.0,
+        };
+        let mut parts = Vec::new();
+        while course.paths.len() < about {
+            let kind = if random.below(3) == 0 { random.below(6) } else { usual };
+            let side = if random.below(2) == 0 { -1.0 } else { 1.0 };
+            let part = match kind {
+                0 | 1 => Part::Chords(
+                    40 + random.below(200) as usize,
+                    if kind == 0 {
+                        course.chord
+                    } else {
+                        random.between(0.05, 0.5)
+                    },
+                    random.between(-0.03, 0.03),
+                    0.01 * random.between(-0.03, 0.03),
+                ),
+                2 => Part::Chords(
+                    5 + random.below(60) as usize,
+                    random.between(0.01, 0.1),
+                    random.between(-0.2, 0.2),
+                    random.between(-0.01, 0.01),
+                ),
+                3 => Part::Line(random.between(0.5, 30.0)),
+                4 => Part::Slot(
+                    1 + random.below(6) as usize,
+                    random.between(0.6, 12.0),
+                    side * random.between(0.5, 12.0),
+                ),
+                _ => Part::Arc(random.between(0.5, 20.0), side * random.between(0.1, 3.0)),
+            };
+            parts.push(part);
+            course.part(part);
+            if random.below(3) == 0 {
+                let corner = Part::Corner(random.between(-2.8, 2.8));
+                parts.push(corner);
+                course.part(corner);
+            }
+        }
+        Wild {
+            moves: numbered(course.paths, speed, tolerance, jerk),
+            jerk,
+            speed,
+            tolerance,
+            parts,
+        }
+    }
+}
+
+impl core::fmt::Display for Wild {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Wild {
+            moves,
+            jerk,
+            speed,
+            tolerance,
+            parts,
+        } = self;
+        write!(
+            f,
+            "{} moves at {speed} mm/s, tolerance {tolerance} mm, jerk {jerk:?}: {parts:?}",
+            moves.len()
+        )
     }
 }
 
@@ -150,34 +287,38 @@ impl Stream {
             (self.course)(&mut course);
         }
         course.paths.truncate(count);
-        let limits = Limits {
-            speed: self.speed,
-            acceleration: 2.0 * ACCELERATION,
-            deceleration: 2.0 * ACCELERATION,
-            jerk: jerk.map(|jerk| Jerk {
-                acceleration: 10.0 * jerk,
-                deceleration: 10.0 * jerk,
-            }),
-        };
-        let numbered = course.paths.into_iter().enumerate();
-        numbered
-            .map(|(data, path)| Move {
-                path,
-                turn: None,
-                corner: f64::INFINITY,
-                limits,
-                ending: if data + 1 == count {
-                    Ending::Stop
-                } else {
-                    Ending::Blend {
-                        tolerance: self.tolerance,
-                    }
-                },
-                parameter: Parameter::TIME,
-                data,
-            })
-            .collect()
+        numbered(course.paths, self.speed, self.tolerance, jerk)
     }
+}
+
+/// Moves along paths; the last one ends in a stop.
+fn numbered(paths: Vec<Path>, speed: f64, tolerance: f64, jerk: Option<f64>) -> Vec<Move<usize>> {
+    let limits = Limits {
+        speed,
+        acceleration: 2.0 * ACCELERATION,
+        deceleration: 2.0 * ACCELERATION,
+        jerk: jerk.map(|jerk| Jerk {
+            acceleration: 10.0 * jerk,
+            deceleration: 10.0 * jerk,
+        }),
+    };
+    let count = paths.len();
+    let numbered = paths.into_iter().enumerate();
+    numbered
+        .map(|(data, path)| Move {
+            path,
+            turn: None,
+            corner: f64::INFINITY,
+            limits,
+            ending: if data + 1 == count {
+                Ending::Stop
+            } else {
+                Ending::Blend { tolerance }
+            },
+            parameter: Parameter::TIME,
+            data,
+        })
+        .collect()
 }
 
 /// How long a plan takes to come.

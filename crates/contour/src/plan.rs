@@ -13,6 +13,20 @@ use crate::{AxisLimits, ContourMove, Path, Point, Trajectory};
 /// stopped at. An empty list gives a trajectory of no duration at the origin.
 #[must_use]
 pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+    plan_with(moves, limits, Haste::None)
+}
+
+/// How soon a plan must be there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Haste {
+    /// It may take its time: it is the fastest motion.
+    None,
+    /// More moves come while it runs: it takes a small part of the time that the motion takes.
+    Stream,
+}
+
+/// The same, so soon.
+pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
     let start = moves.first().map_or(Point::zeros(), |first| first.path.start());
     let mut whole = Trajectory::rest(start);
     let mut section: Vec<ContourMove> = Vec::new();
@@ -20,7 +34,7 @@ pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         section.push(*next);
         let stops = moves.get(index + 1).is_none_or(|after| !can_pass(next, after));
         if stops {
-            whole.append(plan_section(&section, limits));
+            whole.append(plan_section(&section, limits, haste));
             section.clear();
         }
     }
@@ -31,11 +45,14 @@ pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
 /// of them where they are few, and where they make up a whole contour with many sharp corners, which is faster when it is planned at once.
 #[must_use]
 pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
-    plan(&moves[..first_moves(moves)], limits)
+    match first_moves(moves) {
+        None => plan(moves, limits),
+        Some(first) => plan_with(&moves[..first], limits, Haste::Stream),
+    }
 }
 
-/// How many moves are planned first.
-fn first_moves(moves: &[ContourMove]) -> usize {
+/// How many moves of a stream are planned first; `None`: it is a whole contour.
+fn first_moves(moves: &[ContourMove]) -> Option<usize> {
     // The last one that is known ends in a stop or at a corner without tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
     let dense = || {
@@ -43,7 +60,7 @@ fn first_moves(moves: &[ContourMove]) -> usize {
         is_dense(&moves[..section.min(moves.len())])
     };
     if is_whole && !dense() {
-        return moves.len();
+        return None;
     }
     let mut seconds = 0.0;
     let first = moves.iter().take_while(|one| {
@@ -51,7 +68,7 @@ fn first_moves(moves: &[ContourMove]) -> usize {
         seconds += one.path.length() / one.speed;
         before < TUNING.extend.first_s
     });
-    first.count().max(TUNING.extend.first_moves).min(moves.len())
+    Some(first.count().max(TUNING.extend.first_moves).min(moves.len()))
 }
 
 /// Whether the joint between two moves can be passed without a stop.
@@ -65,7 +82,7 @@ pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
 
 /// Plans one section, as well as it can be done: what is outside the corridor or the limits is planned
 /// again with less freedom, at last with a stop at every joint.
-fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+fn plan_section(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
     let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
     let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
     if let [one] = long.as_slice()
@@ -85,7 +102,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         rest.move_ends = vec![MoveEnd::plain(0.0); moves.len()];
         return rest;
     }
-    for quality in qualities(moves).chain([Quality::TimingOnly]) {
+    for quality in qualities(moves, haste).chain([Quality::TimingOnly]) {
         if let Some(trajectory) = Section::new(moves, limits, Begin::Rest, quality).plan() {
             return trajectory;
         }
@@ -95,15 +112,15 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     }
     let mut whole = Trajectory::rest(moves[0].path.start());
     for one in moves {
-        whole.append(plan_section(core::slice::from_ref(one), limits));
+        whole.append(plan_section(core::slice::from_ref(one), limits, haste));
     }
     whole
 }
 
 /// The order of the plans of a section, before the last resort: dense chords as a smooth curve first.
-pub(crate) fn qualities(moves: &[ContourMove]) -> impl Iterator<Item = Quality> {
+pub(crate) fn qualities(moves: &[ContourMove], haste: Haste) -> impl Iterator<Item = Quality> {
     let dense = is_dense(moves).then_some(Quality::Smooth);
-    dense.into_iter().chain([Quality::Full])
+    dense.into_iter().chain((haste == Haste::None).then_some(Quality::Full))
 }
 
 /// Whether moves are many, most of them with a corner that turns little.

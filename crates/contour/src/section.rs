@@ -7,7 +7,7 @@ use crate::limits::{Bounds, Smoothness};
 use crate::path::allowance::{Allowance, Begin};
 use crate::path::margin::ToleranceMargin;
 use crate::path::reference::ReferencePath;
-use crate::path::rounding::{Stretch, round};
+use crate::path::rounding::{Corners, Stretch, round};
 use crate::path::smooth::smooth;
 use crate::solve::measure::{Measured, measured};
 use crate::solve::relax::SlowDown;
@@ -69,7 +69,11 @@ impl<'a> Section<'a> {
     pub(crate) fn without_jerk(&self) -> (Vec<Bounds>, Vec<Stretch>) {
         (
             self.bounds.iter().map(Bounds::without_jerk).collect(),
-            round(&self.reference, &self.allowance, Smoothness::Trapezoid),
+            round(
+                &self.reference,
+                &self.allowance,
+                Corners::Superposed(Smoothness::Trapezoid),
+            ),
         )
     }
 
@@ -115,6 +119,60 @@ impl<'a> Section<'a> {
         Some(self.finish(self.run(control, &stages, work)?))
     }
 
+    /// From a guess within all limits, made faster; `None` where it is not within them.
+    pub(crate) fn hasten(&self, guess: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+        let mut margin = ToleranceMargin::new();
+        let mut best = self.within(guess.clone(), &mut margin).or_else(|| {
+            let mut smoothed = guess;
+            smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
+            project(&self.reference, &mut smoothed);
+            self.within(smoothed, &mut margin)
+        })?;
+        let stages = stages(self.smoothness, Quality::TimingOnly);
+        let stage = stages.last()?;
+        let mut control = best.control.clone();
+        for round in 0..=TUNING.gentle.repairs {
+            // Where the curve is outside with other times of its nodes, it is smoothed for these.
+            if round > 0 {
+                smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
+                project(&self.reference, &mut control);
+            }
+            let now = self.run_stage(&mut control, stage, &margin, work);
+            let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
+            let is_faster = now.trajectory.duration() < best.trajectory.duration();
+            let is_within = worst <= 1.0 && now.excess <= 1.0 + EXACT;
+            if is_within && is_faster {
+                best = Solved {
+                    trajectory: now.trajectory,
+                    control: control.clone(),
+                    times: now.times,
+                };
+            }
+            if is_within || work.is_done() {
+                break;
+            }
+            if worst > 1.0 {
+                margin.narrow(worst, &self.allowance);
+            }
+        }
+        Some(self.finish(best))
+    }
+
+    /// A motion, if it is within all limits and the corridor.
+    fn within(&self, control: ControlPoints, margin: &mut ToleranceMargin) -> Option<Solved> {
+        let Measured {
+            trajectory,
+            times,
+            excess,
+        } = measured(&control, &self.bounds, &self.reference, StageResult::Start);
+        let worst = margin.tighten(&trajectory, &control, &self.reference, &self.allowance);
+        (worst <= 1.0 && excess <= 1.0 + EXACT).then_some(Solved {
+            trajectory,
+            control,
+            times,
+        })
+    }
+
     /// From a guess that is nearly within its limits.
     pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let stages = last_stages(self.smoothness);
@@ -123,7 +181,11 @@ impl<'a> Section<'a> {
 
     /// The last resort for a single curve: the first guess, as slow as the limits ask for.
     pub(crate) fn slowed(&self) -> Trajectory {
-        let stretches = round(&self.reference, &self.allowance, Smoothness::Trapezoid);
+        let stretches = round(
+            &self.reference,
+            &self.allowance,
+            Corners::Superposed(Smoothness::Trapezoid),
+        );
         let control = first_guess(
             &self.reference,
             &self.allowance,

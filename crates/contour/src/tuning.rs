@@ -29,6 +29,7 @@ pub(crate) struct Tuning {
     pub(crate) extend: Extend,
     pub(crate) warm_start: WarmStart,
     pub(crate) joined: Joined,
+    pub(crate) gentle: Gentle,
 }
 
 pub(crate) const TUNING: Tuning = Tuning {
@@ -45,6 +46,7 @@ pub(crate) const TUNING: Tuning = Tuning {
     extend: Extend::VALUES,
     warm_start: WarmStart::VALUES,
     joined: Joined::VALUES,
+    gentle: Gentle::VALUES,
 };
 
 constants! {
@@ -231,7 +233,7 @@ constants! {
         from_rest_each: u64 = 3000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
-        to_continue: u64 = 5_000_000,
+        to_continue: u64 = 1_000_000,
         to_continue_each: u64 = 1000,
     }
 }
@@ -308,11 +310,18 @@ constants! {
         /// Seconds behind a stop before which it is simpler to start at the stop.
         after_stop_s: f64 = 0.01,
         /// Seconds at programmed speed, and at least so many moves, for which a motion is planned before it begins.
-        first_s: f64 = 0.25,
+        first_s: f64 = 0.4,
         first_moves: usize = 4,
-        /// Seconds by which it is extended at once, about, but at least so many moves.
+        /// Seconds by which it is extended at once, about, at least and at most, but at least so many moves.
+        least_s: f64 = 0.25,
         most_s: f64 = 0.8,
         least_moves: usize = 12,
+        /// Of dense chords one in so many may be an arc.
+        most_arcs: usize = 4,
+        /// Seconds that are left of the running motion from which on timing and shape are planned together.
+        ample_s: f64 = 0.3,
+        /// Share of that which is planned where all of it is not found.
+        less_share: f64 = 0.25,
         /// Seconds that the running motion is followed at least, and that are left of it at least.
         least_followed_s: f64 = 0.004,
         least_left_s: f64 = 0.008,
@@ -364,5 +373,35 @@ constants! {
         least_span_s: f64 = 2e-4,
         /// A sum of shares of tolerance, speed and acceleration up to which two motions are alike.
         most_unlike: f64 = 1.5,
+    }
+}
+
+constants! {
+    /// The continuation on evenly rounded corners, within all limits from the first guess on ([`crate::extend::gentle`]).
+    Gentle {
+        /// Seconds before the last braking of the running motion, and share of that braking, from when until when it may be left, and at how many
+        /// instants.
+        before_s: f64 = 0.15,
+        latest_share: f64 = 0.3,
+        leaves: usize = 40,
+        /// How many of those at which that is possible are tried.
+        attempts: usize = 12,
+        /// Seconds by which a motion is extended at once, as a share of the usual ones.
+        ahead_share: f64 = 0.5,
+        /// Share of the limits with which the speed changes where the path turns.
+        turning_share: f64 = 0.3,
+        /// Share of the speed at which a stretch is within its limits with which a motion that is left may come to it.
+        entry_share: f64 = 0.95,
+        /// Least time of a change of the acceleration, seconds.
+        step_s: f64 = 0.005,
+        /// Nodes of a rounding, and of one beside a piece that is kept to.
+        rounding_nodes: [f64; 2] = [8.0, 16.0],
+        /// Share of the limits that the offset uses which fades out.
+        fade_share: f64 = 0.2,
+        /// Seconds in which it fades out at least and at most, and the factor from one trial to the next.
+        fade_s: [f64; 2] = [0.004, 0.1],
+        fade_factor: f64 = 1.3,
+        /// How often the curve is smoothed where it is outside with the times of the faster motion.
+        repairs: usize = 3,
     }
 }

@@ -4,12 +4,10 @@
 use arcline_tests::streams::{Feed, Latency, STREAMS, limits, travel};
 
 const MOVES: usize = 1500;
-/// Streams of lines and arcs in turn rest still.
-const RESTING: &[&str] = &["slots"];
 
 #[test]
 fn a_stream_that_is_sent_faster_than_it_is_travelled_never_rests() {
-    for stream in STREAMS.iter().filter(|stream| !RESTING.contains(&stream.name)) {
+    for stream in STREAMS {
         for jerk in [None, Some(100_000.0)] {
             let moves = stream.moves(MOVES, jerk);
             let kept = limits(jerk);

@@ -7,3 +7,4 @@ mod dynamics;
 mod machine;
 mod robots;
 mod sequences;
+mod streams;

@@ -30,3 +30,6 @@ const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
         slow_down,
     }
 }
+
+/// Gentle ways to go on: share of the limits along the path with which the speed changes, and of the speed at which nothing is above a limit.
+pub(crate) const GENTLE: [[f64; 2]; 5] = [[0.3, 0.8], [0.5, 0.8], [0.7, 0.8], [0.88, 0.8], [0.88, 0.4]];

@@ -1,14 +1,17 @@
 //! A section that is planned from an instant of a running trajectory on. Position units and seconds.
 
+use crate::extend::attempts::GENTLE;
+use crate::extend::gentle::{Course, gentle};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::Begin;
-use crate::plan::plan;
+use crate::plan::{Haste, plan_with};
 use crate::section::Section;
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::solve::work::Work;
+use crate::timing::control_points::GIVEN;
 use crate::trajectory::{Knot, State};
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
@@ -38,39 +41,76 @@ impl Continuation<'_> {
         slow_down: SlowDown,
         work: &mut Option<Work>,
     ) -> Option<Trajectory> {
+        self.then(splice, leave, self.quality, |section, followed, back| {
+            let section = section.slowing(slow_down);
+            let control = warm_start(&section, followed);
+            // On a curve that stays, all of it is for one attempt: it is little.
+            if self.quality == Quality::Smooth {
+                *work = None;
+            }
+            let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), self.quality));
+            section
+                .improve(control, work)
+                .or_else(|| self.joined(&section, followed, back, work))
+        })
+    }
+
+    /// The same on evenly rounded corners, from `earliest` on, from a first guess within all limits. `brakes`: when the running motion begins to slow down
+    /// for its end.
+    pub(crate) fn plan_gently(&self, earliest: f64, brakes: f64) -> Option<Trajectory> {
+        let &Continuation { running, limits, .. } = self;
+        let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
+        let first = earliest.max(brakes - TUNING.gentle.before_s);
+        let mut ways = Vec::new();
+        self.section(first, first, Quality::TimingOnly, |section, from, _| {
+            let course = Course::new(&section);
+            let ends = GENTLE.map(|shares| course.ends(shares));
+            for leave in leaves(running, first, until) {
+                let followed = Running { leave, ..from };
+                let state = running.at(leave);
+                for (shares, ends) in GENTLE.into_iter().zip(&ends) {
+                    if course.goes_on(followed, ends, shares) {
+                        ways.push((in_use(&state, limits) + shares[0], leave, shares));
+                        break;
+                    }
+                }
+            }
+            ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+            None::<()>
+        });
+        ways.into_iter()
+            .take(TUNING.gentle.attempts)
+            .find_map(|(_, leave, shares)| {
+                let splice = first.max(before(running, leave));
+                self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
+                    let guess = gentle(&Course::new(&section), followed, shares)?;
+                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
+                    section.hasten(guess, &mut work)
+                })
+            })
+    }
+
+    /// What runs until `splice`, then what `tail` plans for the section from there on.
+    fn then(
+        &self,
+        splice: f64,
+        leave: f64,
+        quality: Quality,
+        tail: impl FnOnce(Section<'_>, Running<'_>, usize) -> Option<Trajectory>,
+    ) -> Option<Trajectory> {
         let &Continuation {
             running,
             passed,
             moves,
             limits,
             now,
-            begin,
             end,
-            quality,
+            ..
         } = self;
-        // Some pieces before the one at the splice belong to the reference path: the curve there may be near them too.
-        let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
-        let back = moves[begin.min(here)..here]
-            .iter()
-            .rposition(ContourMove::has_length)
-            .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits, Begin::Running, quality).slowing(slow_down);
-        let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
-        let followed = Running {
-            trajectory: running,
-            splice,
-            leave,
-            piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
-        };
-        let control = warm_start(&section, followed);
-        // On a curve that stays, all of it is for one attempt: it is little.
-        if quality == Quality::Smooth {
-            *work = None;
-        }
-        let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), quality));
-        let tail = section
-            .improve(control, work)
-            .or_else(|| self.joined(&section, followed, back, work))?;
+        let here = running.move_at(splice).checked_sub(passed)?;
+        let (tail, back) = self.section(splice, leave, quality, |section, followed, back| {
+            Some((tail(section, followed, back)?, back))
+        })?;
         let mut whole = cut(running, now, splice, passed, here);
         whole.move_ends.extend(
             tail.move_ends[here - back..]
@@ -79,9 +119,43 @@ impl Continuation<'_> {
         );
         whole.join(tail, splice);
         if end < moves.len() {
-            whole.append(plan(&moves[end..], limits));
+            whole.append(plan_with(&moves[end..], limits, Haste::Stream));
         }
         Some(whole)
+    }
+
+    /// Does something with the section from an instant of the running motion on.
+    fn section<R>(
+        &self,
+        splice: f64,
+        leave: f64,
+        quality: Quality,
+        with: impl FnOnce(Section<'_>, Running<'_>, usize) -> Option<R>,
+    ) -> Option<R> {
+        let &Continuation {
+            running,
+            passed,
+            moves,
+            limits,
+            begin,
+            end,
+            ..
+        } = self;
+        // Some pieces before the one at the splice belong to the reference path: the curve there may be near them too.
+        let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
+        let back = moves[begin.min(here)..here]
+            .iter()
+            .rposition(ContourMove::has_length)
+            .map_or(here, |k| begin + k);
+        let section = Section::new(&moves[back..end], limits, Begin::Running, quality);
+        let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
+        let followed = Running {
+            trajectory: running,
+            splice,
+            leave,
+            piece: piece.min(section.reference.pieces.len().checked_sub(1)?),
+        };
+        with(section, followed, back)
     }
 
     /// As a motion over the same moves that begins at rest earlier, where both are alike.
@@ -126,6 +200,29 @@ pub(crate) fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
     running.knots.get(behind).map_or(running.duration(), |knot| knot.time)
 }
 
+/// Knots of a running trajectory at which it may be left, the last one first.
+fn leaves(running: &Trajectory, splice: f64, until: f64) -> impl Iterator<Item = f64> + '_ {
+    let first = splice + TUNING.extend.least_followed_s;
+    let from = running.knots.partition_point(|knot| knot.time < first);
+    let to = running.knots.partition_point(|knot| knot.time < until);
+    let steps = to.saturating_sub(from).div_ceil(TUNING.gentle.leaves).max(1);
+    (from..to).rev().step_by(steps).map(|k| running.knots[k].time)
+}
+
+/// The largest share of an acceleration limit.
+fn in_use(state: &State, limits: &AxisLimits) -> f64 {
+    let share = |axis: usize| state.acceleration[axis].abs() / limits.acceleration[axis];
+    (0..3).map(share).fold(0.0, f64::max)
+}
+
+/// Some knots before an instant, and some time.
+fn before(running: &Trajectory, instant: f64) -> f64 {
+    let latest = instant - TUNING.extend.least_followed_s;
+    let at = running.knots.partition_point(|knot| knot.time < instant);
+    let knot = &running.knots[at.saturating_sub(GIVEN + 2).min(running.knots.len() - 1)];
+    knot.time.min(latest)
+}
+
 /// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.
 pub(crate) fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, kept: usize) -> Trajectory {
     let first = running.knots.partition_point(|knot| knot.time <= now).saturating_sub(1);
@@ -146,7 +243,7 @@ impl Trajectory {
             state: State::rest(moves[0].path.start()),
             jerk: Point::zeros(),
         });
-        self.append(plan(moves, limits));
+        self.append(plan_with(moves, limits, Haste::Stream));
         self
     }
 

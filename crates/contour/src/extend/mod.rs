@@ -5,19 +5,20 @@
 
 mod attempts;
 mod continuation;
+mod gentle;
 pub(crate) mod replan;
 mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::attempts::ATTEMPTS;
+use crate::extend::attempts::{ATTEMPTS, Attempt};
 use crate::extend::continuation::{Continuation, cut, leave_at};
-use crate::extend::splice::{braking_time, splice};
+use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
-use crate::{AxisLimits, ContourMove, Trajectory};
+use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
 /// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
 /// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
@@ -42,7 +43,7 @@ pub fn extend(
         .unwrap_or(0.0);
     let each = (running.duration() - begins) / old as f64;
     // One that has just begun is extended by little at first: it must not come to its end meanwhile.
-    let ahead = (running.duration() - now).clamp(TUNING.extend.first_s, TUNING.extend.most_s);
+    let ahead = (running.duration() - now).clamp(TUNING.extend.least_s, TUNING.extend.most_s);
     let most = ((ahead / each) as usize).max(TUNING.extend.least_moves);
     let moves = &moves[..moves.len().min(old.saturating_add(most))];
     if moves.len() <= old {
@@ -56,29 +57,50 @@ pub fn extend(
     let end = (old + 1..moves.len())
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
-    // What is found first is taken: dense chords are soonest planned as a smooth curve.
-    let mut qualities = [Quality::Full, Quality::Smooth];
-    if is_dense(&moves[begin..end]) {
-        qualities.reverse();
-    }
-    let extended = qualities.into_iter().find_map(|quality| {
+    // What is found first is taken. Dense chords are fastest as a smooth curve; what is gentle is found soonest; less is found more easily.
+    let plan = |quality, share: f64, attempts| {
+        let most = moves.len() - old;
+        let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));
         let continuation = Continuation {
             running,
             passed,
-            moves,
+            moves: &moves[..old + more],
             limits,
             now,
             begin,
-            end,
+            end: end.min(old + more),
             quality,
         };
-        extended(&continuation, old, earliest)
-    })?;
-    Some(extended.planned_for(moves, limits))
+        extended(&continuation, old, earliest, attempts)
+    };
+    let gently = || plan(Quality::TimingOnly, TUNING.gentle.ahead_share, &[]);
+    let few = |quality, attempts| plan(quality, TUNING.extend.less_share, attempts);
+    let arcs = moves[begin..end]
+        .iter()
+        .filter(|one| matches!(one.path, Path::Arc(_)))
+        .count();
+    let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
+    let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
+        // Where little is left, what is gentle leaves still less for the next extension.
+        let is_little = running.duration() - now < TUNING.extend.least_s;
+        let together = || is_little.then(|| plan(Quality::Full, 1.0, &ATTEMPTS)).flatten();
+        let smooth = plan(Quality::Smooth, 1.0, &ATTEMPTS);
+        smooth.or_else(together).or_else(gently)
+    } else {
+        // Sharp corners of lines are passed faster when timing and shape are found together, which takes longest.
+        let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
+        let together = (arcs == 0 && is_ample)
+            .then(|| plan(Quality::Full, 1.0, &ATTEMPTS[..1]))
+            .flatten();
+        together.or_else(gently).or_else(|| few(Quality::Smooth, &ATTEMPTS))
+    };
+    let extended = extended.or_else(|| few(Quality::Full, &ATTEMPTS))?;
+    let count = extended.moves();
+    Some(extended.planned_for(&moves[..count], limits))
 }
 
 /// `old` moves are those of the running trajectory.
-fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Option<Trajectory> {
+fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, attempts: &[Attempt]) -> Option<Trajectory> {
     let &Continuation {
         running,
         passed,
@@ -104,9 +126,14 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64) -> Optio
         return Some(cut(running, now, stop, passed, begin).at_rest_then(&moves[begin..], limits));
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
+    if quality == Quality::TimingOnly {
+        let first = earliest.max(stop.map_or(0.0, after_stop));
+        let brakes = brakes_from(running);
+        return continuation.plan_gently(first, brakes);
+    }
     // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
     let (mut work, mut tried) = (None, Vec::new());
-    ATTEMPTS.iter().find_map(|attempt| {
+    attempts.iter().find_map(|attempt| {
         let splice = splice(
             running,
             passed + begin,

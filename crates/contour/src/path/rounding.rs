@@ -36,6 +36,33 @@ impl Stretch {
         matches!(self.shape, Shape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
     }
 
+    /// The point at a progress within it, and its first two derivatives by the progress.
+    pub(crate) fn derivatives(&self, reference: &ReferencePath, progress: f64) -> [Point; 3] {
+        match &self.shape {
+            Shape::Piece(index) => {
+                let path = &reference.pieces[*index];
+                let at = path.at((progress - reference.starts[*index]).clamp(0.0, path.length()));
+                [at.position, at.tangent, at.curvature]
+            }
+            Shape::Bezier(points, count) => {
+                let span = self.to - self.from;
+                let u = ((progress - self.from) / span).clamp(0.0, 1.0);
+                let (mut work, mut left) = (*points, *count);
+                let mut result = [Point::zeros(); 3];
+                let mut factor = 1.0;
+                for (order, derivative) in result.iter_mut().enumerate() {
+                    *derivative = casteljau(work, left, u) * factor;
+                    left -= 1;
+                    for i in 0..left {
+                        work[i] = work[i + 1] - work[i];
+                    }
+                    factor *= (*count - 1 - order) as f64 / span;
+                }
+                result
+            }
+        }
+    }
+
     /// The point at `u`, `0 <= u <= 1`.
     pub(crate) fn at(&self, reference: &ReferencePath, u: f64) -> Point {
         match &self.shape {
@@ -45,21 +72,32 @@ impl Stretch {
                     .at(local.clamp(0.0, reference.pieces[*index].length()))
                     .position
             }
-            Shape::Bezier(points, count) => {
-                let mut work = *points;
-                for level in (1..*count).rev() {
-                    for i in 0..level {
-                        work[i] += (work[i + 1] - work[i]) * u;
-                    }
-                }
-                work[0]
-            }
+            Shape::Bezier(points, count) => casteljau(*points, *count, u),
         }
     }
 }
 
+/// Which curve rounds a corner of two lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Corners {
+    /// What superposed motions draw.
+    Superposed(Smoothness),
+    /// One whose second derivative by the progress is continuous, as is that of the curves beside arcs: it can be run through evenly.
+    Even,
+}
+
+/// The point of a Bezier curve at `u`, by de Casteljau's algorithm.
+fn casteljau(mut points: [Point; 6], count: usize, u: f64) -> Point {
+    for level in (1..count).rev() {
+        for i in 0..level {
+            points[i] += (points[i + 1] - points[i]) * u;
+        }
+    }
+    points[0]
+}
+
 /// The reference path with every joint rounded.
-pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, smoothness: Smoothness) -> Vec<Stretch> {
+pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, corners: Corners) -> Vec<Stretch> {
     let count = reference.pieces.len();
     let mut stretches = Vec::with_capacity(2 * count);
     let mut begin = 0.0;
@@ -73,7 +111,7 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, smoothness
             let room = before
                 .min(behind)
                 .min(TUNING.rounding.inside_share * allowance.room(reference, index));
-            corner(reference, index, allowance.corner(index), room, smoothness)
+            corner(reference, index, allowance.corner(index), room, corners)
         });
         let (reach, shape) = corner.map_or((0.0, None), |(reach, shape)| (reach, Some(shape)));
         if to - reach > begin {
@@ -98,15 +136,16 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, smoothness
 }
 
 /// How far the rounding of the joint behind piece `index` reaches to either side, and its curve.
-fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, smoothness: Smoothness) -> (f64, Shape) {
+fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, corners: Corners) -> (f64, Shape) {
     let (before, behind) = (&reference.pieces[index], &reference.pieces[index + 1]);
     let (u1, u2) = (before.end_tangent(), behind.start_tangent());
     let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
     let limit = TUNING.rounding.inside_share * tolerance;
-    if let (Path::Line(_), Path::Line(_)) = (before, behind) {
-        if sine <= SAME_DIRECTION && cosine > 0.0 {
-            return (0.0, Shape::Piece(index));
-        }
+    let are_lines = matches!((before, behind), (Path::Line(_), Path::Line(_)));
+    if are_lines && sine <= SAME_DIRECTION && cosine > 0.0 {
+        return (0.0, Shape::Piece(index));
+    }
+    if let (true, Corners::Superposed(smoothness)) = (are_lines, corners) {
         let reach = reach_of_lines(before, behind, limit, smoothness).min(room);
         let (first, middle, last) = (before.end() - u1 * reach, before.end(), behind.start() + u2 * reach);
         let shape = match smoothness {
@@ -117,6 +156,9 @@ fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, sm
     }
     // Shortened until it is inside.
     let mut reach = room.min(most_of_arc(before, behind));
+    if are_lines {
+        reach = reach.min(reach_of_lines(before, behind, limit, Smoothness::SCurve));
+    }
     for _ in 0..TUNING.rounding.shortenings {
         let shape = quintic(before, behind, reach);
         let stretch = Stretch {
