@@ -1,8 +1,8 @@
 //! Strangers who only take places: thousands of connections that say nothing, and hundreds that send a byte a second, on EtherNet/IP, on TLS
 //! and on the page at once. A client that works is not disturbed, a new one gets in, and the tick does not notice.
 //!
-//! 1,600 connections for three seconds, unless `ARCLINE_FLOOD` says how many (docs/SECURITY.md has the figures of 8,000); only then, and with `--release`, times mean
-//! something and are held against their limits.
+//! 1,600 connections for three seconds, unless `ARCLINE_FLOOD` says how many; only then, and with `--release`, times mean something and are held
+//! against their limits.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::process::Command;
