@@ -321,7 +321,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             if matches!(&self.life, Life::Closing(call, _) if *call == event.call) {
                 self.unregister();
             } else if let Some(answer) = self.waiting.remove(&event.call) {
-                // Nobody waits for it any more: that is allowed.
+                // The caller may have given up waiting.
                 let _ = answer.send(event.outcome);
             }
         }

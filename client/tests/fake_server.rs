@@ -407,7 +407,7 @@ async fn a_request_that_nobody_waits_for_spoils_nothing() {
     client.write("Speed", 1.0).await.unwrap();
     client.write("Count", 2).await.unwrap();
     for _ in 0..100 {
-        // Polled once, then dropped: the answer arrives when nobody waits.
+        // Polled once, then dropped: the answer arrives after its caller has gone.
         tokio::select! {
             biased;
             _ = client.read("Speed") => {}

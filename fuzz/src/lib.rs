@@ -1,6 +1,6 @@
 //! What the fuzz targets share: a watch on how long an input takes, and the device that those of sessions talk to.
 //!
-//! Not a target itself, and without tags: whoever drives a session answers its requests. Times are since the run's beginning.
+//! Not a target itself, and without tags: the driver of a session answers its requests. Times are since the run's beginning.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::sync::atomic::{AtomicU64, Ordering};

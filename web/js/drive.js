@@ -253,7 +253,7 @@ export class Drive {
     }
   }
 
-  /** Keys jog only while they are switched on, this view is shown, and nobody is typing. @param {KeyboardEvent} event */
+  /** Keys jog only while they are switched on, this view is shown, and no text field has the focus. @param {KeyboardEvent} event */
   #key(event) {
     if (!this.shown || !this.keys.checked || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target instanceof Element && event.target.closest("input:not([type=checkbox]), select, textarea, canvas, .jog")) return;

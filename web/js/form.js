@@ -106,7 +106,7 @@ export class InstructionForm {
     this.#changed();
   }
 
-  /** Writes a value that nobody has chosen: it follows the machine. @param {string} member @param {number} value */
+  /** Writes a value that no person has chosen: it follows the machine. @param {string} member @param {number} value */
   follow(member, value) {
     const { input, read, write } = this.#field(member);
     if (this.touched.has(member) || input === document.activeElement || Math.abs(Number(read()) - value) <= NOISE) return;

@@ -51,7 +51,7 @@ export class Session {
   #update() {
     const { session } = this.app.store;
     const { role, user, locked } = session;
-    // A page at which nobody can log in shows its role only where that role is below the usual one.
+    // A page without log-ins shows its role only where that role is below the usual one.
     this.button.hidden = user === null && !session.can_log_in && this.app.store.may("operator");
     this.button.disabled = user === null && !session.can_log_in;
     text(this.name, user === null ? (session.can_log_in ? "Log in" : `You are ${role}`) : locked ? `${user}, locked` : `${user}, ${role}`);
@@ -94,7 +94,7 @@ export class Session {
     locked === null ? h("button", { type: "button", onclick: () => this.#toggle() }, "Cancel") : this.#logOut(), problem);
   }
 
-  /** Why nobody was logged in; empty after a log-in. @param {string} user @param {string} password */
+  /** Why the log-in was refused; empty after a log-in. @param {string} user @param {string} password */
   async #logIn(user, password) {
     try {
       const answer = await fetch("/login", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ user, password }) });

@@ -66,7 +66,7 @@ export class Shell {
     this.main.focus();
   }
 
-  /** The press stops, not the release: nobody holds a stop button to think about it. @param {PointerEvent} event */
+  /** The press stops, not the release: a person who presses STOP means it at once. @param {PointerEvent} event */
   #press(event) {
     if (event.button === 0) this.app.stop();
   }

@@ -114,7 +114,7 @@ export class TargetTable {
     return exact(this.app.store.standsAt(axis));
   }
 
-  /** Writes the actual positions. While an axis is at rest, a target that nobody has chosen is where it stands. */
+  /** Writes the actual positions. While an axis is at rest, a target that no person has chosen is where it stands. */
   update() {
     let moved = false;
     for (const [axis, cell] of this.actuals) {

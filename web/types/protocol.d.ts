@@ -317,7 +317,7 @@ export type Push =
       push: "session";
       /** The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`. */
       role: string;
-      /** The user who has logged in; null: nobody. */
+      /** The user who has logged in; null: no user has. */
       user: string | null;
     }
   | Status & {

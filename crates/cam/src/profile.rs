@@ -38,7 +38,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// A profile of segments that somebody has kept; the last one ends it. `None`: fewer than two, masters that do not
+    /// A profile of segments that were stored; the last one ends it. `None`: fewer than two, masters that do not
     /// rise, or a number that is none.
     pub fn from_segments(segments: Vec<Segment>) -> Option<Self> {
         let finite = segments.iter().all(|segment| {

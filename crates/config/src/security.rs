@@ -106,7 +106,7 @@ pub struct Security {
     pub hmi_tls: Option<SocketAddr>,
     /// Names of the host by which browsers reach the page, beside those of the certificate.
     pub hmi_names: Vec<String>,
-    /// The file with the users of the page and the tokens of scripts; `None`: nobody can log in.
+    /// The file with the users of the page and the tokens of scripts; `None`: there are no log-ins.
     pub users: Option<String>,
     /// Time without a person at the page after which its session is locked, s.
     pub idle: u32,

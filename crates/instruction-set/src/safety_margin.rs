@@ -1,7 +1,7 @@
 //! How much further a master must go than Calculated Data say (spec/coordinated-instructions.md §8.10, the reference page MCCM).
 //!
-//! For whoever programs a master to go just as far as a sequence of blended, master driven moves needs: the last move may not
-//! reach PC, because the master stops slightly early. Planning adds nothing of it. Master units, seconds.
+//! For programs in which a master goes just as far as a sequence of blended, master driven moves needs: without the margin the last
+//! move may not reach PC, because the master stops slightly early. Planning adds nothing of it. Master units, seconds.
 
 /// A sequence of master driven moves that blend into each other (termination types 2, 3 and 6).
 #[derive(Clone, Copy, Debug, PartialEq)]

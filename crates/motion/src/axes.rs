@@ -1,7 +1,7 @@
 //! The axes of a machine, by their index in its configuration.
 //!
-//! A tick passes over dormant axes ([`Axis::dormant`]): whoever gets an axis to change it wakes it, and only the loops of the tick that all axes
-//! go through ([`Axes::awake_mut`], [`Axes::all_mut`]) do not. Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
+//! A tick passes over dormant axes ([`Axis::dormant`]): mutable access to an axis wakes it, except in the loops of the tick over
+//! all axes ([`Axes::awake_mut`], [`Axes::all_mut`]). Not here: one axis (`crate::axis`). Nothing allocates after [`Axes::new`].
 
 use arcline_instruction_set::AxisId;
 use std::ops::{Deref, Index, IndexMut};

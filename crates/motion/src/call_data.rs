@@ -155,7 +155,7 @@ impl ReceivedData {
     /// Of an instruction that was worked out beside the tick.
     ///
     /// # Errors
-    /// What it errs with; `FeatureNotSupported` where nobody has worked it out.
+    /// What it errs with; `FeatureNotSupported` where no result has come.
     pub(crate) fn verdict(&self) -> Result<(), MotionError> {
         match &self.0 {
             Some(CallData::Done) => Ok(()),

@@ -53,6 +53,13 @@ pub(crate) struct Beyond {
     corner: f64,
 }
 
+impl Beyond {
+    /// The path and the highest speed of the corner before it.
+    fn joint(&self) -> (&Path, f64) {
+        (&self.path, self.corner)
+    }
+}
+
 /// Share of an acceleration that is none: what rounding leaves across the direction of motion.
 pub(crate) const NO_ACCELERATION: f64 = 1e-9;
 
@@ -197,8 +204,7 @@ impl<T: Copy> Planner<T> {
         let passed = self.queue.is_passed_to();
         let corner = self.queue.corner();
         let cancelled = self.queue.pop()?;
-        let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
-        self.trail_ends |= self.trail.len() >= joined && !(exit > 0.0 && passed);
+        self.trail_ends |= !self.leads_over(self.trail.len(), passed);
         if !self.trail_ends {
             self.trail.push_back(Beyond {
                 path: cancelled.path,
@@ -206,6 +212,13 @@ impl<T: Copy> Planner<T> {
             });
         }
         Some(cancelled.data)
+    }
+
+    /// Whether the profile of the active move, or the speed that it keeps, leads over the move so many places behind it. A move is
+    /// passed to when no rest is asked for before it.
+    fn leads_over(&self, index: usize, is_passed_to: bool) -> bool {
+        self.active
+            .is_some_and(|running| index < running.joined || (running.exit > 0.0 && is_passed_to))
     }
 
     fn clear_trail(&mut self) {
@@ -243,20 +256,18 @@ impl<T: Copy> Planner<T> {
         let Some(trajectory) = self.active.as_ref().map(|running| &running.trajectory) else {
             return;
         };
-        let followed = trajectory.followed(self.trail.iter().map(|beyond| (&beyond.path, beyond.corner)));
+        let followed = trajectory.followed(self.trail.iter().map(Beyond::joint));
         self.trail.truncate(followed);
     }
 
     /// The paths along which a stop that began now could lead, with the highest speeds of the corners before them: those of cancelled moves,
     /// and those of the pending moves that [`Planner::cancel_pending`] would keep.
     pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Path, f64)> {
-        let (joined, exit) = self.active.map_or((0, 0.0), |running| (running.joined, running.exit));
-        let cancelled = self.trail.iter().map(|beyond| (&beyond.path, beyond.corner));
-        let pending = self.queue.joints().enumerate();
+        let pending = (self.trail.len()..).zip(self.queue.joints());
         let kept = pending
-            .take_while(move |(index, (_, passed, _))| *index < joined || (exit > 0.0 && *passed))
+            .take_while(|(index, (_, passed, _))| !self.trail_ends && self.leads_over(*index, *passed))
             .map(|(_, (motion, _, corner))| (&motion.path, corner * motion.parameter.speed));
-        cancelled.chain(kept.filter(|_| !self.trail_ends))
+        self.trail.iter().map(Beyond::joint).chain(kept)
     }
 
     /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows it, and `rate` how it goes

@@ -1,4 +1,4 @@
-//! What makes ticks pass: the monotonic clock, or whoever steps the machine.
+//! What makes ticks pass: the monotonic clock, or the clients that step the machine.
 //!
 //! On the step clock a tick stays open until another one is asked for: commands are executed at its instant and shown at once, no matter how
 //! long it takes in real time. So the machine's state depends on the commands and the steps alone.

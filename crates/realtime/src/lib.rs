@@ -1,7 +1,7 @@
 //! The controller's thread: one tick after another at absolute times, and the rings that join it to the rest.
 //!
-//! [`spawn`] splits once: the [`Link`] goes to whoever talks to the controller, the [`Handle`] to whoever ends
-//! the process. Without a thread, [`link`] and [`step`] give the same on a clock of the caller's. Not here:
+//! [`spawn`] splits once: the [`Link`] is for the code that talks to the controller, the [`Handle`] for the code that
+//! ends the process. Without a thread, [`link`] and [`step`] give the same on a clock of the caller's. Not here:
 //! motion, tags, sockets. The loop allocates nothing, takes no lock and makes no system call but its sleep (the
 //! clock is read without one). Times are nanoseconds on the monotonic clock.
 

@@ -1,5 +1,5 @@
 //! What crosses the border of the thread: bounded rings for commands, answers and events, a triple buffer for
-//! snapshots. Nobody waits: a full ring is an answer to its sender, or a counted loss.
+//! snapshots. Neither side waits: a full ring is an answer to its sender, or a counted loss.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,7 +59,7 @@ pub struct Link {
     pub array_writes: rtrb::Consumer<ArrayWrite>,
     /// Coordinated moves as they were accepted, in order.
     pub accepted: rtrb::Consumer<AcceptedMove>,
-    /// A row of samples for every tick; `None`: somebody has taken it.
+    /// A row of samples for every tick; `None`: it was taken.
     pub samples: Option<Samples>,
     /// The newest snapshot.
     pub snapshots: triple_buffer::Output<Snapshot>,

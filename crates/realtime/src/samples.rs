@@ -1,4 +1,4 @@
-//! The ring of samples: a row for every tick, from the thread to whoever keeps them.
+//! The ring of samples: a row for every tick, from the thread to the trace.
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, samples};

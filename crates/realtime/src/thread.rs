@@ -54,7 +54,7 @@ impl std::fmt::Display for SpawnError {
 
 impl std::error::Error for SpawnError {}
 
-/// The running thread. Dropped, it stops too, and nobody waits.
+/// The running thread. Dropped, it stops too, without a wait for its end.
 #[derive(Debug)]
 pub struct Handle {
     stop: Arc<AtomicBool>,
@@ -118,7 +118,7 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
                 None => schedule::prepare(options.priority, options.core),
             };
             rings.meter.report(&report);
-            // Nobody waits for it when the process ends meanwhile.
+            // The process may end before it does.
             let _ = report_sender.send(report);
             match &stepper {
                 Some(stepper) => clock::run(controller, rings, stepper, options.grace, &asked),

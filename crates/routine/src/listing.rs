@@ -539,11 +539,7 @@ fn visit(statements: &[Statement], found: &mut dyn FnMut(&Reference, usize, bool
                 found(variable, variable.at, true);
                 visit(body, found);
             }
-            StatementKind::While(condition, body) => {
-                read(condition);
-                visit(body, found);
-            }
-            StatementKind::Repeat(body, condition) => {
+            StatementKind::While(condition, body) | StatementKind::Repeat(body, condition) => {
                 read(condition);
                 visit(body, found);
             }

@@ -1,6 +1,6 @@
 //! What a person looks at while a project runs: the power flow of rungs in their last scan, and the values of their operands.
 //!
-//! A routine that nobody looks at costs a scan nothing. A look is compiled beside the scan ([`Listing::look`](crate::Listing::look)) and
+//! A routine without a look costs a scan nothing. A look is compiled beside the scan ([`Listing::look`](crate::Listing::look)) and
 //! sampled between two scans.
 
 use arcline_tag::DataType;

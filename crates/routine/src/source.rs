@@ -132,6 +132,27 @@ pub struct TagSource {
     pub attributes: BTreeMap<String, String>,
 }
 
+impl TagSource {
+    /// A tag that clients may read and write. No `dimensions`: no array. No `value`: zeros.
+    pub fn new(
+        name: impl Into<String>,
+        data_type: impl Into<String>,
+        dimensions: impl Into<Vec<u32>>,
+        value: Option<Datum>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            data_type: data_type.into(),
+            dimensions: dimensions.into(),
+            alias: None,
+            value,
+            access: Access::ReadWrite,
+            is_module: false,
+            attributes: BTreeMap::new(),
+        }
+    }
+}
+
 /// What clients may do with a tag (`ExternalAccess`, `Constant`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Access {
@@ -226,6 +247,21 @@ pub struct TaskSource {
     pub is_inhibited: bool,
     /// Its programs in their order.
     pub programs: Vec<String>,
+}
+
+impl TaskSource {
+    /// A task of priority 10 with a watchdog of 500 ms.
+    pub fn new(name: impl Into<String>, trigger: Trigger, programs: &[&str]) -> Self {
+        Self {
+            name: name.into(),
+            trigger,
+            event_tag: String::new(),
+            priority: 10,
+            watchdog_ms: 500.0,
+            is_inhibited: false,
+            programs: programs.iter().map(|program| (*program).to_owned()).collect(),
+        }
+    }
 }
 
 /// When a task runs.

@@ -39,16 +39,7 @@ pub(crate) fn tags(text: &str) -> Vec<TagSource> {
             _ if !dimensions.is_empty() => Datum::Array(value.split(';').map(number).collect()),
             _ => number(value),
         });
-        TagSource {
-            name,
-            data_type,
-            dimensions,
-            alias: None,
-            value,
-            access: Default::default(),
-            is_module: false,
-            attributes: Default::default(),
-        }
+        TagSource::new(name, data_type, dimensions, value)
     })
     .collect()
 }
@@ -88,15 +79,7 @@ pub(crate) fn project(tag_text: &str, routines: &[(&str, &str)]) -> Project {
             tags: Vec::new(),
             routines: routines.iter().map(|(name, text)| routine(name, text)).collect(),
         }],
-        tasks: vec![TaskSource {
-            name: "Task".to_owned(),
-            trigger: Trigger::Periodic(10.0),
-            event_tag: String::new(),
-            priority: 10,
-            watchdog_ms: 500.0,
-            is_inhibited: false,
-            programs: vec!["Main".to_owned()],
-        }],
+        tasks: vec![TaskSource::new("Task", Trigger::Periodic(10.0), &["Main"])],
         ..Project::default()
     }
 }

@@ -2,10 +2,8 @@
 //!
 //! The global allocator ends the process when the guarded scan asks it for anything (debug builds; release builds have no guard).
 
-use std::collections::BTreeMap;
-
 use arcline_routine::source::{
-    Access, Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
+    Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
     RungSource, TagSource, TaskSource, Trigger, Usage,
 };
 use arcline_routine::{Cell, NoMachine, load};
@@ -13,19 +11,6 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
-
-fn tag(name: &str, data_type: &str, dimensions: &[u32], value: Option<Datum>) -> TagSource {
-    TagSource {
-        name: name.to_owned(),
-        data_type: data_type.to_owned(),
-        dimensions: dimensions.to_vec(),
-        alias: None,
-        value,
-        access: Access::ReadWrite,
-        is_module: false,
-        attributes: BTreeMap::new(),
-    }
-}
 
 fn ladder(name: &str, rungs: &[&str]) -> RoutineSource {
     let rungs = (0..).zip(rungs).map(|(number, text)| RungSource {
@@ -69,22 +54,22 @@ fn project() -> Project {
     };
     Project {
         tags: vec![
-            tag("I", "BOOL", &[], None),
-            tag("O", "BOOL", &[], None),
-            tag("S", "BOOL", &[], None),
-            tag("N", "DINT", &[], None),
-            tag("R", "REAL", &[], None),
-            tag("A", "DINT", &[16], None),
-            tag("B", "DINT", &[16], None),
-            tag("T", "TIMER", &[], preset("TIMER", "PRE", "35")),
-            tag("C", "COUNTER", &[], preset("COUNTER", "PRE", "3")),
-            tag("F", "CONTROL", &[], preset("CONTROL", "LEN", "8")),
-            tag("Q", "CONTROL", &[], preset("CONTROL", "LEN", "8")),
-            tag("Text", "STRING", &[], None),
-            tag("Part", "STRING", &[], Some(Datum::Text(b"abc".to_vec()))),
-            tag("Count", "Counted", &[], None),
-            tag("Message", "MESSAGE", &[], None),
-            tag("Record", "DINT", &[11], None),
+            TagSource::new("I", "BOOL", [], None),
+            TagSource::new("O", "BOOL", [], None),
+            TagSource::new("S", "BOOL", [], None),
+            TagSource::new("N", "DINT", [], None),
+            TagSource::new("R", "REAL", [], None),
+            TagSource::new("A", "DINT", [16], None),
+            TagSource::new("B", "DINT", [16], None),
+            TagSource::new("T", "TIMER", [], preset("TIMER", "PRE", "35")),
+            TagSource::new("C", "COUNTER", [], preset("COUNTER", "PRE", "3")),
+            TagSource::new("F", "CONTROL", [], preset("CONTROL", "LEN", "8")),
+            TagSource::new("Q", "CONTROL", [], preset("CONTROL", "LEN", "8")),
+            TagSource::new("Text", "STRING", [], None),
+            TagSource::new("Part", "STRING", [], Some(Datum::Text(b"abc".to_vec()))),
+            TagSource::new("Count", "Counted", [], None),
+            TagSource::new("Message", "MESSAGE", [], None),
+            TagSource::new("Record", "DINT", [11], None),
         ],
         instructions: vec![InstructionSource {
             name: "Counted".to_owned(),
@@ -140,25 +125,17 @@ fn project() -> Project {
                 ),
             ],
         }],
-        tasks: vec![TaskSource {
-            name: "T".to_owned(),
-            trigger: Trigger::Periodic(10.0),
-            event_tag: String::new(),
-            priority: 5,
-            watchdog_ms: 500.0,
-            is_inhibited: false,
-            programs: vec!["Main".to_owned()],
-        }],
+        tasks: vec![TaskSource::new("T", Trigger::Periodic(10.0), &["Main"])],
         ..Project::default()
     }
 }
 
 fn started() -> Cell {
     let mut project = project();
-    project.tags.push(tag("N_Far", "DINT", &[], None));
+    project.tags.push(TagSource::new("N_Far", "DINT", [], None));
     project
         .tags
-        .push(tag("Far", "DINT", &[], Some(Datum::Number("99".to_owned()))));
+        .push(TagSource::new("Far", "DINT", [], Some(Datum::Number("99".to_owned()))));
     let loaded = load(&project, &mut NoMachine);
     let findings: Vec<String> = loaded.findings.iter().map(ToString::to_string).collect();
     assert!(findings.is_empty(), "{findings:?}");

@@ -125,7 +125,7 @@ impl Runner {
         let Program::Ended(ended) = self.tasks.get(&program)? else {
             return None;
         };
-        let erred = self.simulation().calls().erred(program).cloned();
+        let erred = self.error_of(program);
         Some(match (ended, erred) {
             (
                 Ok(())

@@ -1,4 +1,4 @@
-//! Runs a program, one request at a time. No clock, no tag and no network: whoever drives it answers.
+//! Runs a program, one request at a time. No clock, no tag and no network: its driver answers.
 
 use arcline_instruction_set::{Given, Mnemonic};
 use arcline_tag::{PathSegment, TagPath, Value};

@@ -7,8 +7,8 @@ use std::fmt::{self, Write};
 
 use crate::{DataType, STRING_HANDLE, Template};
 
-/// As much of a type's text counts. Types that nest in types make texts that grow without bound; nobody computes the handle
-/// of a structure of ten thousand members.
+/// As much of a type's text counts. Types that nest in types make texts that grow without bound; the handle of a structure of ten thousand
+/// members is not worth its time.
 const TEXT: usize = 64 << 10;
 
 /// The handle of a structure type (Rockwell, "Type Encoding of Logix Structures in CIP Data Table R/W").

@@ -150,7 +150,7 @@ fn plain_writes_are_merged_and_nothing_else_is() {
     );
 }
 
-/// A full disk costs lines, and nobody waits.
+/// A full disk costs lines and delays no answer.
 #[test]
 fn a_disk_that_is_full_costs_lines_only() {
     if !Path::new("/dev/full").exists() {

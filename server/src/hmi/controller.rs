@@ -3,7 +3,7 @@
 
 use arcline_routine::source::{Project, Trigger};
 use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, Sampled, Shown};
-use arcline_tag::Value as TagValue;
+use arcline_tag::{FloatsOnly, TagValue, Value as Scalar};
 use serde_json::Value;
 use tokio::sync::watch;
 
@@ -20,8 +20,6 @@ const PAGE: usize = 100;
 const USES: usize = 500;
 /// The longest name of a tag, bytes.
 const NAME: usize = 500;
-/// Whole numbers that a browser keeps.
-const EXACT: i64 = 1 << 53;
 
 fn program(plant: &Plant) -> Result<&Program, Refusal> {
     let program = plant.program().map(|program| &**program);
@@ -67,13 +65,6 @@ pub(super) fn status(plant: &Plant) -> Option<Box<ControllerStatus>> {
         fault,
         forces: forces.collect(),
     }))
-}
-
-fn number(value: TagValue) -> Value {
-    match value {
-        TagValue::Bool(on) => on.into(),
-        value => value.as_f64().into(),
-    }
 }
 
 /// Tasks, programs and routines.
@@ -233,10 +224,10 @@ pub(super) fn uses(plant: &Plant, tag: &str, program: Option<&str>) -> Result<Us
 pub(super) async fn force(plant: &Plant, by: Principal, tag: &str, value: &Value) -> Result<(), Refusal> {
     let value = match value {
         Value::Null => None,
-        Value::Bool(on) => Some(TagValue::Bool(*on)),
+        Value::Bool(on) => Some(Scalar::Bool(*on)),
         Value::Number(number) => Some(match number.as_i64() {
-            Some(whole) => TagValue::Lint(whole),
-            None => TagValue::Lreal(number.as_f64().unwrap_or_default()),
+            Some(whole) => Scalar::Lint(whole),
+            None => Scalar::Lreal(number.as_f64().unwrap_or_default()),
         }),
         _ => {
             return Err(Refusal::new(
@@ -328,10 +319,12 @@ fn shown(value: &Shown) -> Value {
     match value {
         Shown::Nothing => Value::Null,
         Shown::Bool(on) => (*on).into(),
-        Shown::Whole(whole) if (-EXACT..=EXACT).contains(whole) => (*whole).into(),
-        Shown::Whole(whole) => whole.to_string().into(),
-        Shown::Real(real) if real.is_finite() => (*real).into(),
-        Shown::Real(real) => real.to_string().into(),
+        Shown::Whole(whole) => number(Scalar::Lint(*whole)),
+        Shown::Real(real) => number(Scalar::Lreal(*real)),
         Shown::Text(text) => text.clone().into(),
     }
+}
+
+fn number(value: Scalar) -> Value {
+    serde_json::to_value(FloatsOnly(&TagValue::Value(value))).unwrap_or_default()
 }

@@ -135,7 +135,7 @@ pub(super) async fn lock(
             shared.sessions.lock(&shared.plant, &key);
             StatusCode::NO_CONTENT.into_response()
         }
-        None => (StatusCode::UNAUTHORIZED, "Nobody is logged in.\n").into_response(),
+        None => (StatusCode::UNAUTHORIZED, "No user is logged in.\n").into_response(),
     }
 }
 

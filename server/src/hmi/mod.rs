@@ -75,7 +75,7 @@ pub(crate) struct Doors {
     pub(crate) plain: Option<SocketAddr>,
     /// Over HTTPS.
     pub(crate) tls: Option<(SocketAddr, Arc<Tls>)>,
-    /// `None`: nobody logs in.
+    /// `None`: there are no log-ins.
     pub(crate) sessions: Option<Arc<Sessions>>,
 }
 

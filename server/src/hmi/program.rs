@@ -62,7 +62,7 @@ pub(super) struct Shown {
 
 /// Why it does not go on.
 enum Break {
-    /// Somebody ended it.
+    /// A client ended it.
     Ended,
     Failed(Refusal),
 }

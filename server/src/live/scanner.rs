@@ -22,8 +22,8 @@ pub(crate) struct Scanner {
     /// The newest tick whose tasks have run.
     tick: u64,
     period: u64,
-    /// The looks that the cell traces, and whether there are any.
-    looks: u64,
+    /// The state of the looks that the cell traces; `None`: they are of the program before.
+    looks: Option<u64>,
     is_looked_at: bool,
     sampled_at: Instant,
     version: u64,
@@ -41,7 +41,7 @@ impl Scanner {
         Scanner {
             period: plant.machine().period_ns,
             host: LiveHost::new(plant.clone(), program.clone(), &cell, places, pause),
-            looks: 0,
+            looks: Some(0),
             is_looked_at: false,
             sampled_at: Instant::now(),
             version: program.listing().0,
@@ -65,15 +65,15 @@ impl Scanner {
     fn show(&mut self) {
         let looks = &self.program.looks;
         let changes = looks.changes();
-        if changes == self.looks && (!self.is_looked_at || self.sampled_at.elapsed() < SHOW_EVERY) {
+        if Some(changes) == self.looks && (!self.is_looked_at || self.sampled_at.elapsed() < SHOW_EVERY) {
             return;
         }
         let mut all = looks.lock();
         // A viewer may have gone while its look was compiled.
         all.retain(|_, one| !one.samples.is_closed());
         let current = all.values().filter(|one| one.version == self.version);
-        if changes != self.looks {
-            self.looks = changes;
+        if Some(changes) != self.looks {
+            self.looks = Some(changes);
             self.is_looked_at = !all.is_empty();
             self.cell.trace(current.clone().map(|one| one.look.routine()));
         }
@@ -124,7 +124,7 @@ impl Scanner {
         self.cell = cell;
         self.version = self.program.set_listing(listing);
         // The looks of the program before are over.
-        self.looks = self.looks.wrapping_sub(1);
+        self.looks = None;
         if self.state == State::Running {
             self.run(self.tick);
         }

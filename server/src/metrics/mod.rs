@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use arcline_controller::image::Measured;
 use arcline_instruction_set::SystemId;
-use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, axis_status};
+use arcline_instruction_set::predefined::{axis_status, histogram_edge};
 
 use self::text::Text;
 use crate::plant::{Counter, Plant};
@@ -94,17 +94,13 @@ fn of_thread(text: &mut Text, plant: &Plant) {
     text.value(&labels, 1.0);
 }
 
-/// A histogram of which the k-th bucket ends at 250 ns times 2^k, and the last one nowhere.
+/// A histogram of REAL_TIME.
 fn histogram(text: &mut Text, name: &str, help: &str, measured: &Measured) {
     text.family(name, "histogram", help);
     let mut below = 0;
     for (bucket, count) in measured.histogram.iter().enumerate() {
         below += count;
-        let edge = if bucket + 1 == HISTOGRAM_BUCKETS {
-            "+Inf".to_owned()
-        } else {
-            (FIRST_EDGE * f64::from(1u32 << bucket)).to_string()
-        };
+        let edge = histogram_edge(bucket).map_or_else(|| "+Inf".to_owned(), |edge| edge.to_string());
         text.part("_bucket", &[("le", &edge)], below as f64);
     }
     // The counters of a running thread may be those of two neighbouring ticks.
@@ -114,7 +110,10 @@ fn histogram(text: &mut Text, name: &str, help: &str, measured: &Measured) {
 
 fn of_machine(text: &mut Text, plant: &Plant) {
     let machine = plant.machine();
-    let snapshot = plant.view(|view| view.snapshot.clone());
+    let (snapshot, moves) = plant.view(|view| {
+        let moves = (0..machine.systems.len()).map(|system| view.moves.of(system).count());
+        (view.snapshot.clone(), moves.collect::<Vec<_>>())
+    });
     let axes = || machine.axes.iter().map(|axis| axis.name.as_str()).zip(&snapshot.axes);
     text.family("arcline_axis_fault", "gauge", "Whether the axis has a fault.");
     for (name, axis) in axes() {
@@ -153,11 +152,6 @@ fn of_machine(text: &mut Text, plant: &Plant) {
         "gauge",
         "Moves of the coordinate system under way and waiting.",
     );
-    let moves: Vec<usize> = plant.view(|view| {
-        (0..machine.systems.len())
-            .map(|system| view.moves.of(system).count())
-            .collect()
-    });
     for ((name, _), moves) in systems().zip(moves) {
         text.value(&[("coordinate_system", name)], moves as f64);
     }
@@ -225,6 +219,3 @@ fn of_process(text: &mut Text) {
         cpu,
     );
 }
-
-/// The edge of the first bucket, s.
-const FIRST_EDGE: f64 = 250e-9;

@@ -1,5 +1,5 @@
 //! What viewers look at of the controller's program: each one rungs or lines of one routine. The thread of the program samples them
-//! between two scans; while nobody looks it reads one number.
+//! between two scans; while there are no looks, a scan costs the read of one counter.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};

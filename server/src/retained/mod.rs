@@ -142,7 +142,7 @@ impl<D: Disk> Start<D> {
             Ok(kept) => kept,
             Err(damage) => {
                 match locked.set_aside() {
-                    // For whoever starts the server, whatever the log is set to.
+                    // Printed at every log level: the person who starts the server must see it.
                     Ok(aside) => eprintln!(
                         "arcline-server: --state {}: {damage}. It was renamed to {}, and everything starts as configured",
                         file.display(),
@@ -337,7 +337,7 @@ const CREATED: &str = "created, ";
 /// The same of one that clients may not write.
 const CREATED_READ_ONLY: &str = "created, read-only, ";
 
-/// A tag of the configuration that nobody may write is as it is configured.
+/// A read-only tag of the configuration is as it is configured.
 fn is_kept(tag: &image::Tag, image: &Image) -> bool {
     tag.kind == TagKind::Plain && (tag.access == Access::ReadWrite || image.is_created(tag.id))
 }

@@ -158,7 +158,7 @@ impl Tls {
         Ok((stream, TlsClient { chain, leaf }))
     }
 
-    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so it locks nobody: browsers fail while
+    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so no address is locked for it: browsers fail while
     /// a person looks at a certificate that they do not trust.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Every tick's samples, kept for a while, and traces of them (docs/TRACE.md).
 //!
-//! A thread of its own takes the rows out of the real-time thread's ring; whoever reads does too, so nobody waits for that
+//! A thread of its own takes the rows out of the real-time thread's ring; readers of the trace do too, so that no reader waits for that
 //! thread. The lock is held for as long as a block of rows is copied. The tick knows nothing of it.
 
 mod capture;
@@ -38,7 +38,7 @@ struct Inner {
 #[derive(Debug)]
 struct Used {
     capture: Capture,
-    /// When somebody asked about it last.
+    /// The time of the last request for it.
     at: Instant,
 }
 
@@ -121,7 +121,7 @@ impl Trace {
         })))
     }
 
-    /// Starts the thread that takes the rows; it ends when nobody has the trace any more.
+    /// Starts the thread that takes the rows; it ends when the last handle of the trace is dropped.
     pub(crate) fn spawn(&self) -> std::io::Result<()> {
         let trace = Arc::downgrade(&self.0);
         let run = move || {

@@ -8,7 +8,7 @@ use argon2::{Algorithm, Argon2, Params};
 
 /// Characters that a new password has at least.
 pub(crate) const LEAST: usize = 12;
-/// Bytes that a password has at most: a longer one is hashed by nobody.
+/// Bytes that a password has at most: a longer one is refused before it is hashed.
 pub(crate) const MOST: usize = 256;
 /// Memory that the check of a stored hash may take, KiB.
 const MOST_MEMORY: u32 = 64 * 1024;
@@ -68,7 +68,7 @@ pub(crate) fn hash(password: &str) -> Result<Stored, argon2::password_hash::Erro
 /// Takes as long as the check of a user's password: for a user who does not exist.
 pub(crate) fn check_nobody(password: &str) {
     static NOBODY: OnceLock<Option<Stored>> = OnceLock::new();
-    // Without random numbers there is no hash to check; nobody logs in either way.
+    // Without random numbers there is no hash to check, and every log-in fails either way.
     if let Some(nobody) = NOBODY.get_or_init(|| hash("nobody has this password").ok()) {
         nobody.is_of(password);
     }

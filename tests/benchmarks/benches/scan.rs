@@ -5,30 +5,16 @@
 //! scan while a page shows the routine.
 #![allow(missing_docs)]
 
-use std::collections::BTreeMap;
 use std::hint::black_box;
 
 use arcline_routine::source::{
-    Access, Content, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
+    Content, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
 };
 use arcline_routine::{Cell, NoMachine, load};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const RUNGS: usize = 1000;
 const PERIOD: u64 = 2_000_000;
-
-fn tag(name: &str, data_type: &str, dimensions: &[u32]) -> TagSource {
-    TagSource {
-        name: name.to_owned(),
-        data_type: data_type.to_owned(),
-        dimensions: dimensions.to_vec(),
-        alias: None,
-        value: None,
-        access: Access::ReadWrite,
-        is_module: false,
-        attributes: BTreeMap::new(),
-    }
-}
 
 /// A ladder routine on a task of 2 ms; `rung` makes the text of each rung.
 fn cell(rung: impl Fn(usize) -> String) -> Cell {
@@ -40,10 +26,10 @@ fn cell(rung: impl Fn(usize) -> String) -> Cell {
     });
     let project = Project {
         tags: vec![
-            tag("B", "BOOL", &[1024]),
-            tag("D", "DINT", &[1024]),
-            tag("R", "REAL", &[1024]),
-            tag("T", "TIMER", &[64]),
+            TagSource::new("B", "BOOL", [1024], None),
+            TagSource::new("D", "DINT", [1024], None),
+            TagSource::new("R", "REAL", [1024], None),
+            TagSource::new("T", "TIMER", [64], None),
         ],
         programs: vec![ProgramSource {
             name: "Main".to_owned(),
@@ -56,15 +42,7 @@ fn cell(rung: impl Fn(usize) -> String) -> Cell {
                 content: Content::Ladder(rungs.collect()),
             }],
         }],
-        tasks: vec![TaskSource {
-            name: "Task".to_owned(),
-            trigger: Trigger::Periodic(2.0),
-            event_tag: String::new(),
-            priority: 5,
-            watchdog_ms: 500.0,
-            is_inhibited: false,
-            programs: vec!["Main".to_owned()],
-        }],
+        tasks: vec![TaskSource::new("Task", Trigger::Periodic(2.0), &["Main"])],
         ..Project::default()
     };
     let loaded = load(&project, &mut NoMachine);

@@ -141,7 +141,7 @@ impl Run {
             ours.percentile(0.5) - bare.percentile(0.5),
             ours.percentile(0.99) / bare.percentile(0.99),
         );
-        // Of all threads, without what the server does when nobody asks.
+        // Of all threads, without what the server does without requests.
         let each = |busy: Duration, outcome: &Outcome| busy.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64;
         let own = busy[0].saturating_sub(ours.elapsed.mul_f64(idle));
         println!(
@@ -193,7 +193,7 @@ impl Run {
     }
 }
 
-/// The processor time that a process takes while nobody asks, as a share of one processor.
+/// The processor time that a process takes without requests, as a share of one processor.
 fn idle(process: u32) -> f64 {
     let (began, before) = (Instant::now(), processor_time(process));
     std::thread::sleep(Duration::from_millis(300));
@@ -233,7 +233,7 @@ fn start(folder: &std::path::Path) -> Server {
     Server::start_on(&file)
 }
 
-/// A server of somebody else, ended when this is dropped.
+/// A server of another project, ended when this is dropped.
 struct Other {
     child: Child,
     address: SocketAddr,

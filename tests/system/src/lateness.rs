@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
+use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, histogram_edge};
+
 use crate::bare::Bare;
 use crate::command_line::read_numbers;
 use crate::server::Server;
-
-/// Buckets of a histogram: the first ends at 0.25 µs, every other at twice the one before.
-const BUCKETS: usize = 24;
 
 /// What was seen during a work.
 pub struct Seen {
@@ -36,7 +35,7 @@ pub fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (
 
 /// How many ticks were how late so far.
 fn ticks(server: &Server) -> Vec<f64> {
-    let names: Vec<String> = (0..BUCKETS)
+    let names: Vec<String> = (0..HISTOGRAM_BUCKETS)
         .map(|bucket| format!("RealTime.LatenessHistogram[{bucket}]"))
         .collect();
     read_numbers(server.address(), &names.iter().map(String::as_str).collect::<Vec<_>>())
@@ -49,9 +48,9 @@ pub fn p99(counts: &[f64]) -> f64 {
     let mut below = 0.0;
     for (bucket, count) in counts.iter().enumerate() {
         if below + count >= wanted {
-            let end = 0.25 * 2_f64.powi(bucket as i32);
+            let Some(end) = histogram_edge(bucket) else { break };
             let begin = if bucket == 0 { 0.0 } else { end / 2.0 };
-            return begin + (end - begin) * (wanted - below) / count;
+            return (begin + (end - begin) * (wanted - below) / count) * 1e6;
         }
         below += count;
     }

@@ -147,7 +147,7 @@ impl Server {
         let (line_sender, line) = mpsc::channel();
         std::thread::spawn(move || {
             let mut lines = BufReader::new(stdout).lines();
-            // Nobody listens any more once the ready line has come or the test has given up.
+            // The receiver is gone once the ready line has come or the test has given up.
             let _ = line_sender.send(lines.next().and_then(Result::ok).unwrap_or_default());
             lines.for_each(drop);
         });

@@ -244,7 +244,7 @@ pub(crate) static SECURITY: Keys = Keys {
             name: "users",
             kind: Kind::Text(&FILE),
             default: Default::Prose("none"),
-            meaning: "the file with the users of the page and the tokens of scripts, which `arcline-server users` and `arcline-server tokens` write; relative to the folder of the configuration. Without it nobody logs in",
+            meaning: "the file with the users of the page and the tokens of scripts, which `arcline-server users` and `arcline-server tokens` write; relative to the folder of the configuration. Without it there are no log-ins",
         },
         Key {
             name: "idle_s",

@@ -35,7 +35,7 @@ enum Written {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Profiles {
     calculated: Vec<ElementRange>,
-    /// Kept until nobody else has the profile any more: it is freed here.
+    /// Kept until this is the last reference to the profile, so that it is freed here and not in the tick.
     used: Kept<(ElementRange, Arc<Profile>)>,
 }
 

@@ -1,8 +1,8 @@
 //! The tag memory: every tag of a running machine by name and permanent instance id, as bytes on the wire.
 //!
 //! Synchronous and without I/O. It is refreshed from outside with snapshots, events and the real-time thread's
-//! health ([`Image::apply_snapshot`], [`Image::apply_event`], [`Image::apply_health`]); whoever applies all events
-//! up to a snapshot's tick together with the snapshot shows the positions and bits of one tick. It executes
+//! health ([`Image::apply_snapshot`], [`Image::apply_event`], [`Image::apply_health`]); a caller that applies all events up to
+//! a snapshot's tick together with the snapshot shows the positions and bits of one tick. It executes
 //! nothing: a write of `EnableIn` gives an [`Edge`], and the caller makes a call of it ([`Image::call_of`]).
 //!
 //! All bytes are little-endian, offsets are bytes.
@@ -101,7 +101,7 @@ pub struct Image {
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
-    /// Parts of plain tags that were written; `None`: nobody wants to know.
+    /// Parts of plain tags that were written; `None`: they are not recorded.
     written: Option<Vec<Written>>,
     /// What can be injected into each axis.
     possible_faults: Vec<FaultSet>,

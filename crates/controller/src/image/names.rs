@@ -1,4 +1,4 @@
-//! Which tag has a name: case is ignored, and nobody copies a name to ask.
+//! Which tag has a name: case is ignored, and a look-up copies no name.
 //!
 //! Only looked up, never listed: [`Image::tags`](super::Image::tags) is the list.
 
@@ -55,7 +55,7 @@ struct Name {
     name: Box<str>,
 }
 
-/// A name that somebody asks for.
+/// A name that is looked up.
 struct Asked<'a> {
     program: Option<&'a str>,
     name: &'a str,

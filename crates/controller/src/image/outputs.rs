@@ -21,7 +21,7 @@ use super::{Image, TagId};
 /// Output cams that the machine may still have.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
-    /// With the tags of their output and their input. Kept until nobody else has the cam any more: it is freed here.
+    /// With the tags of their output and their input. Kept until this is the last reference to the cam, so that it is freed here and not in the tick.
     used: Kept<([Option<TagAddress>; 2], Arc<OutputCam>)>,
 }
 

@@ -5,7 +5,7 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-/// A value that clones share. Whoever changes it while others have it changes a copy of its own.
+/// A value that clones share. A clone that is changed while there are others becomes a copy of its own.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Shared<T>(Arc<T>);
 
@@ -34,7 +34,7 @@ impl<T: Clone> DerefMut for Shared<T> {
     }
 }
 
-/// What an image keeps for the machine, to free it when nobody else has it any more. A copy of the image is only read: it keeps
+/// What an image keeps for the machine, to free it when it holds the last reference. A copy of the image is only read: it keeps
 /// nothing, and so keeps nothing alive.
 #[derive(Debug)]
 pub(super) struct Kept<T>(Vec<T>);

@@ -316,7 +316,7 @@ impl Image {
         if other_access {
             self.table.changes = self.table.changes.wrapping_add(1);
         }
-        // A tag that nobody may write is as it is configured; another one when its first value has changed.
+        // A read-only tag is as it is configured; another one when its first value has changed.
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
         if let Some(row) = self.place(id) {
             self.tags[row].access = after.access;

@@ -1,4 +1,4 @@
-//! Which parts of plain tags were written, for whoever keeps them over a restart, and what they held before it.
+//! Which parts of plain tags were written, for the state file, and what they held before.
 
 use super::{Image, TagId, TagKind};
 

@@ -120,6 +120,11 @@ pub const fn histogram_bucket(nanoseconds: u64) -> usize {
     }
 }
 
+/// The end of a bucket of REAL_TIME's histograms, s; `None`: the last one has none.
+pub fn histogram_edge(bucket: usize) -> Option<f64> {
+    (bucket + 1 < HISTOGRAM_BUCKETS).then(|| 250e-9 * 2_f64.powi(bucket as i32))
+}
+
 /// From here on instances are those of a real controller, whose handles are the same numbers.
 const CONTROLLERS_OWN: u16 = 0xF80;
 

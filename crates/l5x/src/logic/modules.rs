@@ -1,7 +1,5 @@
 //! Modules: the tags of their connections, with the types that their data name.
 
-use std::collections::BTreeMap;
-
 use arcline_routine::source::{Project, TagSource};
 use roxmltree::Node;
 
@@ -44,14 +42,8 @@ pub(super) fn module(node: Node<'_, '_>, project: &mut Project) {
             _ => String::new(),
         };
         project.tags.push(TagSource {
-            name,
-            data_type,
-            dimensions: Vec::new(),
-            alias: None,
-            value: Some(value),
-            access: Default::default(),
             is_module: true,
-            attributes: BTreeMap::new(),
+            ..TagSource::new(name, data_type, [], Some(value))
         });
     };
     add(child(communications, "ConfigTag"), "C");

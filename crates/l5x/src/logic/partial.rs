@@ -1,8 +1,6 @@
 //! Partial exports: a program, a routine, rungs or an add-on instruction alone. They have no tasks; so that one can be tried, its target
 //! runs on a task of 10 ms. An add-on instruction gets a program with one rung that calls it, and a tag for each of its operands.
 
-use std::collections::BTreeMap;
-
 use arcline_routine::source::{
     Content, InstructionSource, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
     Usage,
@@ -38,15 +36,9 @@ pub(super) fn complete(project: &mut Project, controller: Node<'_, '_>, target: 
         },
         _ => return,
     };
-    project.tasks.push(TaskSource {
-        name: TRIAL.to_owned(),
-        trigger: Trigger::Periodic(10.0),
-        event_tag: String::new(),
-        priority: 10,
-        watchdog_ms: 500.0,
-        is_inhibited: false,
-        programs: vec![program],
-    });
+    project
+        .tasks
+        .push(TaskSource::new(TRIAL, Trigger::Periodic(10.0), &[&program]));
 }
 
 /// The program, and the routine that is or has the target.
@@ -99,16 +91,7 @@ fn call(project: &mut Project, add_on: &InstructionSource) {
             name.push('_');
         }
         operands.push(name.clone());
-        tags.push(TagSource {
-            name,
-            data_type,
-            dimensions,
-            alias: None,
-            value,
-            access: Default::default(),
-            is_module: false,
-            attributes: BTreeMap::new(),
-        });
+        tags.push(TagSource::new(name, data_type, dimensions, value));
     }
     project.tags.extend(tags);
     let rung = RungSource {

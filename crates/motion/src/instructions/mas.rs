@@ -100,7 +100,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             motion.controls.write(execution, initiated, 0, tick);
             motion.stop_generator(axis, kind, &limits, Some(execution));
         }
-        // Nothing of that kind is under way; a transform that leads nobody now is cancelled all the same.
+        // Nothing of that kind is under way; a transform that moves no axis now is cancelled all the same.
         other => {
             if other == Stopped::All {
                 motion.cancel_transforms_of(axis);

@@ -226,7 +226,7 @@ impl Target {
         let (own, words) = (self.written.mask, [Some(&mut self.output), self.input.as_mut()]);
         for (place, mine) in words.into_iter().enumerate() {
             if let Some(mine) = mine.filter(|mine| mine.tag == word.tag) {
-                // What it has written itself it knows better than whoever writes the word as it was.
+                // A client that writes the whole word may write bits of the target as they were before: the target's own are newer.
                 let mask = if place == 0 { word.mask & !own } else { word.mask };
                 let bits = (mine.bits & !mask) | (word.bits & mask);
                 changed |= std::mem::replace(&mut mine.bits, bits) != bits || place == 0;
@@ -258,7 +258,7 @@ impl Target {
         self.set
     }
 
-    /// The bits as they are now, if they are others than those that were written last. What is nobody's any more is written a last
+    /// The bits as they are now, if they are others than those that were written last. Bits that it owns no longer are written a last
     /// time.
     pub(crate) fn write(&mut self, clock: &Clock) -> Option<Word> {
         let owned = self.owned();

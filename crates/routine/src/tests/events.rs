@@ -18,13 +18,8 @@ fn project(triggers: &[(&str, &str, &str, Option<f64>)]) -> Project {
         )],
     });
     let tasks = triggers.iter().map(|(name, trigger, tag, timeout)| TaskSource {
-        name: (*name).to_owned(),
-        trigger: Trigger::Event((*trigger).to_owned(), *timeout),
         event_tag: (*tag).to_owned(),
-        priority: 5,
-        watchdog_ms: 500.0,
-        is_inhibited: false,
-        programs: vec![(*name).to_owned()],
+        ..TaskSource::new(*name, Trigger::Event((*trigger).to_owned(), *timeout), &[name])
     });
     let names = triggers.iter().map(|(name, ..)| format!("N{name} DINT, S{name} DINT"));
     let text = format!("Axis Events, In DINT[4], {}", names.collect::<Vec<_>>().join(","));

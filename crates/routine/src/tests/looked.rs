@@ -6,10 +6,8 @@ use crate::{Language, ListedElement, Listing, NoMachine, Shown, load};
 
 fn alias(name: &str, of: &str) -> TagSource {
     TagSource {
-        name: name.to_owned(),
-        data_type: String::new(),
         alias: Some(of.to_owned()),
-        ..super::tags("X BOOL").remove(0)
+        ..TagSource::new(name, "", [], None)
     }
 }
 
@@ -52,7 +50,7 @@ fn power_flow_is_that_of_the_last_scan() {
         assert_eq!(sampled[1].power.is_empty(), is_passed, "{why}");
         let called = cell.sample(&listing.look(sub, 0, 1, None));
         assert_eq!(called[0].power.is_empty(), !rung.contains("JSR"), "{why}");
-        // Nobody looks any more.
+        // The looks are over.
         cell.trace([]);
         cell.tick(1, 10_000_000, &mut NoMachine).expect("no fault");
         assert_eq!(cell.sample(&listing.look(routine, 0, 1, None))[0].power, "", "{why}");

@@ -123,13 +123,8 @@ fn tasks_run_by_rate_and_priority() {
     third.routines = vec![routine("Main", "ADD(C,1,C);")];
     of.programs.extend([second, third]);
     let task = |name: &str, trigger, priority: u32, program: &str| TaskSource {
-        name: name.to_owned(),
-        trigger,
-        event_tag: String::new(),
         priority,
-        watchdog_ms: 500.0,
-        is_inhibited: false,
-        programs: vec![program.to_owned()],
+        ..TaskSource::new(name, trigger, &[program])
     };
     of.tasks = vec![
         task("Slow", Trigger::Periodic(20.0), 9, "Second"),

@@ -117,7 +117,7 @@ async fn every_request_for_every_role() {
     );
 }
 
-/// What nobody may do is refused alike for everybody: clients find out by it what the server is.
+/// A request that no role may make is refused alike for every role: clients find out by it what the server is.
 #[tokio::test]
 async fn what_does_not_exist_has_the_same_status_for_every_role() {
     let bench = Bench::new();

@@ -22,7 +22,7 @@ pub(crate) enum Push<'s> {
     Session {
         /// The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`.
         role: &'s str,
-        /// The user who has logged in; null: nobody.
+        /// The user who has logged in; null: no user has.
         user: Option<&'s str>,
         /// Whether the session is locked: this viewer may look and stop until the user logs in again.
         locked: bool,

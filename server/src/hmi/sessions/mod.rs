@@ -65,7 +65,7 @@ pub(super) struct Joined {
     pub(super) state: watch::Receiver<State>,
 }
 
-/// Why nobody was logged in.
+/// Why a log-in was refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum LoginRefused {
     /// The user or the password is wrong.
@@ -365,7 +365,7 @@ impl Sessions {
     }
 }
 
-/// Ends the session that nobody has used for longest, of those that a condition is true of.
+/// Ends the session that has been idle for longest, of those that a condition is true of.
 fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, Session>, is_one: impl Fn(&Session) -> bool) {
     let sessions = known.iter().filter(|(_, session)| is_one(session));
     let oldest = sessions

@@ -16,7 +16,7 @@ use crate::plant::control::ViewerId;
 pub(in crate::hmi) enum State {
     /// It has this role.
     Open(Role),
-    /// Nobody was at the page for long, or a person locked it.
+    /// The page was idle for long, or a person locked it.
     Locked,
     /// It is over.
     Ended,
@@ -82,7 +82,7 @@ impl Session {
         self.apply(plant);
         let viewers: BTreeSet<ViewerId> = self.viewers.keys().copied().collect();
         for viewer in viewers {
-            // Nobody holds the button of a jog there.
+            // A locked page holds no jog button.
             plant.guard().lose(VIEWERS | viewer);
         }
         plant.record_session(self.from.clone(), self.role, What::Locked, String::new(), "done");

@@ -42,8 +42,8 @@ fn a_thousand_clients_read_ten_tags_each() {
     };
     let time = Duration::from_secs(seconds);
     let server = Server::start();
-    // Half of it before the load and half behind it, so that both see as many rare events of a machine that others use too; but
-    // nobody waits for what nobody looks at.
+    // Half of it before the load and half behind it, so that both see as many rare events of a machine that others use too. A
+    // short run takes none: its figures are not judged.
     let rest = if long.is_some() { time / 2 } else { Duration::ZERO };
     let ((), before) = beside(&server, rest, || std::thread::sleep(rest));
     let load = Load {

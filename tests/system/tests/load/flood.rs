@@ -44,7 +44,7 @@ fn silent_and_slow_strangers_disturb_nobody() {
     let flood = Flood::start(&doors, silent);
     flood.wait_until_open();
     let (outcome, flooded) = beside(server, time, || works(server, time));
-    // Somebody who comes while the flood is there.
+    // A client that connects during the flood.
     let begun = Instant::now();
     let newcomer = command_line::read_numbers(server.address(), &["X.ActualPosition"]);
     let newcomer_after = begun.elapsed();
