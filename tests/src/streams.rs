@@ -307,7 +307,7 @@ fn numbered(paths: Vec<Path>, speed: f64, tolerance: f64, jerk: Option<f64>) -> 
     numbered
         .map(|(data, path)| Move {
             path,
-            turn: None,
+            rotation: None,
             corner: f64::INFINITY,
             limits,
             ending: if data + 1 == count {

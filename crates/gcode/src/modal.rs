@@ -23,7 +23,7 @@ pub(crate) struct Modes {
     is_absolute: bool,
     is_center_absolute: bool,
     plane: Plane,
-    way: Option<Way>,
+    motion: Option<MotionMode>,
     corner: Corner,
     /// Units of the machine per second.
     feed: Option<f64>,
@@ -31,7 +31,7 @@ pub(crate) struct Modes {
 }
 
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum Way {
+enum MotionMode {
     Rapid,
     Line,
     Arc { is_ccw: bool },
@@ -44,7 +44,7 @@ struct Plane([usize; 3]);
 /// The effect of a G word.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Meaning {
-    Way(Option<Way>),
+    Motion(Option<MotionMode>),
     Dwell,
     Plane(Plane),
     Inches(bool),
@@ -58,10 +58,10 @@ enum Meaning {
 /// Every G word: its number times ten, its group, its meaning. Two of a group exclude each other on a line.
 #[rustfmt::skip]
 const G_WORDS: &[(u16, u8, Meaning)] = &[
-    (0, 1, Meaning::Way(Some(Way::Rapid))),
-    (10, 1, Meaning::Way(Some(Way::Line))),
-    (20, 1, Meaning::Way(Some(Way::Arc { is_ccw: false }))),
-    (30, 1, Meaning::Way(Some(Way::Arc { is_ccw: true }))),
+    (0, 1, Meaning::Motion(Some(MotionMode::Rapid))),
+    (10, 1, Meaning::Motion(Some(MotionMode::Line))),
+    (20, 1, Meaning::Motion(Some(MotionMode::Arc { is_ccw: false }))),
+    (30, 1, Meaning::Motion(Some(MotionMode::Arc { is_ccw: true }))),
     (40, 0, Meaning::Dwell),
     (170, 2, Meaning::Plane(Plane([0, 1, 2]))),
     (180, 2, Meaning::Plane(Plane([2, 0, 1]))),
@@ -74,7 +74,7 @@ const G_WORDS: &[(u16, u8, Meaning)] = &[
     (610, 13, Meaning::Corner(Corner::Exact)),
     (611, 13, Meaning::Corner(Corner::Stop)),
     (640, 13, Meaning::Corner(Corner::Rounded)),
-    (800, 1, Meaning::Way(None)),
+    (800, 1, Meaning::Motion(None)),
     (900, 3, Meaning::Absolute(true)),
     (901, 4, Meaning::CenterAbsolute(true)),
     (910, 3, Meaning::Absolute(false)),
@@ -97,7 +97,7 @@ impl Modes {
             is_absolute: true,
             is_center_absolute: false,
             plane: Plane([0, 1, 2]),
-            way: None,
+            motion: None,
             corner: Corner::Exact,
             feed: None,
             position: options.start,
@@ -114,7 +114,7 @@ impl Modes {
         let line = Line::new(words, line, &self.skip)?;
         for (meaning, _) in &line.meanings {
             match *meaning {
-                Meaning::Way(way) => self.way = way,
+                Meaning::Motion(motion) => self.motion = motion,
                 Meaning::Plane(plane) => self.plane = plane,
                 Meaning::Inches(true) => self.scale = self.mm * MM_PER_INCH,
                 Meaning::Inches(false) => self.scale = self.mm,
@@ -184,19 +184,18 @@ impl Modes {
             *end = if self.is_absolute { value } else { *end + value };
         }
         let center = OFFSETS.into_iter().chain(['R']).find_map(|letter| line.word(letter));
-        match (self.way, first, center) {
-            (Some(Way::Arc { is_ccw }), Some(word), _) | (Some(Way::Arc { is_ccw }), None, Some(word)) => {
-                self.arc(line, end, is_ccw, word, then)
-            }
+        match (self.motion, first, center) {
+            (Some(MotionMode::Arc { is_ccw }), Some(word), _)
+            | (Some(MotionMode::Arc { is_ccw }), None, Some(word)) => self.arc(line, end, is_ccw, word, then),
             (_, _, Some(center)) => Err(line.unused(center, "only arcs, G2 and G3, have centres and radii")),
             (None, Some(word), None) => Err(line.missing(
                 word.column,
                 "how to get there",
                 "G0 or G1, G2, G3 on this line or before it",
             )),
-            (Some(way), Some(word), None) => {
-                let speed = match way {
-                    Way::Rapid => Speed::Rapid,
+            (Some(motion), Some(word), None) => {
+                let speed = match motion {
+                    MotionMode::Rapid => Speed::Rapid,
                     _ => self.speed(line, word)?,
                 };
                 self.straight(end, speed, then);
@@ -210,8 +209,8 @@ impl Modes {
     }
 
     fn straight(&mut self, end: [f64; 3], speed: Speed, then: &mut dyn FnMut(Motion)) {
-        let way: f64 = end.iter().zip(&self.position).map(|(a, b)| (a - b).powi(2)).sum();
-        if way.sqrt() > NOTHING * self.mm {
+        let square: f64 = end.iter().zip(&self.position).map(|(a, b)| (a - b).powi(2)).sum();
+        if square.sqrt() > NOTHING * self.mm {
             let corner = self.corner;
             then(Motion::Line { end, speed, corner });
         }
@@ -373,7 +372,7 @@ impl<'w> Line<'w> {
 
     /// G2 or G3 that stands here although nothing says where to.
     fn arc_without_words(&self) -> Option<&'w Word> {
-        let is_arc = |meaning: &Meaning| matches!(meaning, Meaning::Way(Some(Way::Arc { .. })));
+        let is_arc = |meaning: &Meaning| matches!(meaning, Meaning::Motion(Some(MotionMode::Arc { .. })));
         self.meanings
             .iter()
             .find(|(meaning, _)| is_arc(meaning))

@@ -5,7 +5,7 @@
 use nalgebra::Matrix3;
 
 use crate::Point;
-use crate::turn::rotation;
+use crate::rotation::rotation;
 
 /// Where the coordinates of one frame lie in another one (spec/coordinated-instructions.md §19.2).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,15 +14,15 @@ mod arc;
 mod frame;
 mod line;
 mod path;
+mod rotation;
 mod spin;
-mod turn;
 
 pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
 pub use frame::Frame;
 pub use line::Line;
 pub use path::{Path, PathPoint};
+pub use rotation::{Rotation, RotationState, angle_rates, angles, angular_rates, continued, nearest, rotation};
 pub use spin::Spin;
-pub use turn::{Turn, Turned, angle_rates, angles, continued, nearest, rotation, turn_rates};
 
 /// A point or a difference of points; unused dimensions are 0.
 pub type Point = nalgebra::Vector3<f64>;

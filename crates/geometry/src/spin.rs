@@ -5,8 +5,8 @@
 
 use nalgebra::Matrix3;
 
-use crate::turn::about;
-use crate::{Point, Turned, angles, rotation};
+use crate::rotation::about;
+use crate::{Point, RotationState, angles, rotation};
 
 /// An orientation that turns about one fixed axis, and then about another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,9 @@ impl Spin {
             whole: course(1.0).map(|[angle, ..]| angle),
         };
         for look in 1..=LOOKS {
-            spin.to = spin.turned(&course(f64::from(look) / f64::from(LOOKS))).rotation;
+            spin.to = spin
+                .rotation_state(&course(f64::from(look) / f64::from(LOOKS)))
+                .orientation;
             spin.shown[1] = angles(&spin.to, &spin.shown[1]);
         }
         spin
@@ -44,33 +46,33 @@ impl Spin {
 
     /// Where it ends, at rest.
     #[must_use]
-    pub fn ended(&self) -> Turned {
-        Turned::standing(self.to, self.shown[1])
+    pub fn ended(&self) -> RotationState {
+        RotationState::standing(self.to, self.shown[1])
     }
 
     /// While the angles about the axes are these. Real-time.
     #[must_use]
-    pub fn at(&self, about: &[Angle; 2]) -> Turned {
+    pub fn at(&self, about: &[Angle; 2]) -> RotationState {
         let [first, last] = self.shown;
         let gone: f64 = about.iter().map(|[angle, ..]| angle.abs()).sum();
         let whole: f64 = self.whole.iter().map(|angle| angle.abs()).sum();
         let share = if whole > 0.0 { (gone / whole).min(1.0) } else { 1.0 };
-        Turned {
+        RotationState {
             near: if share >= 1.0 {
                 last
             } else {
                 first + (last - first) * share
             },
-            ..self.turned(about)
+            ..self.rotation_state(about)
         }
     }
 
-    fn turned(&self, [first, second]: &[Angle; 2]) -> Turned {
+    fn rotation_state(&self, [first, second]: &[Angle; 2]) -> RotationState {
         let [a, b] = self.axes;
         let outer = about(&a, first[0]);
         let carried = outer * b * second[1];
-        Turned {
-            rotation: outer * about(&b, second[0]) * self.from,
+        RotationState {
+            orientation: outer * about(&b, second[0]) * self.from,
             rate: a * first[1] + carried,
             change: a * first[2] + outer * b * second[2] + (a * first[1]).cross(&carried),
             near: self.shown[0],
@@ -103,14 +105,14 @@ mod tests {
         let from = Point::new(10.0, -20.0, 170.0);
         let spin = Spin::new(&from, axes, course);
         assert_eq!(spin.at(&course(0.0)).angles(), angles(&rotation(&from), &from));
-        let end = rotation(&spin.ended().near) - spin.ended().rotation;
+        let end = rotation(&spin.ended().near) - spin.ended().orientation;
         assert!(end.abs().max() < 1e-12, "{end}");
         assert!(spin.ended().near.z > 180.0, "Rz goes on: {}", spin.ended().near);
         let step = 1e-5;
         for share in [0.1, 0.4, 0.8] {
             let now = spin.at(&course(share));
             let [before, after] = [-step, step].map(|t| spin.at(&course(share + t)));
-            let slope = (after.rotation - before.rotation) * now.rotation.transpose() / (2.0 * step);
+            let slope = (after.orientation - before.orientation) * now.orientation.transpose() / (2.0 * step);
             assert!(
                 (slope - now.rate.cross_matrix()).abs().max() < 1e-6,
                 "{slope} {}",

@@ -131,10 +131,10 @@ impl MoveEvents {
             return false;
         }
         let since = self.begun.elapsed(clock) - start.elapsed(clock);
-        let way = self.to - self.from;
-        let sign = if way < 0.0 { -1.0 } else { 1.0 };
+        let displacement = self.to - self.from;
+        let sign = if displacement < 0.0 { -1.0 } else { 1.0 };
         self.events.answer(|distance| {
-            if distance > way.abs() {
+            if distance > displacement.abs() {
                 return EventTime::At(0.0);
             }
             if distance == 0.0 {

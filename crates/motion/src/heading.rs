@@ -5,9 +5,11 @@
 //! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
 
 use arcline_instruction_set::SystemId;
-use arcline_planner::geometry::{Path, Point, Turn, angle_rates, angles, continued, nearest, rotation, turn_rates};
+use arcline_planner::geometry::{
+    Path, Point, Rotation, angle_rates, angles, angular_rates, continued, nearest, rotation,
+};
 use arcline_planner::profile::{KinematicState, Limits};
-use arcline_planner::{Sample, Turning};
+use arcline_planner::{AngularState, Sample};
 
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
@@ -36,15 +38,15 @@ fn above_half_turn(angle: f64) -> f64 {
     }
 }
 
-/// The turn between two triples of angles, of which `to` says with whole turns beyond half a turn of Rz how far a counted joint
+/// The rotation between two triples of angles, of which `to` says with whole turns beyond half a turn of Rz how far a counted joint
 /// is to turn.
-pub(crate) fn turn(from: &Point, to: &Point) -> Turn {
+pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     let [start, end] = [from, to].map(rotation);
-    let shortest = Turn::new(&start, &end, 0.0);
+    let shortest = Rotation::new(&start, &end, 0.0);
     let mut passed = *from;
     for look in 1..=LOOKS {
         let share = f64::from(look) / f64::from(LOOKS);
-        passed = continued(&shortest.at(share).rotation, &passed);
+        passed = continued(&shortest.at(share).orientation, &passed);
     }
     let missing = (to.z - passed.z) / 360.0;
     // Half a turn is what the mirror rule leaves.
@@ -68,29 +70,29 @@ pub(crate) fn turn(from: &Point, to: &Point) -> Turn {
         // Beside straight up, where Rz takes half a turn on a short way, it may do so on the other side.
         shown.z = nearest(to.z, followed.z + 360.0 * turns);
     }
-    Turn::new(&start, &end, turns).showing([*from, shown])
+    Rotation::new(&start, &end, turns).showing([*from, shown])
 }
 
-/// The shortest turn between two triples of angles, with whole turns about Z beside it.
-pub(crate) fn turn_by(from: &Point, to: &Point, turns: f64) -> Turn {
+/// The shortest rotation between two triples of angles, with whole turns about Z beside it.
+pub(crate) fn rotation_by(from: &Point, to: &Point, turns: f64) -> Rotation {
     let to = &if to.y.abs() > 90.0 { normal(to) } else { *to };
     let [start, end] = [from, to].map(rotation);
-    let (passed, _) = shown_at_end(&Turn::new(&start, &end, 0.0), from);
+    let (passed, _) = shown_at_end(&Rotation::new(&start, &end, 0.0), from);
     let shown = Point::new(nearest(to.x, passed.x), to.y, nearest(to.z, passed.z) + 360.0 * turns);
-    Turn::new(&start, &end, turns).showing([*from, shown])
+    Rotation::new(&start, &end, turns).showing([*from, shown])
 }
 
-/// The angles at the end of a turn that begins at some, followed without a step; and whether it passes straight up or down, where Rx
+/// The angles at the end of a rotation that begins at some, followed without a step; and whether it passes straight up or down, where Rx
 /// and Rz change by half a turn at once, in either direction. Bounded.
-fn shown_at_end(turn: &Turn, from: &Point) -> (Point, bool) {
+fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     let (mut at, mut here, mut mirrored) = (*from, 0.0, false);
     let whole = f64::from(LOOKS).recip();
     let mut step = whole;
     for _ in 0..MOST_LOOKS {
         let share = f64::min(here + step, 1.0);
-        let there = angles(&turn.at(share).rotation, &at);
+        let there = angles(&rotation.at(share).orientation, &at);
         if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR {
-            if step * turn.angle() > FINEST {
+            if step * rotation.angle() > FINEST {
                 step *= 0.5;
                 continue;
             }
@@ -119,10 +121,10 @@ impl Motion {
         self.queued_heading(index).unwrap_or_else(|| self.angles_of(index))
     }
 
-    /// The turn of a move behind the queue that keeps the orientation; none where there is no orientation.
-    pub(crate) fn still(&self, index: SystemId) -> Option<Turn> {
+    /// The rotation of a move behind the queue that keeps the orientation; none where there is no orientation.
+    pub(crate) fn still(&self, index: SystemId) -> Option<Rotation> {
         self.systems[index].description.orientation?;
-        Some(Turn::keeping(&self.heading(index)))
+        Some(Rotation::keeping(&self.heading(index)))
     }
 
     /// What Rx, Ry, Rz were redefined by since the queue took them.
@@ -134,7 +136,7 @@ impl Motion {
     }
 
     /// How the coordinated motion of a system turns at the present.
-    pub(crate) fn turning(&self, index: SystemId) -> Option<Turning> {
+    pub(crate) fn turning(&self, index: SystemId) -> Option<AngularState> {
         let limits = self.systems[index].travel.turn_limits()?;
         let moves = |axis: &Axis| {
             axis.sum
@@ -143,12 +145,12 @@ impl Motion {
                 .unwrap_or_default()
         };
         let angles = self.angles_of(index);
-        let [rate, change] = turn_rates(
+        let [rate, change] = angular_rates(
             &angles,
             &self.oriented(index, |axis| moves(axis).velocity),
             &self.oriented(index, |axis| moves(axis).acceleration),
         );
-        Some(Turning {
+        Some(AngularState {
             angles,
             rate,
             change,
@@ -169,25 +171,25 @@ impl Motion {
         self.oriented(index, |axis| axis.command.position)
     }
 
-    /// A deceleration along the path, of a share of the Maximum Deceleration, with which the turn of the active move keeps to that
+    /// A deceleration along the path, of a share of the Maximum Deceleration, with which the rotation of the active move keeps to that
     /// share of its own maximum too. What only turns has that as its own.
     pub(crate) fn kept_by_turn(&self, index: SystemId, deceleration: f64) -> f64 {
         let active = self.systems[index].travel.active();
         active.map_or(deceleration, |active| {
-            self.kept_by(index, deceleration, &active.path, active.turn.as_ref())
+            self.kept_by(index, deceleration, &active.path, active.rotation.as_ref())
         })
     }
 
-    fn kept_by(&self, index: SystemId, deceleration: f64, path: &Path, turn: Option<&Turn>) -> f64 {
+    fn kept_by(&self, index: SystemId, deceleration: f64, path: &Path, rotation: Option<&Rotation>) -> f64 {
         let description = &self.systems[index].description;
-        let (Some(turns), Some(turn)) = (description.orientation, turn) else {
+        let (Some(turns), Some(rotation)) = (description.orientation, rotation) else {
             return deceleration;
         };
         let own = deceleration / description.max_deceleration * turns.max_deceleration;
         if path.stands() {
             own
-        } else if turn.angle() > 0.0 {
-            deceleration.min(own * path.length() / turn.angle())
+        } else if rotation.angle() > 0.0 {
+            deceleration.min(own * path.length() / rotation.angle())
         } else {
             deceleration
         }
@@ -198,25 +200,27 @@ impl Motion {
     pub(crate) fn of_tail(&self, index: SystemId, limits: &Limits) -> Option<Limits> {
         let system = &self.systems[index];
         system.description.orientation?;
-        let (path, turn) = system.travel.tail()?;
-        // The share of the maxima that the active move brakes with: what its own turn takes away is not taken from both.
+        let (path, rotation) = system.travel.tail()?;
+        // The share of the maxima that the active move brakes with: what its own rotation takes away is not taken from both.
         let most = system.description.max_deceleration;
         let deceleration = (limits.deceleration / self.kept_by_turn(index, most) * most).min(most);
         Some(Limits {
-            deceleration: self.kept_by(index, deceleration, path, turn),
+            deceleration: self.kept_by(index, deceleration, path, rotation),
             ..*limits
         })
     }
 
-    /// The axes' part of a turn at the present tick.
+    /// The axes' part of a rotation at the present tick.
     pub(crate) fn set_turned_commands(&mut self, index: SystemId, sample: &Sample) {
-        let Some(turned) = &sample.turned else { return };
-        let shown = turned.angles();
-        let [velocity, acceleration] = angle_rates(&shown, &turned.rate, &turned.change);
+        let Some(rotation_state) = &sample.rotation_state else {
+            return;
+        };
+        let shown = rotation_state.angles();
+        let [velocity, acceleration] = angle_rates(&shown, &rotation_state.rate, &rotation_state.change);
         self.set_angle_commands(index, [shown, velocity, acceleration]);
     }
 
-    /// The axes stand exactly at the end of the active move's turn.
+    /// The axes stand exactly at the end of the active move's rotation.
     pub(crate) fn hold_heading(&mut self, index: SystemId) {
         if let Some(end) = self.systems[index].active().and_then(|active| active.heading) {
             self.set_angle_commands(index, [end, Point::zeros(), Point::zeros()]);
@@ -236,13 +240,13 @@ impl Motion {
     }
 }
 
-/// Looks at a turn of at most half a turn: its angles do not go further than a quarter between two.
+/// Looks at a rotation of at most half a turn: its angles do not go further than a quarter between two.
 const LOOKS: u32 = 16;
 /// The same with steps that are halved beside straight up.
 const MOST_LOOKS: u32 = 200;
 /// Degrees of Rx or Rz in a step.
 const FAR: f64 = 60.0;
-/// Degrees: the angles of a turn that passes straight up nearer than this change at once.
+/// Degrees: the angles of a rotation that passes straight up nearer than this change at once.
 const FINEST: f64 = 0.05;
-/// Of a share of a turn.
+/// Of a share of a rotation.
 const ROUNDING: f64 = 1e-9;

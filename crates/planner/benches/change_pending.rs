@@ -23,7 +23,7 @@ fn deep(clock: &Clock) -> Planner<Data> {
         let at = |place: usize| Point::new(0.1 * place as f64, 0.0, 0.0);
         let motion = Move {
             path: Path::line(at(piece), at(piece + 1)),
-            turn: None,
+            rotation: None,
             corner: f64::INFINITY,
             limits: Limits {
                 speed: 200.0,

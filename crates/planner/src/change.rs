@@ -57,12 +57,12 @@ impl<T: Copy> Planner<T> {
             let now = running.trajectory.state(clock);
             let top = now.velocity.max(limits.speed * self.queue.rate());
             // By a master's displacement: as much as may be.
-            let way = if clock.period_ns == 0 {
+            let distance = if clock.period_ns == 0 {
                 f64::INFINITY
             } else {
                 top * clock.period() * self.queue.ticks_of_a_change() as f64
             };
-            stop_distance(top, limits) + way - (running.motion.path.length() - now.position)
+            stop_distance(top, limits) + distance - (running.motion.path.length() - now.position)
         });
         self.queue.change_all(distance, change);
     }
@@ -230,20 +230,20 @@ impl<T: Copy> Planner<T> {
         approach.offset = 0.0;
         approach.start = clock.now();
         let profile = &approach.profile;
-        let way = if early {
+        let distance = if early {
             profile.time_at_position(length).unwrap_or(0.0)
         } else if profile.arrives() {
             profile.duration()
         } else {
             NEVER
         };
-        running.trajectory.start = clock.now().after(way, clock);
+        running.trajectory.start = clock.now().after(distance, clock);
         running.trajectory.approach = Some(approach);
         running.removal = if early { removal } else { AccelerationRemoval::NONE };
         // Beyond the place, it comes back to rest there.
         KinematicState {
             position: 0.0,
-            ..if early { profile.at(way) } else { profile.end() }
+            ..if early { profile.at(distance) } else { profile.end() }
         }
     }
 
@@ -252,8 +252,10 @@ impl<T: Copy> Planner<T> {
         let limits = self.limits(running);
         let end = self.queue.run_end(running.run_start + running.motion.path.length());
         let bound = self.queue.slower().next().unwrap_or(&end);
-        let way = bound.at - running.run_start;
-        limits.speed.min(entry_speed(way, self.queue.speed(bound), &limits))
+        let distance = bound.at - running.run_start;
+        limits
+            .speed
+            .min(entry_speed(distance, self.queue.speed(bound), &limits))
     }
 
     /// The profile of the active path from its beginning, which lies ahead.

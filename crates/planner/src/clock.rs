@@ -22,7 +22,7 @@ pub struct Clock {
     /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's displacement.
     pub period_ns: u64,
     /// The displacement of a master, master units; seconds behind the tick where the clock shows time.
-    way: f64,
+    displacement: f64,
 }
 
 impl Clock {
@@ -31,16 +31,16 @@ impl Clock {
         Clock {
             tick,
             period_ns,
-            way: 0.0,
+            displacement: 0.0,
         }
     }
 
     /// A master has gone so far, master units.
-    pub const fn of_displacement(way: f64) -> Self {
+    pub const fn of_displacement(displacement: f64) -> Self {
         Clock {
             tick: 0,
             period_ns: 0,
-            way,
+            displacement,
         }
     }
 
@@ -67,7 +67,7 @@ impl Clock {
     #[must_use]
     pub fn later(&self, seconds: f64) -> Clock {
         Clock {
-            way: self.way + seconds,
+            displacement: self.displacement + seconds,
             ..*self
         }
     }
@@ -76,7 +76,7 @@ impl Clock {
     pub fn now(&self) -> Instant {
         Instant {
             tick: self.tick,
-            offset: self.way,
+            offset: self.displacement,
         }
     }
 }
@@ -103,7 +103,7 @@ impl Instant {
         } else {
             -nanoseconds(self.tick - clock.tick)
         };
-        ticks / NANOSECONDS + (clock.way - self.offset)
+        ticks / NANOSECONDS + (clock.displacement - self.offset)
     }
 
     /// The instant `seconds` (at least 0), or master units, after this one.
@@ -162,9 +162,9 @@ impl MasterRate {
             acceleration: sample.acceleration * (self.speed * self.speed) + sample.velocity * self.acceleration,
             velocity: sample.velocity * self.speed,
             along: self.in_time(sample.along),
-            turned: sample
-                .turned
-                .map(|turned| turned.in_time(self.speed, self.acceleration)),
+            rotation_state: sample
+                .rotation_state
+                .map(|rotation_state| rotation_state.in_time(self.speed, self.acceleration)),
             ..sample
         }
     }

@@ -354,12 +354,12 @@ impl<T: Copy> ContourQueue<T> {
     /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
     /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
     /// are looked at.
-    pub fn stop_in_time(&mut self, limits: &Limits, way: &crate::MasterRate, clock: &Clock, time: &Clock) {
+    pub fn stop_in_time(&mut self, limits: &Limits, rate: &crate::MasterRate, clock: &Clock, time: &Clock) {
         self.asked = None;
         let Some(run) = &mut self.run else {
             return;
         };
-        let now = way.in_time(run.pace.at(clock));
+        let now = rate.in_time(run.pace.at(clock));
         let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
         run.course = Course::Stopping;
@@ -437,7 +437,7 @@ impl Run {
                 acceleration: tangential,
             },
             phase: self.phase(&velocity, tangential, pace.velocity),
-            turned: None,
+            rotation_state: None,
         }
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Corners {
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     /// From it to the start of the newest move, along the path.
-    way: f64,
+    distance: f64,
     /// How much it and those behind it turn.
     turn: Point,
 }
@@ -32,7 +32,7 @@ const MOST: usize = 8;
 impl Corners {
     pub(crate) fn new(period: f64) -> Self {
         let none = Corner {
-            way: 0.0,
+            distance: 0.0,
             turn: Point::zeros(),
         };
         Corners {
@@ -54,20 +54,23 @@ impl Corners {
         let is_corner = own != Point::zeros();
         let mut speed = f64::INFINITY;
         for corner in &mut self.near[..self.count] {
-            corner.way += before.length();
+            corner.distance += before.length();
             corner.turn += own;
-            let apart = corner.way / (APART * self.period);
+            let apart = corner.distance / (APART * self.period);
             speed = speed.min(apart.max(corner_speed(&corner.turn, corner_step)));
         }
         if !is_corner || self.period <= 0.0 {
             return f64::INFINITY;
         }
         if self.count == MOST {
-            speed = speed.min(self.near[MOST - 1].way / (APART * self.period));
+            speed = speed.min(self.near[MOST - 1].distance / (APART * self.period));
         }
         self.count = (self.count + 1).min(MOST);
         self.near[..self.count].rotate_right(1);
-        self.near[0] = Corner { way: 0.0, turn: own };
+        self.near[0] = Corner {
+            distance: 0.0,
+            turn: own,
+        };
         speed
     }
 }

@@ -88,7 +88,7 @@ impl<T: Copy> Planner<T> {
         from.position -= last.trajectory.offset + last.motion.path.length();
         let trajectory = MoveTrajectory {
             path: next.path,
-            turn: next.turn,
+            rotation: next.rotation,
             lead: (from.position < 0.0).then_some(last.motion.path),
             approach: None,
             profile: Profile::rest(0.0),
@@ -165,7 +165,7 @@ impl MoveTrajectory {
     fn onto<T>(&self, next: &Move<T>, between: Junction) -> MoveTrajectory {
         MoveTrajectory {
             path: next.path,
-            turn: next.turn,
+            rotation: next.rotation,
             lead: matches!(between, Junction::Overtake { .. }).then_some(self.path),
             approach: None,
             offset: self.offset + self.path.length(),

@@ -68,7 +68,10 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
         return Shape::Rest;
     }
-    let turns = [first.turn, second.turn].iter().flatten().any(|turn| !turn.keeps());
+    let turns = [first.rotation, second.rotation]
+        .iter()
+        .flatten()
+        .any(|rotation| !rotation.keeps());
     let in_line = !turns && collinear(&first.path, &second.path);
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {
@@ -82,7 +85,7 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
                 (false, _) => Shape::Blend { tolerance },
             }
         }
-        // A turn begins and ends at rest.
+        // A rotation begins and ends at rest.
         Ending::Contour { .. } if turns => Shape::Rest,
         Ending::Contour { constrained } => Shape::Pass { constrained, in_line },
         Ending::Stop | Ending::Blend { .. } => Shape::Rest,

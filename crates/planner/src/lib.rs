@@ -29,10 +29,10 @@ mod path_with_residual;
 mod planner;
 mod queue;
 mod ramp_out;
+mod rotation_residual;
 mod running;
 mod stopping;
 mod travel;
-mod turning;
 
 pub use clock::{Clock, Instant, MasterMotion, MasterRate, ROUNDING, TimeBase};
 pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, Installed};
@@ -40,10 +40,10 @@ pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
 pub use move_trajectory::Sample;
 pub use planner::{Planner, QueueFull};
+pub use rotation_residual::{AngularState, RotationResidual};
 pub use running::{InitialMotion, Move, Parameter, Running};
 pub use stopping::Stopping;
 pub use travel::{PathStopping, Travel};
-pub use turning::{TurnResidual, Turning};
 
 pub use arcline_contour as precise;
 pub use arcline_geometry as geometry;

@@ -52,10 +52,10 @@ impl<T: Copy> Planner<T> {
         if cap > 0.0 {
             let mut seen = 0;
             for bound in queue.slower() {
-                let way = bound.at - running.run_start - from.position;
+                let distance = bound.at - running.run_start - from.position;
                 let wanted = queue.speed(bound).min(cap);
-                let ahead = way >= 0.0;
-                let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+                let ahead = distance >= 0.0;
+                let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
                 seen += 1;
                 let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
                 if ahead && level && (speed == wanted || slow) {
@@ -69,8 +69,8 @@ impl<T: Copy> Planner<T> {
         }
         let end = queue.run_end(running.run_start + length);
         let wanted = queue.speed(&end).min(cap);
-        let way = end.at - running.run_start - from.position;
-        let beyond = way < -ROUNDING * (running.run_start + from.position).abs();
+        let distance = end.at - running.run_start - from.position;
+        let beyond = distance < -ROUNDING * (running.run_start + from.position).abs();
         if beyond && end.link.corner().is_finite() {
             // It comes back to a corner, and turns there.
             return Plan {
@@ -87,7 +87,7 @@ impl<T: Copy> Planner<T> {
                 ..towards(&end, from.velocity.max(0.0), cap)
             };
         }
-        let Passing { speed, level } = passing_speed(from, way, wanted, &Limits { speed: cap, ..limits });
+        let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
         let plan = towards(&end, speed, cap);
         if end.link == Link::Rest {
             let ends = if level && speed == 0.0 {
@@ -105,7 +105,7 @@ impl<T: Copy> Planner<T> {
         if level && !too_fast && !turns_back(&from, &limits) {
             return plan;
         }
-        if too_fast && can_rest(from, way, &limits) {
+        if too_fast && can_rest(from, distance, &limits) {
             return Plan { exit: 0.0, ..plan };
         }
         let plan = Plan {
@@ -265,9 +265,9 @@ pub(crate) enum Ends {
 /// Whether the motion can come to rest within a way, where it cannot come down to a lower speed: with a limited jerk, the last of a
 /// deceleration to rest takes less way than the one to a speed above (a move that came into the queue since has such a speed at its
 /// beginning).
-fn can_rest(from: KinematicState, way: f64, limits: &Limits) -> bool {
+fn can_rest(from: KinematicState, distance: f64, limits: &Limits) -> bool {
     let rest = Profile::stop(from, limits).end().position - from.position;
-    (0.0..=way * (1.0 + ROUNDING)).contains(&rest)
+    (0.0..=distance * (1.0 + ROUNDING)).contains(&rest)
 }
 
 /// Whether a deceleration can only be taken back when the motion has passed through rest.

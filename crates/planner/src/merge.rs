@@ -178,19 +178,22 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
     let tangent = path.start_tangent();
     let mut drift = Point::zeros();
     for _ in 0..SPLITTINGS {
-        let way = tangent - drift;
-        let square = way.norm_squared();
+        let direction = tangent - drift;
+        let square = direction.norm_squared();
         let along = KinematicState {
             position: 0.0,
-            velocity: velocity.dot(&way) / square,
-            acceleration: acceleration.dot(&way) / square,
+            velocity: velocity.dot(&direction) / square,
+            acceleration: acceleration.dot(&direction) / square,
         };
         // What is across the path but for rounding is across it.
         let forward = along.velocity * square.sqrt();
         if square < LEAST_WAY || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
             return None;
         }
-        let parts = out.parts(velocity - way * along.velocity, acceleration - way * along.acceleration);
+        let parts = out.parts(
+            velocity - direction * along.velocity,
+            acceleration - direction * along.acceleration,
+        );
         let before = drift;
         drift = parts.iter().map(Part::total).sum::<Point>() / path.length();
         // The velocity steps by this.

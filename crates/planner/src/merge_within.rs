@@ -278,16 +278,18 @@ impl Within {
         }
     }
 
-    fn on_line(&self, own: &Limits, way: &Point) -> Limits {
+    fn on_line(&self, own: &Limits, direction: &Point) -> Limits {
         let least = |vector: f64, limits: &Point, share: f64| {
-            (0..3).fold(vector, |least, axis| least.min(share * limits[axis] / way[axis].abs()))
+            (0..3).fold(vector, |least, axis| {
+                least.min(share * limits[axis] / direction[axis].abs())
+            })
         };
         let jerk = |vector: f64| match &self.axes.jerk {
             Some(axes) => least(vector, axes, self.share),
             None => vector,
         };
         // The compensation moves along.
-        let compensated = 1.0 / way.norm().max(1.0);
+        let compensated = 1.0 / direction.norm().max(1.0);
         Limits {
             speed: least(own.speed * compensated, &self.axes.speed, 1.0),
             acceleration: least(own.acceleration, &self.axes.acceleration, self.share),

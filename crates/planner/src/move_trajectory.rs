@@ -1,6 +1,6 @@
 //! One path in execution: the geometry, the profile along it, and what is superposed.
 
-use arcline_geometry::{Path, PathPoint, Point, Turn, Turned};
+use arcline_geometry::{Path, PathPoint, Point, Rotation, RotationState};
 use arcline_profile::{Bounds, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
 
 use crate::running::scaled_limits;
@@ -11,7 +11,7 @@ use crate::{Clock, Instant, MasterRate, ROUNDING};
 pub(crate) struct MoveTrajectory {
     pub(crate) path: Path,
     /// How the orientation turns along `path`.
-    pub(crate) turn: Option<Turn>,
+    pub(crate) rotation: Option<Rotation>,
     /// What lies before the start of `path`: the end of a collinear predecessor.
     pub(crate) lead: Option<Path>,
     /// The predecessor's own way to the start of `path`, where the move became active before its end.
@@ -72,7 +72,7 @@ pub struct Sample {
     /// What the speed along the path does.
     pub phase: Phase,
     /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
-    pub turned: Option<Turned>,
+    pub rotation_state: Option<RotationState>,
 }
 
 /// Share of a speed that is rounding.
@@ -84,7 +84,7 @@ impl MoveTrajectory {
         if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
             return Sample {
                 // Only what keeps its orientation is approached.
-                turned: self.turn.map(|turn| turn.at(0.0)),
+                rotation_state: self.rotation.map(|rotation| rotation.at(0.0)),
                 ..approach.sample(clock)
             };
         }
@@ -98,12 +98,12 @@ impl MoveTrajectory {
             residual.add(&mut sample, self.path.length(), clock);
         }
         let length = self.path.length();
-        sample.turned = self.turn.map(|turn| {
+        sample.rotation_state = self.rotation.map(|rotation| {
             if length > 0.0 {
-                let turned = turn.at(along.position / length);
-                turned.in_time(along.velocity / length, along.acceleration / length)
+                let rotation_state = rotation.at(along.position / length);
+                rotation_state.in_time(along.velocity / length, along.acceleration / length)
             } else {
-                turn.ended()
+                rotation.ended()
             }
         });
         sample
@@ -122,7 +122,7 @@ impl MoveTrajectory {
             let on = at(path, place, sample.along, sample.phase);
             sample = Sample {
                 along: sample.along,
-                turned: sample.turned,
+                rotation_state: sample.rotation_state,
                 ..on
             };
         }
@@ -155,8 +155,8 @@ impl MoveTrajectory {
         sample.position += rest.position - self.path.end();
         sample.velocity += rest.velocity;
         sample.acceleration += rest.acceleration;
-        sample.turned = match (sample.turned, rest.turned, self.turn) {
-            (Some(own), Some(rest), Some(turn)) => Some(own.after(&rest, &turn.ended())),
+        sample.rotation_state = match (sample.rotation_state, rest.rotation_state, self.rotation) {
+            (Some(own), Some(rest), Some(rotation)) => Some(own.after(&rest, &rotation.ended())),
             (own, rest, _) => own.or(rest),
         };
         sample
@@ -309,11 +309,11 @@ impl Residual {
     pub(crate) fn share_of(parts: &[Part; 3], path: &Path) -> f64 {
         let length = path.length();
         let total: Point = parts.iter().map(Part::total).sum();
-        let way = match path {
+        let allowed = match path {
             Path::Line(line) => (line.end() - line.start() - total).norm(),
             Path::Arc(_) => length + total.norm(),
         };
-        if way > length { length / way } else { 1.0 }
+        if allowed > length { length / allowed } else { 1.0 }
     }
 
     pub(crate) fn duration(&self) -> f64 {
@@ -365,6 +365,6 @@ fn at(path: &Path, s: f64, along: KinematicState, phase: Phase) -> Sample {
         acceleration: tangent * along.acceleration + curvature * (along.velocity * along.velocity),
         along,
         phase,
-        turned: None,
+        rotation_state: None,
     }
 }

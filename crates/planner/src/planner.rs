@@ -11,8 +11,8 @@ use crate::look_ahead::Plan;
 use crate::merge_within::Within;
 use crate::move_trajectory::{MoveTrajectory, Residual, Sample};
 use crate::queue::Queue;
+use crate::rotation_residual::RampingOut;
 use crate::running::{AccelerationRemoval, Move, Parameter, Running, scaled_limits};
-use crate::turning::RampingOut;
 use crate::{Clock, Instant, MasterRate};
 
 /// The pending places are all taken.
@@ -296,7 +296,7 @@ impl<T: Copy> Planner<T> {
             sample = tail.add_rest(sample, clock);
         }
         if let Some(out) = &self.ramping_out {
-            sample.turned = Some(out.beside(sample.turned, clock));
+            sample.rotation_state = Some(out.beside(sample.rotation_state, clock));
         }
         Some(sample)
     }
@@ -317,7 +317,7 @@ impl<T: Copy> Planner<T> {
     ) {
         let trajectory = MoveTrajectory {
             path: motion.path,
-            turn: motion.turn,
+            rotation: motion.rotation,
             lead: None,
             approach: None,
             profile: Profile::rest(0.0),

@@ -2,7 +2,7 @@
 //!
 //! Units: position units, seconds.
 
-use arcline_geometry::{Path, Point, Turn};
+use arcline_geometry::{Path, Point, Rotation};
 use arcline_profile::{Jerk, KinematicState, Lead, Limits};
 
 use crate::Instant;
@@ -15,7 +15,7 @@ pub struct Move<T> {
     /// The geometric path, by arc length.
     pub path: Path,
     /// How the orientation turns along it, evenly by arc length, or which one it keeps; `None`: no move of the queue turns it.
-    pub turn: Option<Turn>,
+    pub rotation: Option<Rotation>,
     /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
     /// it is a function of; infinite: what the axes let it.
     pub corner: f64,

@@ -8,7 +8,7 @@ use arcline_profile::{Bounds, Limits};
 
 use crate::move_trajectory::MoveTrajectory;
 use crate::planner::Planner;
-use crate::turning::RampingOut;
+use crate::rotation_residual::RampingOut;
 use crate::{Clock, MasterRate, Parameter, Sample};
 
 /// A stop on the path that has not begun.
@@ -121,7 +121,7 @@ impl Stopping {
             sample = tail.add_rest(sample, clock);
         }
         if let Some(out) = &self.ramping_out {
-            sample.turned = Some(out.beside(sample.turned, clock));
+            sample.rotation_state = Some(out.beside(sample.rotation_state, clock));
         }
         sample
     }

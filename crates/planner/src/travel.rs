@@ -21,7 +21,7 @@ use crate::contour::ContourEvent;
 use crate::move_event::MoveEvent;
 use crate::{
     Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, Installed, Instant, MasterRate, Move, Planner,
-    QueueFull, TurnResidual,
+    QueueFull, RotationResidual,
 };
 
 pub use stopping::PathStopping;
@@ -192,7 +192,7 @@ impl<T: Copy> Travel<T> {
         &mut self,
         motion: Move<T>,
         initial: InitialMotion,
-        residual: Option<TurnResidual>,
+        residual: Option<RotationResidual>,
         kept: Option<&AxisLimits>,
         base: &TimeBase,
     ) {

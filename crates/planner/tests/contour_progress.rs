@@ -43,7 +43,7 @@ fn moves(s_curve: bool) -> Vec<Move<usize>> {
     let ends = corners.windows(2).enumerate();
     ends.map(|(number, ends)| Move {
         path: Path::line(ends[0], ends[1]),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits: limits(s_curve).0,
         ending: if number + 2 == corners.len() {

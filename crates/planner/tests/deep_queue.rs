@@ -26,7 +26,7 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
         let at = |place: usize| Point::from([PIECE * place as f64, 0.0, 0.0]);
         let motion = Move {
             path: Path::Line(Line::new(at(data), at(data + 1))),
-            turn: None,
+            rotation: None,
             corner: f64::INFINITY,
             limits: limits(data),
             ending: Ending::Contour { constrained: true },
@@ -80,8 +80,8 @@ fn travel(
 
 #[test]
 fn a_thousand_short_pieces_reach_the_programmed_speed() {
-    let way = stop_distance(LIMITS.speed, &LIMITS);
-    assert!(way > 200.0 * PIECE, "{way}");
+    let distance = stop_distance(LIMITS.speed, &LIMITS);
+    assert!(distance > 200.0 * PIECE, "{distance}");
     let (mut planner, clock) = queue(|_| LIMITS);
     let (top, ticks) = travel(&mut planner, clock, |_, _| {});
     assert!((top - LIMITS.speed).abs() < 1e-9, "{top}");

@@ -27,7 +27,7 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
     let ending = Ending::Stop;
     Move {
         path,
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits,
         ending,
@@ -197,9 +197,9 @@ proptest! {
 }
 
 /// An orientation of fixed angles.
-fn oriented(x: f64, y: f64, z: f64) -> arcline_planner::geometry::Turn {
-    use arcline_planner::geometry::{Turn, rotation};
-    Turn::new(&rotation(&Point::zeros()), &rotation(&Point::new(x, y, z)), 0.0)
+fn oriented(x: f64, y: f64, z: f64) -> arcline_planner::geometry::Rotation {
+    use arcline_planner::geometry::{Rotation, rotation};
+    Rotation::new(&rotation(&Point::zeros()), &rotation(&Point::new(x, y, z)), 0.0)
 }
 
 proptest! {
@@ -210,13 +210,13 @@ proptest! {
     fn a_turn_goes_along(
         length in prop::option::of(1.0..500.0f64), x in -170.0..170.0f64, y in -80.0..80.0f64, z in -170.0..170.0f64,
     ) {
-        let turn = oriented(x, y, z);
+        let rotation = oriented(x, y, z);
         let path = match length {
             Some(length) => Path::line(Point::zeros(), Point::new(length, 0.0, 0.0)),
-            None => Path::standing(Point::zeros(), turn.angle()),
+            None => Path::standing(Point::zeros(), rotation.angle()),
         };
         let limits = Limits { speed: 200.0, acceleration: 3000.0, deceleration: 2000.0, jerk: None };
-        let motion = Move { turn: Some(turn), ..stopping(path, limits) };
+        let motion = Move { rotation: Some(rotation), ..stopping(path, limits) };
         let duration = rest_to_rest(path.length(), &limits);
         let mut rows = Vec::new();
         for period_ns in [250_000, 1_000_000, 4_000_000] {
@@ -226,16 +226,16 @@ proptest! {
             let ticks = (0..=2 + (duration * 1e9) as u64 / 4_000_000).map(|n| n * 4_000_000 / period_ns);
             rows.push(ticks.map(|tick| sample(&planner, tick, period_ns)).collect::<Vec<_>>());
         }
-        let last = rows[0].last().expect("a row").turned.expect("it turns");
-        prop_assert_eq!(&last.rotation, turn.end());
+        let last = rows[0].last().expect("a row").rotation_state.expect("it turns");
+        prop_assert_eq!(&last.orientation, rotation.end());
         prop_assert_eq!(last.rate.norm(), 0.0);
         for (place, sample) in rows[0].iter().enumerate() {
-            let turned = sample.turned.expect("it turns");
-            let share = sample.along.velocity / path.length() * turn.angle();
-            prop_assert!((turned.rate.norm().to_degrees() - share).abs() < 1e-9 * (1.0 + share), "not evenly");
+            let rotation_state = sample.rotation_state.expect("it turns");
+            let share = sample.along.velocity / path.length() * rotation.angle();
+            prop_assert!((rotation_state.rate.norm().to_degrees() - share).abs() < 1e-9 * (1.0 + share), "not evenly");
             for other in &rows[1..] {
-                let there = other[place].turned.expect("it turns");
-                prop_assert!((there.rotation - turned.rotation).abs().max() < 1e-9);
+                let there = other[place].rotation_state.expect("it turns");
+                prop_assert!((there.orientation - rotation_state.orientation).abs().max() < 1e-9);
             }
         }
     }
@@ -250,14 +250,14 @@ fn turns_blend_and_rest_at_corners() {
         jerk: None,
     };
     let (first, second) = (oriented(0.0, 0.0, 90.0), {
-        use arcline_planner::geometry::{Turn, rotation};
-        Turn::new(
+        use arcline_planner::geometry::{Rotation, rotation};
+        Rotation::new(
             &rotation(&Point::new(0.0, 0.0, 90.0)),
             &rotation(&Point::new(60.0, 0.0, 90.0)),
             0.0,
         )
     });
-    let ways = [
+    let directions = [
         Path::standing(Point::zeros(), 90.0),
         Path::standing(Point::zeros(), 60.0),
     ];
@@ -267,16 +267,16 @@ fn turns_blend_and_rest_at_corners() {
         let at = clock(0, period);
         planner.start(
             Move {
-                turn: Some(first),
+                rotation: Some(first),
                 ending,
-                ..stopping(ways[0], limits)
+                ..stopping(directions[0], limits)
             },
             at.now(),
             &at,
         );
         let next = Move {
-            turn: Some(second),
-            ..stopping(ways[1], limits)
+            rotation: Some(second),
+            ..stopping(directions[1], limits)
         };
         planner.enqueue(next, &at).expect("there is room");
         let mut before: Option<Sample> = None;
@@ -287,16 +287,19 @@ fn turns_blend_and_rest_at_corners() {
             }
             if let Some(MoveEvent::Reached(instant)) = planner.event(&at) {
                 if planner.next().is_none() {
-                    let end = sample(&planner, tick, period).turned.expect("it turns");
-                    assert!((end.rotation - second.end()).abs().max() < 1e-12);
+                    let end = sample(&planner, tick, period).rotation_state.expect("it turns");
+                    assert!((end.orientation - second.end()).abs().max() < 1e-12);
                     return instant.elapsed(&clock(0, period)).abs();
                 }
                 planner.hand_over(instant, &at);
             }
             let now = sample(&planner, tick, period);
-            if let (Some(was), Some(is)) = (before.and_then(|sample| sample.turned), now.turned) {
+            if let (Some(was), Some(is)) = (before.and_then(|sample| sample.rotation_state), now.rotation_state) {
                 let most = (2.0 * limits.speed * 1e-3).to_radians();
-                assert!((is.rotation - was.rotation).abs().max() <= most, "a step at {tick}");
+                assert!(
+                    (is.orientation - was.orientation).abs().max() <= most,
+                    "a step at {tick}"
+                );
                 let most = (2.1 * limits.acceleration * 1e-3).to_radians();
                 assert!((is.rate - was.rate).norm() <= most, "a step of the rate at {tick}");
             }

@@ -124,9 +124,13 @@ pub(crate) fn sane(value: f64) -> f64 {
 }
 
 /// The way between two positions; one so short that its products would vanish is none.
-pub(crate) fn way(from: f64, to: f64) -> f64 {
-    let way = to - from;
-    if way.abs() < SMALLEST { 0.0 } else { way }
+pub(crate) fn displacement(from: f64, to: f64) -> f64 {
+    let displacement = to - from;
+    if displacement.abs() < SMALLEST {
+        0.0
+    } else {
+        displacement
+    }
 }
 
 fn sane_limit(value: f64) -> f64 {

@@ -8,7 +8,7 @@
 
 use crate::KinematicState;
 use crate::builder::{Builder, Sink, Trial};
-use crate::limits::{SCurve, way};
+use crate::limits::{SCurve, displacement};
 use crate::peak::{self, Peak};
 use crate::profile::Profile;
 use crate::ramp::{approach, change_by, ramp};
@@ -20,7 +20,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         return stop(profile, target, limits);
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
-    let x = way(from.position, target);
+    let x = displacement(from.position, target);
     if end_speed == 0.0 && x.abs() > farthest_stop(from, limits) {
         let sign = x.signum();
         return forward(profile, sign, sign * x, target, 0.0, limits);
@@ -65,7 +65,7 @@ pub(crate) fn to_position_two_stage(profile: &mut Profile, target: f64, limits: 
     if limits.speed == 0.0 {
         return stop(profile, target, limits);
     }
-    let x = way(from.position, target);
+    let x = displacement(from.position, target);
     let x0 = ramp_displacement(from, 0.0, limits);
     let direction = if from.velocity != 0.0 {
         from.velocity.signum()

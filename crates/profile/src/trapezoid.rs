@@ -5,7 +5,7 @@
 
 use crate::KinematicState;
 use crate::builder::{Builder, Sink};
-use crate::limits::{Trapezoid, way};
+use crate::limits::{Trapezoid, displacement};
 use crate::position::nearness;
 use crate::profile::Profile;
 
@@ -24,7 +24,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         return builder.finish(end, end.position == target);
     }
     let end_speed = end_speed.clamp(-limits.speed, limits.speed);
-    let x = way(from.position, target);
+    let x = displacement(from.position, target);
     let x0 = 0.5 * from.velocity * from.velocity.abs() * per_decel;
     let end = KinematicState {
         position: target,

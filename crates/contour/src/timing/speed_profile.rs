@@ -167,10 +167,10 @@ pub(crate) fn speeds(
 
 /// Squares of speeds behind each of some lengths, not above those of a motion, nor of a least speed.
 fn bound_by(motion: &Profile, least: f64, lengths: &[f64], squares: &mut [f64]) {
-    let (mut way, mut time) = (0.0, 0.0);
+    let (mut distance, mut time) = (0.0, 0.0);
     for (length, square) in lengths.iter().zip(squares) {
-        way += length;
-        while time < motion.duration() && motion.at(time).position < way {
+        distance += length;
+        while time < motion.duration() && motion.at(time).position < distance {
             time += TUNING.speed_profile.gentle_step_s;
         }
         if time >= motion.duration() {

@@ -54,20 +54,24 @@ impl Feeding {
     /// Takes a position. Of a rotary axis it is a position of the nearest turn.
     pub(crate) fn take(&mut self, position: f64, unwind: Option<f64>, clock: &Clock) -> Fed {
         let now = self.at(clock).position;
-        let way = match unwind {
+        let displacement = match unwind {
             None => position + self.offset - now,
             Some(unwind) => {
-                let way = rotary::shown(position + self.offset - now, unwind);
-                if way > 0.5 * unwind { way - unwind } else { way }
+                let displacement = rotary::shown(position + self.offset - now, unwind);
+                if displacement > 0.5 * unwind {
+                    displacement - unwind
+                } else {
+                    displacement
+                }
             }
         };
         let first = self.since.replace(clock.now()).is_none() || self.stale;
         self.stale = false;
         if first {
-            (self.from, self.to) = (now + way, now + way);
-            return Fed::Placed(way);
+            (self.from, self.to) = (now + displacement, now + displacement);
+            return Fed::Placed(displacement);
         }
-        (self.from, self.to) = (now, now + way);
+        (self.from, self.to) = (now, now + displacement);
         Fed::Followed
     }
 
@@ -81,7 +85,7 @@ impl Feeding {
     /// Where the axis is.
     pub(crate) fn at(&self, clock: &Clock) -> KinematicState {
         let elapsed = self.since.map_or(self.interval, |since| since.elapsed(clock));
-        let way = self.to - self.from;
+        let displacement = self.to - self.from;
         let moves = self.since.is_some() && elapsed <= self.interval;
         let share = if self.interval > 0.0 {
             elapsed / self.interval
@@ -89,9 +93,13 @@ impl Feeding {
             1.0
         };
         KinematicState {
-            position: if share < 1.0 { self.from + way * share } else { self.to },
+            position: if share < 1.0 {
+                self.from + displacement * share
+            } else {
+                self.to
+            },
             velocity: if moves && self.interval > 0.0 {
-                way / self.interval
+                displacement / self.interval
             } else {
                 0.0
             },

@@ -203,7 +203,7 @@ impl Axis {
         let Some(homing) = self.homing else {
             return true;
         };
-        let way = self.home.direction;
+        let direction = self.home.direction;
         match homing.stage {
             Stage::Clearing if self.home.sequence == HomeSequence::Immediate => {
                 self.end(GeneratorKind::Home);
@@ -213,32 +213,32 @@ impl Axis {
             Stage::Clearing => {
                 let has_switch = self.home.sequence != HomeSequence::Marker;
                 if self.home.sequence.is_of_torque() {
-                    self.seek(Sought::Stop, way.sign(), self.home.speed, instant);
+                    self.seek(Sought::Stop, direction.sign(), self.home.speed, instant);
                 } else if !has_switch {
-                    self.seek(Sought::Marker, way.sign(), self.home.speed, instant);
-                } else if way.is_bidirectional() && self.stands_on_switch() {
-                    self.seek(Sought::Release, -way.sign(), self.home.return_speed, instant);
+                    self.seek(Sought::Marker, direction.sign(), self.home.speed, instant);
+                } else if direction.is_bidirectional() && self.stands_on_switch() {
+                    self.seek(Sought::Release, -direction.sign(), self.home.return_speed, instant);
                 } else {
-                    self.seek(Sought::Switch, way.sign(), self.home.speed, instant);
+                    self.seek(Sought::Switch, direction.sign(), self.home.speed, instant);
                 }
                 false
             }
             Stage::Turning => {
-                self.seek(Sought::Release, -way.sign(), self.home.return_speed, instant);
+                self.seek(Sought::Release, -direction.sign(), self.home.return_speed, instant);
                 false
             }
             Stage::Braking => {
                 if let Some(place) = homing.event {
                     self.align(place);
                 }
-                if way.is_bidirectional() {
+                if direction.is_bidirectional() {
                     if let Some(turn) = self.unwind {
                         let turns = ((self.command.position - self.home.position) / turn).round();
                         self.redefine(-turns * turn);
                     }
                     self.go_home(instant);
                 }
-                !way.is_bidirectional()
+                !direction.is_bidirectional()
             }
             Stage::Seeking { .. } | Stage::Returning | Stage::Waiting { .. } => true,
         }

@@ -91,8 +91,8 @@ pub(super) fn verify_reach(
     scaling: OperandIndex,
 ) -> Result<(), MotionError> {
     let state = &motion.axes[axis];
-    let way = program.profile.reach() * program.slave_scale.abs();
-    range::verify(state, state.command.position.abs() + way, scaling)
+    let reach = program.profile.reach() * program.slave_scale.abs();
+    range::verify(state, state.command.position.abs() + reach, scaling)
 }
 
 /// The cam waits for the end of the one under way.

@@ -139,18 +139,18 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         _ => state,
     };
     range::verify(moved, target, position.index)?;
-    let way = target - destination.present(state);
+    let displacement = target - destination.present(state);
     // An offset is in units of the master, and so are its maxima.
     let maxima = match state.cam_master(GeneratorKind::PositionCam) {
         Some(master) if kind == GeneratorKind::MasterOffset => &motion.axes[master].dynamics,
         _ => {
-            axis_moves::no_overtravel(state, way)?;
+            axis_moves::no_overtravel(state, displacement)?;
             &state.dynamics
         }
     };
     let led = operands.led(motion, axis, kind, driven_by)?;
     let mut dynamics = if seconds::is_duration(&programmed.rates) {
-        seconds::dynamics(&programmed, way.abs(), maxima)
+        seconds::dynamics(&programmed, displacement.abs(), maxima)
     } else {
         programmed.dynamics(maxima)?
     };
@@ -162,7 +162,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     if led.is_some() {
         let present = operands.present_speed(state, kind, led);
-        verify_reduction(present, &dynamics.limits(), way.abs())?;
+        verify_reduction(present, &dynamics.limits(), displacement.abs())?;
     }
     let beginning = Beginning {
         execution,

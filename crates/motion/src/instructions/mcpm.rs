@@ -1,7 +1,7 @@
 //! MCPM, Motion Coordinated Path Move (spec/coordinated-instructions.md §23): X, Y, Z on a straight line, and Rx, Ry, Rz turned
 //! along it about one fixed axis.
 //!
-//! The turn is a function of the place on the line, so that an override, a change of dynamics and a stop leave the tool on its path.
+//! The rotation is a function of the position on the line, so that an override, a change of dynamics and a stop leave the tool on its path.
 //! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
 //! angle as its path length. Units: position units, degrees.
 
@@ -11,7 +11,7 @@ use arcline_instruction_set::enumerations::{
 use arcline_instruction_set::operands::Mcpm;
 use arcline_instruction_set::{Call, MotionError, OperandIndex, Range};
 use arcline_planner::Ending;
-use arcline_planner::geometry::{Path, Point, Turn};
+use arcline_planner::geometry::{Path, Point, Rotation};
 
 use super::merging::{Master, TakenOver};
 use super::moves::{self, JointLimits, Verified};
@@ -126,7 +126,7 @@ pub(super) fn execute(
     moves::verify_conflicts(motion, index, Merge::Disabled)?;
     verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
     let joints = JointLimits {
-        path: moves::path_limits(motion, index, &path_move.path, path_move.turn.as_ref(), headings[0])?,
+        path: moves::path_limits(motion, index, &path_move.path, path_move.rotation.as_ref(), headings[0])?,
         corner: f64::INFINITY,
     };
     let rest = TakenOver::rest();
@@ -143,7 +143,7 @@ pub(super) fn execute(
         execution,
         path,
         in_positions: path_move.path,
-        turn: path_move.turn,
+        rotation: path_move.rotation,
         heading: Some(path_move.heading),
         dynamics,
         joints,
@@ -159,7 +159,7 @@ pub(super) fn execute(
 /// Where a move leads and how.
 struct PathMove {
     path: Path,
-    turn: Option<Turn>,
+    rotation: Option<Rotation>,
     /// Rx, Ry, Rz at its end.
     heading: Point,
 }
@@ -173,27 +173,30 @@ impl PathMove {
         let [_, fourth, sixth, _] = data.turns_counters;
         let turns = f64::from(i32::from(sixth) - i32::from(fourth));
         let (mut end, angles) = (Point::new(x, y, z), Point::new(rx, ry, rz));
-        let turn = if data.move_type == Some(MoveType::Incremental) {
+        let rotation = if data.move_type == Some(MoveType::Incremental) {
             end += start;
-            heading::turn_by(&heading, &(heading + angles), turns)
+            heading::rotation_by(&heading, &(heading + angles), turns)
         } else {
             let counted = Point::z() * (360.0 * turns);
-            heading::turn(&heading, &(heading::normal(&angles) + counted - shift))
+            heading::rotation_between(&heading, &(heading::normal(&angles) + counted - shift))
         };
         let mut path = Path::line(*start, end);
         if path.length() == 0.0 {
-            path = Path::standing(*start, turn.angle());
+            path = Path::standing(*start, rotation.angle());
         }
         PathMove {
             path,
-            turn: Some(turn),
-            heading: turn.ended().near,
+            rotation: Some(rotation),
+            heading: rotation.ended().near,
         }
     }
 
-    /// What the move is programmed with along its path, and how fast its turn lets it be.
+    /// What the move is programmed with along its path, and how fast its rotation lets it be.
     fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, PathLimits) {
-        let (length, angle) = (self.path.length(), self.turn.map_or(0.0, |turn| turn.angle()));
+        let (length, angle) = (
+            self.path.length(),
+            self.rotation.map_or(0.0, |rotation| rotation.angle()),
+        );
         if self.path.stands() {
             return (turns, PathLimits::UNLIMITED);
         }

@@ -7,7 +7,7 @@ use arcline_instruction_set::enumerations::Merge;
 use arcline_instruction_set::{MotionError, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::profile::{KinematicState, Limits};
-use arcline_planner::{Ending, InitialMotion, MasterRate, Move, Parameter, TurnResidual, Turning};
+use arcline_planner::{AngularState, Ending, InitialMotion, MasterRate, Move, Parameter, RotationResidual};
 
 use super::points::command;
 use super::programmed;
@@ -69,12 +69,12 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
             }
             continue;
         };
-        let way = if moves.velocity == 0.0 {
+        let direction = if moves.velocity == 0.0 {
             moves.acceleration
         } else {
             moves.velocity
         };
-        *programmed += limits.speed.copysign(way);
+        *programmed += limits.speed.copysign(direction);
         all = Some(all.map_or(limits, |all| together(&all, &limits)));
     }
     all.map(|all| Limits {
@@ -88,8 +88,8 @@ fn way_of_path(motion: &Motion, index: SystemId) -> Point {
     let now = |axis: &Axis| axis.sum.motion_of(|kind| kind == GeneratorKind::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
     let acceleration = command(motion, index, |axis| now(axis).acceleration);
-    let way = velocity.try_normalize(0.0).or_else(|| acceleration.try_normalize(0.0));
-    way.unwrap_or_default()
+    let direction = velocity.try_normalize(0.0).or_else(|| acceleration.try_normalize(0.0));
+    direction.unwrap_or_default()
 }
 
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
@@ -116,7 +116,7 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
 pub(super) struct TakenOver {
     pub(super) merge: Merge,
     pub(super) initial: InitialMotion,
-    turning: Option<Turning>,
+    turning: Option<AngularState>,
     /// Speed of the axes, units/s, or per master unit.
     pub(super) speed: f64,
 }
@@ -150,7 +150,7 @@ impl TakenOver {
     }
 
     /// The turn that ramps out beside the move.
-    pub(super) fn residual(&self) -> Option<TurnResidual> {
+    pub(super) fn residual(&self) -> Option<RotationResidual> {
         self.turning.and_then(|turning| turning.ramped_out())
     }
 

@@ -5,8 +5,8 @@
 use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
 use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
-use arcline_planner::geometry::{Path, Point, Turn};
-use arcline_planner::{Ending, InitialMotion, Move, Parameter, TurnResidual};
+use arcline_planner::geometry::{Path, Point, Rotation};
+use arcline_planner::{Ending, InitialMotion, Move, Parameter, RotationResidual};
 
 use super::merging::{Master, TakenOver, terminate};
 use super::points::{command, queue_shift, start_point};
@@ -138,7 +138,7 @@ pub(super) fn execute(
         execution,
         path,
         in_positions,
-        turn: heading.map(|heading| Turn::keeping(&heading)),
+        rotation: heading.map(|heading| Rotation::keeping(&heading)),
         heading,
         dynamics,
         joints,
@@ -159,10 +159,10 @@ pub(super) fn path_limits(
     motion: &Motion,
     index: SystemId,
     path: &Path,
-    turn: Option<&Turn>,
+    rotation: Option<&Rotation>,
     heading: Point,
 ) -> Result<PathLimits, MotionError> {
-    let limits = motion.present().verify_reach(index, path, turn, heading)?;
+    let limits = motion.present().verify_reach(index, path, rotation, heading)?;
     Ok(match motion.systems[index].description.joint_limits {
         AxisLimits::Enforce => limits,
         AxisLimits::Ignore => PathLimits::UNLIMITED,
@@ -204,7 +204,7 @@ pub(super) struct Verified {
     pub(super) path: Path,
     /// In positions as they are now.
     pub(super) in_positions: Path,
-    pub(super) turn: Option<Turn>,
+    pub(super) rotation: Option<Rotation>,
     /// Rx, Ry, Rz at its end, degrees, where it turns.
     pub(super) heading: Option<Point>,
     pub(super) dynamics: Dynamics,
@@ -213,8 +213,8 @@ pub(super) struct Verified {
     pub(super) ending: Ending,
     pub(super) events: Option<Events>,
     pub(super) master: Option<Master>,
-    /// A turn that ramps out beside it.
-    pub(super) residual: Option<TurnResidual>,
+    /// A rotation that ramps out beside it.
+    pub(super) residual: Option<RotationResidual>,
 }
 
 impl Verified {
@@ -227,7 +227,7 @@ impl Verified {
         let driven_by = self.master.map(|master| master.driven_by);
         let planned = Move {
             path: self.path,
-            turn: self.turn,
+            rotation: self.rotation,
             corner: self.joints.corner,
             limits: self.dynamics.limits(),
             ending: self.ending,
@@ -284,7 +284,7 @@ fn start(
     index: SystemId,
     planned: Move<Planned>,
     initial: &InitialMotion,
-    residual: Option<TurnResidual>,
+    residual: Option<RotationResidual>,
 ) -> Result<(), MotionError> {
     motion.lead_system(index, planned.data.driven_by, motion.clock.now())?;
     let system = &mut motion.systems[index];

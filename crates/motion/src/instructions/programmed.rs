@@ -234,7 +234,7 @@ pub(super) fn master_rate(link: &MasterLink, lock: LockTo, moves: bool) -> Resul
 }
 
 /// Whether a way is long enough to slow down on it, from the speed of what is taken over to the programmed one (103).
-pub(super) fn verify_reduction(speed: f64, limits: &Limits, way: f64) -> Result<(), MotionError> {
+pub(super) fn verify_reduction(speed: f64, limits: &Limits, distance: f64) -> Result<(), MotionError> {
     let excess = speed - limits.speed;
     // A ramp is symmetric: its mean speed times the time that a stop from the difference would take.
     let needed = if excess > 0.0 {
@@ -242,7 +242,7 @@ pub(super) fn verify_reduction(speed: f64, limits: &Limits, way: f64) -> Result<
     } else {
         0.0
     };
-    if needed > way {
+    if needed > distance {
         return Err(MotionError::MdscInvalidSlaveSpeedReduction);
     }
     Ok(())

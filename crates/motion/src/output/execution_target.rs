@@ -1,15 +1,15 @@
 //! One execution target of an axis: the output cam that is armed there, the one that waits for its end, and what still goes on of
 //! the one before.
 //!
-//! What instructions do to it is here, and the bits that come of it. Not here: where the axis goes ([`way`]), what happens to
+//! What instructions do to it is here, and the bits that come of it. Not here: where the axis goes ([`pieces`]), what happens to
 //! elements there ([`events`]), and what a cam leaves behind ([`tail`]). Positions are those of the axis without what it was
 //! redefined by; the cam's own begin at `zero` of them. Real-time: nothing allocates; an update is bounded by the elements of three
 //! cams. Units: position units, seconds.
 
 mod cam_state;
 mod events;
+mod pieces;
 mod tail;
-mod way;
 
 use arcline_instruction_set::TagAddress;
 use std::sync::Arc;

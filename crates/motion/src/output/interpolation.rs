@@ -23,13 +23,13 @@ pub(super) struct Interpolation {
 impl Interpolation {
     /// Between two values with their rates, s⁻¹ of the value, over `period` seconds.
     pub(super) fn new(from: [f64; 2], to: [f64; 2], period: f64) -> Self {
-        let way = to[0] - from[0];
+        let displacement = to[0] - from[0];
         let mut slopes = [from[1], to[1]].map(|rate| {
             let slope = rate * period;
-            if slope * way > 0.0 { slope } else { 0.0 }
+            if slope * displacement > 0.0 { slope } else { 0.0 }
         });
         let steep = (slopes[0] * slopes[0] + slopes[1] * slopes[1]).sqrt();
-        let most = STEEPEST * way.abs();
+        let most = STEEPEST * displacement.abs();
         if steep > most {
             slopes = slopes.map(|slope| slope * most / steep);
         }
@@ -40,7 +40,7 @@ impl Interpolation {
         }
     }
 
-    /// At once: the share is that of the way.
+    /// At once: the share is that of the displacement.
     pub(super) fn step(from: f64, to: f64) -> Self {
         Interpolation {
             from,
@@ -55,9 +55,9 @@ impl Interpolation {
             return self.to;
         }
         let rest = share - 1.0;
-        let way = self.to - self.from;
+        let displacement = self.to - self.from;
         self.from
-            + way * share * share * (3.0 - 2.0 * share)
+            + displacement * share * share * (3.0 - 2.0 * share)
             + share * rest * (self.slopes[0] * rest + self.slopes[1] * share)
     }
 

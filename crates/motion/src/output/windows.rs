@@ -1,6 +1,6 @@
 //! Where a number enters and leaves a range that may be repeated.
 //!
-//! A range holds its left end and not its right one, so that a place is in it or not whichever way it was come to.
+//! A range holds its left end and not its right one, so that a place is in it or not from whichever side it is reached.
 
 use arcline_profile::numeric::modulo;
 
@@ -45,7 +45,7 @@ impl Window {
         counts && modulo(value - self.left, self.cycle) < self.right - self.left
     }
 
-    /// The last place at which the range is entered on the way from one value to another, and the last at which it is left.
+    /// The last position at which the range is entered between one value and another, and the last at which it is left.
     pub(super) fn crossed(&self, from: f64, to: f64) -> [Option<f64>; 2] {
         let last = |edge: f64| {
             let whole = ((to - edge) / self.cycle).floor();

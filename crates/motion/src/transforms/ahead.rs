@@ -213,9 +213,9 @@ impl Present<'_> {
             }
         };
         add(system.linear(), [sample.position, sample.velocity, sample.acceleration]);
-        if let Some(turned) = &sample.turned {
-            stop.near = angles(&turned.rotation, &stop.near);
-            let [rate, change] = angle_rates(&stop.near, &turned.rate, &turned.change);
+        if let Some(rotation_state) = &sample.rotation_state {
+            stop.near = angles(&rotation_state.orientation, &stop.near);
+            let [rate, change] = angle_rates(&stop.near, &rotation_state.rate, &rotation_state.change);
             add(system.oriented(), [stop.near, rate, change]);
         }
     }

@@ -339,9 +339,9 @@ impl Stop<'_> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
         for index in 0..self.transform.target.len() {
-            let way = (next.joint(index).position - before.joint(index).position).abs();
-            if way > self.bounds[index].speed * width * (1.0 + NEAR) + SMALL {
-                if way > AT_ONCE {
+            let distance = (next.joint(index).position - before.joint(index).position).abs();
+            if distance > self.bounds[index].speed * width * (1.0 + NEAR) + SMALL {
+                if distance > AT_ONCE {
                     return Err(MotionError::TransformAtOrigin);
                 }
                 verdict = verdict.and(Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8))));

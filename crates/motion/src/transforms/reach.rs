@@ -6,7 +6,7 @@
 //! Units: position units, degrees of joints.
 
 use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
-use arcline_planner::geometry::{Path, Point as Vector, Turn, angle_rates, angles};
+use arcline_planner::geometry::{Path, Point as Vector, Rotation, angle_rates, angles};
 use arcline_profile::KinematicState;
 
 use super::Present;
@@ -18,7 +18,7 @@ use crate::dynamics::PathLimits;
 /// What a coordinate system does on a way.
 struct MovedPath<'a> {
     path: &'a Path,
-    turn: Option<&'a Turn>,
+    rotation: Option<&'a Rotation>,
     /// Rx, Ry, Rz where it begins, degrees.
     heading: Vector,
 }
@@ -38,7 +38,7 @@ impl PathLimits {
 }
 
 impl Present<'_> {
-    /// Whether every robot that a coordinate system leads can follow its path, and how fast. `turn`: of the system's orientation on
+    /// Whether every robot that a coordinate system leads can follow its path, and how fast. `rotation`: that of the system's orientation on
     /// the path; without one it stays as it is. `heading`: Rx, Ry, Rz at its start, degrees.
     ///
     /// # Errors
@@ -47,11 +47,15 @@ impl Present<'_> {
         &self,
         system: SystemId,
         path: &Path,
-        turn: Option<&Turn>,
+        rotation: Option<&Rotation>,
         heading: Vector,
     ) -> Result<PathLimits, MotionError> {
         let mut limits = PathLimits::UNLIMITED;
-        let moved = MovedPath { path, turn, heading };
+        let moved = MovedPath {
+            path,
+            rotation,
+            heading,
+        };
         for transform in self.robots_led_by(system) {
             self.verify_moved_path(system, transform, &moved, &mut limits)?;
         }
@@ -126,18 +130,18 @@ impl Present<'_> {
         let length = moved.path.length();
         let at = moved.path.at(share * length);
         let linear = [at.position, at.tangent, at.curvature];
-        let turned = moved.turn.map(|turn| {
-            let turned = turn.at(share).in_time(length.recip(), 0.0);
-            *near = angles(&turned.rotation, near);
-            let [rate, change] = angle_rates(near, &turned.rate, &turned.change);
+        let rotation_state = moved.rotation.map(|rotation| {
+            let rotation_state = rotation.at(share).in_time(length.recip(), 0.0);
+            *near = angles(&rotation_state.orientation, near);
+            let [rate, change] = angle_rates(near, &rotation_state.rate, &rotation_state.change);
             [*near, rate, change]
         });
         self.when(transform, &|axis| {
             let among = |axes: &[AxisId]| axes.iter().position(|own| *own == axis);
             let moved = among(description.linear()).map(|index| (index, linear));
-            let turned = || among(description.oriented()).zip(turned);
+            let rotation_state = || among(description.oriented()).zip(rotation_state);
             moved
-                .or_else(turned)
+                .or_else(rotation_state)
                 .map_or_else(KinematicState::default, |(index, of)| KinematicState {
                     position: of[0][index] - self.axes[axis].command.position,
                     velocity: of[1][index],
@@ -179,14 +183,14 @@ impl Present<'_> {
                 }
                 self.verify_joints(transform, &there, limits)?;
                 for index in 0..transform.target.len() {
-                    let way = Between {
+                    let span = Between {
                         index,
                         ends: [here, next],
                         joints: [&joints, &there],
                     };
-                    if extremes > 0 && way.turns_round(length) {
+                    if extremes > 0 && span.turns_round(length) {
                         extremes -= 1;
-                        self.verify_extreme(transform, &robot, &way, &mut source, limits)?;
+                        self.verify_extreme(transform, &robot, &span, &mut source, limits)?;
                     }
                 }
                 robot.follow_joints(&there);
@@ -204,17 +208,17 @@ impl Present<'_> {
         &self,
         transform: &Transform,
         robot: &RobotMap,
-        way: &Between<'_>,
+        span: &Between<'_>,
         source: &mut impl FnMut(f64) -> Side,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
-        let [mut low, mut high] = way.ends;
-        let rises = way.joints[0][way.index].velocity > 0.0;
+        let [mut low, mut high] = span.ends;
+        let rises = span.joints[0][span.index].velocity > 0.0;
         for _ in 0..HALVES {
             let middle = 0.5 * (low + high);
             let joints = robot.target_of(&source(middle))?;
             self.verify_joints(transform, &joints, limits)?;
-            if (joints[way.index].velocity > 0.0) == rises {
+            if (joints[span.index].velocity > 0.0) == rises {
                 low = middle;
             } else {
                 high = middle;
@@ -248,18 +252,18 @@ impl Between<'_> {
     /// Whether it goes one way at the beginning and the other way at the end.
     fn turns_round(&self, length: f64) -> bool {
         let [before, after] = self.joints.map(|joints| joints[self.index].velocity);
-        let way = (self.ends[1] - self.ends[0]) * length;
-        before * after < 0.0 && before.abs().max(after.abs()) * way > ROUNDING
+        let reached = (self.ends[1] - self.ends[0]) * length;
+        before * after < 0.0 && before.abs().max(after.abs()) * reached > ROUNDING
     }
 }
 
-/// Whether a joint that turns does so by more than a step should, or might between its ends. `way`: of the path.
-fn turns_far(robot: &RobotMap, before: &Side, after: &Side, way: f64) -> bool {
+/// Whether a joint that turns does so by more than a step should, or might between its ends. `length`: of the step, path units.
+fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool {
     let mut joints = before.iter().zip(after).enumerate();
     joints.any(|(index, (before, after))| {
         let gone = after.position - before.position;
         // Of the cubic through both, in the middle: how far from where the straight way between the velocities would be.
-        let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * way);
+        let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * length);
         robot.turns(index) && (gone.abs() > FAR || bent.abs() > FAR)
     })
 }

@@ -60,7 +60,7 @@ pub(crate) struct WristMap {
     pub(crate) ids: [i32; 2],
     configuration: Configuration,
     /// Rx, Ry, Rz of the other side, to follow them through the ends of their ranges.
-    turned: [f64; 3],
+    angles: [f64; 3],
 }
 
 impl WristMap {
@@ -98,17 +98,17 @@ impl RobotMap {
             tool: Pose::new(frames.tool.coordinates),
             ids: [frames.work.id, frames.tool.id],
             configuration: Configuration::default(),
-            turned: [rx, ry, rz],
+            angles: [rx, ry, rz],
         };
         if let Ok(point) = wrist.point(&joints.map(KinematicState::at_rest)) {
             let angles = |coordinates: [KinematicState; 6]| {
                 let [.., rx, ry, rz] = coordinates.map(|at| at.position);
                 [rx, ry, rz]
             };
-            let near = angles(point.coordinates_near(wrist.turned));
-            let apart = near.iter().zip(wrist.turned).map(|(near, now)| (near - now).abs());
+            let near = angles(point.coordinates_near(wrist.angles));
+            let apart = near.iter().zip(wrist.angles).map(|(near, now)| (near - now).abs());
             if apart.fold(0.0, f64::max) > CONSISTENT {
-                wrist.turned = angles(point.coordinates());
+                wrist.angles = angles(point.coordinates());
             }
         }
         RobotMap::standing(Mechanism::Wrist(wrist), Joints::Target, joints)
@@ -144,7 +144,7 @@ impl RobotMap {
     pub(super) fn follow_turn(&mut self, source: &Side) {
         if let Mechanism::Wrist(wrist) = &mut self.mechanism {
             let [.., rx, ry, rz] = positions(source);
-            wrist.turned = [rx, ry, rz];
+            wrist.angles = [rx, ry, rz];
         }
     }
 
@@ -194,7 +194,7 @@ impl RobotMap {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
                 let point = wrist.point(target).map_err(refused)?;
-                Ok(point.coordinates_near(wrist.turned))
+                Ok(point.coordinates_near(wrist.angles))
             }
             (Mechanism::Arm { frame, robot, .. }, Joints::Target) => {
                 let tool = tool(robot, target)?;

@@ -26,12 +26,12 @@ impl<T: Copy> ContourQueue<T> {
     pub fn stopping(
         &self,
         limits: &Limits,
-        way: Option<&crate::MasterRate>,
+        rate: Option<&crate::MasterRate>,
         clock: &Clock,
         time: &Clock,
     ) -> Option<ContourStopping> {
         let run = self.run.as_ref()?;
-        Some(ContourStopping(run.stopping(limits, way, clock, time)))
+        Some(ContourStopping(run.stopping(limits, rate, clock, time)))
     }
 
     /// Where the coordinate system would be at an instant of a stop. Real-time.
@@ -52,9 +52,9 @@ impl<T: Copy> ContourQueue<T> {
 }
 
 impl Run {
-    fn stopping(&self, limits: &Limits, way: Option<&crate::MasterRate>, clock: &Clock, time: &Clock) -> Pace {
+    fn stopping(&self, limits: &Limits, rate: Option<&crate::MasterRate>, clock: &Clock, time: &Clock) -> Pace {
         let now: KinematicState = self.pace.at(clock);
-        let now = way.map_or(now, |way| way.in_time(now));
+        let now = rate.map_or(now, |rate| rate.in_time(now));
         let speed = self
             .trajectory
             .at(now.position)

@@ -1,6 +1,6 @@
 //! Stops on the path, and what they would do before they are needed.
 
-use arcline_geometry::{Path, Turn};
+use arcline_geometry::{Path, Rotation};
 use arcline_profile::Limits;
 
 use super::Travel;
@@ -77,7 +77,7 @@ impl<T: Copy> Travel<T> {
     }
 
     /// The path and the turn of the move that the active one blends with.
-    pub fn tail(&self) -> Option<(&Path, Option<&Turn>)> {
+    pub fn tail(&self) -> Option<(&Path, Option<&Rotation>)> {
         self.planner.tail()
     }
 

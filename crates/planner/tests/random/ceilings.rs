@@ -22,7 +22,7 @@ fn limits(speed: f64, jerk: f64) -> Limits {
 fn straight(limits: Limits) -> Move<()> {
     Move {
         path: Path::line(Point::zeros(), Point::new(1000.0, 0.0, 0.0)),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits,
         ending: Ending::Stop,

@@ -55,7 +55,7 @@ fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
             let last = data + 1 == count;
             Move {
                 path,
-                turn: None,
+                rotation: None,
                 corner: f64::INFINITY,
                 limits: rates,
                 ending: if last || random.share() < 0.05 {

@@ -45,14 +45,14 @@ fn initial(random: &mut Random, axes: &AxisLimits, kind: u64) -> InitialMotion {
 
 fn path(random: &mut Random, initial: &InitialMotion) -> Path {
     let from = Point::new(3.0, -4.0, 0.5);
-    let way = Point::new(random.between(-60.0, 60.0), random.between(-60.0, 60.0), 0.0);
+    let chord = Point::new(random.between(-60.0, 60.0), random.between(-60.0, 60.0), 0.0);
     match (random.share() * 5.0) as u32 {
         // Straight on: the velocity is kept.
         0 => Path::line(from, from + initial.velocity),
-        1 => Path::line(from, from + way * 0.02),
+        1 => Path::line(from, from + chord * 0.02),
         2 => {
-            let side = Point::new(-way[1], way[0], 0.0);
-            let center = from + way * 0.5 + side * random.between(0.1, 0.6);
+            let side = Point::new(-chord[1], chord[0], 0.0);
+            let center = from + chord * 0.5 + side * random.between(0.1, 0.6);
             let normal = Point::new(0.0, 0.0, 1.0);
             let angle = random.between(0.5, 5.0);
             let (sin, cos) = libm::sincos(angle);
@@ -63,7 +63,7 @@ fn path(random: &mut Random, initial: &InitialMotion) -> Path {
             Path::Arc(arc.expect("the points are on a circle"))
         }
         3 => Path::line(from, from),
-        _ => Path::line(from, from + way),
+        _ => Path::line(from, from + chord),
     }
 }
 
@@ -101,7 +101,7 @@ fn travel(seed: u64) {
     };
     let motion = Move {
         path: path(&mut random, &initial),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits,
         ending: Ending::Stop,

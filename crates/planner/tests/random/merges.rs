@@ -126,7 +126,7 @@ fn travel(seed: u64) {
     let (initial, stop) = initial(&mut random, &old);
     let motion = Move {
         path: path(&mut random, Point::new(3.0, -4.0, 0.0), initial.velocity.normalize()),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits: new,
         ending: Ending::Stop,
@@ -255,7 +255,7 @@ fn change_again(seed: u64) {
     }
     let motion = Move {
         path: path(&mut random, Point::new(3.0, -4.0, 0.0), initial.velocity.normalize()),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits: new,
         ending: Ending::Stop,
@@ -322,7 +322,7 @@ fn a_pause_takes_an_acceleration_away_in_time() {
     };
     let motion = Move {
         path: Path::line(Point::zeros(), Point::new(120.0, 0.0, 0.0)),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits: limits(60.0, 30.0, [32_000.0, 300.0]),
         ending: Ending::Stop,
@@ -373,7 +373,7 @@ fn a_merge_onto_gentler_limits_stops_as_the_old_ones_would() {
     };
     let motion = Move {
         path: Path::line(Point::zeros(), Point::new(0.0, 50.0, 0.0)),
-        turn: None,
+        rotation: None,
         corner: f64::INFINITY,
         limits: new,
         ending: Ending::Stop,

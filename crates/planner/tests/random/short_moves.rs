@@ -113,7 +113,7 @@ fn program(random: &mut Random) -> Program {
             from = path.end();
             Move {
                 path,
-                turn: None,
+                rotation: None,
                 corner: f64::INFINITY,
                 limits: if same { common } else { limits(random, s_curve) },
                 ending: if data + 1 == count {

@@ -49,7 +49,7 @@ fn queue(random: &mut Random) -> Vec<Move<usize>> {
             from = to;
             Move {
                 path,
-                turn: None,
+                rotation: None,
                 corner: f64::INFINITY,
                 limits: limits(random),
                 ending: random.of(&ENDINGS),

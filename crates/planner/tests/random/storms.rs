@@ -193,7 +193,7 @@ impl<'k> Storm<'k> {
                 };
                 Move {
                     path,
-                    turn: None,
+                    rotation: None,
                     corner: f64::INFINITY,
                     limits,
                     ending: random.of(kind.endings),

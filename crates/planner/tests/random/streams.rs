@@ -76,7 +76,7 @@ fn legs(kind: &Kind, random: &mut Random, count: usize, s_curve: bool) -> Vec<Mo
             from = to;
             Move {
                 path,
-                turn: None,
+                rotation: None,
                 corner: f64::INFINITY,
                 limits: rates,
                 ending: if data + 1 == count {

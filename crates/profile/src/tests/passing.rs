@@ -17,7 +17,7 @@ const SIMPLE: Limits = Limits { jerk: None, ..SMOOTH };
 fn places_ahead_are_passed_at_the_nearest_speed() {
     #[rustfmt::skip]
     let cases = [
-        // why,                                  v,   a,    way, wanted, limits,  speed, level
+        // why,                                  v,   a,    distance, wanted, limits,  speed, level
         ("as wanted",                            8.0, 0.0,  10.0, 8.0, &SIMPLE, 8.0, true),
         ("braked to what is wanted",             8.0, 0.0,   8.0, 0.0, &SIMPLE, 0.0, true),
         ("braked as far as it goes",             5.0, 0.0,   2.0, 1.0, &SIMPLE, 3.0, true),
@@ -27,13 +27,13 @@ fn places_ahead_are_passed_at_the_nearest_speed() {
         ("no way at all",                        8.0, 0.0,   0.0, 2.0, &SMOOTH, 8.0, true),
         ("what is no number counts as 0",   f64::NAN, 0.0,   1.0, 0.0, &SMOOTH, 0.0, true),
     ];
-    for (why, velocity, acceleration, way, wanted, limits, speed, level) in cases {
+    for (why, velocity, acceleration, distance, wanted, limits, speed, level) in cases {
         let from = KinematicState {
             position: 3.0,
             velocity,
             acceleration,
         };
-        let passing = passing_speed(from, way, wanted, limits);
+        let passing = passing_speed(from, distance, wanted, limits);
         assert!((passing.speed - speed).abs() <= 1e-9, "{why}: {passing:?}");
         assert_eq!(passing.level, level, "{why}: {passing:?}");
     }
@@ -55,13 +55,13 @@ fn what_is_told_can_be_planned_and_nothing_nearer_can() {
         }
         let wanted = random.unit() * limits.speed;
         let stop = Profile::stop(from, &limits).end().position;
-        let way = 1.5 * random.unit() * stop.abs().max(1e-6);
-        let told = format!("case {case}: {from:?} over {way}, {wanted} wanted, {limits:?}");
-        let passing = passing_speed(from, way, wanted, &limits);
+        let distance = 1.5 * random.unit() * stop.abs().max(1e-6);
+        let told = format!("case {case}: {from:?} over {distance}, {wanted} wanted, {limits:?}");
+        let passing = passing_speed(from, distance, wanted, &limits);
         let displacement = |speed: f64| Profile::to_velocity(from, speed, &limits).end().position;
-        let fits = |speed: f64| displacement(speed) <= way * (1.0 + 1e-9);
+        let fits = |speed: f64| displacement(speed) <= distance * (1.0 + 1e-9);
         assert_eq!(passing.level, fits(passing.speed), "{told}: {passing:?}");
-        if stop <= way && stop >= 0.0 {
+        if stop <= distance && stop >= 0.0 {
             assert!(passing.level, "who can stop can pass: {told}: {passing:?}");
         }
         if !passing.level {
@@ -71,7 +71,7 @@ fn what_is_told_can_be_planned_and_nothing_nearer_can() {
         let nearer = passing.speed + 1e-3 * (wanted - passing.speed);
         if (passing.speed - wanted).abs() > 1e-6 * limits.speed {
             assert!(
-                displacement(nearer) >= way * (1.0 - 1e-9),
+                displacement(nearer) >= distance * (1.0 - 1e-9),
                 "{told}: {passing:?} and {nearer}"
             );
         }
@@ -79,8 +79,8 @@ fn what_is_told_can_be_planned_and_nothing_nearer_can() {
             speed: limits.speed.max(passing.speed),
             ..limits
         };
-        let end = Profile::to_position(from, way, passing.speed, &fast).end();
-        assert!((end.position - way).abs() <= 1e-9 * way, "{told}: {end:?}");
+        let end = Profile::to_position(from, distance, passing.speed, &fast).end();
+        assert!((end.position - distance).abs() <= 1e-9 * distance, "{told}: {end:?}");
         assert!(
             (end.velocity - passing.speed).abs() <= 1e-3 * limits.speed,
             "{told}: {passing:?} {end:?}"

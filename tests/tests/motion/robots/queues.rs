@@ -1,7 +1,7 @@
 //! The orientation handed from one move to the next: queues, blends, merges and stops of moves that turn and moves that keep it
 //! (spec/coordinated-instructions.md §6.3, §23.3).
 
-use arcline_geometry::{Point, nearest, turn_rates};
+use arcline_geometry::{Point, angular_rates, nearest};
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::random::Random;
@@ -31,7 +31,7 @@ fn positions(bench: &Bench) -> [f64; 6] {
 /// The rate of the orientation, degrees/s about each axis of the base.
 fn rate(of: &[[f64; 3]; 6]) -> Point {
     let angle = |quantity: usize| Point::new(of[3][quantity], of[4][quantity], of[5][quantity]);
-    let [rate, _] = turn_rates(&angle(0), &angle(1), &angle(2));
+    let [rate, _] = angular_rates(&angle(0), &angle(1), &angle(2));
     rate.map(f64::to_degrees)
 }
 

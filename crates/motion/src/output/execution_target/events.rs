@@ -1,6 +1,6 @@
 //! The events of the elements of output cams within an update, in their order, and what comes of them.
 //!
-//! Not here: when a cam is armed and when it is over ([`super::way`]). Real-time: nothing allocates.
+//! Not here: when a cam is armed and when it is over ([`super::pieces`]). Real-time: nothing allocates.
 
 use arcline_planner::{Clock, Instant};
 
@@ -8,7 +8,7 @@ use super::super::element::{Effect, Happens, State};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
-use super::way::Piece;
+use super::pieces::Piece;
 use super::{ACTIVE, CamState, PENDING, Phase, TAIL, Target};
 
 /// An event within an update.

@@ -1,6 +1,6 @@
 //! Where the axis goes within an update: when a cam is armed, and when it is over.
 //!
-//! Not here: what happens to elements on the way ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
+//! Not here: what happens to elements meanwhile ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
 //! number of pieces.
 
 use arcline_instruction_set::enumerations::ExecutionMode;
@@ -19,7 +19,7 @@ const MOST_CUTS: usize = 4;
 /// What of a cam's position is rounding: a share of its length.
 const ROUNDING: f64 = 1e-12;
 
-/// A way of the axis within an update, or a change of its speed at the beginning of one.
+/// A motion of the axis within an update, or a change of its speed at the beginning of one.
 pub(super) struct Piece {
     pub(super) from: KinematicState,
     pub(super) to: KinematicState,
@@ -43,7 +43,7 @@ impl Piece {
 }
 
 impl Target {
-    /// The axis goes from where it was to where it is now. `ended`: whose cams end on the way.
+    /// The axis goes from where it was to where it is now. `ended`: whose cams end meanwhile.
     pub(super) fn go(
         &mut self,
         to: KinematicState,
@@ -102,9 +102,9 @@ impl Target {
     }
 
     fn walk(&mut self, piece: &Piece, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
-        let way = piece.course(0.0);
-        if way.to != way.from {
-            self.forward = way.to > way.from;
+        let interval = piece.course(0.0);
+        if interval.to != interval.from {
+            self.forward = interval.to > interval.from;
         }
         let mut share = 0.0;
         for _ in 0..MOST_CUTS {
@@ -115,11 +115,11 @@ impl Target {
                     return;
                 }
                 Phase::Waiting(lock) => {
-                    let Some(crossed) = lock.crossed(way.at(share), way.to) else {
+                    let Some(crossed) = lock.crossed(interval.at(share), interval.to) else {
                         self.run(piece, share, 1.0, clock, edges);
                         return;
                     };
-                    let until = way.share_of(crossed).max(share);
+                    let until = interval.share_of(crossed).max(share);
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
@@ -127,7 +127,7 @@ impl Target {
                     self.phase = Phase::Armed;
                 }
                 Phase::Armed => {
-                    let Some((until, position)) = self.exit(&way, share) else {
+                    let Some((until, position)) = self.exit(&interval, share) else {
                         self.run(piece, share, 1.0, clock, edges);
                         return;
                     };
@@ -143,8 +143,8 @@ impl Target {
         }
     }
 
-    /// Where, on its way from a share on, the axis leaves a cam that ends there: the share, and the place.
-    fn exit(&self, way: &Interpolation, share: f64) -> Option<(f64, f64)> {
+    /// Where, from a share of the interval on, the axis leaves a cam that ends there: the share, and the place.
+    fn exit(&self, interval: &Interpolation, share: f64) -> Option<(f64, f64)> {
         let program = self.cams[ACTIVE].program.as_ref()?;
         if program.mode != ExecutionMode::Once && self.cams[PENDING].program.is_none() {
             return None;
@@ -153,16 +153,16 @@ impl Target {
         let rounding = ROUNDING * (program.cam.end - program.cam.start);
         let (start, end) = (zero + program.cam.start, zero + program.cam.end);
         let beyond = |position: f64| position > end + rounding || position < start - rounding;
-        let here = way.at(share);
+        let here = interval.at(share);
         if beyond(here) {
             // A persistent one was left long ago.
             return Some((share, here));
         }
-        if !beyond(way.to) {
+        if !beyond(interval.to) {
             return None;
         }
-        let bound = if way.to > here { end } else { start };
-        Some((way.share_of(bound).max(share), bound))
+        let bound = if interval.to > here { end } else { start };
+        Some((interval.share_of(bound).max(share), bound))
     }
 
     /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.

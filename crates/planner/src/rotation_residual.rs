@@ -1,11 +1,11 @@
-//! What is left of a turn when a move that keeps the orientation is merged: it ramps out about its present axis beside the path
+//! The residual of a rotation when a move that keeps the orientation is merged: it ramps out about its present axis beside the path
 //! (spec/coordinated-instructions.md §6.3).
 //!
 //! As with a [`crate::move_trajectory::Residual`] of positions the acceleration across the rate ramps out about an axis of its own. What has
 //! ramped out does not come back: the move has no orientation to end with, and keeps the one in which the tool comes to rest.
 //! Bounded; nothing allocates. Radians, seconds.
 
-use arcline_geometry::{Path, Point, Spin, Turn, Turned};
+use arcline_geometry::{Path, Point, Rotation, RotationState, Spin};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
@@ -15,7 +15,7 @@ use crate::{Clock, Instant, MasterRate, ROUNDING};
 
 /// How an orientation turns at an instant.
 #[derive(Clone, Copy, Debug)]
-pub struct Turning {
+pub struct AngularState {
     /// Fixed angles, degrees.
     pub angles: Point,
     /// Its rate, radians/s.
@@ -26,19 +26,19 @@ pub struct Turning {
     pub limits: Limits,
 }
 
-/// A turn that ramps out.
+/// A rotation that ramps out.
 #[derive(Clone, Copy, Debug)]
-pub struct TurnResidual {
+pub struct RotationResidual {
     spin: Spin,
     /// Radians along the rate, and across it.
     profiles: [Profile; 2],
     limits: Limits,
 }
 
-impl Turning {
+impl AngularState {
     /// By the displacement of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
     #[must_use]
-    pub fn by_displacement(&self, rate: &MasterRate, nominal: f64) -> Turning {
+    pub fn by_displacement(&self, rate: &MasterRate, nominal: f64) -> AngularState {
         let mut own = *self;
         for place in 0..own.rate.len() {
             let state = rate.by_displacement(KinematicState {
@@ -58,7 +58,7 @@ impl Turning {
 
     /// How it comes to rest; `None` where it is.
     #[must_use]
-    pub fn ramped_out(&self) -> Option<TurnResidual> {
+    pub fn ramped_out(&self) -> Option<RotationResidual> {
         let turns = self.rate != Point::zeros() || self.kept_change() != Point::zeros();
         turns.then(|| self.ramp())
     }
@@ -71,7 +71,7 @@ impl Turning {
         }
     }
 
-    fn ramp(&self) -> TurnResidual {
+    fn ramp(&self) -> RotationResidual {
         let (speed, change) = (self.rate.norm(), self.kept_change());
         let along = self.rate.try_normalize(0.0).unwrap_or_default();
         let across = change - along * along.dot(&change);
@@ -91,11 +91,11 @@ impl Turning {
         let duration = longest(&profiles);
         let axes = [along, across.try_normalize(0.0).unwrap_or_default()];
         let spin = Spin::new(&self.angles, axes, |share| angles(&profiles, share * duration));
-        TurnResidual { spin, profiles, limits }
+        RotationResidual { spin, profiles, limits }
     }
 }
 
-impl TurnResidual {
+impl RotationResidual {
     /// Rx, Ry, Rz where it comes to rest, degrees.
     #[must_use]
     pub fn end(&self) -> Point {
@@ -103,18 +103,18 @@ impl TurnResidual {
     }
 }
 
-/// A turn that ramps out from an instant on.
+/// A rotation that ramps out from an instant on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RampingOut {
-    residual: TurnResidual,
+    residual: RotationResidual,
     start: Instant,
     /// The orientation that moves begin with: where it was to end when it began.
-    end: Turned,
+    end: RotationState,
 }
 
 impl RampingOut {
     /// The orientation while `own`, which begins where this was to end, turns too.
-    pub(crate) fn beside(&self, own: Option<Turned>, clock: &Clock) -> Turned {
+    pub(crate) fn beside(&self, own: Option<RotationState>, clock: &Clock) -> RotationState {
         let elapsed = self.start.elapsed(clock);
         let rest = if elapsed >= longest(&self.residual.profiles) {
             self.residual.spin.ended()
@@ -136,11 +136,11 @@ impl RampingOut {
 
     /// From the instant that both clocks show it is no function of a master's displacement any more but of time.
     fn in_time(&self, parameter: &Parameter, rate: &MasterRate, clock: &Clock, time: &Clock) -> RampingOut {
-        let turned = self.beside(None, clock).in_time(rate.speed, rate.acceleration);
-        let turning = Turning {
-            angles: turned.angles(),
-            rate: turned.rate,
-            change: turned.change,
+        let rotation_state = self.beside(None, clock).in_time(rate.speed, rate.acceleration);
+        let turning = AngularState {
+            angles: rotation_state.angles(),
+            rate: rotation_state.rate,
+            change: rotation_state.change,
             limits: parameter.in_time(&self.residual.limits),
         };
         RampingOut {
@@ -152,8 +152,8 @@ impl RampingOut {
 }
 
 impl<T: Copy> Planner<T> {
-    /// The move that was just merged keeps the orientation in which a turn comes to rest.
-    pub fn ramp_out(&mut self, residual: Option<TurnResidual>, clock: &Clock) {
+    /// The move that was just merged keeps the orientation in which a rotation comes to rest.
+    pub fn ramp_out(&mut self, residual: Option<RotationResidual>, clock: &Clock) {
         self.ramping_out = residual.map(|residual| RampingOut {
             residual,
             start: clock.now(),
@@ -181,9 +181,9 @@ impl<T: Copy> Planner<T> {
         })
     }
 
-    /// The path and the turn of the move that the active one blends with.
-    pub fn tail(&self) -> Option<(&Path, Option<&Turn>)> {
-        self.tail.as_ref().map(|tail| (&tail.path, tail.turn.as_ref()))
+    /// The path and the rotation of the move that the active one blends with.
+    pub fn tail(&self) -> Option<(&Path, Option<&Rotation>)> {
+        self.tail.as_ref().map(|tail| (&tail.path, tail.rotation.as_ref()))
     }
 
     /// What the active move blends with brakes with limits of its own; everything has just been stopped.
@@ -200,7 +200,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// What of a turn still ramps out, as a function of time.
+    /// What of a rotation still ramps out, as a function of time.
     pub(crate) fn ramping_out_in_time(&self, rate: &MasterRate, clock: &Clock, time: &Clock) -> Option<RampingOut> {
         let out = self.ramping_out.filter(|out| !out.is_over_at(&clock.now(), clock))?;
         let parameter = &self.active.as_ref()?.motion.parameter;
@@ -209,12 +209,12 @@ impl<T: Copy> Planner<T> {
 }
 
 impl<T> Running<T> {
-    /// The limits of its turn, radians and seconds.
+    /// The limits of its rotation, radians and seconds.
     pub(crate) fn turn_limits(&self) -> Option<Limits> {
-        let turn = self.motion.turn.filter(|turn| !turn.keeps())?;
+        let rotation = self.motion.rotation.filter(|rotation| !rotation.keeps())?;
         let length = self.motion.path.length();
         let ratio = if length > 0.0 {
-            turn.angle().to_radians() / length
+            rotation.angle().to_radians() / length
         } else {
             0.0
         };

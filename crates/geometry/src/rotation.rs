@@ -1,7 +1,7 @@
-//! Orientation along a way: fixed X-Y-Z angles as a rotation and back, and the turn from one orientation to another.
+//! Orientation along a path: fixed X-Y-Z angles as a rotation and back, and the rotation from one orientation to another.
 //!
-//! A turn goes about one fixed axis; whole turns about X3 can go on beside it, so that a joint that counts them comes to the
-//! count it is to have (spec/coordinated-instructions.md §23.3). How much is turned per share of the way is the same everywhere.
+//! A rotation goes about one fixed axis; whole turns about X3 can go on beside it, so that a joint that counts them comes to the
+//! count it is to have (spec/coordinated-instructions.md §23.3). The angle per share of the path is the same everywhere.
 //! Not here: positions, speeds. Angles are degrees, rates radians.
 
 use nalgebra::Matrix3;
@@ -87,7 +87,7 @@ pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
 /// The reverse of [`angle_rates`]: what the rates of fixed X-Y-Z angles and their changes, in degrees, are about axes: radians per second
 /// and per second².
 #[must_use]
-pub fn turn_rates(angles: &Point, velocity: &Point, acceleration: &Point) -> [Point; 2] {
+pub fn angular_rates(angles: &Point, velocity: &Point, acceleration: &Point) -> [Point; 2] {
     let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
     let [v, a] = [velocity, acceleration].map(|of| of.map(f64::to_radians));
     // What the first angle does lies along its axis in the plane of X3 and X1, the second lies across that.
@@ -103,9 +103,9 @@ pub fn turn_rates(angles: &Point, velocity: &Point, acceleration: &Point) -> [Po
     [rate, change]
 }
 
-/// The way from one orientation to another.
+/// A rotation from one orientation to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct Rotation {
     from: Matrix3<f64>,
     to: Matrix3<f64>,
     /// The fixed axis.
@@ -120,26 +120,26 @@ pub struct Turn {
     keeps: bool,
 }
 
-/// An orientation on the way, and how it changes with the share of the way that is gone.
+/// An orientation on the path, and its derivatives by the share of the path or by time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turned {
+pub struct RotationState {
     /// The orientation.
-    pub rotation: Matrix3<f64>,
-    /// About which axis it turns and how far, radians by what it is a function of: a share of the way, or seconds.
+    pub orientation: Matrix3<f64>,
+    /// About which axis it turns and how far, radians by what it is a function of: a share of the path, or seconds.
     pub rate: Point,
     /// How that changes, radians by the square of it.
     pub change: Point,
-    /// Fixed angles, degrees, that say in which turns those of the orientation are: at the ends of the way they are these.
+    /// Fixed angles, degrees, that say in which turns those of the orientation are: at the ends of the path they are these.
     pub near: Point,
 }
 
-impl Turn {
+impl Rotation {
     /// By the shortest way, with `turns` whole turns about X3 beside it. Of two opposite ways of half a turn the one about the
     /// positive axis, X3 before X2 before X1.
     #[must_use]
-    pub fn new(from: &Matrix3<f64>, to: &Matrix3<f64>, turns: f64) -> Turn {
+    pub fn new(from: &Matrix3<f64>, to: &Matrix3<f64>, turns: f64) -> Rotation {
         let (axis, angle) = axis_angle(&(to * from.transpose()));
-        Turn {
+        Rotation {
             from: *from,
             to: *to,
             axis,
@@ -152,17 +152,17 @@ impl Turn {
 
     /// The same with the fixed angles of its ends, degrees, each in the turn that it is to be shown in.
     #[must_use]
-    pub fn showing(self, shown: [Point; 2]) -> Turn {
-        Turn { shown, ..self }
+    pub fn showing(self, shown: [Point; 2]) -> Rotation {
+        Rotation { shown, ..self }
     }
 
-    /// The turn of a move that keeps an orientation.
+    /// The rotation of a move that keeps an orientation.
     #[must_use]
-    pub fn keeping(angles: &Point) -> Turn {
+    pub fn keeping(angles: &Point) -> Rotation {
         let at = rotation(angles);
-        Turn {
+        Rotation {
             keeps: true,
-            ..Turn::new(&at, &at, 0.0).showing([*angles; 2])
+            ..Rotation::new(&at, &at, 0.0).showing([*angles; 2])
         }
     }
 
@@ -174,8 +174,8 @@ impl Turn {
 
     /// Where it ends, at rest.
     #[must_use]
-    pub fn ended(&self) -> Turned {
-        Turned::standing(self.to, self.shown[1])
+    pub fn ended(&self) -> RotationState {
+        RotationState::standing(self.to, self.shown[1])
     }
 
     /// The orientation at the end.
@@ -184,7 +184,7 @@ impl Turn {
         &self.to
     }
 
-    /// How far it turns altogether, degrees. Turning about both axes goes on at one rate: their fixed angle stays, as X3 stays
+    /// How far it turns altogether, degrees. Rotation about both axes goes on at one rate: their fixed angle stays, as X3 stays
     /// where it is.
     #[must_use]
     pub fn angle(&self) -> f64 {
@@ -193,7 +193,7 @@ impl Turn {
 
     /// The orientation at a share of the way; both ends, 0 and 1, bit for bit. A way that is overshot goes on turning. Real-time.
     #[must_use]
-    pub fn at(&self, share: f64) -> Turned {
+    pub fn at(&self, share: f64) -> RotationState {
         if self.keeps {
             return self.ended();
         }
@@ -208,11 +208,11 @@ impl Turn {
             spun * about(&self.axis, self.angle * share) * self.from
         };
         let spin = Point::z() * self.spin;
-        Turned {
-            rotation,
+        RotationState {
+            orientation: rotation,
             rate: spin + axis * self.angle,
             change: spin.cross(&axis) * self.angle,
-            // Between the ends the angles of a turn of at most half a turn are nearer to these than half a turn.
+            // Between the ends the angles of a rotation of at most half a turn are nearer to these than half a turn.
             near: if share == 1.0 {
                 last
             } else {
@@ -222,12 +222,12 @@ impl Turn {
     }
 }
 
-impl Turned {
+impl RotationState {
     /// At rest.
     #[must_use]
-    pub fn standing(rotation: Matrix3<f64>, near: Point) -> Turned {
-        Turned {
-            rotation,
+    pub fn standing(rotation: Matrix3<f64>, near: Point) -> RotationState {
+        RotationState {
+            orientation: rotation,
             rate: Point::zeros(),
             change: Point::zeros(),
             near,
@@ -237,7 +237,7 @@ impl Turned {
     /// The fixed angles, degrees; at rest where it was to be, these to the last bit. Real-time.
     #[must_use]
     pub fn angles(&self) -> Point {
-        let shown = angles(&self.rotation, &self.near);
+        let shown = angles(&self.orientation, &self.near);
         let stands = self.rate == Point::zeros() && self.change == Point::zeros();
         if stands && (shown - self.near).abs().max() <= SAME_ANGLES {
             self.near
@@ -248,21 +248,21 @@ impl Turned {
 
     /// By time, where the share of the way has a speed and an acceleration.
     #[must_use]
-    pub fn in_time(self, speed: f64, acceleration: f64) -> Turned {
-        Turned {
+    pub fn in_time(self, speed: f64, acceleration: f64) -> RotationState {
+        RotationState {
             rate: self.rate * speed,
             change: self.rate * acceleration + self.change * (speed * speed),
             ..self
         }
     }
 
-    /// This, on what is left of another turn that ends where this one began: as both go on at once.
+    /// This, on what is left of another rotation that ends where this one began: as both go on at once.
     #[must_use]
-    pub fn after(self, other: &Turned, other_end: &Turned) -> Turned {
-        let own = self.rotation * other_end.rotation.transpose();
+    pub fn after(self, other: &RotationState, other_end: &RotationState) -> RotationState {
+        let own = self.orientation * other_end.orientation.transpose();
         let carried = own * other.rate;
-        Turned {
-            rotation: own * other.rotation,
+        RotationState {
+            orientation: own * other.orientation,
             rate: self.rate + carried,
             change: self.change + own * other.change + self.rate.cross(&carried),
             near: self.near + other.near - other_end.near,
@@ -316,7 +316,7 @@ fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
 
 /// Below this cosine of the second angle the other two cannot be told apart.
 const UPRIGHT: f64 = 1e-9;
-/// Below this ratio of the parts of a quaternion there is no turn but rounding.
+/// Below this ratio of the parts of a quaternion there is no rotation but rounding.
 const NO_TURN: f64 = 1e-15;
 /// Below this ratio of them it is half a turn, but for rounding of the angles.
 const HALF_TURN: f64 = 1e-9;
@@ -339,25 +339,33 @@ mod tests {
         let cases = [
             // why,                          from,                to,                    turns, whole, the middle
             ("a tool that points down",      [180.0, 0.0, 0.0],   [180.0, 0.0, 90.0],    0.0,   90.0,  [180.0, 0.0, 45.0]),
-            ("half a turn goes forwards",    [180.0, 0.0, 0.0],   [180.0, 0.0, 180.0],   0.0,   180.0, [180.0, 0.0, 90.0]),
+            ("half a rotation goes forwards",    [180.0, 0.0, 0.0],   [180.0, 0.0, 180.0],   0.0,   180.0, [180.0, 0.0, 90.0]),
             ("over the edge of the range",   [0.0, 0.0, 170.0],   [0.0, 0.0, -170.0],    0.0,   20.0,  [0.0, 0.0, 180.0]),
-            ("a turn more",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    1.0,   405.0, [180.0, 0.0, 202.5]),
-            ("a turn back",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    -1.0,  315.0, [180.0, 0.0, -157.5]),
-            ("a turn with no other",         [10.0, 20.0, 30.0],  [10.0, 20.0, 30.0],    1.0,   360.0, [10.0, 20.0, 210.0]),
+            ("a rotation more",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    1.0,   405.0, [180.0, 0.0, 202.5]),
+            ("a rotation back",                  [180.0, 0.0, 0.0],   [180.0, 0.0, 45.0],    -1.0,  315.0, [180.0, 0.0, -157.5]),
+            ("a rotation with no other",         [10.0, 20.0, 30.0],  [10.0, 20.0, 30.0],    1.0,   360.0, [10.0, 20.0, 210.0]),
             ("none",                         [10.0, 20.0, 30.0],  [10.0, 20.0, 30.0],    0.0,   0.0,   [10.0, 20.0, 30.0]),
             ("through the mirror",           [180.0, 80.0, 0.0],  [0.0, 80.0, 180.0],    0.0,   20.0,  [180.0, 90.0, 0.0]),
             ("about X1",                     [0.0, 0.0, 0.0],     [90.0, 0.0, 0.0],      0.0,   90.0,  [45.0, 0.0, 0.0]),
         ];
         for (why, from, to, turns, whole, middle) in cases {
             let [from, to, middle] = [from, to, middle].map(|angles| rotation(&Point::from(angles)));
-            let turn = Turn::new(&from, &to, turns);
-            assert!((turn.angle() - whole).abs() < 1e-12, "{why}: {} degrees", turn.angle());
+            let rotation = Rotation::new(&from, &to, turns);
             assert!(
-                distance(&turn.at(0.5).rotation, &middle) < 1e-12,
-                "{why}: {}",
-                turn.at(0.5).rotation
+                (rotation.angle() - whole).abs() < 1e-12,
+                "{why}: {} degrees",
+                rotation.angle()
             );
-            assert_eq!((turn.at(0.0).rotation, turn.at(1.0).rotation), (from, to), "{why}");
+            assert!(
+                distance(&rotation.at(0.5).orientation, &middle) < 1e-12,
+                "{why}: {}",
+                rotation.at(0.5).orientation
+            );
+            assert_eq!(
+                (rotation.at(0.0).orientation, rotation.at(1.0).orientation),
+                (from, to),
+                "{why}"
+            );
         }
     }
 
@@ -400,28 +408,28 @@ mod tests {
         #[test]
         fn a_turn_ends_where_it_is_to_and_is_even(from in orientation(), to in orientation(), turns in -2i32..=2) {
             let [from, to] = [from, to].map(|angles| rotation(&angles));
-            let turn = Turn::new(&from, &to, turns.into());
-            prop_assert!(turns != 0 || turn.angle() <= 180.0 + 1e-9);
-            prop_assert!(distance(&turn.at(1.0 - 1e-13).rotation, &to) < 1e-11);
+            let rotation = Rotation::new(&from, &to, turns.into());
+            prop_assert!(turns != 0 || rotation.angle() <= 180.0 + 1e-9);
+            prop_assert!(distance(&rotation.at(1.0 - 1e-13).orientation, &to) < 1e-11);
             for share in [0.0, 0.3, 0.5, 0.9] {
-                let now = turn.at(share);
-                let square = now.rotation * now.rotation.transpose();
+                let now = rotation.at(share);
+                let square = now.orientation * now.orientation.transpose();
                 prop_assert!(distance(&square, &Matrix3::identity()) < 1e-12, "no rotation");
-                prop_assert!((now.rate.norm().to_degrees() - turn.angle()).abs() < 1e-9 * (1.0 + turn.angle()));
+                prop_assert!((now.rate.norm().to_degrees() - rotation.angle()).abs() < 1e-9 * (1.0 + rotation.angle()));
             }
         }
 
         /// What is told of the rates is what differences of the angles show.
         #[test]
         fn rates_are_derivatives(from in orientation(), to in orientation(), turns in -1i32..=1, share in 0.1..0.9f64) {
-            let turn = Turn::new(&rotation(&from), &rotation(&to), turns.into());
+            let rotation = Rotation::new(&rotation(&from), &rotation(&to), turns.into());
             let (speed, acceleration, step) = (0.3, -0.2, 1e-4);
-            let at = |t: f64| turn.at(share + speed * t + 0.5 * acceleration * t * t);
+            let at = |t: f64| rotation.at(share + speed * t + 0.5 * acceleration * t * t);
             let now = at(0.0).in_time(speed, acceleration);
-            let shown = angles(&now.rotation, &Point::zeros());
+            let shown = angles(&now.orientation, &Point::zeros());
             prop_assume!(shown.y.abs() < 70.0);
             let [velocity, change] = angle_rates(&shown, &now.rate, &now.change);
-            let [before, after] = [-step, step].map(|t| angles(&at(t).rotation, &shown));
+            let [before, after] = [-step, step].map(|t| angles(&at(t).orientation, &shown));
             let slope = (after - before) / (2.0 * step);
             let bend = (after - shown * 2.0 + before) / (step * step);
             prop_assert!((slope - velocity).abs().max() < 1e-4 * (1.0 + velocity.abs().max()), "{slope} {velocity}");
@@ -431,23 +439,23 @@ mod tests {
         #[test]
         fn rates_of_angles_and_back(at in orientation(), v in orientation(), a in orientation()) {
             prop_assume!(at.y.abs() < 80.0);
-            let [rate, change] = turn_rates(&at, &v, &a);
+            let [rate, change] = angular_rates(&at, &v, &a);
             let [velocity, acceleration] = angle_rates(&at, &rate, &change);
             prop_assert!((velocity - v).abs().max() < 1e-9 && (acceleration - a).abs().max() < 1e-7, "{velocity} {acceleration}");
         }
 
-        /// The end of one turn and the beginning of the next at once.
+        /// The end of one rotation and the beginning of the next at once.
         #[test]
         fn two_at_once(a in orientation(), b in orientation(), c in orientation(), share in 0.1..0.9f64) {
             let [a, b, c] = [a, b, c].map(|angles| rotation(&angles));
-            let (first, second) = (Turn::new(&a, &b, 0.0), Turn::new(&b, &c, 0.0));
+            let (first, second) = (Rotation::new(&a, &b, 0.0), Rotation::new(&b, &c, 0.0));
             let both = |u: f64, v: f64| second.at(v).after(&first.at(u), &first.ended());
-            prop_assert!(distance(&both(1.0, share).rotation, &second.at(share).rotation) < 1e-12);
-            prop_assert!(distance(&both(share, 0.0).rotation, &first.at(share).rotation) < 1e-12);
+            prop_assert!(distance(&both(1.0, share).orientation, &second.at(share).orientation) < 1e-12);
+            prop_assert!(distance(&both(share, 0.0).orientation, &first.at(share).orientation) < 1e-12);
             let step = 1e-5;
             let now = both(share, share);
-            let [before, after] = [-step, step].map(|t| both(share + t, share + t).rotation);
-            let slope = (after - before) * now.rotation.transpose() / (2.0 * step);
+            let [before, after] = [-step, step].map(|t| both(share + t, share + t).orientation);
+            let slope = (after - before) * now.orientation.transpose() / (2.0 * step);
             prop_assert!(distance(&slope, &now.rate.cross_matrix()) < 1e-5, "{slope} {}", now.rate);
         }
     }
