@@ -1,20 +1,23 @@
 //! The state that the plant's lock guards: tags, rings, and the tickets whose senders wait; and the copies for readers.
 //! It never blocks and knows no tasks.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+mod sending;
+
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
-use arcline_controller::image::{CallRoom, Edge, Image, Staged, TagKind};
+use arcline_controller::image::{Edge, Image, Staged, TagKind};
 use arcline_controller::machine::{DynamicsBits, Machine};
-use arcline_controller::{Command, ContourRests, Input, MAX_COMMANDS_PER_TICK, Series, Ticket};
-use arcline_instruction_set::{
-    AxisId, Call, ControlSlot, FaultSet, Flag, Mnemonic, MotionControl, MotionError, Object, OperandIndex, SystemId,
-};
-use arcline_realtime::{Link, STOPS};
+use arcline_controller::{ContourRests, Ticket};
+use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
+use arcline_realtime::Link;
 use tokio::sync::oneshot;
+
+use self::sending::Later;
+pub(super) use self::sending::OUTSTANDING;
 
 use super::changes::ChangeLog;
 use super::io::View;
@@ -23,7 +26,7 @@ use super::movers::{MotionTickets, Movers};
 use super::moves::LiveMoves;
 use super::owned::Owned;
 use super::principal::Principal;
-use super::records::{Executions, Origin};
+use super::records::Executions;
 use crate::guard::Guard;
 use crate::retained::{ChangeTracker, WhenPersisted};
 use crate::trace::Trace;
@@ -87,63 +90,6 @@ pub(super) struct State {
     pub(super) watch: Option<ChangeTracker>,
     /// Sees what triggers it.
     trace: Trace,
-}
-
-/// Commands that found no room in the ring and are sent as soon as there is some: each at most once, the newest in place of older ones,
-/// so that they are bounded by the machine and its tags. Overrides and injected faults that wait are those that differ from the sent ones.
-#[derive(PartialEq, Debug, Default)]
-struct Later {
-    /// Rung conditions that are false.
-    rungs: BTreeSet<ControlSlot>,
-    /// Writes of tags that the machine reads.
-    inputs: VecDeque<Input>,
-    overrides: bool,
-    injected: bool,
-    dynamics_bits: bool,
-}
-
-impl Later {
-    fn input(&mut self, input: Input) {
-        let same = self.inputs.iter_mut().find(|waiting| is_of_the_same(waiting, &input));
-        match same {
-            Some(waiting) => *waiting = input,
-            None => self.inputs.push_back(input),
-        }
-    }
-}
-
-/// How a command goes to the controller.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Lane {
-    /// Ahead of the others where more of them wait than one tick takes.
-    Stops,
-    /// One after the other.
-    Others,
-}
-
-impl Lane {
-    /// That of an instruction, and of its false rung conditions.
-    fn of(mnemonic: Mnemonic) -> Self {
-        match mnemonic.is_stop() {
-            true => Lane::Stops,
-            false => Lane::Others,
-        }
-    }
-}
-
-/// Whether both inputs are of one axis, registration input or word.
-fn is_of_the_same(one: &Input, other: &Input) -> bool {
-    match (one, other) {
-        (Input::Position { axis: one, .. }, Input::Position { axis: other, .. }) => one == other,
-        (
-            Input::Registration {
-                axis: one, input: on, ..
-            },
-            Input::Registration { axis, input, .. },
-        ) => (one, on) == (axis, input),
-        (Input::Word { tag: one, .. }, Input::Word { tag: other, .. }) => one == other,
-        _ => false,
-    }
 }
 
 /// What sees the changes of a plant.
@@ -392,224 +338,6 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
-    /// A series of the moves that are sent next.
-    pub(super) fn series(&self) -> Series {
-        Series(Ticket(self.next_ticket))
-    }
-
-    /// How many moves can be sent to a coordinate system, as far as the snapshot shows.
-    pub(super) fn queue_room(&mut self, system: SystemId) -> usize {
-        let snapshot = self.link.snapshots.output_buffer();
-        let shown = snapshot
-            .systems
-            .get(system.index())
-            .map_or(0, |system| system.queue_room);
-        let shown = usize::try_from(shown).unwrap_or(usize::MAX);
-        // Of the calls that wait, any may be a move of this system. One is sent all the same: calls of others may always wait.
-        shown.saturating_sub(self.waiting.len()).max(shown.min(1))
-    }
-
-    /// Sends a call; the receiver has its answer when DN, ER or IP is set.
-    pub(super) fn send(
-        &mut self,
-        principal: Principal,
-        text: Option<Arc<str>>,
-        call: Call,
-        series: Option<Series>,
-    ) -> (Ticket, oneshot::Receiver<()>) {
-        let lane = Lane::of(call.mnemonic);
-        if self.later.rungs.remove(&call.control) {
-            // The false rung condition is sent before it is true again.
-            self.push(lane, Command::RungFalse(call.control));
-        }
-        let ticket = self.ticket(principal, text, call.target);
-        let (sender, receiver) = oneshot::channel();
-        self.waiting.insert(ticket, sender);
-        let (data, staged) = self.image_mut().prepare(&call);
-        if let Some(staged) = staged {
-            self.staged.insert(ticket, staged);
-        }
-        let command = match (data, series) {
-            (None, None) => Command::Call(ticket, call),
-            (None, Some(series)) => Command::CallOfSeries(ticket, call, series),
-            (Some(data), _) => Command::CallWith(ticket, call, data),
-        };
-        self.push(lane, command);
-        self.motion_tickets.note(ticket, &call);
-        self.own(principal.owner(), ticket, &call);
-        (ticket, receiver)
-    }
-
-    /// Notes the owner of a call, as far as an owner can be lost.
-    fn own(&mut self, owner: Principal, ticket: Ticket, call: &Call) {
-        if owner.session().is_none() {
-            return;
-        }
-        self.owned.begin(owner, ticket, call, &self.records);
-        if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
-            let records = &self.records;
-            self.guard.begin(owner, AxisId(axis), ticket, |ticket| {
-                records.get(ticket).is_none_or(may_run)
-            });
-        }
-    }
-
-    fn ticket(&mut self, principal: Principal, text: Option<Arc<str>>, target: Option<u16>) -> Ticket {
-        let ticket = Ticket(self.next_ticket);
-        self.next_ticket += 1;
-        let client = principal.session().map(|session| self.guard.identity_of(session));
-        let origin = Origin {
-            principal,
-            client: client.unwrap_or_default(),
-            text,
-        };
-        self.records.begin(ticket, target, origin);
-        ticket
-    }
-
-    /// How many instructions can still be sent; those that only stop or switch off have room of their own.
-    pub(super) fn room(&self) -> CallRoom {
-        let waiting = self.waiting.len();
-        let calls = OUTSTANDING.saturating_sub(waiting);
-        let stops = (OUTSTANDING + FOR_STOPS).saturating_sub(waiting);
-        CallRoom {
-            calls: calls.min(self.link.commands.slots().saturating_sub(RESERVE)),
-            // A false rung condition may go ahead of each.
-            stops: stops.min(self.link.commands.stop_slots() / 2),
-        }
-    }
-
-    /// Whether an instruction can be sent.
-    pub(super) fn has_room(&self, mnemonic: Mnemonic) -> bool {
-        let CallRoom { calls, stops } = self.room();
-        if mnemonic.is_stop() { stops > 0 } else { calls > 0 }
-    }
-
-    /// Sends a command for which there is room.
-    fn push(&mut self, lane: Lane, command: Command) {
-        let sent = match lane {
-            Lane::Stops => self.link.commands.push_stop(command),
-            Lane::Others => self.link.commands.push(command),
-        };
-        if let Err(error) = sent {
-            tracing::error!(%error, "a command is lost");
-        }
-    }
-
-    /// Whether a command that can wait finds room now.
-    fn has_room_to_wait(&self, lane: Lane) -> bool {
-        match lane {
-            Lane::Stops => self.link.commands.stop_slots() > 0,
-            Lane::Others => self.link.commands.slots() > RESERVE,
-        }
-    }
-
-    /// Sends the commands that wait for room.
-    pub(super) fn flush(&mut self) {
-        while self.has_room_to_wait(Lane::Others)
-            && let Some(control) = self.later.rungs.pop_first()
-        {
-            self.push(Lane::Others, Command::RungFalse(control));
-        }
-        while self.has_room_to_wait(Lane::Others)
-            && let Some(input) = self.later.inputs.pop_front()
-        {
-            self.push(Lane::Others, Command::Input(input));
-        }
-        if self.later.overrides {
-            self.send_overrides();
-        }
-        if self.later.injected {
-            self.send_injected();
-        }
-        if self.later.dynamics_bits {
-            self.send_dynamics_bits();
-        }
-    }
-
-    /// Whether anything waits for an answer or for room.
-    pub(super) fn is_busy(&self) -> bool {
-        !self.waiting.is_empty() || self.later != Later::default()
-    }
-
-    /// The rung condition of an instruction is false. It never overtakes the instruction, which was sent before.
-    pub(super) fn rung_false(&mut self, mnemonic: Mnemonic, control: ControlSlot) {
-        let lane = Lane::of(mnemonic);
-        if self.has_room_to_wait(lane) {
-            self.later.rungs.remove(&control);
-            self.push(lane, Command::RungFalse(control));
-        } else {
-            self.later.rungs.insert(control);
-        }
-    }
-
-    /// Tells the controller which overrides have changed.
-    pub(super) fn send_overrides(&mut self) {
-        self.later.overrides = false;
-        let overrides: Vec<f32> = self.image.feed_overrides().collect();
-        for (place, now) in overrides.into_iter().enumerate() {
-            if self.overrides.get(place).is_none_or(|sent| *sent == now) {
-                continue;
-            }
-            if !self.has_room_to_wait(Lane::Others) {
-                self.later.overrides = true;
-                return;
-            }
-            self.overrides[place] = now;
-            self.push(
-                Lane::Others,
-                Command::Override {
-                    system: SystemId::from_index(place),
-                    rate: f64::from(now) / 100.0,
-                },
-            );
-        }
-    }
-
-    /// Tells the controller which injected causes of faults have changed.
-    fn send_injected(&mut self) {
-        self.later.injected = false;
-        let injected: Vec<FaultSet> = self.image.injected_faults().collect();
-        for (place, causes) in injected.into_iter().enumerate() {
-            if self.injected.get(place).is_none_or(|sent| *sent == causes) {
-                continue;
-            }
-            if !self.has_room_to_wait(Lane::Others) {
-                self.later.injected = true;
-                return;
-            }
-            self.injected[place] = causes;
-            self.push(
-                Lane::Others,
-                Command::Inject {
-                    axis: AxisId::from_index(place),
-                    causes,
-                },
-            );
-        }
-    }
-
-    /// Sends the controller the Dynamics Configuration Bits that have changed.
-    fn send_dynamics_bits(&mut self) {
-        self.later.dynamics_bits = false;
-        let all: Vec<_> = self.image.dynamics_bits().collect();
-        for (place, (object, index, bits)) in all.into_iter().enumerate() {
-            if self
-                .dynamics_bits
-                .get(place)
-                .is_none_or(|sent| *sent == (object, index, bits))
-            {
-                continue;
-            }
-            if !self.has_room_to_wait(Lane::Others) {
-                self.later.dynamics_bits = true;
-                return;
-            }
-            self.dynamics_bits[place] = (object, index, bits);
-            self.push(Lane::Others, Command::DynamicsBits { object, index, bits });
-        }
-    }
-
     /// Sends the controller the edge of a write. Of an instruction: its ticket, and the receiver of the answer, which comes when DN, ER
     /// or IP is set.
     pub(super) fn edge(&mut self, principal: Principal, edge: Edge) -> Option<(Ticket, oneshot::Receiver<()>)> {
@@ -641,11 +369,7 @@ impl State {
             Edge::Steps(_) => return None,
             Edge::Input => {
                 for input in self.image.take_inputs() {
-                    if self.later.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {
-                        self.push(Lane::Others, Command::Input(input));
-                    } else {
-                        self.later.input(input);
-                    }
+                    self.send_input(input);
                 }
                 return None;
             }
@@ -697,10 +421,3 @@ fn is_accepted(control: &MotionControl) -> bool {
 fn is_answered(control: &MotionControl) -> bool {
     control.has(Flag::Dn) || control.has(Flag::Er)
 }
-
-/// Calls that may wait for the controller at a time.
-pub(super) const OUTSTANDING: usize = 512;
-/// Calls that may wait besides if they only stop or switch off.
-const FOR_STOPS: usize = STOPS / 2;
-/// Room of the ring that only false rung conditions take which go ahead of their instruction: what the controller takes in two ticks.
-const RESERVE: usize = 2 * MAX_COMMANDS_PER_TICK;

@@ -4,43 +4,37 @@
 //! does not read loses its connection, and delays no other one.
 
 mod hearing;
+mod requests;
+mod sending;
 mod watched;
 
 use std::io;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
 
 use arcline_proto::arcline::machine::Identification;
-use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
-use futures_util::SinkExt as _;
 use serde_json::Value;
-use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore, broadcast, mpsc, watch};
+use tokio::sync::{Semaphore, mpsc};
 use tokio::task::JoinSet;
-use tokio::time::{interval, timeout};
 use tokio_tungstenite::WebSocketStream;
-use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
-use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role};
+use tokio_tungstenite::tungstenite::protocol::Role;
 use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
 use self::hearing::{Heard, Hearing};
-use self::watched::Watched;
+use self::requests::{audited, moves, right};
+use self::sending::{Outgoing, Sight, send};
 use super::protocol::{
     self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, Simulated, text_of,
 };
-use super::sessions::{Joined, Key, State};
-use super::socket::{Socket, Writing};
-use super::status::Status;
+use super::sessions::{Joined, Key};
+use super::socket::Socket;
 use super::{Shared, controller, drive, events, frames, line, program, tags};
-use crate::audit::{What, sha256};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{ClientIdentity, Command, Mode, Plant, Principal, Right};
+use crate::plant::{ClientIdentity, Command, Mode, Plant, Principal};
 use crate::trace::history;
 
 /// The page of a viewer, or the script.
@@ -153,55 +147,6 @@ struct Viewer {
     releases: Arc<[AtomicU64]>,
     /// Its session.
     session: Option<Key>,
-}
-
-/// What a viewer sees of its session.
-struct Sight {
-    viewer: ViewerId,
-    user: Option<String>,
-    /// `None`: it has no session.
-    state: Option<watch::Receiver<State>>,
-    can_log_in: bool,
-}
-
-impl Sight {
-    /// The push that tells the page.
-    fn push(&self, plant: &Plant) -> String {
-        let state = self.state.as_ref().map(|state| *state.borrow());
-        text_of(&Push::Session {
-            role: plant.roles().of(Principal::Viewer(self.viewer)).word(),
-            user: self.user.as_deref(),
-            locked: state == Some(State::Locked),
-            can_log_in: self.can_log_in,
-        })
-    }
-
-    /// Waits for a change.
-    async fn changed(&mut self) -> State {
-        match &mut self.state {
-            None => std::future::pending().await,
-            Some(state) => match state.changed().await {
-                Ok(()) => *state.borrow_and_update(),
-                Err(_) => State::Ended,
-            },
-        }
-    }
-}
-
-/// A message for the task that sends.
-enum Outgoing {
-    /// A text.
-    Text(Utf8Bytes),
-    /// What answers a ping or a close.
-    Control(Message),
-    /// A piece of the past.
-    Piece(Bytes, OwnedSemaphorePermit),
-    /// Whether frames of samples are wanted.
-    Samples(bool),
-    /// The tags whose values are wanted.
-    Watch(Vec<String>),
-    /// What of the controller's own program is looked at.
-    Look(Option<controller::Looking>),
 }
 
 impl Shared {
@@ -526,243 +471,12 @@ impl Viewer {
     }
 }
 
-/// Sends answers, and the pushes to every viewer.
-async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, shared: &Arc<Shared>, mut sight: Sight) {
-    let mut statuses = shared.status.subscribe();
-    let mut events = shared.events.subscribe();
-    let mut programs = shared.program.watch();
-    let mut frames = None;
-    let mut watched = Watched::new(&shared.plant);
-    let mut looking = None;
-    let (mut paths, mut program) = (0, None);
-    let mut pings = interval(PING);
-    loop {
-        let message = tokio::select! {
-            biased;
-            outgoing = inbox.recv() => match outgoing {
-                Some(Outgoing::Text(text)) => told(text),
-                Some(Outgoing::Control(message)) => message,
-                Some(Outgoing::Piece(frame, _place)) => Message::Binary(frame),
-                Some(Outgoing::Samples(on)) => {
-                    frames = on.then(|| shared.frames.subscribe());
-                    continue;
-                }
-                Some(Outgoing::Watch(names)) => {
-                    watched.watch(&shared.plant, names);
-                    continue;
-                }
-                Some(Outgoing::Look(at)) => {
-                    looking = at;
-                    continue;
-                }
-                None => return,
-            },
-            state = sight.changed() => match state {
-                State::Open(_) | State::Locked => Message::Text(sight.push(&shared.plant).into()),
-                State::Ended => {
-                    let close = CloseFrame {
-                        code: CloseCode::Library(SESSION_ENDED),
-                        reason: "the session has ended".into(),
-                    };
-                    send_one(&mut sink, Message::Close(Some(close))).await;
-                    // Its answer ends the viewer sooner; a socket that is closed before it has come loses the frame.
-                    tokio::time::sleep(GOODBYE).await;
-                    return;
-                }
-            },
-            changed = statuses.changed() => {
-                if changed.is_err() {
-                    return;
-                }
-                // A program is told as often as the state.
-                if programs.has_changed().unwrap_or(false) {
-                    let push = programs.borrow_and_update().push(&mut program);
-                    if !send_one(&mut sink, Message::Text(push.into())).await {
-                        return;
-                    }
-                }
-                told(newest(&mut statuses, &mut paths))
-            }
-            event = events.recv() => match event {
-                Ok(text) => told(text),
-                // The page sees the gap in the numbers, and asks for the missed events.
-                Err(RecvError::Lagged(_)) => continue,
-                Err(RecvError::Closed) => return,
-            },
-            frame = next_frame(&mut frames) => Message::Binary(frame),
-            push = next_look(&mut looking) => Message::Text(push.into()),
-            changes = watched.changes() => {
-                let Some(changes) = changes else { return };
-                let names = watched.take(&shared.plant, &changes);
-                if names.is_empty() {
-                    continue;
-                }
-                let is_long = tags::are_many(&shared.plant, &names);
-                let plant = shared.plant.clone();
-                let push = move || {
-                    let values = tags::values(&plant, &names)?.values;
-                    Ok::<_, Refusal>(text_of(&Push::Values { values }))
-                };
-                let Ok(Ok(text)) = shared.workers.compute_if(is_long, push).await else { continue };
-                Message::Text(text.into())
-            }
-            _ = pings.tick() => Message::Ping(Bytes::new()),
-        };
-        if !send_one(&mut sink, message).await {
-            return;
-        }
-    }
-}
-
-/// The near end of a viewer, as far as it is written.
-type Sink = WebSocketStream<Writing>;
-
-fn told(text: Utf8Bytes) -> Message {
-    Message::text(text.as_str())
-}
-
-/// Whether a request may move something.
-fn moves(request: &Request) -> bool {
-    match request {
-        Request::Execute(_)
-        | Request::Jog(_)
-        | Request::Run(_)
-        | Request::Step(_)
-        | Request::Continue(_)
-        | Request::Override(_)
-        | Request::Resume(_)
-        | Request::Mode(_)
-        | Request::Force(_)
-        | Request::RemoveForces(_)
-        | Request::Write(_) => true,
-        Request::Ping(_)
-        | Request::Active(_)
-        | Request::Take(_)
-        | Request::Release(_)
-        | Request::Line(_)
-        | Request::Keep(_)
-        | Request::JogEnd(_)
-        | Request::Stop(_)
-        | Request::ReleaseStop(_)
-        | Request::Hold(_)
-        | Request::Preview(_)
-        | Request::DryRun(_)
-        | Request::Check(_)
-        | Request::Pause(_)
-        | Request::End(_)
-        | Request::Tags(_)
-        | Request::Read(_)
-        | Request::Watch(_)
-        | Request::Routines(_)
-        | Request::Rungs(_)
-        | Request::Look(_)
-        | Request::Uses(_)
-        | Request::Trace(_)
-        | Request::History(_)
-        | Request::Events(_) => false,
-    }
-}
-
-/// What the audit records of a request that is no command of the plant.
-fn audited(request: &Request) -> Option<(What, String)> {
-    Some(match request {
-        Request::Take(take) if take.force => (What::Take, format!("{} by force", take.object)),
-        Request::Take(take) => (What::Take, take.object.clone()),
-        Request::Release(release) => (What::Take, format!("{} given back", release.object)),
-        Request::Run(run) => (What::Program, format!("run, sha256 {}", sha256(&run.text))),
-        Request::Continue(_) => (What::Program, "continue".to_owned()),
-        Request::End(_) => (What::Program, "end".to_owned()),
-        _ => return None,
-    })
-}
-
-/// The right that a request needs; what is a command of the plant is judged there too.
-fn right(request: &Request) -> Right {
-    match request {
-        Request::Ping(_)
-        | Request::Active(_)
-        | Request::Line(_)
-        | Request::Preview(_)
-        | Request::DryRun(_)
-        | Request::Check(_)
-        | Request::Tags(_)
-        | Request::Read(_)
-        | Request::Watch(_)
-        | Request::Routines(_)
-        | Request::Rungs(_)
-        | Request::Look(_)
-        | Request::Uses(_)
-        | Request::Trace(_)
-        | Request::History(_)
-        | Request::Events(_) => Right::Look,
-        Request::Keep(_)
-        | Request::JogEnd(_)
-        | Request::Stop(_)
-        | Request::Hold(_)
-        | Request::Pause(_)
-        | Request::End(_) => Right::Stop,
-        Request::Take(protocol::Take { force: true, .. }) => Right::TakeByForce,
-        Request::Take(_) | Request::Release(_) => Right::TakeControl,
-        Request::Jog(_) => Right::Move,
-        Request::ReleaseStop(_) => Right::ReleaseStop,
-        Request::Run(_) | Request::Step(_) | Request::Continue(_) => Right::RunProgram,
-        // They are commands of the plant: what each needs depends on what it does.
-        Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
-        Request::Mode(_) => Right::ChangeMode,
-        Request::Force(_) | Request::RemoveForces(_) => Right::Force,
-    }
-}
-
-/// False: the viewer has gone, or does not read.
-async fn send_one(sink: &mut Sink, message: Message) -> bool {
-    matches!(timeout(READ_WITHIN, sink.send(message)).await, Ok(Ok(())))
-}
-
-/// The next frame of samples that was not missed; never, where none are wanted.
-async fn next_frame(frames: &mut Option<broadcast::Receiver<Bytes>>) -> Bytes {
-    while let Some(receiver) = frames {
-        match receiver.recv().await {
-            Ok(frame) => return frame,
-            // The next one's first tick tells what is missing.
-            Err(RecvError::Lagged(_)) => {}
-            Err(RecvError::Closed) => *frames = None,
-        }
-    }
-    std::future::pending().await
-}
-
-/// The next push of what is looked at; never, where nothing is.
-async fn next_look(looking: &mut Option<controller::Looking>) -> String {
-    match looking {
-        Some(looking) => looking.changed().await,
-        None => std::future::pending().await,
-    }
-}
-
-/// The newest status, with the paths if they are others than those the viewer has.
-fn newest(statuses: &mut watch::Receiver<Status>, paths: &mut u64) -> Utf8Bytes {
-    let status = statuses.borrow_and_update();
-    if std::mem::replace(paths, status.paths) == status.paths {
-        status.light.clone()
-    } else {
-        status.whole.clone()
-    }
-}
-
-/// The code by which a WebSocket is closed whose session has ended; a page connects again without it.
-const SESSION_ENDED: u16 = 4401;
-/// How long a page may take to answer that.
-const GOODBYE: Duration = Duration::from_secs(1);
 /// Simulations of a viewer that may wait or run.
 pub(super) const SIMULATIONS: usize = 4;
 /// Pieces of the past that may wait for a viewer to read.
 const PIECES: usize = 2;
 /// Answers that may wait for a viewer to read.
 const OUTBOX: usize = 256;
-/// How long a viewer may take to read what is sent to it.
-const READ_WITHIN: Duration = Duration::from_secs(10);
-/// Time between two pings: the answers are the signs of life of a page that says nothing.
-const PING: Duration = Duration::from_millis(500);
 /// Requests that may wait for their turn.
 const ASKS: usize = 256;
 /// Bytes of them.

@@ -1,0 +1,97 @@
+//! What a request of the page is: whether it may move the machine, which right it needs, and what the audit records of it.
+
+use crate::audit::{What, sha256};
+use crate::hmi::protocol::{Request, Take};
+use crate::plant::Right;
+
+/// Whether a request may move something.
+pub(super) fn moves(request: &Request) -> bool {
+    match request {
+        Request::Execute(_)
+        | Request::Jog(_)
+        | Request::Run(_)
+        | Request::Step(_)
+        | Request::Continue(_)
+        | Request::Override(_)
+        | Request::Resume(_)
+        | Request::Mode(_)
+        | Request::Force(_)
+        | Request::RemoveForces(_)
+        | Request::Write(_) => true,
+        Request::Ping(_)
+        | Request::Active(_)
+        | Request::Take(_)
+        | Request::Release(_)
+        | Request::Line(_)
+        | Request::Keep(_)
+        | Request::JogEnd(_)
+        | Request::Stop(_)
+        | Request::ReleaseStop(_)
+        | Request::Hold(_)
+        | Request::Preview(_)
+        | Request::DryRun(_)
+        | Request::Check(_)
+        | Request::Pause(_)
+        | Request::End(_)
+        | Request::Tags(_)
+        | Request::Read(_)
+        | Request::Watch(_)
+        | Request::Routines(_)
+        | Request::Rungs(_)
+        | Request::Look(_)
+        | Request::Uses(_)
+        | Request::Trace(_)
+        | Request::History(_)
+        | Request::Events(_) => false,
+    }
+}
+
+/// What the audit records of a request that is no command of the plant.
+pub(super) fn audited(request: &Request) -> Option<(What, String)> {
+    Some(match request {
+        Request::Take(take) if take.force => (What::Take, format!("{} by force", take.object)),
+        Request::Take(take) => (What::Take, take.object.clone()),
+        Request::Release(release) => (What::Take, format!("{} given back", release.object)),
+        Request::Run(run) => (What::Program, format!("run, sha256 {}", sha256(&run.text))),
+        Request::Continue(_) => (What::Program, "continue".to_owned()),
+        Request::End(_) => (What::Program, "end".to_owned()),
+        _ => return None,
+    })
+}
+
+/// The right that a request needs; what is a command of the plant is judged there too.
+pub(super) fn right(request: &Request) -> Right {
+    match request {
+        Request::Ping(_)
+        | Request::Active(_)
+        | Request::Line(_)
+        | Request::Preview(_)
+        | Request::DryRun(_)
+        | Request::Check(_)
+        | Request::Tags(_)
+        | Request::Read(_)
+        | Request::Watch(_)
+        | Request::Routines(_)
+        | Request::Rungs(_)
+        | Request::Look(_)
+        | Request::Uses(_)
+        | Request::Trace(_)
+        | Request::History(_)
+        | Request::Events(_) => Right::Look,
+        Request::Keep(_)
+        | Request::JogEnd(_)
+        | Request::Stop(_)
+        | Request::Hold(_)
+        | Request::Pause(_)
+        | Request::End(_) => Right::Stop,
+        Request::Take(Take { force: true, .. }) => Right::TakeByForce,
+        Request::Take(_) | Request::Release(_) => Right::TakeControl,
+        Request::Jog(_) => Right::Move,
+        Request::ReleaseStop(_) => Right::ReleaseStop,
+        Request::Run(_) | Request::Step(_) | Request::Continue(_) => Right::RunProgram,
+        // They are commands of the plant: what each needs depends on what it does.
+        Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
+        Request::Mode(_) => Right::ChangeMode,
+        Request::Force(_) | Request::RemoveForces(_) => Right::Force,
+    }
+}
