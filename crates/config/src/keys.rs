@@ -194,5 +194,7 @@ fn alternatives(words: &[&str]) -> String {
 }
 
 pub(crate) const NAME: &str = "a name: 1 to 40 letters, digits and underscores, no digit first";
+/// A list of networks.
+pub(crate) const NETWORKS: &str = "a list of 1 to 64 networks such as \"10.1.2.0/24\"";
 /// [`NAME`] as a regular expression.
 pub(crate) const NAME_PATTERN: &str = "^[A-Za-z_][A-Za-z0-9_]{0,39}$";

@@ -28,7 +28,7 @@ pub use error::{ConfigError, Problem};
 pub use page::page;
 pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
 pub use schema::schema;
-pub use security::{CertificateRole, PlainAccess, Role, Security};
+pub use security::{AllowList, CertificateRole, PlainAccess, Role, Security};
 pub use write::{build_of, definition_of, format, table};
 
 /// The default configuration, commented: what the server runs without `--config`.

@@ -1,6 +1,8 @@
 //! The `[security]` table: who may do what (spec/security.md §6).
 
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
+
+use ipnet::IpNet;
 
 /// A role. Each may do all that those before it may.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -73,6 +75,30 @@ pub struct CertificateRole {
     pub role: Role,
 }
 
+/// The addresses that a door answers.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct AllowList(pub Vec<IpNet>);
+
+impl AllowList {
+    /// The most networks of a list.
+    pub const MOST: usize = 64;
+
+    /// A network such as `10.1.2.0/24`, or one address. IPv4 inside of IPv6 is IPv4.
+    pub fn network(text: &str) -> Option<IpNet> {
+        let network = match text.parse::<IpAddr>() {
+            Ok(address) => IpNet::from(address.to_canonical()),
+            Err(_) => text.parse().ok()?,
+        };
+        Some(network.trunc())
+    }
+
+    /// Whether the door answers an address. Without networks it answers all; this computer's own addresses of loopback always.
+    pub fn allows(&self, address: IpAddr) -> bool {
+        let address = address.to_canonical();
+        self.0.is_empty() || address.is_loopback() || self.0.iter().any(|network| network.contains(&address))
+    }
+}
+
 /// The `[security]` table.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Security {
@@ -112,6 +138,12 @@ pub struct Security {
     pub idle: u32,
     /// The longest session of the page, s.
     pub session: u32,
+    /// Who may reach EtherNet/IP without TLS.
+    pub plain_allow: AllowList,
+    /// Who may reach EtherNet/IP over TLS.
+    pub tls_allow: AllowList,
+    /// Who may reach the web page.
+    pub hmi_allow: AllowList,
     /// The most requests a second of one EtherNet/IP client, by its role; 0: any number.
     pub max_requests: [u32; 4],
 }
@@ -150,6 +182,9 @@ impl Default for Security {
             users: None,
             idle: 1800,
             session: 43_200,
+            plain_allow: AllowList::default(),
+            tls_allow: AllowList::default(),
+            hmi_allow: AllowList::default(),
             max_requests: [0; 4],
         }
     }

@@ -11,7 +11,7 @@ use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemI
 use arcline_tag::Value;
 
 use crate::keys::{AXIS as AXIS_KEYS, COORDINATE_SYSTEM, Default, EXCEPTION_ACTIONS, Keys, Kind, SERVER};
-use crate::{DEFAULT, PlainAccess, describe, format as format_table, load, table};
+use crate::{AllowList, DEFAULT, PlainAccess, describe, format as format_table, load, table};
 
 #[test]
 fn the_default_is_what_the_contract_says() {
@@ -882,6 +882,8 @@ hmi_names = ["cell-4", "cell-4.plant.example"]
 users = "users.toml"
 idle_s = 600
 session_s = 3600
+plain_allow = ["10.1.2.0/24", "10.9.9.9"]
+hmi_allow = ["fd00::/8"]
 max_requests_per_s_viewer = 50
 [[security.certificates]]
 cn = "line3-hmi"
@@ -918,6 +920,9 @@ role = "administrator"
         ("loopback = \"administrator\"".to_owned(),                           "loopback"),
         ("password = \"x\"".to_owned(),                                       "password"),
         ("idle_s = 59".to_owned(),                                            "idle_s"),
+        ("tls_allow = [\"10.1.2.0/33\"]".to_owned(),                            "tls_allow[1]"),
+        ("hmi_allow = []".to_owned(),                                         "hmi_allow"),
+        (format!("hmi_allow = [{}]", "\"10.0.0.1\", ".repeat(65)),           "hmi_allow"),
         ("hmi_tls = \"8443\"".to_owned(),                                     "hmi_tls"),
         (format!("hmi_names = [{}]", "\"a\", ".repeat(33)),                  "hmi_names"),
         (format!("[[security.certificates]]\n{bad}"),                          "issuer"),
@@ -929,5 +934,36 @@ role = "administrator"
             .expect_err(key)
             .to_string();
         assert!(error.contains(key), "{text}: {error}");
+    }
+}
+
+#[test]
+fn an_allow_list_has_networks_of_both_families() {
+    let list = |networks: &[&str]| {
+        let networks = networks.iter().map(|text| AllowList::network(text).expect("a network"));
+        AllowList(networks.collect())
+    };
+    #[rustfmt::skip]
+    let cases = [
+        ("without a list",             &[][..],                   "192.0.2.1",        true),
+        ("in the network",             &["10.1.2.0/24"],          "10.1.2.255",       true),
+        ("beside it",                  &["10.1.2.0/24"],          "10.1.3.0",         false),
+        ("a host of the network",      &["10.1.2.7/24"],          "10.1.2.8",         true),
+        ("one address",                &["10.1.2.7"],             "10.1.2.7",         true),
+        ("its neighbour",              &["10.1.2.7"],             "10.1.2.8",         false),
+        ("IPv4 inside of IPv6",        &["10.1.2.0/24"],          "::ffff:10.1.2.3",  true),
+        ("an address inside of IPv6",  &["::ffff:10.1.2.3"],      "10.1.2.3",         true),
+        ("IPv6",                       &["fd00::/8"],             "fd12::1",          true),
+        ("another IPv6",               &["fd00::/8"],             "2001:db8::1",      false),
+        ("one of two",                 &["fd00::/8", "10.0.0.1"], "10.0.0.1",         true),
+        ("this computer",              &["10.1.2.0/24"],          "127.0.0.1",        true),
+        ("this computer by IPv6",      &["10.1.2.0/24"],          "::1",              true),
+    ];
+    for (why, networks, address, expected) in cases {
+        let address = address.parse().expect("an address");
+        assert_eq!(list(networks).allows(address), expected, "{why}");
+    }
+    for text in ["10.1.2.0/33", "10.1.2/24", "host", "", "fd00::/129"] {
+        assert_eq!(AllowList::network(text), None, "{text}");
     }
 }

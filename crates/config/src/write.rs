@@ -15,7 +15,7 @@ use toml::{Table, Value};
 
 use crate::keys::{Keys, Kind, ROOT};
 use crate::read::WRISTS;
-use crate::{IoListen, MessageAnswer, PlainTag, Project, Security};
+use crate::{AllowList, IoListen, MessageAnswer, PlainTag, Project, Security};
 
 /// The tables of a project with every key, those at their default too.
 pub fn table(project: &Project) -> Table {
@@ -154,9 +154,22 @@ fn security(security: &Security) -> Vec<(&'static str, Value)> {
         all.push(("hmi_names", Value::Array(names.collect())));
     }
     all.extend(security.users.as_deref().map(|file| ("users", text(file))));
+    let lists = [
+        ("plain_allow", &security.plain_allow),
+        ("tls_allow", &security.tls_allow),
+        ("hmi_allow", &security.hmi_allow),
+    ];
     all.extend([
         ("idle_s", Value::Integer(security.idle.into())),
         ("session_s", Value::Integer(security.session.into())),
+    ]);
+    for (key, AllowList(networks)) in lists {
+        if !networks.is_empty() {
+            let networks = networks.iter().map(|network| text(&network.to_string()));
+            all.push((key, Value::Array(networks.collect())));
+        }
+    }
+    all.extend([
         ("max_requests_per_s_viewer", viewer),
         ("max_requests_per_s_operator", operator),
         ("max_requests_per_s_engineer", engineer),

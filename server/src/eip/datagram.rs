@@ -49,6 +49,9 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
             }
         };
         let Some(datagram) = buf.get(..length) else { continue };
+        if !device.settings.config.security.plain_allow.allows(peer.ip()) {
+            continue;
+        }
         if !peer.ip().is_loopback() && !rate.allows(peer.ip(), std::time::Instant::now()) {
             continue;
         }

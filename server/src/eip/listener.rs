@@ -8,7 +8,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::Duration;
 
-use arcline_config::PlainAccess;
+use arcline_config::{AllowList, PlainAccess};
 use tokio::net::{TcpListener, TcpStream, UdpSocket};
 use tokio::task::JoinSet;
 use tracing::{Instrument, debug, error, info_span};
@@ -149,7 +149,8 @@ impl Endpoint {
                 (None, _) => {}
                 (Some(tcp), None) => accept_clients(tcp, device).await,
                 (Some(tcp), Some(tls)) => {
-                    accept_each(tcp, device, |stream, slot, device| {
+                    let allow = &device.settings.config.security.tls_allow;
+                    accept_each(tcp, device, allow, |stream, slot, device| {
                         serve_tls(stream, slot, device, tls.clone())
                     })
                     .await;
@@ -162,12 +163,14 @@ impl Endpoint {
 
 /// Serves every client that comes in, until the future is dropped; that closes every connection.
 pub(super) async fn accept_clients<A: Accept>(listener: &A, device: &Arc<Device>) {
-    accept_each(listener, device, serve_one::<A>).await;
+    let allow = &device.settings.config.security.plain_allow;
+    accept_each(listener, device, allow, serve_one::<A>).await;
 }
 
 async fn accept_each<A: Accept, F>(
     listener: &A,
     device: &Arc<Device>,
+    allow: &AllowList,
     serve: impl Fn(A::Stream, ClientSlot, Arc<Device>) -> F,
 ) where
     F: Future<Output = ()> + Send + 'static,
@@ -175,6 +178,11 @@ async fn accept_each<A: Accept, F>(
     let mut connections = JoinSet::new();
     loop {
         match listener.accept().await {
+            Ok((_, peer)) if !allow.allows(peer.ip()) => {
+                device.plant.log_limit().warn("allow", Some(peer.ip()), || {
+                    format!("a client was closed: {} is in no network of the door's list", peer.ip())
+                });
+            }
             Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {
                 Some(slot) => {
                     let span = info_span!("connection", %peer);

@@ -64,6 +64,11 @@ pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
     let mut connections = JoinSet::new();
     loop {
         match door.listener.accept().await {
+            Ok((_, peer)) if !shared.plant.server().security.hmi_allow.allows(peer.ip()) => {
+                shared.plant.log_limit().warn("allow", Some(peer.ip()), || {
+                    format!("a browser was closed: {} is in no network of hmi_allow", peer.ip())
+                });
+            }
             Ok((stream, peer)) => match shared.connections.enter(peer.ip()) {
                 Some(place) => {
                     let near = Near {

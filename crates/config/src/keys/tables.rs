@@ -1,6 +1,6 @@
 //! Every key of the configuration (spec/contract.md §2): name, kind, default and meaning.
 
-use super::{Default, Key, Keys, Kind, Range, TextRule};
+use super::{Default, Key, Keys, Kind, NETWORKS, Range, TextRule};
 use crate::read::{MAX_MEMBERS, MAX_TYPES};
 use arcline_controller::image::MAX_PLAIN_TAGS;
 use arcline_controller::machine::{MAX_AXES, MAX_SYSTEMS, MAX_TRANSFORMS};
@@ -257,6 +257,24 @@ pub(crate) static SECURITY: Keys = Keys {
             kind: Kind::Integer(300..=604_800, "s"),
             default: Default::Integer(43_200),
             meaning: "the longest session of the page",
+        },
+        Key {
+            name: "plain_allow",
+            kind: Kind::Names(1..=64, NETWORKS),
+            default: Default::Prose("all"),
+            meaning: "the networks and addresses whose clients reach EtherNet/IP without TLS, over TCP and UDP, such as `[\"10.1.2.0/24\"]`; others are closed before anything is read. This computer always does",
+        },
+        Key {
+            name: "tls_allow",
+            kind: Kind::Names(1..=64, NETWORKS),
+            default: Default::Prose("all"),
+            meaning: "the same of EtherNet/IP over TLS: others are closed before the handshake",
+        },
+        Key {
+            name: "hmi_allow",
+            kind: Kind::Names(1..=64, NETWORKS),
+            default: Default::Prose("all"),
+            meaning: "the same of the web page, over HTTP and HTTPS",
         },
         Key {
             name: "max_requests_per_s_viewer",

@@ -1,7 +1,8 @@
 //! The `[security]` table.
 
+use crate::keys::NETWORKS;
 use crate::section::Section;
-use crate::{CertificateRole, PlainAccess, Role, Security};
+use crate::{AllowList, CertificateRole, PlainAccess, Role, Security};
 
 pub(super) fn security(root: &Section<'_>) -> Security {
     let (section, is_given) = root.table("security");
@@ -39,6 +40,9 @@ pub(super) fn security(root: &Section<'_>) -> Security {
         users: section.text("users").map(|file| file.value),
         idle: seconds("idle_s", default.idle),
         session: seconds("session_s", default.session),
+        plain_allow: allow_list(&section, "plain_allow"),
+        tls_allow: allow_list(&section, "tls_allow"),
+        hmi_allow: allow_list(&section, "hmi_allow"),
         max_requests: [
             rate("max_requests_per_s_viewer"),
             rate("max_requests_per_s_operator"),
@@ -57,6 +61,20 @@ pub(super) fn security(root: &Section<'_>) -> Security {
         section.refuse_value("hmi_names", "a list of 1 to 32 names of the host");
     }
     security
+}
+
+fn allow_list(section: &Section<'_>, key: &'static str) -> AllowList {
+    if section.has(key) && !(1..=AllowList::MOST).contains(&section.count(key)) {
+        section.refuse_value(key, NETWORKS);
+    }
+    let networks = section.texts(key).into_iter().filter_map(|text| {
+        let network = AllowList::network(&text.value);
+        if network.is_none() {
+            section.refuse_as(&text, "a network such as \"10.1.2.0/24\", or an address", None);
+        }
+        network
+    });
+    AllowList(networks.collect())
 }
 
 fn certificate(row: &Section<'_>) -> CertificateRole {
