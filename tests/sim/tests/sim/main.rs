@@ -6,6 +6,7 @@ mod campaign;
 mod client;
 mod datagrams;
 mod history;
+mod ledger;
 mod motion;
 mod network;
 mod path;
@@ -138,6 +139,7 @@ const SCENARIOS: u64 = 200;
 
 /// States that a campaign must reach.
 const SOMETIMES: &[&str] = &[
+    "a change has its event of the audit",
     "a class 3 connection",
     "a client without the right is refused",
     "a client that does not read",

@@ -236,6 +236,9 @@ impl World<'_> {
         if let Some(running) = &mut self.running {
             let _guard = running.runtime.enter();
             running.server.exchange();
+            for event in running.server.audited() {
+                self.common.ledger.event(&event, &self.common.record);
+            }
         }
     }
 
@@ -369,6 +372,9 @@ impl World<'_> {
     fn finish(&mut self) {
         let record = self.common.record.clone();
         for wrong in self.common.history.check() {
+            record.broken(wrong);
+        }
+        for wrong in self.common.ledger.check() {
             record.broken(wrong);
         }
         self.probe();
