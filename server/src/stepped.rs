@@ -6,6 +6,7 @@
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 use arcline_config::Project;
@@ -13,6 +14,7 @@ use arcline_controller::{Controller, Snapshot};
 use arcline_realtime::{Planning, Rings};
 use arcline_state::{Disk, Ended, LockedFile, Pace, Task};
 
+use crate::audit::{Audit, Event};
 pub use crate::eip::Datagrams;
 use crate::eip::Settings;
 use crate::eip::stepped::SteppedFace;
@@ -29,6 +31,22 @@ pub struct Stepped<D: Disk> {
     planning: Option<Planning>,
     keeper: Option<Keeper<D>>,
     face: SteppedFace,
+    audit: Receiver<Option<Event>>,
+}
+
+/// An event that the audit makes a line of (spec/security.md §9).
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Audited {
+    /// Its kind, the word of its line.
+    pub what: String,
+    /// The client's address.
+    pub from: String,
+    /// The tag, or the instruction with its target.
+    pub object: String,
+    /// The value written, hexadecimal; empty for what is no write.
+    pub new: String,
+    /// `done`, or why not.
+    pub result: &'static str,
 }
 
 /// Why a server does not start.
@@ -64,6 +82,8 @@ impl<D: Disk> Stepped<D> {
         let (rings, mut link) = arcline_realtime::link(&project.machine);
         let planning = link.planning.take();
         let plant = Plant::start_stepped(&project, link, image, watch);
+        let (audit, events) = Audit::stepped();
+        plant.set_audit(audit);
         let face = SteppedFace::start(plant.clone(), settings).map_err(|error| failed(&error))?;
         Ok(Stepped {
             plant,
@@ -72,6 +92,7 @@ impl<D: Disk> Stepped<D> {
             planning,
             keeper,
             face,
+            audit: events,
         })
     }
 
@@ -112,6 +133,20 @@ impl<D: Disk> Stepped<D> {
             Turn::Synchronise(task) => Some(task),
             Turn::Idle | Turn::Closed(_) => None,
         }
+    }
+
+    /// The events of the audit since the last call.
+    pub fn audited(&self) -> impl Iterator<Item = Audited> {
+        self.audit.try_iter().flatten().map(|event| Audited {
+            what: serde_json::to_value(event.what)
+                .ok()
+                .and_then(|word| word.as_str().map(str::to_owned))
+                .unwrap_or_default(),
+            from: event.from.to_string(),
+            object: event.object,
+            new: event.values.map(|(_, new)| new).unwrap_or_default(),
+            result: event.result,
+        })
     }
 
     /// A client comes in from an address.

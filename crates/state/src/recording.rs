@@ -303,8 +303,8 @@ impl<'c> Crashes<'c> {
         self.pointed_at(rules).into_iter().map(&mut every).sum()
     }
 
-    /// One content that the file may have; `None`: it does not exist.
-    fn draw(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Option<Vec<u8>> {
+    /// One content that the file may have; `None`: it does not exist. `random` draws below a number.
+    pub fn draw(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Option<Vec<u8>> {
         let may = self.pointed_at(rules);
         let inode = may[random(may.len())]?;
         let mut drawn = None;

@@ -125,6 +125,17 @@ impl Audit {
         })))
     }
 
+    /// Without files and thread: the events come out of the receiver.
+    pub(crate) fn stepped() -> (Self, Receiver<Option<Event>>) {
+        let (sender, events) = sync_channel(WAITING);
+        let audit = Self(Arc::new(Shared {
+            sender,
+            lost: Arc::default(),
+            thread: Mutex::default(),
+        }));
+        (audit, events)
+    }
+
     /// Records an event, if there is room for it.
     pub(crate) fn record(&self, event: Event) {
         if let Err(TrySendError::Full(_)) = self.0.sender.try_send(Some(event)) {

@@ -1,6 +1,7 @@
 //! Rules for the repository itself: which crate may use which, and that what code cites is there.
 
 mod architecture;
+mod campaign;
 mod doc_tests;
 mod readme;
 mod security;

@@ -19,6 +19,7 @@ use arcline_tests::random::Random;
 use crate::client::{Answer, Client, NoAnswer, PATIENCE_MS};
 use crate::datagrams::Post;
 use crate::history::History;
+use crate::ledger::{Kind, Ledger};
 use crate::motion::Deadline;
 use crate::network::{End, Network, Weather};
 use crate::record::{Record, lock};
@@ -67,6 +68,7 @@ pub(crate) const LOAD: &[&str] = &["hostile", "crowd", "slow reader", "half-open
 pub(crate) struct Common {
     pub(crate) record: Record,
     pub(crate) history: History,
+    pub(crate) ledger: Ledger,
     pub(crate) network: Network,
     pub(crate) post: Post,
     pub(crate) incoming: Arc<Mutex<Vec<(End, SocketAddr)>>>,
@@ -223,6 +225,16 @@ impl Stage {
             let why = format!("{}: an answer took {took} ms", self.name);
             self.common.record.violated("N1", &why);
         }
+    }
+
+    /// Asks for something that the audit is to have an event of (U1).
+    pub(crate) fn asks(&self, kind: Kind) {
+        self.common.ledger.asks(self.address.into(), kind);
+    }
+
+    /// It is answered as done, or as refused where that was asked for.
+    pub(crate) fn answered(&self, kind: Kind) {
+        self.common.ledger.answered(self.address.into(), kind);
     }
 
     pub(crate) fn note(&self, event: &str) {

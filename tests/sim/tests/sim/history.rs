@@ -126,6 +126,11 @@ impl History {
         wrong
     }
 
+    /// Writes that had to be there if the server started now with these values, and would not be.
+    pub(crate) fn lost(&self, values: &[(&'static str, i32)], durable: u64) -> Vec<String> {
+        self.lock().lost(values, durable)
+    }
+
     /// What no register could have shown since the start of the server.
     pub(crate) fn check(&self) -> Vec<String> {
         let inner = self.lock();

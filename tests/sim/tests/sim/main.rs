@@ -6,11 +6,14 @@ mod campaign;
 mod client;
 mod datagrams;
 mod history;
+mod ledger;
 mod motion;
 mod network;
 mod path;
 mod plan;
+mod probe;
 mod record;
+mod shrink;
 mod world;
 
 use std::collections::BTreeMap;
@@ -18,8 +21,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use campaign::{Campaign, git, processor_seconds};
-use plan::{FAULTS, Scenario, TICKS};
+use campaign::{Campaign, processor_seconds};
+use plan::{Scenario, TICKS};
 use record::Record;
 
 fn number(name: &str) -> Option<u64> {
@@ -82,7 +85,7 @@ fn scenarios() {
             let outcome = world::run(&scenario, Record::default());
             if outcome.record.is_violated() {
                 next.store(seeds.end, Ordering::Relaxed);
-                fail(scenario, &outcome.record);
+                shrink::fail(scenario, &outcome.record);
             }
             let mut reached = record::lock(&reached);
             for (state, count) in outcome.record.reached() {
@@ -136,6 +139,7 @@ const SCENARIOS: u64 = 200;
 
 /// States that a campaign must reach.
 const SOMETIMES: &[&str] = &[
+    "a change has its event of the audit",
     "a class 3 connection",
     "a client without the right is refused",
     "a client that does not read",
@@ -182,6 +186,7 @@ const SOMETIMES: &[&str] = &[
     "the tags of a reload",
     "the time base moves",
     "two lines are complete",
+    "what a power loss would leave is judged",
 ];
 
 /// The same seed gives the same bytes (D1).
@@ -216,35 +221,3 @@ fn without_load(scenario: &Scenario) {
 /// Faults after which other clients may see a load. What a power loss leaves on the disk is drawn, and the draw depends on every call before
 /// it. A moving axis is kept where the last read before the kill saw it. Where no sockets are left, the client that was silent for longest is closed.
 const SENSITIVE: &[&str] = &["power loss", "kill", "no sockets"];
-
-/// Leaves out what the failure does not need, and shows the command of the smallest scenario that still fails.
-fn fail(mut scenario: Scenario, record: &Record) -> ! {
-    let (full, mut lines, mut violations) = (scenario.command(), record.lines(), record.violations());
-    let invariant = |violations: &[String]| violations[0].split(':').next().map(str::to_owned);
-    let wanted = invariant(&violations);
-    let still_fails = |scenario: &Scenario| {
-        let record = world::run(scenario, Record::default()).record;
-        (record.is_violated() && invariant(&record.violations()) == wanted).then_some(record)
-    };
-    let names = scenario
-        .actors()
-        .into_iter()
-        .chain(FAULTS.iter().map(|(name, _)| *name));
-    // A planted bug only has to be found.
-    let names = names.filter(|_| std::env::var_os("ARCLINE_PLANTED").is_none());
-    for name in names.collect::<Vec<_>>() {
-        let mut smaller = scenario.clone();
-        smaller.without.insert(name.to_owned());
-        if let Some(record) = still_fails(&smaller) {
-            (scenario, lines, violations) = (smaller, record.lines(), record.violations());
-        }
-    }
-    let commit = git(&["rev-parse", "--short", "HEAD"]);
-    panic!(
-        "{}\n{}\nas drawn: {full}\nsmallest: {}\ncommit: {}",
-        lines.join("\n"),
-        violations.join("\n"),
-        scenario.command(),
-        commit
-    );
-}

@@ -129,7 +129,14 @@ impl Scenario {
             let without: Vec<&str> = self.without.iter().map(String::as_str).collect();
             command += &format!(" ARCLINE_WITHOUT='{}'", without.join(","));
         }
-        command + " cargo test -p arcline-sim --test sim one -- --nocapture"
+        let features = match std::env::var("ARCLINE_PLANTED") {
+            Ok(planted) => {
+                command += &format!(" ARCLINE_PLANTED='{planted}'");
+                " --features planted"
+            }
+            Err(_) => "",
+        };
+        command + &format!(" cargo test -p arcline-sim{features} --test sim one -- --nocapture")
     }
 }
 

@@ -87,7 +87,11 @@ impl Record {
 
     /// An invariant does not hold.
     pub(crate) fn violated(&self, invariant: &str, why: &str) {
-        let line = format!("{invariant}: {why}");
+        self.broken(format!("{invariant}: {why}"));
+    }
+
+    /// The same, in one text that begins with the invariant.
+    pub(crate) fn broken(&self, line: String) {
         self.note("VIOLATION", &line);
         self.lock().violations.push(line);
     }

@@ -1,6 +1,9 @@
 //! The loop of a scenario: one virtual millisecond after another, each of them faults, the tick, the writer of the state, the tasks of the
 //! server, those of the clients, and the invariants.
 
+mod faults;
+mod projects;
+
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -9,11 +12,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Duration;
 
-use arcline_config::Project;
 use arcline_proto::io::IO_PORT;
 use arcline_server::eip::Settings;
 use arcline_server::stepped::{Held, Stepped};
-use arcline_state::recording::{Call, Kind, Recording, Rules};
+use arcline_state::recording::{Call, Recording};
 use arcline_state::{Pace, Task};
 use arcline_tag::TagPath;
 use arcline_tests::random::Random;
@@ -24,8 +26,10 @@ use crate::actors::tags::{PAIR, TAGS};
 use crate::actors::{ACTORS, Common, Order, Stage};
 use crate::history::Wrote;
 use crate::motion::Watch;
-use crate::plan::{Failing, Fault, Scenario};
+use crate::plan::{Fault, Scenario};
+use crate::probe::{Probe, judge_pair};
 use crate::record::{Record, lock};
+use projects::Projects;
 
 thread_local! {
     /// Session handles and connection ids of the server.
@@ -46,58 +50,6 @@ fn handles() -> Option<u32> {
         handles.set(random.0);
         Some((bits >> 32) as u32 | 1)
     })
-}
-
-const CONFIG: &str = r#"
-[security]
-remote_plain = "engineer"
-loopback = "viewer"
-[[instruction]]
-tag = "StepA"
-type = "MAM"
-target = "A"
-[[tag]]
-name = "D0"
-type = "DINT"
-[[tag]]
-name = "D1"
-type = "DINT"
-[[tag]]
-name = "D2"
-type = "DINT"
-[[tag]]
-name = "D3"
-type = "DINT"
-[[tag]]
-name = "P0"
-type = "DINT"
-[[tag]]
-name = "P1"
-type = "DINT"
-[[tag]]
-name = "Big"
-type = "DINT[100]"
-"#;
-
-const EXTRA: &str = r#"
-[[tag]]
-name = "Extra1"
-type = "DINT"
-[[tag]]
-name = "Extra2"
-type = "DINT"
-"#;
-
-/// The configurations between which a reload changes: without the extra tags and with them.
-struct Projects([Project; 2]);
-
-impl Projects {
-    fn new() -> Self {
-        let server = "[server]\njog_silence_ms = 500\nmax_clients_per_address = 8\n";
-        let base = arcline_config::DEFAULT.replacen("[server]\n", server, 1) + CONFIG;
-        let load = |text: &str| arcline_config::load(text, "sim.toml").unwrap_or_else(|error| panic!("{error}"));
-        Projects([load(&base), load(&(base.clone() + EXTRA))])
-    }
 }
 
 /// A server that runs.
@@ -140,6 +92,7 @@ struct World<'s> {
     planner_until: u64,
     watch: Watch,
     draw: Random,
+    probe: Probe,
     clients_first: bool,
 }
 
@@ -180,6 +133,7 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
         owed: 0,
         planner_until: 0,
         draw,
+        probe: Probe::new(scenario.random("probe")),
         clients_first,
     };
     world.run();
@@ -282,11 +236,18 @@ impl World<'_> {
         if let Some(running) = &mut self.running {
             let _guard = running.runtime.enter();
             running.server.exchange();
+            for event in running.server.audited() {
+                self.common.ledger.event(&event, &self.common.record);
+            }
         }
     }
 
     /// A turn of the writer of the state.
     fn keep(&mut self) {
+        let ends = |running: &Running| running.task.as_ref().is_some_and(|(due, _, _)| *due <= self.now);
+        if self.running.as_ref().is_some_and(ends) && self.probe.is_due() {
+            self.probe();
+        }
         let Some(running) = &mut self.running else { return };
         let now = Duration::from_millis(self.now - running.since);
         let mut ended = None;
@@ -346,13 +307,9 @@ impl World<'_> {
             _ => Wrote::Nothing,
         };
         for wrong in self.common.history.start(&values, self.durable, wrote) {
-            self.common.record.violated("history", &wrong);
+            self.common.record.broken(wrong);
         }
-        if values[TAGS.len()].1 != values[TAGS.len() + 1].1 {
-            self.common
-                .record
-                .violated("W2", "a message that writes two tags was kept half");
-        }
+        judge_pair(&values, &self.common.record);
         if self.common.lives.fetch_add(1, Ordering::Relaxed) > 0 {
             self.common.record.sometimes("a restart");
         }
@@ -377,124 +334,18 @@ impl World<'_> {
         });
     }
 
+    /// Judges what a loss of power would leave now.
+    fn probe(&mut self) {
+        let (history, record) = (&self.common.history, &self.common.record);
+        self.probe.look(&self.disk, &file(), history, self.durable, record);
+    }
+
     fn end_server(&mut self) {
         self.running = None;
         self.common.lives.fetch_add(1, Ordering::Relaxed);
         self.common.post.lose_server();
         self.watch.restart();
         lock(&self.common.deadlines).clear();
-    }
-
-    fn strike(&mut self, fault: Fault) {
-        self.common.record.note("fault", &format!("{fault:?}"));
-        let now = self.now;
-        match fault {
-            Fault::Late(ms) => self.late_until = now + ms,
-            Fault::Planner(ms) => self.planner_until = now + ms,
-            Fault::Partition(ms) => {
-                self.common.record.sometimes("a partition");
-                let until = (now + ms).min(self.scenario.quiet_from());
-                self.common.network.hold(until);
-                self.common.post.hold(until);
-            }
-            Fault::Reset => {
-                self.common.record.sometimes("connections are reset");
-                self.common.network.reset();
-            }
-            Fault::SlowDisk(ms) => self.sync_takes = ms,
-            Fault::Disk(failing, ms) => {
-                let bit = match failing {
-                    Failing::Writes => 1,
-                    Failing::Syncs => 2,
-                    Failing::Renames => 4,
-                    Failing::All => 7,
-                };
-                self.failing.store(bit, Ordering::Relaxed);
-                self.failing_until = now + ms;
-            }
-            Fault::Kill(ms) => self.kill(ms, None),
-            Fault::Power(ms, rules) => self.kill(ms, Some(rules)),
-            Fault::Reload => self.reload(),
-            Fault::NoSockets => {
-                if let Some(running) = &self.running {
-                    self.common.record.sometimes("no sockets are left");
-                    running
-                        .server
-                        .refuse(std::io::Error::other("too many open files, by design"));
-                }
-            }
-        }
-    }
-
-    fn kill(&mut self, ms: u64, power: Option<Rules>) {
-        let Some(running) = &self.running else {
-            return;
-        };
-        if running.task.is_some() {
-            self.common.record.sometimes("an end during a synchronisation");
-        }
-        if self.watch.moving {
-            self.common.record.sometimes("an end during motion");
-        }
-        match power {
-            None => {
-                self.common.record.sometimes("a kill");
-                // All that was answered, whatever the disk has.
-                self.durable = u64::MAX;
-            }
-            Some(rules) => {
-                self.common.record.sometimes("a power loss");
-                self.common.network.lose_server(self.now + ms);
-                let draw = &mut self.draw;
-                self.disk = self.disk.crashed(rules, &mut |below| draw.below(below as u64) as usize);
-                self.fail_disk();
-            }
-        }
-        self.end_server();
-        self.start_at = self.now + ms;
-    }
-
-    fn reload(&mut self) {
-        let Some(running) = &mut self.running else { return };
-        let before = running.configured;
-        running.configured = 1 - before;
-        let (old, new) = (
-            self.projects.0[before].clone(),
-            self.projects.0[running.configured].clone(),
-        );
-        let (plant, record) = (running.server.plant().clone(), self.common.record.clone());
-        drop(running.runtime.spawn(async move {
-            match plant.reload(&old, &new).await {
-                Ok(()) => record.sometimes("a reload"),
-                Err(error) => record.note("reload", &error.to_string()),
-            }
-        }));
-    }
-
-    /// Nothing fails any more.
-    fn calm(&mut self) {
-        self.failing.store(0, Ordering::Relaxed);
-        self.sync_takes = 2;
-        self.late_until = 0;
-        self.planner_until = 0;
-        self.common.network.hold(0);
-        // A synchronisation that waits for a slow disk waits no longer.
-        if let Some((due, _, _)) = self.running.as_mut().and_then(|running| running.task.as_mut()) {
-            *due = self.now;
-        }
-    }
-
-    /// The disk fails as the present bits say.
-    fn fail_disk(&self) {
-        let failing = self.failing.clone();
-        self.disk.fail(Box::new(move |_, kind| {
-            let bits = failing.load(Ordering::Relaxed);
-            match kind {
-                Kind::Write | Kind::Create => bits & 1 != 0,
-                Kind::Sync => bits & 2 != 0,
-                Kind::Rename | Kind::SyncFolder => bits & 4 != 0,
-            }
-        }));
     }
 
     fn check(&mut self) {
@@ -521,8 +372,12 @@ impl World<'_> {
     fn finish(&mut self) {
         let record = self.common.record.clone();
         for wrong in self.common.history.check() {
-            record.violated("history", &wrong);
+            record.broken(wrong);
         }
+        for wrong in self.common.ledger.check() {
+            record.broken(wrong);
+        }
+        self.probe();
         // An owner whose Forward Open was answered to nobody has so long for its first datagram.
         for _ in 0..FIRST_DATAGRAM {
             if self

@@ -1,8 +1,11 @@
 //! The real server on a disk that fails: every system call of the retained state can be made to fail, to wait or to be the last one (strace), and
 //! a file system can be full (tmpfs).
 //!
-//! `ARCLINE_KILLS` sets up to which call the server is killed: 40 without it.
+//! `ARCLINE_CALLS` sets up to which call of each kind one is the last one, or fails: 40 without it.
 #![allow(missing_docs)]
+
+mod calls;
+mod slow;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -35,6 +38,13 @@ impl Files {
 
     fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    /// The same, with a state that a server has left.
+    fn with_state(state: &[u8]) -> Self {
+        let files = Files::new();
+        std::fs::write(files.path("machine.state"), state).expect("the folder is writable");
+        files
     }
 
     fn start(&self) -> Server {
@@ -97,140 +107,14 @@ async fn write(client: &Client, number: i64) -> Result<(), ClientError> {
         .await
 }
 
+/// Whether a write was refused because it could not be kept.
+fn is_not_kept(error: &ClientError) -> bool {
+    error.to_string().contains("could not save it")
+}
+
 async fn connect(server: &Server) -> Client {
     let client = Client::connect(&server.address().to_string()).await;
     client.expect("a ready server accepts")
-}
-
-/// Writes until the server is gone. Returns the last number that was answered, and the last one that was sent.
-async fn write_to_the_end(server: &Server, from: i64) -> (i64, i64) {
-    let Ok(client) = Client::connect(&server.address().to_string()).await else {
-        return (from, from);
-    };
-    for number in from + 1..from + 5000 {
-        if write(&client, number).await.is_err() {
-            return (number - 1, number);
-        }
-    }
-    (from + 4999, from + 4999)
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_kill_at_any_call_keeps_what_was_answered() {
-    if strace_is_missing("kill at any call") {
-        return;
-    }
-    let kills: u32 = std::env::var("ARCLINE_KILLS").map_or(40, |kills| kills.parse().expect("a number"));
-    let files = Files::new();
-    drop(files.start());
-    let (mut number, mut at_start, mut written) = (0, 0, 0);
-    for call in 1..=kills {
-        let why = format!("kill at call {call} of a thread");
-        let before = files.table(&why);
-        let range = match files.start_injected(&format!("{CALLS}:signal=SIGKILL:when={call}")) {
-            Err(_) => {
-                at_start += 1;
-                number..=number
-            }
-            Ok(server) => {
-                let (answered, sent) = write_to_the_end(&server, number).await;
-                drop(server);
-                written += answered - number;
-                answered..=sent
-            }
-        };
-        let kept = files.table(&why).or(before).unwrap_or_default();
-        assert!(
-            range.contains(&kept),
-            "{why}: {kept} is kept, and {range:?} were answered and sent"
-        );
-        number = kept;
-    }
-    let server = files.start();
-    let shown = connect(&server).await.read_numbers("Table").await.expect("a tag");
-    assert_eq!(shown, [number as f64; ELEMENTS]);
-    println!("{kills} kills, {at_start} of them while the server started; {written} writes answered, none lost");
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_disk_that_fails_is_an_answer_and_recovers() {
-    let test = "calls that fail";
-    if strace_is_missing(test) {
-        return;
-    }
-    // strace counts the calls of each thread: the first ones are those at the start, and those that follow in the threads.
-    let cases = [
-        "fdatasync:error=EIO:when=1",
-        "fdatasync:error=EIO:when=2",
-        "fsync:error=EIO:when=1",
-        "rename:error=EIO:when=1",
-        "openat:error=EMFILE:when=3",
-        "write:error=ENOSPC:when=2..3",
-        "pwrite64:error=EIO:when=1",
-    ];
-    for case in cases {
-        let files = Files::new();
-        let server = files
-            .start_injected(case)
-            .unwrap_or_else(|not_ready| panic!("{case}: {not_ready}"));
-        let client = connect(&server).await;
-        let (mut answered, mut refused) = (0, 0);
-        let until = Instant::now() + Duration::from_secs(4);
-        let mut number = 0;
-        while Instant::now() < until {
-            number += 1;
-            match write(&client, number).await {
-                Ok(()) => answered = number,
-                Err(error) if error.to_string().contains("could not save it") => refused += 1,
-                Err(error) => panic!("{case}: {error}"),
-            }
-            tokio::time::sleep(Duration::from_millis(5)).await;
-        }
-        let log = server.kill();
-        assert_eq!(answered, number, "{case}: it is kept again at the end; {log}");
-        assert_eq!(files.table(case), Some(answered), "{case}");
-        assert_eq!(
-            refused > 0,
-            log.contains("writes of plain tags are refused"),
-            "{case}: {log}"
-        );
-        assert_eq!(refused > 0, log.contains("is written again"), "{case}: {log}");
-        println!("{case}: {number} writes, {refused} of them refused");
-    }
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_slow_disk_delays_no_answer() {
-    if strace_is_missing("a slow disk") {
-        return;
-    }
-    let mut longest = Vec::new();
-    for delay in [0, 2_000_000] {
-        let files = Files::new();
-        let server = files.start_injected(&format!("fdatasync:delay_enter={delay}"));
-        let server = server.unwrap_or_else(|not_ready| panic!("{not_ready}"));
-        let client = connect(&server).await;
-        let (mut worst, until) = (Duration::ZERO, Instant::now() + Duration::from_secs(5));
-        let mut number = 0;
-        while Instant::now() < until {
-            number += 1;
-            let began = Instant::now();
-            write(&client, number).await.expect("it is kept");
-            worst = worst.max(began.elapsed());
-            tokio::time::sleep(Duration::from_millis(1)).await;
-        }
-        longest.push((delay, number, worst));
-        drop(server);
-    }
-    println!("microseconds that each fdatasync takes longer, writes, longest answer: {longest:?}");
-    // The disk takes 2 s; the machine may be busy, which the run without delay shows.
-    let [(_, _, quick), (_, _, slow)] = longest[..] else {
-        unreachable!("two runs")
-    };
-    assert!(
-        slow < Duration::from_millis(500).max(4 * quick),
-        "an answer waited for the disk: {longest:?}"
-    );
 }
 
 /// A file system in memory, gone when this is dropped.
@@ -294,7 +178,7 @@ async fn a_full_file_system_recovers_when_there_is_room_again() {
     let shown = client.read_numbers("Table").await.expect("a tag");
     assert_eq!(shown, [number as f64; ELEMENTS]);
     let refused = write(&client, 100_000).await.expect_err("the disk is full");
-    assert!(refused.to_string().contains("could not save it"), "{refused}");
+    assert!(is_not_kept(&refused), "{refused}");
     std::fs::remove_file(&filler).expect("it was written");
     let until = Instant::now() + Duration::from_secs(20);
     while write(&client, 200_000).await.is_err() {

@@ -6,6 +6,7 @@ use arcline_proto::cip::Reply;
 
 use super::{Order, Stage};
 use crate::client::{Answer, BOOL, Client, DINT, REAL, instruction, machine_service, read, value, write};
+use crate::ledger::Kind;
 use crate::motion::Deadline;
 
 /// Instances of axes: X, Y, Z, S, A, B and C.
@@ -121,6 +122,7 @@ async fn step(stage: &mut Stage, client: &mut Client) -> Answer<()> {
     ];
     client.ask_all(&operands).await?;
     let sent = stage.now();
+    stage.asks(Kind::Edge);
     let reply = client.ask(&write("StepA.EnableIn", BOOL, 1, &[1])).await?;
     stage.common.record.saw(stage.name, &reply.to_bytes());
     stage.in_time(sent);
@@ -128,6 +130,7 @@ async fn step(stage: &mut Stage, client: &mut Client) -> Answer<()> {
         stage.note(&format!("EnableIn was refused: {}", reply.status));
         return Ok(());
     }
+    stage.answered(Kind::Edge);
     stage.sometimes("an edge of EnableIn");
     for _ in 0..400 {
         let Some((control, at, _)) = look(stage, client).await? else {
@@ -234,8 +237,11 @@ async fn draw_for_a_while(stage: &mut Stage, client: &mut Client, newest: &mut (
 async fn draw_line(stage: &mut Stage, client: &mut Client, control: &str) -> Answer<Reply> {
     let position = [0; 3].map(|_| stage.random.between(-30.0, 30.0));
     stage.order(Order::Line(position));
+    stage.asks(Kind::Line);
     let reply = client.ask(&line(control, position)).await?;
-    if !reply.status.is_success() {
+    if reply.status.is_success() {
+        stage.answered(Kind::Line);
+    } else {
         stage.order(Order::NoLine(position));
     }
     Ok(reply)

@@ -8,6 +8,7 @@ use super::Stage;
 use super::tags::TAGS;
 use crate::client::{Answer, BOOL, Client, DINT, REAL, instruction, machine_service, read, value, write};
 use crate::history::Written;
+use crate::ledger::Kind;
 
 /// Values that no other client writes.
 const FIRST: i32 = 3_000_000;
@@ -50,7 +51,9 @@ async fn try_all(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answ
                 ("a write", write(tag, DINT, 1, &next.to_le_bytes()))
             }
         };
+        stage.asks(Kind::Denied);
         let reply = client.ask(&request).await?;
+        stage.answered(Kind::Denied);
         if what == "a write" {
             stage.common.history.has(tag, *next, Written::Refused);
         }

@@ -5,6 +5,7 @@ use arcline_proto::cip::Reply;
 use super::Stage;
 use crate::client::{Answer, Client, DINT, REAL, dint, packet, read, value, write};
 use crate::history::Written;
+use crate::ledger::Kind;
 
 /// The tags that are written with unique values.
 pub(crate) const TAGS: [&str; 4] = ["D0", "D1", "D2", "D3"];
@@ -78,6 +79,7 @@ async fn write_one(stage: &mut Stage, client: &mut Client, next: &mut i32) -> An
     let value = *next;
     let asked = stage.now();
     stage.common.history.asks(tag, value);
+    stage.asks(Kind::Write(tag));
     let reply = client.ask(&write(tag, DINT, 1, &value.to_le_bytes())).await?;
     stage.in_time(asked);
     let answer = written(stage, asked, &reply);
@@ -86,6 +88,9 @@ async fn write_one(stage: &mut Stage, client: &mut Client, next: &mut i32) -> An
         stage.common.record.violated("N1", &why);
     }
     stage.common.history.has(tag, value, answer);
+    if answer != Written::Refused {
+        stage.answered(Kind::Write(tag));
+    }
     stage.common.record.saw(stage.name, &reply.to_bytes());
     Ok(())
 }
@@ -97,6 +102,7 @@ async fn write_pair(stage: &mut Stage, client: &mut Client, next: &mut i32) -> A
     let order = if stage.chance(50) { [0, 1] } else { [1, 0] };
     let requests = order.map(|index| write(PAIR[index], DINT, 1, &value.to_le_bytes()));
     for tag in PAIR {
+        stage.asks(Kind::Write(tag));
         stage.common.history.asks(tag, value);
     }
     let asked = stage.now();
@@ -109,6 +115,9 @@ async fn write_pair(stage: &mut Stage, client: &mut Client, next: &mut i32) -> A
     for (index, reply) in order.into_iter().zip(&replies) {
         let answer = written(stage, asked, reply);
         stage.common.history.has(PAIR[index], value, answer);
+        if answer != Written::Refused {
+            stage.answered(Kind::Write(PAIR[index]));
+        }
         stage.common.record.saw(stage.name, &reply.to_bytes());
     }
     Ok(())

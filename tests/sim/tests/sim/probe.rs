@@ -1,0 +1,78 @@
+//! What a loss of power would leave: contents of the state file are drawn without any loss, and judged as a start would judge them (W2). So a
+//! scenario tries hundreds of losses, and those at the instants that matter: while the disk synchronises.
+
+use std::path::Path;
+
+use arcline_state::recording::{Crashes, Recording, Rules};
+use arcline_state::{State, parse};
+use arcline_tests::random::Random;
+
+use crate::actors::tags::{PAIR, TAGS};
+use crate::history::History;
+use crate::record::Record;
+
+/// The values of the tags whose writes are judged.
+pub(crate) type Values = Vec<(&'static str, i32)>;
+
+/// Draws contents of a file.
+pub(crate) struct Probe {
+    random: Random,
+}
+
+impl Probe {
+    pub(crate) fn new(random: Random) -> Self {
+        Probe { random }
+    }
+
+    /// Looks now and then: when a synchronisation is about to end.
+    pub(crate) fn is_due(&mut self) -> bool {
+        self.random.below(3) == 0
+    }
+
+    /// Judges what the file may hold behind the newest call. All writes that were answered as kept by `durable` must be there.
+    pub(crate) fn look(&mut self, disk: &Recording, file: &Path, history: &History, durable: u64, record: &Record) {
+        record.sometimes("what a power loss would leave is judged");
+        let calls = disk.calls();
+        for rules in [Rules::Ordered, Rules::Weak] {
+            let behind = Crashes::behind(&calls, file);
+            for _ in 0..CONTENTS {
+                let random = &mut self.random;
+                let content = behind.draw(rules, &mut |below| random.below(below as u64) as usize);
+                // Without a file the machine starts as configured.
+                let state = match content.as_deref().map(parse) {
+                    None => State::default(),
+                    Some(Ok(kept)) => kept.state,
+                    Some(Err(damage)) => {
+                        let why = format!("a loss of power ({rules:?}) would set the file aside: {damage}");
+                        return record.violated("W2", &why);
+                    }
+                };
+                let values = values_of(&state);
+                for wrong in history.lost(&values, durable) {
+                    record.broken(format!("{wrong} (after a loss of power now, {rules:?})"));
+                }
+                judge_pair(&values, record);
+            }
+        }
+    }
+}
+
+/// A message that writes two tags is kept whole.
+pub(crate) fn judge_pair(values: &Values, record: &Record) {
+    let of = |tag| values.iter().find(|(name, _)| *name == tag).map(|(_, value)| *value);
+    if of(PAIR[0]) != of(PAIR[1]) {
+        record.violated("W2", "a message that writes two tags was kept half");
+    }
+}
+
+fn values_of(state: &State) -> Values {
+    let value = |name: &'static str| {
+        let tag = state.tags.iter().find(|tag| tag.name == name);
+        let bytes = tag.and_then(|tag| tag.bytes.first_chunk().copied());
+        (name, bytes.map_or(0, i32::from_le_bytes))
+    };
+    TAGS.into_iter().chain(PAIR).map(value).collect()
+}
+
+/// Contents that are drawn by each set of rules.
+const CONTENTS: usize = 8;
