@@ -7,7 +7,7 @@ use crate::extend::warm_start::{Running, followed, knots};
 use crate::path::reference::along;
 use crate::path::rounding::{Corners, Shape, Stretch, round};
 use crate::section::Section;
-use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
+use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
 use crate::{Point, State};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
@@ -28,13 +28,7 @@ pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]
     grid.extend(marched(&course.steps(&way, &fade)).into_iter().map(|time| left + time));
     // The last span is left out: there the motion comes to rest.
     let whole = grid.pop()?;
-    let mut control = ControlPoints {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        initial: Some(running.trajectory.at(running.splice)),
-        kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
-    };
+    let mut control = ControlPoints::continuing(running.trajectory.at(running.splice), &grid, followed);
     let mut i = 0;
     for k in 0..grid.len() {
         let before = grid[k.max(1)] - grid[k.max(1) - 1];
@@ -52,11 +46,7 @@ pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]
         control.points.push(blossom(&state, [-before, 0.0, behind]));
         control.progress.push(progress.min(length));
     }
-    let last = grid.len() - 1;
-    control.points[last] = reference.pieces[reference.pieces.len() - 1].end();
-    control.progress[last] = length;
-    control.set_initial();
-    Some(control)
+    Some(control.completed(reference))
 }
 
 /// The reference path with every corner rounded, by its progress.
