@@ -119,17 +119,26 @@ impl<'a> Section<'a> {
         Some(self.finish(self.run(control, &stages, work)?))
     }
 
-    /// From a guess within all limits, made faster; `None` where it is not within them.
+    /// From a guess within all limits or nearly, made faster; `None` where it does not come within them.
     pub(crate) fn hasten(&self, guess: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let mut margin = ToleranceMargin::new();
-        let mut best = self.within(guess.clone(), &mut margin).or_else(|| {
-            let mut smoothed = guess;
-            smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
-            project(&self.reference, &mut smoothed);
-            self.within(smoothed, &mut margin)
-        })?;
         let stages = stages(self.smoothness, Quality::TimingOnly);
         let stage = stages.last()?;
+        let mut best = self
+            .within(guess.clone(), &mut margin)
+            .or_else(|| {
+                let mut smoothed = guess.clone();
+                smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
+                project(&self.reference, &mut smoothed);
+                self.within(smoothed, &mut margin)
+            })
+            .or_else(|| {
+                // One that is nearly within comes inside by its timing.
+                let mut closed_in = guess;
+                let mut margin = ToleranceMargin::new();
+                self.run_stage(&mut closed_in, stage, &margin, work);
+                self.within(closed_in, &mut margin)
+            })?;
         let mut control = best.control.clone();
         for round in 0..=TUNING.gentle.repairs {
             // Where the curve is outside with other times of its nodes, it is smoothed for these.

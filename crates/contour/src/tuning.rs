@@ -382,7 +382,7 @@ constants! {
         /// Seconds before the last braking of the running motion, and share of that braking, from when until when it may be left, and at how many
         /// instants.
         before_s: f64 = 0.15,
-        latest_share: f64 = 0.3,
+        latest_share: f64 = 0.9,
         leaves: usize = 40,
         /// How many of those at which that is possible are tried.
         attempts: usize = 12,

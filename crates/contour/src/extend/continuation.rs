@@ -69,8 +69,8 @@ impl Continuation<'_> {
                 let followed = Running { leave, ..from };
                 let state = running.at(leave);
                 for (shares, ends) in GENTLE.into_iter().zip(&ends) {
-                    if course.goes_on(followed, ends, shares) {
-                        ways.push((in_use(&state, limits) + shares[0], leave, shares));
+                    if let Some(off) = course.goes_on(followed, ends, shares) {
+                        ways.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
                         break;
                     }
                 }

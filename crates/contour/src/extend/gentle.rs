@@ -7,7 +7,7 @@ use crate::extend::warm_start::{Running, followed, knots};
 use crate::path::reference::along;
 use crate::path::rounding::{Corners, Shape, Stretch, round};
 use crate::section::Section;
-use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
+use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
 use crate::{Point, State};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
@@ -22,19 +22,13 @@ pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]
     let route = followed(section, running);
     let length = reference.length();
     let way = course.way(running, &course.ends(shares), shares)?;
-    let fade = Fade::new(section, &from, &course.moving(&way.at(0.0)));
+    let (fade, _) = Fade::new(course, &from, &way.0.first()?.1);
     let mut grid = knots(section, running);
     let followed = grid.len();
     grid.extend(marched(&course.steps(&way, &fade)).into_iter().map(|time| left + time));
     // The last span is left out: there the motion comes to rest.
     let whole = grid.pop()?;
-    let mut control = ControlPoints {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        initial: Some(running.trajectory.at(running.splice)),
-        kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
-    };
+    let mut control = ControlPoints::continuing(running.trajectory.at(running.splice), &grid, followed);
     let mut i = 0;
     for k in 0..grid.len() {
         let before = grid[k.max(1)] - grid[k.max(1) - 1];
@@ -52,11 +46,7 @@ pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]
         control.points.push(blossom(&state, [-before, 0.0, behind]));
         control.progress.push(progress.min(length));
     }
-    let last = grid.len() - 1;
-    control.points[last] = reference.pieces[reference.pieces.len() - 1].end();
-    control.progress[last] = length;
-    control.set_initial();
-    Some(control)
+    Some(control.completed(reference))
 }
 
 /// The reference path with every corner rounded, by its progress.
@@ -115,9 +105,11 @@ impl<'a> Course<'a> {
         ends
     }
 
-    /// Whether a motion that is left goes on gently; `ends` as [`Course::ends`].
-    pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> bool {
-        self.first(running, ends, shares).is_some()
+    /// Whether a motion that is left goes on gently; `ends` as [`Course::ends`]. The share of what is allowed that its offset needs to fade out.
+    pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
+        let (_, profile) = self.first(running, ends, shares)?;
+        let from = running.trajectory.at(running.leave);
+        Some(Fade::new(self, &from, &profile).1)
     }
 
     /// How a motion that is left comes to the course at its speed: the stretch at whose end it has done so, and the profile until there. `None`: it is too fast for
@@ -252,29 +244,38 @@ impl<'a> Course<'a> {
     /// Where the nodes of a motion along the course are.
     fn steps(&self, way: &Way, fade: &Fade) -> Vec<Span> {
         let node_s = self.section.allowance.node_s();
-        let first = self.stretches.len() - way.0.len();
+        let step = |stretch: &Stretch, lasts: f64| match stretch.shape {
+            Shape::Bezier(..) => node_s.min(lasts / self.rounding_nodes(stretch)),
+            Shape::Piece(_) => node_s,
+        };
+        // The first profile may pass several stretches.
+        let (_, profile) = &way.0[0];
+        let behind = self.stretches.len() + 1 - way.0.len();
+        let passed = &self.stretches[self.place(profile.at(0.0).position)..behind];
         let mut spans: Vec<Span> = Vec::new();
         let mut from = 0.0;
-        for (k, end) in way.ends().enumerate() {
-            let stretch = &self.stretches[first + k];
-            let step = match stretch.shape {
-                Shape::Bezier(..) => node_s.min((end - from) / self.rounding_nodes(stretch)),
-                Shape::Piece(_) => node_s,
-            };
-            if k == 0 {
-                let step = node_s;
-                let times = way.0[0].1.segment_times().iter().copied();
-                let mut cuts: Vec<f64> = times
-                    .chain([fade.duration])
-                    .filter(|&cut| cut > 0.0 && cut < end)
-                    .collect();
-                cuts.sort_by(f64::total_cmp);
-                spans.extend(cuts.into_iter().map(|end| Span { end, step, knot: true }));
-            }
+        let ends = passed.iter().enumerate().map(|(k, stretch)| {
+            let is_last = k + 1 == passed.len();
+            let passes = profile.time_at_position(stretch.to).filter(|_| !is_last);
+            (stretch, passes.unwrap_or(profile.duration()))
+        });
+        for (stretch, end) in ends.chain(self.stretches[behind..].iter().zip(way.ends().skip(1))) {
             if end > from {
+                let step = step(stretch, end - from);
                 spans.push(Span { end, step, knot: false });
+                from = end;
             }
-            from = end;
+        }
+        let cuts = profile.segment_times().iter().copied().chain([fade.duration]);
+        for cut in cuts.filter(|&cut| cut > 0.0 && cut < profile.duration()) {
+            let k = spans.partition_point(|span| span.end <= cut);
+            let step = spans[k].step;
+            let part = Span {
+                end: cut,
+                step,
+                knot: true,
+            };
+            spans.insert(k, part);
         }
         spans
     }
@@ -377,27 +378,51 @@ struct Fade {
 }
 
 impl Fade {
-    /// From the state of a motion to that of another one, within the shortest time that leaves most of the jerk to other things.
-    fn new(section: &Section<'_>, from: &State, to: &State) -> Fade {
+    /// From the state of a motion to the course, travelled by a profile: within the shortest time that leaves most of the limits to other things and stays inside
+    /// the tolerance, else the time that comes nearest to both. With the share of what is allowed that it needs.
+    fn new(course: &Course<'_>, from: &State, profile: &Profile) -> (Fade, f64) {
+        let to = course.moving(&profile.at(0.0));
         let offset = [
             from.position - to.position,
             from.velocity - to.velocity,
             from.acceleration - to.acceleration,
         ];
-        let bound = &section.bounds[0];
-        let jerk = bound.least_jerk();
-        let rate = bound.axes.acceleration.min().min(bound.norm_acceleration());
-        let mut duration = TUNING.gentle.fade_s[0];
-        loop {
+        let bound = &course.section.bounds[0];
+        let rate = TUNING.gentle.fade_share * bound.axes.acceleration.min().min(bound.norm_acceleration());
+        let jerk = TUNING.gentle.fade_share * bound.least_jerk();
+        let [mut duration, most] = TUNING.gentle.fade_s;
+        let mut best: Option<(Fade, f64)> = None;
+        while duration <= most {
             let fade = Fade::within(duration, offset);
             let (acceleration, most_jerk) = fade.peaks();
-            let share = TUNING.gentle.fade_share;
-            let inside = acceleration <= share * rate && most_jerk <= share * jerk;
-            if inside || duration >= TUNING.gentle.fade_s[1] {
-                return fade;
+            let used = (acceleration / rate)
+                .max(most_jerk / jerk)
+                .max(fade.off(course, profile));
+            let is_inside = used <= 1.0;
+            if best.as_ref().is_none_or(|(_, least)| used < *least) {
+                best = Some((fade, used));
+            }
+            if is_inside {
+                break;
             }
             duration *= TUNING.gentle.fade_factor;
         }
+        best.unwrap_or((Fade::within(duration, offset), f64::INFINITY))
+    }
+
+    /// The largest share of the tolerance that is used until it has faded out.
+    fn off(&self, course: &Course<'_>, profile: &Profile) -> f64 {
+        let Section {
+            reference, allowance, ..
+        } = course.section;
+        let used = |k: u32| {
+            let u = f64::from(k) / f64::from(MEASURED);
+            let along = profile.at(u * self.duration);
+            let place = course.moving(&along).position + self.at(u)[0];
+            let progress = along.position.min(reference.length());
+            allowance.used(reference, &place, reference.piece_at(progress), progress)
+        };
+        (0..=MEASURED).map(used).fold(0.0, f64::max)
     }
 
     fn within(duration: f64, [p, v, a]: [Point; 3]) -> Fade {

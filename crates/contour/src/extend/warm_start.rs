@@ -46,14 +46,7 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
     let running_knots = knots(section, running);
     let followed = running_knots.len();
     let grid = spread(section, &route, running_knots, left);
-    let mut control = ControlPoints {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        initial: Some(running.trajectory.at(running.splice)),
-        // The end of what is followed is free to be passed faster.
-        kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
-    };
+    let mut control = ControlPoints::continuing(running.trajectory.at(running.splice), &grid, followed);
     let mut i = 0;
     for k in 0..grid.len() {
         let before = grid[k.max(1)] - grid[k.max(1) - 1];
@@ -75,11 +68,7 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
             .progress
             .push(here.progress + (next.progress - here.progress) * part);
     }
-    let last = grid.len() - 1;
-    control.points[last] = reference.pieces[reference.pieces.len() - 1].end();
-    control.progress[last] = reference.length();
-    control.set_initial();
-    control
+    control.completed(reference)
 }
 
 impl Site {

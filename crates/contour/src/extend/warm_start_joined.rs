@@ -4,7 +4,7 @@
 
 use crate::extend::warm_start::{Running, Site, followed, knots};
 use crate::section::{Section, Solved};
-use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
+use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
 use crate::{AxisLimits, State};
 
@@ -75,7 +75,6 @@ fn joined(
         .partition_point(|&t| t <= other + TUNING.joined.least_span_s);
     grid.extend(fresh.times[first..].iter().map(|t| t - other + end));
     let sites = followed(section, until);
-    let spans: Vec<f64> = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let state = |k: usize| {
         if k < followed_knots {
             running.trajectory.at(running.splice + grid[k])
@@ -83,13 +82,7 @@ fn joined(
             fresh.trajectory.at(fresh.times[first + k - followed_knots])
         }
     };
-    let mut control = ControlPoints {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: Vec::new(),
-        initial: Some(running.trajectory.at(running.splice)),
-        kept: (followed_knots * 2 / 3).max(GIVEN + 1).min(followed_knots - 1),
-    };
+    let mut control = ControlPoints::continuing(running.trajectory.at(running.splice), &grid, followed_knots);
     let mut least = 0.0_f64;
     for (k, at) in grid.iter().enumerate() {
         let along = if k < followed_knots {
@@ -104,13 +97,10 @@ fn joined(
         control.points.push(if k > followed_knots {
             fresh.control.points[own]
         } else {
-            blossom(
-                &state(k),
-                [-spans[k.max(1) - 1], 0.0, spans.get(k).copied().unwrap_or(0.0)],
-            )
+            let before = grid[k.max(1)] - grid[k.max(1) - 1];
+            let behind = grid.get(k + 1).map_or(0.0, |next| next - at);
+            blossom(&state(k), [-before, 0.0, behind])
         });
     }
-    control.spans = spans;
-    control.set_initial();
-    control
+    control.completed(&section.reference)
 }

@@ -1,6 +1,7 @@
 //! The unknown of a plan: control points of a spline in time, from rest or from the state of a running motion. Position units and
 //! seconds.
 
+use crate::path::reference::ReferencePath;
 use crate::{Point, State, Trajectory};
 
 /// The curve as control points of a spline. A node is a control point with the instant that it stands for.
@@ -21,6 +22,27 @@ pub(crate) struct ControlPoints {
 pub(crate) const GIVEN: usize = 3;
 
 impl ControlPoints {
+    /// None yet, on the nodes of a grid, for a motion that continues one from a state on: its first `followed` nodes do what that does.
+    pub(crate) fn continuing(initial: State, grid: &[f64], followed: usize) -> ControlPoints {
+        ControlPoints {
+            points: Vec::with_capacity(grid.len()),
+            progress: Vec::with_capacity(grid.len()),
+            spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+            initial: Some(initial),
+            // The end of what is followed is free to be passed faster.
+            kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
+        }
+    }
+
+    /// All of them are there: the last one rests at the end of the reference path, the first ones are given.
+    pub(crate) fn completed(mut self, reference: &ReferencePath) -> ControlPoints {
+        let last = self.points.len() - 1;
+        self.points[last] = reference.pieces[reference.pieces.len() - 1].end();
+        self.progress[last] = reference.length();
+        self.set_initial();
+        self
+    }
+
     /// Sets the first nodes, so that the curve is in that state at the knot of node 1.
     pub(crate) fn set_initial(&mut self) {
         let (Some(initial), &[h0, h1, h2, ..]) = (self.initial, self.spans.as_slice()) else {

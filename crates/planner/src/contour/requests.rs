@@ -296,8 +296,9 @@ impl<T: Copy> ContourQueue<T> {
                 Ok(Installed::Extended(old))
             }
             late => {
-                // Too late, or no plan: the next one has more time, or a later start.
-                run.lead = (2.0 * run.lead).max(took).min(MOST_LEAD);
+                // Too late: the next one has more time. No plan: a later one begins later by itself.
+                let lead = if late.is_some() { 2.0 * run.lead } else { LEAD };
+                run.lead = lead.max(took).min(MOST_LEAD);
                 let share = if pace.is_some() { RETRY_ANEW } else { RETRY };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
