@@ -1,5 +1,6 @@
 //! The face over in-memory streams and real sockets, with the controller's real thread behind it.
 
+mod allow;
 mod attributes;
 mod browse;
 mod costs;
