@@ -46,13 +46,15 @@ export class Shell {
     this.banner = h("div.lost", { role: "alert", hidden: true });
     this.release = h("button.release-stop", { type: "button", onclick: () => app.releaseStop() }, "Release STOP");
     this.inhibited = h("div.paused-note", { role: "alert", hidden: true }, icon("stop"), h("span", {}, "Motion is inhibited by STOP. No axis can move until it is released."), this.release);
+    this.auditText = h("span");
+    this.audit = h("div.paused-note", { role: "alert", hidden: true }, icon("warning"), this.auditText);
     this.main = h("main", { id: "view", tabindex: "-1" });
     this.pausedText = h("span");
     this.paused = h("div.paused-note", { role: "status", hidden: true }, icon("pause"), this.pausedText,
       h("button", { type: "button", onclick: () => app.timeCursor.live() }, icon("live"), "Return to live"));
     app.timeCursor.on("change", () => this.#showPaused());
     this.element = h("div.shell", {}, h("a.skip", { href: "#view", onclick: (event) => this.#skip(event) }, "Skip to the view"),
-      this.bar, this.banner, this.nav, h("div.page", {}, h("div.notes", {}, app.session.note, this.inhibited, this.paused), this.main), app.toasts.element);
+      this.bar, this.banner, this.nav, h("div.page", {}, h("div.notes", {}, app.session.note, this.inhibited, this.audit, this.paused), this.main), app.toasts.element);
     theme.onchange(() => this.#showTheme());
     this.#showTheme();
     addEventListener("hashchange", () => this.#route());
@@ -132,6 +134,8 @@ export class Shell {
     if (this.tick.title !== title) this.tick.title = title;
     state(this.tick, "kind", missed ? "warn" : "calm");
     this.inhibited.hidden = !status.inhibited;
+    this.audit.hidden = !status.audit_lost;
+    text(this.auditText, `${status.audit_lost} ${status.audit_lost === 1 ? "event is" : "events are"} missing in the audit: its disk is full or too slow. The machine goes on.`);
     this.release.disabled = !store.may("operator");
     this.release.title = this.release.disabled ? "An operator may release STOP" : "";
     for (const [key, , view] of this.views) {

@@ -1065,6 +1065,8 @@ export type SlowPart = "program" | "planner";
 
 /** The state of the machine. */
 export type Status = {
+  /** Events that the audit has lost since the start; null: there is no audit. */
+  audit_lost: number | null;
   /** Every axis, in the order of the configuration. */
   axes: AxisStatus[];
   /** The controller's own program; null: it has none. */

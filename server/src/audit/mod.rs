@@ -101,8 +101,24 @@ pub(crate) struct Audit(Arc<Shared>);
 struct Shared {
     /// `None` ends the thread.
     sender: SyncSender<Option<Event>>,
-    lost: Arc<AtomicU64>,
+    lost: Arc<Lost>,
     thread: Mutex<Option<JoinHandle<()>>>,
+}
+
+/// Events that are in no line.
+#[derive(Debug, Default)]
+struct Lost {
+    /// Those that no line tells of yet.
+    untold: AtomicU64,
+    /// All since the start.
+    total: AtomicU64,
+}
+
+impl Lost {
+    fn add(&self) {
+        self.untold.fetch_add(1, Ordering::Relaxed);
+        self.total.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 impl Audit {
@@ -113,7 +129,7 @@ impl Audit {
     pub(crate) fn open(folder: &Path) -> std::io::Result<Self> {
         let files = Files::open(folder)?;
         let (sender, events) = sync_channel(WAITING);
-        let lost = Arc::new(AtomicU64::new(0));
+        let lost = Arc::new(Lost::default());
         let counted = lost.clone();
         let thread = std::thread::Builder::new()
             .name("arcline-audit".to_owned())
@@ -139,8 +155,13 @@ impl Audit {
     /// Records an event, if there is room for it.
     pub(crate) fn record(&self, event: Event) {
         if let Err(TrySendError::Full(_)) = self.0.sender.try_send(Some(event)) {
-            self.0.lost.fetch_add(1, Ordering::Relaxed);
+            self.0.lost.add();
         }
+    }
+
+    /// Events since the start that are in no line, since there was no room for them or the disk failed.
+    pub(crate) fn lost(&self) -> u64 {
+        self.0.lost.total.load(Ordering::Relaxed)
     }
 
     /// Writes what waits, and ends.
@@ -173,7 +194,7 @@ fn wait(merge: &Merge, files: &Files, head_told: Instant) -> Duration {
 }
 
 /// Runs on the thread: writes until the last sender has gone.
-fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) -> Files {
+fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost) -> Files {
     let mut merge = Merge::default();
     let mut head_told = Instant::now();
     let mut is_failing = false;
@@ -185,14 +206,22 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &AtomicU64) -
         };
         let is_over = matches!(next, Ok(None) | Err(RecvTimeoutError::Disconnected));
         lines.extend(merge.ready(if is_over { Duration::ZERO } else { MERGED }));
-        let missed = lost.swap(0, Ordering::Relaxed);
+        let missed = lost.untold.swap(0, Ordering::Relaxed);
         if missed > 0 {
-            warn!(missed, "the audit has lost events");
+            if !is_failing {
+                warn!(missed, "the audit has lost events");
+            }
             lines.push((lost_event(missed), 1));
         }
         for (event, count) in &lines {
             if let Err(error) = files.append(event, *count) {
-                lost.fetch_add(1, Ordering::Relaxed);
+                match event.what {
+                    // Its events are told of later.
+                    What::AuditLost => {
+                        lost.untold.fetch_add(missed, Ordering::Relaxed);
+                    }
+                    _ => lost.add(),
+                }
                 if !std::mem::replace(&mut is_failing, true) {
                     error!(%error, "the audit cannot be written; the machine goes on");
                 }

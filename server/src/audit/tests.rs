@@ -179,6 +179,9 @@ fn a_disk_that_is_full_costs_lines_only() {
         kept >= 60_000 && (lost > 0 || kept > 200_000),
         "{kept} lines, {lost} that tell a loss"
     );
+    let events = |line: &str| line.split_once(" events")?.0.rsplit('"').next()?.parse::<u64>().ok();
+    let told: u64 = text.lines().filter_map(events).sum();
+    assert_eq!(told, audit.lost(), "every loss is told once");
 }
 
 /// A crash between a new file and its first line leaves it empty, or with a part of that line.
@@ -213,6 +216,6 @@ fn lines_are_synchronised_without_further_lines() {
     for event in [Some(event(2, false)), None] {
         sender.send(event).expect("there is room");
     }
-    let files = write(files, &events, &AtomicU64::new(0));
+    let files = write(files, &events, &Lost::default());
     assert!(!files.is_dirty(), "at the end");
 }

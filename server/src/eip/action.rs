@@ -8,6 +8,7 @@ use arcline_proto::epath::Target;
 
 use super::objects::{Access, Object, Objects};
 use super::status::unknown;
+use crate::plant::Asked;
 
 /// A request that is no packet of requests, taken apart.
 #[derive(Debug)]
@@ -107,6 +108,17 @@ impl Action {
             service::READ_MODIFY_WRITE_TAG => Self::WriteTag(TagWrite::Modify),
             _ => return None,
         })
+    }
+
+    /// What it is counted as.
+    pub(crate) const fn asked(&self) -> Asked {
+        match self {
+            Self::ReadTag(_) => Asked::TagReads,
+            Self::WriteTag(_) => Asked::TagWrites,
+            Self::Motion => Asked::Instructions,
+            Self::Object(..) | Self::Named(_) => Asked::Objects,
+            Self::Refused(_) => Asked::Unknown,
+        }
     }
 
     /// Whether it is answered under the plant's lock, since it may write to the tag memory.

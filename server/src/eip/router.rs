@@ -100,10 +100,18 @@ impl Router {
                 step = Some(answer(&context, memory, &parsed));
             })
             .await;
-        match step {
+        let reply = match step {
             Some(step) => self.finish(step, &parsed, kept, &context).await,
             None => Reply::error(request.service, CipStatus::RESOURCE_UNAVAILABLE),
-        }
+        };
+        self.count(&parsed, &reply);
+        reply
+    }
+
+    fn count(&self, parsed: &ParsedRequest<'_>, reply: &Reply) {
+        // Part of a value is an answer.
+        let is_done = reply.status.is_success() || reply.status.is(CipStatus::PARTIAL_TRANSFER);
+        self.device.plant.asked(parsed.action.asked(), is_done);
     }
 
     /// A write that must be kept and is not does not succeed.
@@ -163,7 +171,12 @@ impl Router {
                         room -= reply.len() - REPLY_HEAD;
                     }
                     match step {
-                        Step::Done(reply) if at_once => replies.push(&reply),
+                        Step::Done(reply) if at_once => {
+                            if let Ok(parsed) = parsed {
+                                self.count(parsed, &reply);
+                            }
+                            replies.push(&reply);
+                        }
                         step => steps.push(step),
                     }
                 }
@@ -178,7 +191,11 @@ impl Router {
             }
             let context = self.context(replies.budget(), transport);
             let reply = match (parsed, step) {
-                (Ok(parsed), step) => self.finish(step, parsed, kept, &context).await,
+                (Ok(parsed), step) => {
+                    let reply = self.finish(step, parsed, kept, &context).await;
+                    self.count(parsed, &reply);
+                    reply
+                }
                 (Err(error), _) => error.reply(),
             };
             replies.push(&reply);

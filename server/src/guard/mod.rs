@@ -176,6 +176,13 @@ impl Guard {
         self.table().leave(session);
     }
 
+    /// Clients that are here: of EtherNet/IP, and viewers of the page.
+    pub(crate) fn count(&self) -> [usize; 2] {
+        let clients = self.clients();
+        let viewers = clients.range(VIEWERS..).count();
+        [clients.len() - viewers, viewers]
+    }
+
     /// A client has told more of itself.
     pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
         if self.clients().contains_key(&session) {

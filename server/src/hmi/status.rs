@@ -121,6 +121,7 @@ impl Words {
                     bits: set(view.image, &machine.group, &self.group),
                 },
                 inhibited: shared.plant.is_inhibited(),
+                audit_lost: shared.plant.audit_lost(),
                 realtime: realtime(&health),
                 drivers,
                 controller: super::controller::status(&shared.plant),

@@ -11,7 +11,7 @@ use arcline_instruction_set::SystemId;
 use arcline_instruction_set::predefined::{axis_status, histogram_edge};
 
 use self::text::Text;
-use crate::plant::{Counter, Plant};
+use crate::plant::{Asked, Counter, Plant};
 
 /// The content type of the text.
 pub(crate) const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
@@ -30,6 +30,32 @@ pub(crate) fn metrics(plant: &Plant) -> String {
     for (kind, count) in &commands {
         text.value(&[("kind", kind), ("outcome", "done")], count.done as f64);
         text.value(&[("kind", kind), ("outcome", "refused")], count.refused as f64);
+    }
+    text.family(
+        "arcline_requests_total",
+        "counter",
+        "Requests of all EtherNet/IP clients since the start, by kind and outcome; those of a packet of requests one by one.",
+    );
+    for asked in Asked::ALL {
+        let count = plant.requests(asked);
+        text.value(&[("kind", asked.name()), ("outcome", "done")], count.done as f64);
+        text.value(&[("kind", asked.name()), ("outcome", "refused")], count.refused as f64);
+    }
+    text.family(
+        "arcline_sessions",
+        "gauge",
+        "Clients with a session, and viewers of the page.",
+    );
+    for (door, count) in ["ethernet_ip", "page"].into_iter().zip(plant.guard().count()) {
+        text.value(&[("door", door)], count as f64);
+    }
+    if let Some(lost) = plant.audit_lost() {
+        text.single(
+            "arcline_audit_lost_total",
+            "counter",
+            "Events that are in no line of the audit: there was no room, or the disk failed.",
+            lost as f64,
+        );
     }
     text.family("arcline_build_info", "gauge", "The version, 1.");
     text.value(&[("version", env!("CARGO_PKG_VERSION"))], 1.0);

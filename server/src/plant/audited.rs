@@ -28,6 +28,11 @@ impl Plant {
         }
     }
 
+    /// Events that the audit has lost since the start; `None`: there is no audit.
+    pub(crate) fn audit_lost(&self) -> Option<u64> {
+        self.0.audit.get().map(Audit::lost)
+    }
+
     /// Records what is no command of the plant.
     pub(crate) fn record(&self, principal: Principal, what: What, object: String, result: &'static str) {
         let role = self.0.roles.of(principal);

@@ -68,6 +68,60 @@ pub struct Count {
     pub refused: u64,
 }
 
+/// A kind of EtherNet/IP requests.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Asked {
+    /// Reads of tags.
+    TagReads,
+    /// Writes of tags.
+    TagWrites,
+    /// Services of motion objects.
+    Instructions,
+    /// Services of other objects.
+    Objects,
+    /// What does not exist.
+    Unknown,
+}
+
+impl Asked {
+    /// Every kind, in their order.
+    pub(crate) const ALL: [Asked; 5] = [
+        Asked::TagReads,
+        Asked::TagWrites,
+        Asked::Instructions,
+        Asked::Objects,
+        Asked::Unknown,
+    ];
+
+    /// Its name, for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::TagReads => "tag reads",
+            Self::TagWrites => "tag writes",
+            Self::Instructions => "instructions",
+            Self::Objects => "objects",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// The requests of EtherNet/IP clients, those in packets of requests one by one.
+#[derive(Debug, Default)]
+pub(super) struct Requests([[AtomicU64; 2]; Asked::ALL.len()]);
+
+impl Requests {
+    pub(super) fn count(&self, asked: Asked, is_done: bool) {
+        self.0[asked as usize][usize::from(!is_done)].fetch_add(1, Ordering::Relaxed);
+    }
+
+    pub(super) fn of(&self, asked: Asked) -> Count {
+        let [done, refused] = self.0[asked as usize]
+            .each_ref()
+            .map(|count| count.load(Ordering::Relaxed));
+        Count { done, refused }
+    }
+}
+
 /// The counters.
 #[derive(Debug, Default)]
 pub(super) struct Counters([[AtomicU64; 2]; Counter::ALL.len()]);

@@ -62,8 +62,9 @@ pub use changes::{Changes, TagChanges};
 pub use client::ClientIdentity;
 pub use command::{Call, Command, Outcome, Refused, Systems};
 use control::Control;
-use counters::Counters;
+pub(crate) use counters::Asked;
 pub use counters::{Count, Counter};
+use counters::{Counters, Requests};
 pub use forces::{Force, ForceError};
 pub use io::View;
 pub use log::{Change, Logged, Rest, RestCause};
@@ -149,6 +150,7 @@ pub(crate) struct Shared {
     /// The objects that viewers of the page have control of.
     control: Mutex<Control>,
     counters: Counters,
+    requests: Requests,
     log_limit: LogLimit,
     /// The role of each client.
     roles: Roles,
@@ -240,6 +242,7 @@ impl Plant {
             guard,
             control: Mutex::default(),
             counters: Counters::default(),
+            requests: Requests::default(),
             log_limit: LogLimit::default(),
             roles: Roles::default(),
             audit: OnceLock::new(),
@@ -389,6 +392,16 @@ impl Plant {
     /// How many commands of a kind there were.
     pub fn count(&self, counter: Counter) -> Count {
         self.0.counters.of(counter)
+    }
+
+    /// Counts a request of an EtherNet/IP client.
+    pub(crate) fn asked(&self, asked: Asked, is_done: bool) {
+        self.0.requests.count(asked, is_done);
+    }
+
+    /// How many requests of a kind EtherNet/IP clients made.
+    pub(crate) fn requests(&self, asked: Asked) -> Count {
+        self.0.requests.of(asked)
     }
 
     /// Looks at executions, but does not wait for the lock. The first argument tells whether a jog of

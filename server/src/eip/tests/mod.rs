@@ -4,6 +4,7 @@ mod allow;
 mod attributes;
 mod browse;
 mod costs;
+mod counts;
 mod hostile;
 mod io;
 mod loss;

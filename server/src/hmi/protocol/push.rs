@@ -144,6 +144,8 @@ pub(crate) struct Status {
     pub(crate) group: GroupStatus,
     /// Whether STOP inhibits motion until it is released.
     pub(crate) inhibited: bool,
+    /// Events that the audit has lost since the start; null: there is no audit.
+    pub(crate) audit_lost: Option<u64>,
     /// The real-time thread.
     pub(crate) realtime: RealTime,
     /// The viewer that has control of an object, by the object's name.

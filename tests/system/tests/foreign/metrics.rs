@@ -133,7 +133,7 @@ fn prometheus_scrapes_the_server() {
     let axes = query(free, "count(arcline_axis_enabled)").expect("an answer");
     assert_eq!(axes["data"]["result"][0]["value"][1], "7", "{axes}");
     let loaded = get(free, "/api/v1/rules").expect("an answer");
-    assert_eq!(loaded.matches("\"health\":").count(), 7, "{loaded}");
+    assert_eq!(loaded.matches("\"health\":").count(), 8, "{loaded}");
     assert_eq!(loaded.matches("\"health\":\"err\"").count(), 0, "{loaded}");
 
     let dashboard = std::fs::read_to_string(workspace().join("docs/metrics/dashboard.json")).expect("the dashboard");
