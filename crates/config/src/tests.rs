@@ -1,6 +1,6 @@
 //! Texts in, projects and errors out.
 
-use arcline_controller::image::Image;
+use arcline_controller::image::{Image, Writers};
 use arcline_controller::machine::ProgrammedStopMode;
 use arcline_controller::machine::{
     AxisKind, AxisLimits, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence,
@@ -469,6 +469,43 @@ fn tags_have_structures_dimensions_scopes_and_first_values() {
     assert_eq!((bits.tag_type.symbol_type(), bits.first[0]), (0x20D3, 0b101));
     assert_eq!((inner.program.as_deref(), inner.first[7]), (Some("Main"), 0x80));
     assert_eq!((last.tag_type.symbol_type(), last.tag_type.size()), (0x00C2, 1));
+}
+
+#[test]
+fn a_tag_has_rules_for_those_who_write_it() {
+    let text = |rows: &str| format!("[[tag]]\nname = \"T\"\n{rows}\n");
+    let project = load(
+        &text("type = \"DINT[2]\"\nmin = -10\nmax = 20\nwrite_role = \"engineer\""),
+        "t.toml",
+    );
+    let rule = project.unwrap_or_else(|error| panic!("{error}")).tags[0].rule;
+    assert_eq!(rule.writers, Writers::Engineers);
+    assert_eq!(rule.range.map(|range| (range.least, range.most)), Some((-10.0, 20.0)));
+    #[rustfmt::skip]
+    let cases = [
+        ("no number",            "type = \"STRING\"\nmin = 1",                               "min"),
+        ("a pattern of bits",    "type = \"BOOL\"\nmax = 1",                                 "max"),
+        ("not whole",            "type = \"INT\"\nmax = 1.5",                                "max"),
+        ("beyond the type",      "type = \"SINT\"\nmax = 200",                               "max"),
+        ("the wrong way round",  "type = \"INT\"\nmin = 5\nmax = 4\nvalue = 5",             "max"),
+        ("a first value beyond", "type = \"REAL[2]\"\nmax = 2.0\nvalue = [1, 3]",           "value"),
+        ("zeros beyond",         "type = \"REAL\"\nmin = 2.0",                               "min"),
+        ("no such role",         "type = \"INT\"\nwrite_role = \"viewer\"",                 "write_role"),
+        ("nobody writes it",     "type = \"INT\"\naccess = \"read_only\"\nmin = 0",         "min"),
+        ("a control tag",        "type = \"MOTION_INSTRUCTION\"\nwrite_role = \"engineer\"", "write_role"),
+    ];
+    for (why, rows, key) in cases {
+        let error = load(&text(rows), "t.toml").expect_err(why).to_string();
+        assert!(
+            error.contains(&format!("tag[T].{key}")) || error.contains(key),
+            "{why}: {error}"
+        );
+    }
+    let alias = format!(
+        "{}[[tag]]\nname = \"U\"\nalias = \"T\"\nmax = 1\n",
+        text("type = \"INT\"")
+    );
+    assert!(load(&alias, "t.toml").is_err(), "an alias has none of its own");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use std::net::SocketAddr;
 
-use arcline_controller::image::Access;
+use arcline_controller::image::{Access, Writers};
 use arcline_controller::machine::{
     Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Feed, Geometry, Home,
     HomeDirection, HomeMode, HomeSequence, Inputs, Machine, Orientation, ProgrammedStopMode, Robot, Sensor,
@@ -501,6 +501,18 @@ fn tag(tag: &PlainTag) -> Value {
         _ => "read_write",
     };
     put("access", text(access));
+    let role = match tag.rule.writers {
+        Writers::Operators => None,
+        Writers::Engineers => Some("engineer"),
+        Writers::Administrators => Some("administrator"),
+    };
+    if let Some(role) = role {
+        put("write_role", text(role));
+    }
+    let range = tag.rule.range.map(|range| [("min", range.least), ("max", range.most)]);
+    for (key, bound) in range.into_iter().flatten().filter(|(_, bound)| bound.is_finite()) {
+        put(key, Value::Float(bound));
+    }
     match &tag.alias {
         Some(path) => {
             put("alias", text(&path.to_string()));

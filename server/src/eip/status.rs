@@ -41,6 +41,7 @@ fn write_status(error: &WriteError) -> CipStatus {
     match error {
         WriteError::NoRoom { .. } => CipStatus::RESOURCE_UNAVAILABLE,
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
+        WriteError::OutsideRange { .. } => CipStatus::INVALID_ATTRIBUTE_VALUE,
         WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),
     }

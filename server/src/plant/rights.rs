@@ -5,7 +5,7 @@
 //! tests derive from it. Whose turn it is to move an axis is another question (`control`).
 
 use arcline_config::Role;
-use arcline_controller::image::{Image, TagId, TagKind};
+use arcline_controller::image::{Image, TagId, TagKind, Writers};
 use arcline_instruction_set::Mnemonic;
 
 use super::command::{Call, Command};
@@ -46,6 +46,8 @@ rights! {
     Stop:              Viewer,        "stop",                "STOP, hold, MAS, MCS and MGS (as services, by `EnableIn` of their tags, on the page), end a jog, pause and end a program";
     WriteTag:          Operator,      "write tags",          "write tags, in whole, in part, by masks or as members of structures, but for those that other rows name";
     Move:              Operator,      "move",                "execute all other instructions: moves, jogs, servo on and off, shutdown and reset, clearing of faults";
+    EngineersTag:      Engineer,      "write tags of engineers", "write, and delete, tags whose `write_role` is `engineer`";
+    AdministratorsTag: Administrator, "write tags of administrators", "write, and delete, tags whose `write_role` is `administrator`";
     Override:          Operator,      "override",            "set feed overrides up to 100 %; resume";
     StepClock:         Operator,      "step the clock",      "let ticks pass on the step clock (`--clock step`)";
     ReleaseStop:       Operator,      "release STOP",        "release a STOP";
@@ -84,7 +86,7 @@ impl Right {
                 Some(TagKind::FaultInject) => Right::InjectFaults,
                 // A bit of a number may make it any number.
                 Some(TagKind::FeedOverride) => Right::OverrideAbove,
-                _ => Right::WriteTag,
+                _ => of_tag(image, *tag),
             },
             Command::SetAttribute { .. } => Right::SetAttribute,
             Command::InjectFaults { .. } => Right::InjectFaults,
@@ -99,9 +101,19 @@ impl Right {
             Command::RungFalse(..) => Right::Stop,
             Command::SetMode(_) => Right::ChangeMode,
             Command::Force(_) | Command::RemoveForce(_) => Right::Force,
+            Command::DeleteTag(tag) if of_tag(image, *tag) == Right::AdministratorsTag => Right::AdministratorsTag,
             Command::CreateTag(_) | Command::DeleteTag(_) => Right::ChangeTags,
             Command::Reload { .. } | Command::Lose { .. } | Command::Disown(_) => Right::Serve,
         }
+    }
+}
+
+/// Of a plain tag.
+fn of_tag(image: &Image, tag: TagId) -> Right {
+    match image.tag(tag).map(|tag| tag.rule.writers) {
+        Some(Writers::Engineers) => Right::EngineersTag,
+        Some(Writers::Administrators) => Right::AdministratorsTag,
+        _ => Right::WriteTag,
     }
 }
 
@@ -143,7 +155,7 @@ fn written(image: &Image, tag: TagId, offset: usize, data: &[u8]) -> Right {
             rights.max_by_key(|right| right.least()).unwrap_or(Right::WriteTag)
         }
         // An instruction's tag with all of its operands executes it; alone its EnableIn does.
-        _ => Right::WriteTag,
+        _ => of_tag(image, tag),
     }
 }
 

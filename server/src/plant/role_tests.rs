@@ -4,7 +4,6 @@ use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::PlainTag;
 use arcline_instruction_set::{AxisId, Given, Mnemonic, SystemId};
 
-use super::tests::project;
 use super::*;
 use crate::guard::VIEWERS;
 use crate::pages::compare_or_write_part;
@@ -49,13 +48,19 @@ fn plain_tag() -> PlainTag {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn every_command_for_every_role_of_every_principal() {
-    let (plant, handle) = Plant::start(&project()).expect("a thread");
+    let ruled = "[[tag]]\nname = \"Recipe\"\ntype = \"DINT\"\nwrite_role = \"engineer\"\n[[tag]]\nname = \"Serial\"\ntype = \"DINT\"\nwrite_role = \"administrator\"\n";
+    let text = format!("{}\n{ruled}", arcline_config::DEFAULT);
+    let ruled = arcline_config::load(&text, "test").expect("it is valid");
+    let (plant, handle) = Plant::start(&ruled).expect("a thread");
     let fresh = plain_tag();
     let (half, double, zero) = (50_f32.to_le_bytes(), 150_f32.to_le_bytes(), [0; 4]);
     let stop_all = [Given::Word("All".into())];
     #[rustfmt::skip]
     let cases = [
         ("a plain tag",              Right::WriteTag,      write(&plant, "Move1.Speed", &half)),
+        ("a tag of engineers",       Right::EngineersTag,  write(&plant, "Recipe", &half)),
+        ("a bit of it",              Right::EngineersTag,  write(&plant, "Recipe.3", &[1])),
+        ("a tag of administrators",  Right::AdministratorsTag, write(&plant, "Serial", &half)),
         ("EnableIn of a move",       Right::Move,          write(&plant, "Move1.EnableIn", &[1])),
         ("an override",              Right::Override,      write(&plant, "FeedOverride[0]", &half)),
         ("an override above 100 %",  Right::OverrideAbove, write(&plant, "FeedOverride[0]", &double)),
@@ -76,6 +81,7 @@ async fn every_command_for_every_role_of_every_principal() {
         ("a mode",                   Right::ChangeMode,    Command::SetMode(Mode::Run)),
         ("a force",                  Right::Force,         Command::RemoveForce(None)),
         ("a new tag",                Right::ChangeTags,    Command::CreateTag(&fresh)),
+        ("an administrators' tag that goes", Right::AdministratorsTag, Command::DeleteTag(tag_of(&plant, "Serial"))),
         ("a tag that goes",          Right::ChangeTags,    Command::DeleteTag(tag_of(&plant, "Move1"))),
         ("Lose",                     Right::Serve,         Command::Lose { lost: Principal::Viewer(99), reaction: ConnectionLoss::Finish }),
         ("Disown",                   Right::Serve,         Command::Disown(Principal::Viewer(99))),

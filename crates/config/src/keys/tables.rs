@@ -1229,6 +1229,24 @@ pub(crate) static TAG: Keys = Keys {
             meaning: r#"`"read_only"`: clients may not write it"#,
         },
         Key {
+            name: "write_role",
+            kind: Kind::Word(&["operator", "engineer", "administrator"]),
+            default: Default::Text("operator"),
+            meaning: "the least role that may write it ([security](SECURITY.md))",
+        },
+        Key {
+            name: "min",
+            kind: Kind::Number(Range::Any, ""),
+            default: Default::Prose("none"),
+            meaning: "the least number that clients may write to it or to an element of it; of integers and reals. A write of several elements of which one is outside writes none",
+        },
+        Key {
+            name: "max",
+            kind: Kind::Number(Range::Any, ""),
+            default: Default::Prose("none"),
+            meaning: "the greatest, likewise",
+        },
+        Key {
             name: "value",
             kind: Kind::Any,
             default: Default::Prose("zeros"),

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use arcline_controller::image::{Access, MAX_PLAIN_BYTES};
+use arcline_controller::image::{Access, MAX_PLAIN_BYTES, NumberRange, WriteRule, Writers};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object, predefined};
-use arcline_tag::{Elementary, PathSegment, TagPath, TagType, nearest};
+use arcline_tag::{DataType, Elementary, PathSegment, TagPath, TagType, Value, nearest};
 
 use super::names::{Taken, unknown_name};
 use super::types::Types;
@@ -88,6 +88,7 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
             name,
             program,
             access: Access::ReadWrite,
+            rule: rule(&section, &tag_type),
             first: first(&section, &tag_type),
             tag_type,
             alias: alias.map(|alias| alias.path),
@@ -98,6 +99,69 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
         tags.push(tag);
     }
     tags
+}
+
+/// Who may write a tag, and which numbers.
+fn rule(section: &Section<'_>, tag_type: &TagType) -> WriteRule {
+    for key in ["write_role", "min", "max"] {
+        if section.has(key) && section.has("alias") {
+            section.conflict(key, "alias", "an alias has the rules of what it stands for");
+        } else if section.has(key) && section.word("access") == Some("read_only") {
+            section.conflict(key, "access", "no client writes a read-only tag");
+        }
+    }
+    let writers = match section.word("write_role") {
+        Some("engineer") => Writers::Engineers,
+        Some("administrator") => Writers::Administrators,
+        _ => Writers::Operators,
+    };
+    let bounds = ["min", "max"].map(|key| section.number(key).map(|number| (key, number)));
+    if bounds == [None; 2] {
+        return WriteRule { writers, range: None };
+    }
+    let kind = match tag_type.data_type {
+        DataType::Elementary(kind) if NumberRange::is_of(kind) => kind,
+        _ => {
+            for (key, _) in bounds.into_iter().flatten() {
+                section.conflict(key, "type", "only numbers have a range");
+            }
+            return WriteRule { writers, range: None };
+        }
+    };
+    let [least, most] = bounds.map(|bound| {
+        let (key, number) = bound?;
+        let rounded = Value::from_f64(kind, number).as_f64();
+        // A REAL has the nearest number, an integer must have this one.
+        let fits = if kind.is_real() {
+            rounded.is_finite()
+        } else {
+            rounded == number
+        };
+        if !fits {
+            section.refuse_value(key, format!("a number that {} has", kind.name()));
+        }
+        fits.then_some(rounded)
+    });
+    let range = NumberRange {
+        least: least.unwrap_or(f64::NEG_INFINITY),
+        most: most.unwrap_or(f64::INFINITY),
+    };
+    if range.least > range.most {
+        section.refuse_value("max", "a number that is not below `min`");
+    }
+    let mut first = first(section, tag_type);
+    first.resize(tag_type.size(), 0);
+    let mut values = first
+        .chunks_exact(kind.size())
+        .filter_map(|bytes| Value::read(kind, bytes));
+    if !values.all(|value| range.holds(value)) {
+        let key = if section.has("value") { "value" } else { "min" };
+        section.refuse_value(key, format!("a first value in the range of the tag, {range}"));
+    }
+    WriteRule {
+        writers,
+        range: Some(range),
+    }
 }
 
 /// The type of a tag: its own, or that of what it stands for.
@@ -123,6 +187,7 @@ fn type_of(section: &Section<'_>, alias: Option<&Alias>, types: &Types) -> Optio
     for (key, reason) in [
         ("program", "a motion control tag is in the controller's scope"),
         ("value", "only instructions write a motion control tag"),
+        ("write_role", "only instructions write a motion control tag"),
     ] {
         if section.has(key) {
             section.conflict(key, "type = \"MOTION_INSTRUCTION\"", reason);

@@ -62,6 +62,16 @@ pub enum WriteError {
         /// The most.
         high: f32,
     },
+    /// A number outside of the tag's own range.
+    #[error("{name} cannot be {value}, expected {range}")]
+    OutsideRange {
+        /// The tag, and the element of an array.
+        name: String,
+        /// The number.
+        value: f64,
+        /// The range, as a phrase.
+        range: String,
+    },
     /// An attribute that only the configuration sets.
     #[error("{name} cannot be set while the machine runs, only by the configuration")]
     NotSettable {

@@ -33,6 +33,7 @@ mod tag;
 #[cfg(test)]
 mod tests;
 mod write;
+mod write_rule;
 mod written;
 
 use std::collections::BTreeMap;
@@ -60,6 +61,7 @@ pub use motion_inhibit::MOTION_INHIBIT_TAG;
 pub use program::{ChangedPart, ForeignChanges};
 pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use write_rule::{NumberRange, WriteRule, Writers};
 pub use written::Written;
 
 /// How many instructions the controller can still be sent: a write of `EnableIn` beyond that is refused.
@@ -309,6 +311,7 @@ impl Image {
             tag_type,
             kind,
             access: kind.access(),
+            rule: WriteRule::default(),
         };
         self.tags.insert(at, tag);
         self.table.changes = self.table.changes.wrapping_add(1);
@@ -353,6 +356,7 @@ impl Image {
             _ => None,
         };
         if let Some(row) = self.place(id) {
+            self.tags[row].rule = tag.rule;
             self.tags[row].access = match base {
                 Some(Access::ReadOnly) => Access::ReadOnly,
                 _ => tag.access,

@@ -320,6 +320,7 @@ impl Image {
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
         if let Some(row) = self.place(id) {
             self.tags[row].access = after.access;
+            self.tags[row].rule = after.rule;
             if let Some(bytes) = self.bytes.get_mut(row).filter(|_| anew) {
                 let length = bytes.len();
                 bytes.fill(0);

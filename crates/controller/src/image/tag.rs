@@ -3,6 +3,8 @@
 use arcline_instruction_set::{AxisId, ControlSlot, Mnemonic, SystemId, predefined};
 use arcline_tag::{DataType, TagPath, TagType};
 
+use super::WriteRule;
+
 /// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct TagId(pub u32);
@@ -84,6 +86,8 @@ pub struct Tag {
     pub kind: TagKind,
     /// Whether clients may write at least a part of it.
     pub access: Access,
+    /// What it asks of those who write it.
+    pub rule: WriteRule,
 }
 
 /// Type word of a program in the list of tags (spec/ethernet-ip.md §10).
@@ -136,6 +140,8 @@ pub struct PlainTag {
     pub tag_type: TagType,
     /// Who may write.
     pub access: Access,
+    /// What it asks of those who write it.
+    pub rule: WriteRule,
     /// Its first bytes; empty: zeros.
     pub first: Vec<u8>,
     /// What it stands for; `None`: itself.
@@ -150,6 +156,7 @@ impl PlainTag {
             program: None,
             tag_type,
             access: Access::ReadWrite,
+            rule: WriteRule::default(),
             first: Vec::new(),
             alias: None,
         }

@@ -56,6 +56,7 @@ impl Image {
             Some(TagKind::ClockStep) => return self.write_clock_step(id, data),
             _ => {}
         }
+        self.check_range(id, offset, data)?;
         if let Some(bytes) = self.bytes_mut(id) {
             bytes[offset..offset + data.len()].copy_from_slice(data);
         }
@@ -86,6 +87,9 @@ impl Image {
         if self.tag(id).is_some_and(|tag| tag.kind == TagKind::MotionInhibit) {
             return self.write_motion_inhibit(id, &[u8::from(on)]);
         }
+        let mut byte = self.bytes(id).get(offset).copied().unwrap_or_default();
+        put_bit(&mut byte, mask, on);
+        self.check_range(id, offset, &[byte])?;
         let rises = on && self.bytes(id).get(offset).is_some_and(|byte| byte & mask == 0);
         if enable.is_some() && rises {
             self.take_room(id)?;

@@ -16,6 +16,7 @@ mod pitfalls;
 mod published;
 mod race;
 mod roles;
+mod rules;
 mod security;
 mod series;
 mod sessions;

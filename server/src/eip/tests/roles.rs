@@ -21,7 +21,7 @@ const FEED_OVERRIDE: (u16, u16) = (0x0302, arcline_proto::arcline::motion::coord
 const PRIVILEGE: u8 = 0x0F;
 
 impl Bench {
-    async fn client_as(&self, role: Role) -> Client {
+    pub(super) async fn client_as(&self, role: Role) -> Client {
         let (ours, theirs) = tokio::io::duplex(64 * 1024);
         let incoming = Incoming {
             slot: None,
