@@ -1,7 +1,7 @@
 // Users in the browser: a log-in, a lock, STOP without any right, names that look like markup. A case throws when it does not hold.
 
 import assert from "node:assert/strict";
-import { close, go, open, release, take } from "./browser.mjs";
+import { close, go, open, release, take, VIEWS } from "./browser.mjs";
 
 const PASSWORD = "a long password";
 /** The user whose name is markup. */
@@ -33,11 +33,10 @@ export async function a_login_gives_the_role({ browser, url, folder }) {
   await stop(page);
   assert.ok(await page.getByRole("button", { name: "Release STOP" }).isDisabled(), "a viewer does not release STOP");
   await session(page, "Log in").click();
+  await page.locator(".login-notice", { hasText: MARKUP }).waitFor();
   await logIn(page, "anna", "a wrong password");
   await page.getByText("The user or the password is wrong.").waitFor();
   await page.screenshot({ path: `${folder}/login-wrong-${scheme}.png` });
-  // The browser tells the refusal, too.
-  page.faults = page.faults.filter((fault) => !fault.includes("401"));
   await logIn(page, null, PASSWORD);
   await session(page, "anna, operator").waitFor();
   const cookies = await page.context().cookies();
@@ -62,6 +61,8 @@ export async function a_login_gives_the_role({ browser, url, folder }) {
   await page.getByRole("button", { name: "Log out" }).click();
   await session(page, "Log in").waitFor();
   assert.deepEqual(await page.context().cookies(), [], "the cookie has gone");
+  // The browser tells the refusal, too.
+  page.faults = page.faults.filter((fault) => !fault.includes("401"));
   await close(page);
 }
 
@@ -80,4 +81,31 @@ export async function a_users_name_is_text({ browser, url, folder }) {
   for (const one of [page, other]) assert.equal(await one.locator("img").count(), 0, "no element is made of a name");
   await close(page);
   await close(other);
+}
+
+/** Texts of the configuration, of tags, programs and events are text in every view. */
+export async function names_and_values_are_text({ browser, url, folder }) {
+  const page = await open(browser, url, "machine");
+  const opened = [];
+  page.on("dialog", (dialog) => {
+    opened.push(dialog.message());
+    dialog.dismiss();
+  });
+  await page.getByText(MARKUP).first().waitFor();
+  await go(page, "tags");
+  await page.getByLabel("Name of a tag or member to watch").fill("Text");
+  await page.getByRole("button", { name: "Watch", exact: true }).click();
+  await page.locator(".watch-list tbody tr .value", { hasText: "onerror=alert(4)" }).waitFor();
+  await page.getByLabel("Search tags").fill(MARKUP);
+  await go(page, "program");
+  await page.getByLabel("Program in Structured Text").fill(`// ${MARKUP}\nMCLM(${MARKUP}, M1);\n`);
+  await page.locator(".editor-errors:not(:empty)").waitFor({ state: "attached" });
+  for (const view of VIEWS) {
+    await go(page, view);
+    await page.locator("main section, main .view").first().waitFor();
+    assert.equal(await page.locator("main img, header img, nav img, main script").count(), 0, `no element is made of a text in ${view}`);
+  }
+  await page.screenshot({ path: `${folder}/markup.png` });
+  assert.deepEqual(opened, [], "no text is executed");
+  await close(page);
 }

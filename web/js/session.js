@@ -85,10 +85,12 @@ export class Session {
       password.value = "";
       password.focus();
     };
+    const notice = locked === null ? this.app.store.machine.login_notice : null;
     return h("form", { onsubmit: (event) => {
       event.preventDefault();
       send();
     } },
+    h("p.login-notice", { hidden: notice === null }, notice ?? ""),
     h("span", {}, locked === null ? "Until you log in you may look and stop." : "This page is locked. You may look and stop."),
     h("label", {}, "User ", user), h("label", {}, "Password ", password), submit,
     locked === null ? h("button", { type: "button", onclick: () => this.#toggle() }, "Cancel") : this.#logOut(), problem);

@@ -752,6 +752,8 @@ export type Machine = {
   coordinate_systems: SystemConfiguration[];
   /** Name of the motion group. */
   group: string;
+  /** What is shown beside the log-in; null: nothing. */
+  login_notice: string | null;
   /** Name of the server. */
   name: string;
   /** Coarse update period, s. */

@@ -132,6 +132,8 @@ pub struct Security {
     pub hmi_tls: Option<SocketAddr>,
     /// Names of the host by which browsers reach the page, beside those of the certificate.
     pub hmi_names: Vec<String>,
+    /// What the page shows beside its log-in.
+    pub login_notice: Option<String>,
     /// The file with the users of the page and the tokens of scripts; `None`: there are no log-ins.
     pub users: Option<String>,
     /// Time without a person at the page after which its session is locked, s.
@@ -179,6 +181,7 @@ impl Default for Security {
             remote_plain: Role::Viewer,
             hmi_tls: None,
             hmi_names: Vec::new(),
+            login_notice: None,
             users: None,
             idle: 1800,
             session: 43_200,

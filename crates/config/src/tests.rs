@@ -916,6 +916,7 @@ check_expiration = false
 remote_plain = "operator"
 hmi_tls = "0.0.0.0:8443"
 hmi_names = ["cell-4", "cell-4.plant.example"]
+login_notice = "Only trained staff.\nAll is recorded."
 users = "users.toml"
 idle_s = 600
 session_s = 3600

@@ -153,6 +153,12 @@ fn security(security: &Security) -> Vec<(&'static str, Value)> {
         let names = security.hmi_names.iter().map(|name| text(name));
         all.push(("hmi_names", Value::Array(names.collect())));
     }
+    all.extend(
+        security
+            .login_notice
+            .as_deref()
+            .map(|notice| ("login_notice", text(notice))),
+    );
     all.extend(security.users.as_deref().map(|file| ("users", text(file))));
     let lists = [
         ("plain_allow", &security.plain_allow),

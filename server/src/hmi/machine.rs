@@ -17,6 +17,8 @@ pub(super) struct Machine {
     period_s: f64,
     /// Name of the motion group.
     group: String,
+    /// What is shown beside the log-in; null: nothing.
+    login_notice: Option<String>,
     /// Every axis.
     axes: Vec<AxisConfiguration>,
     /// Every coordinate system.
@@ -144,6 +146,7 @@ pub(super) fn description(plant: &Plant) -> Machine {
         version: env!("CARGO_PKG_VERSION"),
         period_s: machine.period(),
         group: machine.group.clone(),
+        login_notice: plant.server().security.login_notice.clone(),
         axes: machine.axes.iter().map(axis).collect(),
         coordinate_systems: systems.collect(),
     }

@@ -65,7 +65,7 @@ pub fn case_with_users(name: &str, over_https: bool) {
     ]);
     run(&["certs", "init", &at("")]);
     let cell = std::fs::read_to_string(crate::fixture("config/cell.toml")).expect("a file of the project");
-    let security = "users = \"users.toml\"\nloopback = \"viewer\"\nhmi_tls = \"127.0.0.1:0\"";
+    let security = "login_notice = \"Trained staff only. <img src=x onerror=alert(1)>\"\nusers = \"users.toml\"\nloopback = \"viewer\"\nhmi_tls = \"127.0.0.1:0\"";
     std::fs::write(at("cell.toml"), format!("{cell}\n[security]\n{security}\n")).expect("a writable folder");
     run_on(name, &["--config", &at("cell.toml")], over_https);
 }

@@ -241,6 +241,12 @@ pub(crate) static SECURITY: Keys = Keys {
             meaning: "names of the host by which browsers reach the page, beside `localhost`, addresses, and those of the certificate",
         },
         Key {
+            name: "login_notice",
+            kind: Kind::Text(&NOTICE),
+            default: Default::Prose("none"),
+            meaning: "a text that the page shows beside its log-in, such as who may use the machine",
+        },
+        Key {
             name: "users",
             kind: Kind::Text(&FILE),
             default: Default::Prose("none"),
@@ -424,6 +430,12 @@ static FILE: TextRule = TextRule {
     expected: "the name of a file",
     holds: |text| !text.is_empty() && !text.contains('\0'),
     pattern: "^[^\\u0000]+$",
+};
+
+static NOTICE: TextRule = TextRule {
+    expected: "a text of 1 to 1000 characters",
+    holds: |text| (1..=1000).contains(&text.chars().count()) && !text.chars().any(|c| c.is_control() && c != '\n'),
+    pattern: "^[^\\x00-\\x09\\x0B-\\x1F]{1,1000}$",
 };
 
 static DISTINGUISHED_NAME: TextRule = TextRule {

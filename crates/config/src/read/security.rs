@@ -37,6 +37,7 @@ pub(super) fn security(root: &Section<'_>) -> Security {
         remote_plain: role("remote_plain", default.remote_plain),
         hmi_tls: section.text_or_default("hmi_tls").parse().ok(),
         hmi_names: section.texts("hmi_names").into_iter().map(|name| name.value).collect(),
+        login_notice: section.text("login_notice").map(|text| text.value),
         users: section.text("users").map(|file| file.value),
         idle: seconds("idle_s", default.idle),
         session: seconds("session_s", default.session),

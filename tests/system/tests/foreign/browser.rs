@@ -100,3 +100,8 @@ fn a_fault_leads_to_its_rung() {
 fn a_program_fits_small_screens() {
     case_on("a_program_fits_small_screens", "ladder.toml");
 }
+
+#[test]
+fn names_and_values_are_text() {
+    case_on("names_and_values_are_text", "markup.toml");
+}
