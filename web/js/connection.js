@@ -89,6 +89,12 @@ export class Connection extends Emitter {
     };
   }
 
+  /** The socket, unless it is not open yet or the server is closing it. */
+  #usable() {
+    const socket = this.#socket;
+    return this.#opened && socket?.readyState === WebSocket.OPEN ? socket : null;
+  }
+
   /**
    * Sends a request and gives its answer; rejects with a `Refusal`.
    * @template {keyof Requests} R
@@ -97,8 +103,8 @@ export class Connection extends Emitter {
    * @returns {Promise<Requests[R]["answer"]>}
    */
   request(what, ...[fields]) {
-    const socket = this.#socket;
-    if (!this.#opened || !socket) return Promise.reject(new Refusal({ text: "no connection to the server" }));
+    const socket = this.#usable();
+    if (!socket) return Promise.reject(new Refusal({ text: "no connection to the server" }));
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       const most = PATIENT[what] ?? ANSWER_MS;
@@ -120,7 +126,7 @@ export class Connection extends Emitter {
    * @param {Requests[R]["fields"]} fields
    */
   tell(what, fields) {
-    if (this.#opened) this.#socket?.send(JSON.stringify({ id: this.#next++, do: what, ...fields }));
+    this.#usable()?.send(JSON.stringify({ id: this.#next++, do: what, ...fields }));
   }
 
   /** @param {string | ArrayBuffer} data */
