@@ -1,5 +1,6 @@
 //! The programs as users start them, without anything from outside of the project.
 
+mod batches;
 mod cli;
 mod client_examples;
 mod controller;
