@@ -9,14 +9,15 @@ use std::str::FromStr;
 
 use arcline_config::Project;
 use arcline_realtime::Clock;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use serde_json::json;
 
 use crate::audit::verify::{self, AuditCommand};
+use crate::doctor::DoctorArgs;
 use crate::simulate::SimulateArgs;
 use crate::tls::certs::{self, CertsCommand};
 use crate::users::command::{TokensCommand, UsersCommand, run_tokens, run_users};
-use crate::{l5x, run, simulate};
+use crate::{doctor, l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -66,6 +67,19 @@ enum Command {
     Tokens {
         #[command(subcommand)]
         command: TokensCommand,
+    },
+    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do.
+    Doctor(DoctorArgs),
+    /// Print the completions of a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write a page for each command.
+    Man {
+        /// Write a page for each command into this folder and create it; by default print the first page.
+        #[arg(short, long, value_name = "FOLDER")]
+        output: Option<PathBuf>,
     },
     /// Check the audit.
     Audit {
@@ -248,6 +262,9 @@ pub fn main() -> ExitCode {
         Some(Command::Certs { command }) => certs::run(&command),
         Some(Command::Users { command }) => run_users(&command),
         Some(Command::Tokens { command }) => run_tokens(&command),
+        Some(Command::Doctor(args)) => doctor::run(&args),
+        Some(Command::Completions { shell }) => Ok(completions(shell)),
+        Some(Command::Man { output }) => man(output.as_deref()),
         Some(Command::Audit { command }) => verify::run(&command),
     };
     match result {
@@ -256,6 +273,30 @@ pub fn main() -> ExitCode {
             eprintln!("arcline-server: {}", failure.message);
             ExitCode::from(failure.code)
         }
+    }
+}
+
+/// The completions of a shell, on standard output.
+fn completions(shell: clap_complete::Shell) -> ExitCode {
+    clap_complete::generate(shell, &mut Cli::command(), "arcline-server", &mut std::io::stdout());
+    ExitCode::SUCCESS
+}
+
+/// The manual page on standard output, or one of the program and of each command, `arcline-server-COMMAND.1`, in a folder.
+fn man(folder: Option<&Path>) -> Result<ExitCode, Failure> {
+    let Some(folder) = folder else {
+        let mut page = Vec::new();
+        let made = clap_mangen::Man::new(Cli::command()).render(&mut page);
+        made.map_err(|error| Failure::new(1, error.to_string()))?;
+        return print(&String::from_utf8_lossy(&page));
+    };
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
+    match written {
+        Ok(()) => Ok(ExitCode::SUCCESS),
+        Err(error) => Err(Failure::new(
+            WRONG,
+            format!("{}: cannot be written: {error}", folder.display()),
+        )),
     }
 }
 

@@ -8,6 +8,7 @@
 
 mod audit;
 mod cli;
+mod doctor;
 pub mod eip;
 mod guard;
 pub mod hmi;

@@ -4,6 +4,7 @@ mod batches;
 mod cli;
 mod client_examples;
 mod controller;
+mod doctor;
 mod guide;
 mod l5x;
 mod masters;
