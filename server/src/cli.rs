@@ -14,10 +14,11 @@ use serde_json::json;
 
 use crate::audit::verify::{self, AuditCommand};
 use crate::doctor::DoctorArgs;
+use crate::health::HealthArgs;
 use crate::simulate::SimulateArgs;
 use crate::tls::certs::{self, CertsCommand};
 use crate::users::command::{TokensCommand, UsersCommand, run_tokens, run_users};
-use crate::{doctor, l5x, run, simulate};
+use crate::{doctor, health, l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -70,6 +71,8 @@ enum Command {
     },
     /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do.
     Doctor(DoctorArgs),
+    /// Ask a server on this computer who it is, and fail when none answers: the health check of a container.
+    Health(HealthArgs),
     /// Print the completions of a shell.
     Completions {
         /// The shell.
@@ -263,7 +266,8 @@ pub fn main() -> ExitCode {
         Some(Command::Users { command }) => run_users(&command),
         Some(Command::Tokens { command }) => run_tokens(&command),
         Some(Command::Doctor(args)) => doctor::run(&args),
-        Some(Command::Completions { shell }) => Ok(completions(shell)),
+        Some(Command::Health(args)) => health::run(&args),
+        Some(Command::Completions { shell }) => completions(shell),
         Some(Command::Man { output }) => man(output.as_deref()),
         Some(Command::Audit { command }) => verify::run(&command),
     };
@@ -277,9 +281,10 @@ pub fn main() -> ExitCode {
 }
 
 /// The completions of a shell, on standard output.
-fn completions(shell: clap_complete::Shell) -> ExitCode {
-    clap_complete::generate(shell, &mut Cli::command(), "arcline-server", &mut std::io::stdout());
-    ExitCode::SUCCESS
+fn completions(shell: clap_complete::Shell) -> Result<ExitCode, Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "arcline-server", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }
 
 /// The manual page on standard output, or one of the program and of each command, `arcline-server-COMMAND.1`, in a folder.

@@ -11,6 +11,7 @@ mod cli;
 mod doctor;
 pub mod eip;
 mod guard;
+mod health;
 pub mod hmi;
 mod l5x;
 mod limits;

@@ -1,10 +1,11 @@
-//! `doctor`, `completions` and `man` as users start them.
+//! `doctor`, `health`, `completions` and `man` as users start them.
 
 use std::fs;
 use std::net::TcpListener;
 use std::process::{Command, Output};
 
 use arcline_system_tests::programs;
+use arcline_system_tests::server::Server;
 use serde_json::Value;
 
 fn server(arguments: &[&str]) -> Output {
@@ -66,8 +67,42 @@ fn doctor_tells_what_is_amiss_and_how_bad_it_is() {
             .is_some_and(|found| !found.starts_with("0 ticks"))
     }));
     fs::write(&config, "[server]\nlisten = 5\n").expect("writable");
-    let output = server(&["doctor", "--config", file]);
-    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let wrong = server(&["doctor", "--config", file]);
+    assert_eq!(wrong.status.code(), Some(2), "{wrong:?}");
+    // The client has it too, with the same output and exit code.
+    let mut client = Command::new(programs::arcline());
+    let client = client
+        .args(["doctor", "--config", file])
+        .output()
+        .expect("the client was just built");
+    assert_eq!(
+        (client.status, client.stdout, client.stderr),
+        (wrong.status, wrong.stdout, wrong.stderr)
+    );
+}
+
+#[test]
+fn health_is_that_a_server_says_who_it_is() {
+    let running = Server::start();
+    let at = running.address().to_string();
+    let output = server(&["health", "--server", &at]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success() && told.starts_with(&format!("{at}  Arcline")),
+        "{output:?}"
+    );
+    drop(running);
+    let output = server(&["health", "--server", &at]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    // Something listens and says nothing.
+    let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let at = silent.local_addr().expect("its address").to_string();
+    let output = server(&["health", "--server", &at, "--within", "0.2"]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(1) && told.contains("no answer within 0.2 s"),
+        "{told}"
+    );
 }
 
 #[test]
