@@ -55,7 +55,9 @@ pub(crate) fn simulate_many(
     let mut interrupted = None;
     let ran = py.detach(|| {
         batch.run(cases.as_bytes(), &mut output, &mut |_| {
-            interrupted = interrupted.take().or_else(|| Python::attach(|py| py.check_signals().err()));
+            interrupted = interrupted
+                .take()
+                .or_else(|| Python::attach(|py| py.check_signals().err()));
             interrupted.is_none()
         })
     });
