@@ -16,7 +16,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{self, raise};
 use crate::inner::{Entry, Inner};
-use crate::signals::{Signal, signal};
+use crate::signals::signal;
 use crate::values;
 
 /// Ticks between two looks at the wall clock.
