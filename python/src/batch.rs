@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 
 use crate::inner::{parsed, policy};
-use crate::signals::{Signal, sample, signal};
+use crate::signals::{self, Signal, sample};
 use crate::{errors, values};
 
 /// Ticks between two looks at the signals of Python.
@@ -135,10 +135,10 @@ impl Batch {
     }
 
     /// An array of a signal of all machines, which every step refreshes.
-    fn bind<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn bind<'py>(&self, py: Python<'py>, signal: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut inner = self.lock(py);
         let array = PyArray1::zeros(py, self.count, false);
-        let parsed = signal(py, &inner.runners[0].simulation(), name)?;
+        let parsed = signals::signal(py, &inner.runners[0].simulation(), signal)?;
         {
             let mut values = array.try_readwrite()?;
             if let Ok(values) = values.as_slice_mut() {
