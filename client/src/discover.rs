@@ -7,7 +7,6 @@ use bytes::Bytes;
 use tokio::net::UdpSocket;
 use tokio::time::{Instant, timeout_at};
 
-use arcline_proto::cpf::{Item, decode_items};
 use arcline_proto::encap::{Command, Frame, FrameDecoder, SessionHandle};
 use arcline_proto::identity::Identity;
 
@@ -80,8 +79,5 @@ fn read_answer(datagram: &[u8]) -> Option<(SocketAddrV4, Identity)> {
     if frame.header.command != Command::LIST_IDENTITY {
         return None;
     }
-    decode_items(&frame.data).ok()?.iter().find_map(|item| match item {
-        Item::Identity(data) => Identity::decode_item(data),
-        _ => None,
-    })
+    Identity::decode_list(&frame.data)
 }

@@ -6,7 +6,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use std::net::SocketAddrV4;
 
 use crate::cip::CipStatus;
-use crate::cpf::{Item, decode_sockaddr, encode_items, encode_sockaddr, item_type};
+use crate::cpf::{Item, decode_items, decode_sockaddr, encode_items, encode_sockaddr, item_type};
 use crate::encap::PROTOCOL_VERSION;
 use crate::epath::ElectronicKey;
 use crate::security::SecurityInformation;
@@ -181,6 +181,14 @@ impl Identity {
         }));
         encode_items(&items, &mut out);
         out.freeze()
+    }
+
+    /// Reads the first identity of a ListIdentity reply: address and identity. `None` if there is none, or it is cut.
+    pub fn decode_list(data: &Bytes) -> Option<(SocketAddrV4, Self)> {
+        decode_items(data).ok()?.iter().find_map(|item| match item {
+            Item::Identity(data) => Self::decode_item(data),
+            _ => None,
+        })
     }
 
     /// Reads the identity item of a ListIdentity reply: address and identity. `None` if it is cut.

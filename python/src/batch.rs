@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 
 use crate::inner::{parsed, policy};
-use crate::signals::{Signal, sample};
+use crate::signals::{self, Signal, sample};
 use crate::{errors, values};
 
 /// Ticks between two looks at the signals of Python.
@@ -138,7 +138,7 @@ impl Batch {
     fn bind<'py>(&self, py: Python<'py>, signal: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut inner = self.lock(py);
         let array = PyArray1::zeros(py, self.count, false);
-        let parsed = Signal::new(py, &inner.runners[0].simulation(), signal)?;
+        let parsed = signals::signal(py, &inner.runners[0].simulation(), signal)?;
         {
             let mut values = array.try_readwrite()?;
             if let Ok(values) = values.as_slice_mut() {

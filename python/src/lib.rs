@@ -1,7 +1,8 @@
-//! The native half of the Python module `arcline`: machines on the virtual clock ([`machine`]), many at a time ([`batch`]), and whole
-//! programs ([`simulate`]). Python owns every array; Rust writes into it while the interpreter is released.
+//! The native half of the Python module `arcline`: machines on the virtual clock ([`machine`]), many at a time ([`batch`]), whole
+//! programs ([`simulate`]) and many of them ([`cases`]). Python owns every array; Rust writes into it while the interpreter is released.
 
 mod batch;
+mod cases;
 mod errors;
 mod inner;
 mod machine;
@@ -19,5 +20,6 @@ fn _arcline(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<machine::Machine>()?;
     module.add_class::<batch::Batch>()?;
     module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(cases::simulate_many, module)?)?;
     Ok(())
 }

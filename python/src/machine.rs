@@ -16,7 +16,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{self, raise};
 use crate::inner::{Entry, Inner};
-use crate::signals::Signal;
+use crate::signals::signal;
 use crate::values;
 
 /// Ticks between two looks at the wall clock.
@@ -194,7 +194,7 @@ impl Machine {
             let simulation = inner.runner.simulation();
             signals
                 .iter()
-                .map(|name| Signal::new(py, &simulation, name))
+                .map(|name| signal(py, &simulation, name))
                 .collect::<PyResult<Vec<_>>>()?
         };
         let array = out.unwrap_or_else(|| PyArray2::zeros(py, [steps, signals.len()], false));

@@ -15,7 +15,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
 use crate::inner::{parsed, policy};
-use crate::signals::{Columns, Signal};
+use crate::signals::{Columns, Signal, signal};
 use crate::values;
 
 /// What a run keeps.
@@ -86,7 +86,7 @@ pub(crate) fn simulate<'py>(
     let program = parsed(py, simulation.image(), text)?;
     let signals = signals
         .iter()
-        .map(|name| Signal::new(py, &simulation, name))
+        .map(|name| signal(py, &simulation, name))
         .collect::<PyResult<Vec<_>>>()?;
     if signals.iter().any(Signal::is_tag) {
         return Err(errors::raise(

@@ -1,14 +1,13 @@
 //! Values of tags as Python objects, and the other direction.
 
-use arcline_controller::image::{Image, WriteError};
-use arcline_simulation::{Origin, Refused, Simulation};
-use arcline_tag::{Fraction, Misfit, TagPath, TagValue, Value, WriteValue};
+use arcline_controller::image::Image;
+use arcline_simulation::{NotWritten, Simulation};
+use arcline_tag::{TagPath, TagValue, Value, WriteValue};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString};
 
 use crate::errors::{no_tag, raise, unread};
-use crate::signals::show_control;
 
 /// A path of a tag.
 pub(crate) fn path(py: Python<'_>, text: &str) -> PyResult<TagPath> {
@@ -20,7 +19,7 @@ pub(crate) fn path(py: Python<'_>, text: &str) -> PyResult<TagPath> {
 pub(crate) fn read(py: Python<'_>, simulation: &mut Simulation, text: &str) -> PyResult<Py<PyAny>> {
     let path = path(py, text)?;
     simulation.show();
-    show_control(simulation, &path);
+    simulation.show_control_of(&path);
     let image = simulation.image();
     let (id, place) = image.locate(&path).map_err(|error| unread(py, image, text, &error))?;
     let is_array = is_array(image, &path);
@@ -115,57 +114,9 @@ pub(crate) fn python(py: Python<'_>, value: &WriteValue) -> PyResult<Py<PyAny>> 
 
 /// Writes a value at a path; a write of `EnableIn` executes its instruction at the present tick.
 pub(crate) fn write(py: Python<'_>, simulation: &mut Simulation, text: &str, value: &WriteValue) -> PyResult<()> {
-    let path = path(py, text)?;
-    write_at(py, simulation, text, &path, value)
-}
-
-fn write_at(
-    py: Python<'_>,
-    simulation: &mut Simulation,
-    text: &str,
-    path: &TagPath,
-    value: &WriteValue,
-) -> PyResult<()> {
-    if let WriteValue::Array(elements) = value {
-        for (index, element) in (0..).zip(elements) {
-            let mut of_element = path.clone();
-            of_element.0.push(arcline_tag::PathSegment::Element(index));
-            write_at(py, simulation, &format!("{text}[{index}]"), &of_element, element)?;
-        }
-        return Ok(());
-    }
-    let mut misfit = None;
-    let written = simulation.write(Origin::default(), |image| {
-        let (id, place) = image.locate(path)?;
-        if let Some(bit) = place.bit {
-            let on = match value {
-                WriteValue::Bool(on) => *on,
-                WriteValue::Integer(number @ 0..=1) => *number == 1,
-                _ => {
-                    misfit = Some(format!("{text} is a BOOL: expected True or False"));
-                    return Ok(None);
-                }
-            };
-            return image.write_bit(id, place.offset, bit, on);
-        }
-        let mut bytes = vec![0; place.data_type.size()];
-        if let Err(error) = value.encode(&place.data_type, Fraction::Refuse, &mut bytes) {
-            let why = match error {
-                Misfit::OutOfRange => "cannot hold that value",
-                Misfit::Fraction => "holds whole numbers only",
-                Misfit::Kind => "holds values of another kind",
-            };
-            misfit = Some(format!("{text} is a {} and {why}", place.data_type.name()));
-            return Ok(None);
-        }
-        image.write(id, place.offset, &bytes)
-    });
-    if let Some(misfit) = misfit {
-        return Err(raise(py, "TagValueError", (misfit,)));
-    }
-    match written {
-        Ok(_) => Ok(()),
-        Err(Refused::Write(WriteError::Read(error))) => Err(unread(py, simulation.image(), text, &error)),
-        Err(error) => Err(raise(py, "TagValueError", (format!("{text}: {error}"),))),
-    }
+    simulation.write_tag(text, value).map_err(|error| match error {
+        NotWritten::Path(..) => raise(py, "TagError", (error.to_string(),)),
+        NotWritten::Read(error) => unread(py, simulation.image(), text, &error),
+        NotWritten::Value(why) => raise(py, "TagValueError", (why,)),
+    })
 }

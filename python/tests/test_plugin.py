@@ -118,3 +118,17 @@ def test_a_server_that_cannot_start_says_why(tmp_path):
         Server(tmp_path / "wrong.toml")
     with pytest.raises(FileNotFoundError):
         Server(program=tmp_path / "nowhere")
+
+
+@needs_server
+def test_a_server_is_ready_within_300_ms():
+    """The figure of the release build; the least of several starts, since the machine may be busy with something else."""
+    best = float("inf")
+    for _ in range(20):
+        began = time.perf_counter()
+        with Server():
+            best = min(best, time.perf_counter() - began)
+        if best <= 0.3:
+            break
+    print(f"ready after {best * 1000:.0f} ms")
+    assert best <= 0.3

@@ -9,14 +9,16 @@ use std::str::FromStr;
 
 use arcline_config::Project;
 use arcline_realtime::Clock;
-use arcline_structured_text::QueueFull;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use serde_json::json;
 
 use crate::audit::verify::{self, AuditCommand};
+use crate::doctor::DoctorArgs;
+use crate::health::HealthArgs;
+use crate::simulate::SimulateArgs;
 use crate::tls::certs::{self, CertsCommand};
 use crate::users::command::{TokensCommand, UsersCommand, run_tokens, run_users};
-use crate::{l5x, run, simulate};
+use crate::{doctor, health, l5x, run, simulate};
 
 /// A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
 #[derive(Parser, Debug)]
@@ -66,6 +68,21 @@ enum Command {
     Tokens {
         #[command(subcommand)]
         command: TokensCommand,
+    },
+    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do.
+    Doctor(DoctorArgs),
+    /// Ask a server on this computer who it is, and fail when none answers: the health check of a container.
+    Health(HealthArgs),
+    /// Print the completions of a shell.
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write a page for each command.
+    Man {
+        /// Write a page for each command into this folder and create it; by default print the first page.
+        #[arg(short, long, value_name = "FOLDER")]
+        output: Option<PathBuf>,
     },
     /// Check the audit.
     Audit {
@@ -148,78 +165,6 @@ pub(crate) struct RunProgram {
     run: RunArgs,
 }
 
-/// Flags of `simulate`.
-#[derive(Args, Debug)]
-pub(crate) struct SimulateArgs {
-    /// The program: Structured Text, or a project of a controller (.L5X) with its tasks.
-    #[arg(value_name = "PROGRAM.st|PROJECT.L5X")]
-    pub(crate) program: PathBuf,
-    /// Read the program line by line, as it runs: each line has whole statements, `-` is standard input, and memory does not
-    /// grow with its length.
-    #[arg(long)]
-    pub(crate) lines: bool,
-    /// Configuration file; without it the embedded default is used.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Write the samples of every axis at every tick to this file, as CSV; `-` is standard output.
-    #[arg(long, value_name = "OUT.csv")]
-    pub(crate) trace: Option<PathBuf>,
-    /// Write every change of an instruction's status to this file, as JSON lines; `-` is standard output.
-    #[arg(long, value_name = "OUT.jsonl")]
-    pub(crate) events: Option<PathBuf>,
-    /// Write every change of the faults of an axis to this file, as JSON lines; `-` is standard output.
-    #[arg(long, value_name = "OUT.jsonl")]
-    pub(crate) faults: Option<PathBuf>,
-    /// Of Structured Text the longest simulated time, s (default 3600); of a project the expression of tags that ends the run.
-    #[arg(long, value_name = "SECONDS|EXPRESSION")]
-    pub(crate) until: Option<String>,
-    /// Longest simulated time of a project, s (default 60).
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
-    pub(crate) max: Option<f64>,
-    /// Write a value to a tag of a project before the first scan.
-    #[arg(long, value_name = "TAG=VALUE")]
-    pub(crate) set: Vec<String>,
-    /// Write all tags of a project to this file at the end, as JSON; `-` is standard output.
-    #[arg(long, value_name = "OUT.json")]
-    pub(crate) tags: Option<PathBuf>,
-    /// Let the scans of a project's continuous task fall in other ticks, to find races: same seed, same run.
-    #[arg(long, value_name = "SEED")]
-    pub(crate) scan_phase: Option<u64>,
-    /// Run a project whose unsupported instructions are named and passed over.
-    #[arg(long)]
-    pub(crate) allow_missing: bool,
-    /// Continue after an instruction has erred.
-    #[arg(long)]
-    pub(crate) keep_going: bool,
-    /// Reaction of a coordinated move to a full queue.
-    #[arg(long, value_enum, default_value_t = QueueFullWord::Wait)]
-    pub(crate) queue_full: QueueFullWord,
-}
-
-impl SimulateArgs {
-    /// The longest simulated time of Structured Text, s.
-    pub(crate) fn seconds(&self) -> Result<f64, Failure> {
-        self.until.as_deref().map_or(Ok(LONGEST), |text| {
-            seconds(text).map_err(|expected| Failure::usage(format!("--until {text}: {expected}")))
-        })
-    }
-
-    /// The first flag that only projects have.
-    pub(crate) fn of_projects(&self) -> Option<&'static str> {
-        let given = [
-            (self.max.is_some(), "--max"),
-            (!self.set.is_empty(), "--set"),
-            (self.tags.is_some(), "--tags"),
-            (self.scan_phase.is_some(), "--scan-phase"),
-            (self.allow_missing, "--allow-missing"),
-        ];
-        given.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
-    }
-}
-
-/// The longest simulated time of Structured Text, s.
-const LONGEST: f64 = 3600.0;
-
 /// Flags of `import`.
 #[derive(Args, Debug)]
 pub(crate) struct ImportArgs {
@@ -249,24 +194,6 @@ pub(crate) struct ExportArgs {
     /// The L5X to write; by default standard output.
     #[arg(short, long, value_name = "OUT.L5X")]
     pub(crate) output: Option<PathBuf>,
-}
-
-/// What a coordinated move does that finds the queue full, as a word.
-#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum QueueFullWord {
-    /// The move waits for room.
-    Wait,
-    /// The move errs, as on a controller.
-    Error,
-}
-
-impl From<QueueFullWord> for QueueFull {
-    fn from(word: QueueFullWord) -> Self {
-        match word {
-            QueueFullWord::Wait => Self::Wait,
-            QueueFullWord::Error => Self::Error,
-        }
-    }
 }
 
 /// A value, or `off`.
@@ -338,6 +265,10 @@ pub fn main() -> ExitCode {
         Some(Command::Certs { command }) => certs::run(&command),
         Some(Command::Users { command }) => run_users(&command),
         Some(Command::Tokens { command }) => run_tokens(&command),
+        Some(Command::Doctor(args)) => doctor::run(&args),
+        Some(Command::Health(args)) => health::run(&args),
+        Some(Command::Completions { shell }) => completions(shell),
+        Some(Command::Man { output }) => man(output.as_deref()),
         Some(Command::Audit { command }) => verify::run(&command),
     };
     match result {
@@ -346,6 +277,31 @@ pub fn main() -> ExitCode {
             eprintln!("arcline-server: {}", failure.message);
             ExitCode::from(failure.code)
         }
+    }
+}
+
+/// The completions of a shell, on standard output.
+fn completions(shell: clap_complete::Shell) -> Result<ExitCode, Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "arcline-server", &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
+
+/// The manual page on standard output, or one of the program and of each command, `arcline-server-COMMAND.1`, in a folder.
+fn man(folder: Option<&Path>) -> Result<ExitCode, Failure> {
+    let Some(folder) = folder else {
+        let mut page = Vec::new();
+        let made = clap_mangen::Man::new(Cli::command()).render(&mut page);
+        made.map_err(|error| Failure::new(1, error.to_string()))?;
+        return print(&String::from_utf8_lossy(&page));
+    };
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
+    match written {
+        Ok(()) => Ok(ExitCode::SUCCESS),
+        Err(error) => Err(Failure::new(
+            WRONG,
+            format!("{}: cannot be written: {error}", folder.display()),
+        )),
     }
 }
 
@@ -407,7 +363,7 @@ fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
 }
 
 /// Exit code for what the user must put right first.
-const WRONG: u8 = 2;
+pub(crate) const WRONG: u8 = 2;
 
 pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     use std::io::Write as _;
@@ -417,7 +373,7 @@ pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
 }
 
 /// The text of a configuration file, or of the embedded default, and what messages call it.
-fn read(config: Option<&Path>) -> Result<(String, String), Failure> {
+pub(crate) fn read(config: Option<&Path>) -> Result<(String, String), Failure> {
     Ok(match config {
         None => (arcline_config::DEFAULT.to_owned(), "default configuration".to_owned()),
         Some(path) => {
@@ -434,7 +390,7 @@ pub(crate) fn project(config: Option<&Path>) -> Result<Project, Failure> {
     arcline_config::load(&text, &file).map_err(|error| Failure::usage(error.to_string()))
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds".to_owned())?;
     if seconds.is_finite() && seconds >= 0.0 {
         Ok(seconds)

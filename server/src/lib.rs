@@ -8,8 +8,10 @@
 
 mod audit;
 mod cli;
+mod doctor;
 pub mod eip;
 mod guard;
+mod health;
 pub mod hmi;
 mod l5x;
 mod limits;

@@ -346,7 +346,7 @@ fn raise_descriptors(clients: usize) {
 }
 
 /// Descriptors beside those of EtherNet/IP clients: the page's connections and viewers, files, and the server's own.
-const SPARE_DESCRIPTORS: u64 = 512;
+pub(crate) const SPARE_DESCRIPTORS: u64 = 512;
 
 /// SIGHUP: takes over the tags and types of the configuration file as it is now, or logs the reason. The result is a
 /// warning, so that the default log level shows it.

@@ -261,6 +261,7 @@ impl MachineCommand {
 async fn local(server: &Server, command: &LocalCommand, output: &Output) -> Result<(), Failure> {
     match command {
         LocalCommand::Explain(command) => return tools::explain(server, command, output).await,
+        LocalCommand::Doctor(command) => return tools::doctor(command, output),
         LocalCommand::Completions(command) => tools::completions(command),
         LocalCommand::Man(command) => return tools::man(command, output),
         LocalCommand::Plot(command) => return plot::plot(command, output),

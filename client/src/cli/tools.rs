@@ -1,14 +1,16 @@
-//! `explain`, `completions` and `man`.
+//! `explain`, `doctor`, `completions` and `man`.
 
+use std::ffi::OsStr;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use serde_json::json;
 
 use arcline_client::{Client, ClientError, Mnemonic, Object, nearest};
 use arcline_instruction_set::{ERRORS, Extended, FAULTS, explain as explain_error};
 
-use super::args::{self, Completions, Explain, Man, Subject};
+use super::args::{self, Completions, Doctor, Explain, Man, Subject};
 use super::output::counted;
 use super::{Failure, Output, Server};
 
@@ -108,6 +110,41 @@ fn codes(err: i16, exerr: Option<i8>, mnemonic: Option<Mnemonic>, output: &Outpu
         })
     });
     Ok(())
+}
+
+/// `doctor`: the server's own, since it knows what it needs.
+pub(crate) fn doctor(command: &Doctor, output: &Output) -> Result<(), Failure> {
+    let program = server_program();
+    let mut doctor = Command::new(&program);
+    doctor.arg("doctor");
+    for (flag, file) in [("--config", &command.config), ("--state", &command.state)] {
+        doctor.args(file.iter().flat_map(|file| [OsStr::new(flag), file.as_os_str()]));
+    }
+    if let Some(seconds) = command.measure {
+        doctor.args(["--measure", &seconds.to_string()]);
+    }
+    if output.is_json() {
+        doctor.arg("--json");
+    }
+    let ended = doctor.status().map_err(|source| Failure::at(&program, source))?;
+    match ended.code() {
+        Some(0) => Ok(()),
+        // A signal ended it.
+        code => Err(Failure::Reported {
+            code: code.and_then(|code| u8::try_from(code).ok()).unwrap_or(1),
+        }),
+    }
+}
+
+/// `arcline-server` beside this program, or wherever the system finds it.
+pub(crate) fn server_program() -> PathBuf {
+    let name = format!("arcline-server{}", std::env::consts::EXE_SUFFIX);
+    let beside = std::env::current_exe()
+        .ok()
+        .map(|program| program.with_file_name(&name));
+    beside
+        .filter(|path| path.is_file())
+        .unwrap_or_else(|| PathBuf::from(name))
 }
 
 /// `completions`: a script for a shell, on standard output.

@@ -7,6 +7,7 @@
 mod describe;
 mod error;
 mod keys;
+mod overrides;
 mod page;
 mod read;
 mod schema;
@@ -25,6 +26,7 @@ pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
 pub use describe::describe;
 pub use error::{ConfigError, Problem};
+pub use overrides::{is_key, with_keys};
 pub use page::page;
 pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
 pub use schema::schema;

@@ -15,9 +15,11 @@ mod observer;
 mod program;
 mod record;
 mod runner;
+mod signals;
 mod simulation;
 #[cfg(test)]
 mod tests;
+mod values;
 
 pub use calls::Origin;
 pub use end::{End, Erred, Refused};
@@ -26,4 +28,6 @@ pub use observer::{Blind, Observer};
 pub use program::ProgramId;
 pub use record::Record;
 pub use runner::{Limits, Locked, Options, Passed, Piece, Runner};
+pub use signals::{AXIS_SIGNALS, Columns, NoSignal, Signal, sample};
 pub use simulation::Simulation;
+pub use values::NotWritten;

@@ -7,6 +7,8 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Event, FaultChange};
 use arcline_instruction_set::{Ending, Flag};
 
+use crate::signals::AXIS_SIGNALS;
+
 /// A text that is written in large pieces. A failed write is reported at the end.
 pub struct Record {
     file: Box<dyn Write + Send>,
@@ -48,12 +50,7 @@ impl Record {
     pub fn header(&mut self, machine: &Machine) {
         self.text.extend_from_slice(b"tick,time_s");
         for axis in &machine.axes {
-            for column in [
-                "CommandPosition",
-                "CommandVelocity",
-                "CommandAcceleration",
-                "ActualPosition",
-            ] {
+            for column in AXIS_SIGNALS {
                 self.text.push(b',');
                 self.text.extend_from_slice(axis.name.as_bytes());
                 self.text.push(b'.');
@@ -63,13 +60,28 @@ impl Record {
         self.text.push(b'\n');
     }
 
+    /// The header of a trace of chosen signals.
+    pub fn header_of(&mut self, signals: &[String]) {
+        self.text.extend_from_slice(b"tick,time_s");
+        for signal in signals {
+            self.text.push(b',');
+            self.text.extend_from_slice(signal.as_bytes());
+        }
+        self.text.push(b'\n');
+    }
+
     /// One row of a trace.
     pub fn row(&mut self, tick: u64, time: f64, axes: impl Iterator<Item = [f64; 4]>) {
+        self.row_of(tick, time, axes.flatten());
+    }
+
+    /// One row of a trace of chosen signals.
+    pub fn row_of(&mut self, tick: u64, time: f64, values: impl Iterator<Item = f64>) {
         let mut integer = itoa::Buffer::new();
         self.text.extend_from_slice(integer.format(tick).as_bytes());
         self.text.push(b',');
         number(&mut self.text, time);
-        for value in axes.flatten() {
+        for value in values {
             self.text.push(b',');
             number(&mut self.text, value);
         }

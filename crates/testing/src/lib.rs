@@ -5,16 +5,17 @@
 
 #![forbid(unsafe_code)]
 
+pub mod child;
+
 use std::ffi::{OsStr, OsString};
 use std::fmt;
-use std::io::{self, BufRead as _, BufReader, Read};
+use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
+
+use child::{Log, first_line, ready_address};
 
 /// The environment variable that names the program; without it, `arcline-server` of the path is started.
 pub const PROGRAM: &str = "ARCLINE_SERVER_PROGRAM";
@@ -35,8 +36,7 @@ pub struct Server {
     input: Option<ChildStdin>,
     eip: SocketAddr,
     hmi: Option<SocketAddr>,
-    log: Arc<Mutex<Vec<u8>>>,
-    reader: Option<JoinHandle<()>>,
+    log: Option<Log>,
 }
 
 /// Why a server does not run.
@@ -130,26 +130,14 @@ impl Builder {
                 program: self.program.clone(),
                 source,
             })?;
-        let log = Arc::new(Mutex::new(Vec::new()));
-        let reader = child.stderr.take().map(|stderr| read_log(stderr, log.clone()));
-        let (sender, line) = mpsc::channel();
-        if let Some(stdout) = child.stdout.take() {
-            std::thread::spawn(move || {
-                let mut line = String::new();
-                // What could not be read is no ready line.
-                let _ = BufReader::new(stdout).read_line(&mut line);
-                let _ = sender.send(line);
-            });
-        }
-        let line = match line.recv_timeout(self.ready_within) {
-            Ok(line) => line,
-            Err(RecvTimeoutError::Timeout) => format!("nothing within {:?} ", self.ready_within),
-            Err(RecvTimeoutError::Disconnected) => String::new(),
+        let log = child.stderr.take().map(Log::read);
+        let line = child.stdout.take().map(|stdout| first_line(stdout, self.ready_within));
+        let line = match line {
+            Some(Ok(line)) => line,
+            Some(Err(_)) => format!("nothing within {:?} ", self.ready_within),
+            None => String::new(),
         };
-        let address = |key: &str| {
-            line.split_whitespace()
-                .find_map(|part| part.strip_prefix(key)?.parse().ok())
-        };
+        let address = |key: &str| ready_address(&line, key);
         let (eip, hmi) = (address("eip="), address("hmi="));
         let input = child.stdin.take();
         // From here on it ends with the value.
@@ -159,7 +147,6 @@ impl Builder {
             eip: eip.unwrap_or(SocketAddr::from(([127, 0, 0, 1], 0))),
             hmi,
             log,
-            reader,
         };
         if eip.is_some() {
             return Ok(server);
@@ -210,8 +197,7 @@ impl Server {
     /// What the server has written to standard error so far.
     #[must_use]
     pub fn log(&self) -> String {
-        let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        String::from_utf8_lossy(&log).into_owned()
+        self.log.as_ref().map_or_else(String::new, Log::so_far)
     }
 
     /// Stops all motion and the server. `None`: it did not end by itself.
@@ -234,9 +220,9 @@ impl Server {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
-        if let Some(reader) = self.reader.take() {
-            // It has read what there is.
-            let _ = reader.join();
+        if let Some(log) = &mut self.log {
+            // It has then read what there is.
+            let _ = log.until_the_end();
         }
         ended
     }
@@ -246,16 +232,6 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.end();
     }
-}
-
-fn read_log(mut stderr: ChildStderr, log: Arc<Mutex<Vec<u8>>>) -> JoinHandle<()> {
-    std::thread::spawn(move || {
-        let mut piece = [0; 4096];
-        while let Ok(length @ 1..) = stderr.read(&mut piece) {
-            let mut log = log.lock().unwrap_or_else(PoisonError::into_inner);
-            log.extend_from_slice(&piece[..length]);
-        }
-    })
 }
 
 /// Far more than a server needs, for machines that are busy.

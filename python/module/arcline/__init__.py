@@ -8,6 +8,7 @@
 """
 
 from arcline._arcline import DEFAULT_CONFIG, Batch, __version__
+from arcline.cases import campaign, chunks, simulate_many
 from arcline.errors import (
     ArclineError,
     ConfigError,
@@ -34,5 +35,8 @@ __all__ = [
     "TagValueError",
     "TimeoutError",
     "__version__",
+    "campaign",
+    "chunks",
     "simulate",
+    "simulate_many",
 ]

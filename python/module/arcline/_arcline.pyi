@@ -5,7 +5,7 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import Self
 
-__all__ = ["DEFAULT_CONFIG", "Batch", "Machine", "__version__", "_simulate"]
+__all__ = ["DEFAULT_CONFIG", "Batch", "Machine", "__version__", "_simulate", "_simulate_many"]
 
 __version__: str
 DEFAULT_CONFIG: str
@@ -77,3 +77,17 @@ def _simulate(
     trace_csv: str | None,
     events_jsonl: str | None,
 ) -> tuple[BaseException | None, float, int, dict[str, float], npt.NDArray[np.float64]]: ...
+def _simulate_many(
+    cases: str,
+    program: str | None,
+    config: str | None,
+    set: Sequence[tuple[str, Any]],
+    seed: int,
+    until: float,
+    wait: bool,
+    keep_going: bool,
+    first: int,
+    threads: int,
+    trace: str | None,
+    signals: Sequence[str],
+) -> str: ...

@@ -4,16 +4,19 @@
 //! machine ends the tick. Nothing else happens, so two runs give the same bytes.
 
 use std::process::ExitCode;
+use std::time::Instant;
 
+use arcline_cases::Outcome;
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Condition, Fault, Finding, Loaded};
 use arcline_simulation::{Observer as _, Simulation};
 
+use super::SimulateArgs;
 use super::cannot_write;
 use super::cell_tags;
 use super::output::{Files, is_standard_output};
 use super::plant::Plant;
-use crate::cli::{Failure, SimulateArgs};
+use crate::cli::Failure;
 use crate::live::{Missing, Names, blocking, configuration};
 
 /// Longest simulated time of a project, s.
@@ -34,16 +37,17 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
 }
 
 fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
-    let file = args.program.display().to_string();
-    let text = crate::l5x::read(&args.program)?;
+    let began = Instant::now();
+    let file = args.program().display().to_string();
+    let text = crate::l5x::read(args.program())?;
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
     let project = match &args.config {
         Some(config) => crate::cli::project(Some(config))?,
-        None => configuration(&args.program)?,
+        None => configuration(args.program())?,
     };
     let mut source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
     source.answers = crate::live::answers(&project.server.controller);
-    let machine = &project.machine;
+    let machine = project.machine.clone();
     let mut plant = Plant::new(Simulation::of_project(&project));
     let missing = if args.allow_missing {
         Missing::Allowed
@@ -58,10 +62,10 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         condition.map_err(|reason| Failure::usage(format!("--until {text}: {reason}")))
     });
     let until = until.transpose()?;
-    if let Some(seed) = args.scan_phase {
+    if let Some(seed) = args.scan_phase.or(args.seed) {
         cell.set_phase(seed);
     }
-    let mut files = Files::create(args)?;
+    let mut files = Files::create(args, &machine)?;
     let longest = args.max.unwrap_or(LONGEST);
     let setup = Setup {
         source: &source,
@@ -79,10 +83,25 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
         }
     }
+    let measures = files.measures.take();
     let mut summary = files.finish(args)?;
     summary.executed = plant.executed();
     let is_done = matches!(end, End::Reached) || matches!(end, End::Time) && until.is_none();
-    eprint!("{}", summary.text(&file, machine, is_done));
+    eprint!("{}", summary.text(&file, &machine, is_done));
+    if let Some(measures) = measures {
+        let (word, error) = match &end {
+            End::Fault(fault) => ("fault", Some(fault.to_string())),
+            End::Time if !is_done => ("timeout", None),
+            _ => ("finished", None),
+        };
+        let outcome = Outcome {
+            instructions: Some(plant.executed()),
+            seed: args.scan_phase.or(args.seed),
+            wall_s: Some(began.elapsed().as_secs_f64()),
+            ..Outcome::ended(word, error, &measures, &machine)
+        };
+        crate::cli::print(&format!("{}\n", outcome.line()))?;
+    }
     match end {
         End::Reached => Ok(ExitCode::SUCCESS),
         End::Time if until.is_none() => Ok(ExitCode::SUCCESS),

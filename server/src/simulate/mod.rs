@@ -3,6 +3,8 @@
 //! No network, no real clock: the tick is the only time, so two runs give the same bytes. A tick does nothing but
 //! tick the controller, unless something happened or the program has something to do.
 
+mod args;
+mod batch;
 mod cell;
 mod cell_tags;
 mod output;
@@ -12,60 +14,72 @@ mod summary;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
-use std::sync::Arc;
-
+use arcline_cases::Outcome;
 use arcline_simulation::{End, Options, Refused, Runner};
-use arcline_structured_text::{Interpreter, OnError, Policy, RunError};
+use arcline_structured_text::{Interpreter, RunError};
 
-use crate::cli::{Failure, SimulateArgs, project};
+use crate::cli::{Failure, read};
+pub(crate) use args::SimulateArgs;
 pub(crate) use cell::findings;
 use output::Files;
 use pieces::Pieces;
 use summary::Summary;
 
-/// Runs a program to its end.
+/// Runs a program to its end, or many cases.
 pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
-    if is_l5x(&args.program) {
+    if let Some(cases) = &args.batch.cases {
+        return batch::run(args, cases);
+    }
+    if is_l5x(args.program()) {
         return cell::simulate(args);
     }
     if let Some(flag) = args.of_projects() {
         return Err(Failure::usage(format!("{flag} is for projects (.L5X)")));
     }
-    let project = project(args.config.as_deref())?;
-    let file = args.program.display();
-    let image = project.image();
+    let began = Instant::now();
+    let (text, name) = read(args.config.as_deref())?;
+    let invalid = |error: arcline_cases::Invalid| Failure::usage(error.to_string());
+    let prepared = arcline_cases::prepared(&text, &name, &args.sets()?).map_err(invalid)?;
+    let machine = prepared.machine.clone();
+    let file = args.program().display();
     let mut pieces = if args.lines {
-        Pieces::of_lines(&args.program)?
+        Pieces::of_lines(args.program())?
     } else {
-        Pieces::whole(&args.program)?
+        Pieces::whole(args.program())?
     };
     let first = pieces
-        .next(&image)?
+        .next(&prepared.image)?
         .map_or_else(Interpreter::empty, |piece| piece.interpreter);
-    let mut files = Files::create(args)?;
+    let mut files = Files::create(args, &machine)?;
     let options = Options {
         until: args.seconds()?,
-        policy: Policy {
-            queue_full: args.queue_full.into(),
-            on_error: if args.keep_going {
-                OnError::KeepGoing
-            } else {
-                OnError::Stop
-            },
-        },
+        policy: args.policy(),
     };
-    let mut runner = Runner::new(Arc::new(project.machine.clone()), image);
+    let mut runner = Runner::of(prepared.simulation().map_err(invalid)?);
     let end = runner.run_pieces(first, options, &mut files, |image| pieces.next(image));
+    let measures = files.measures.take();
     let mut summary = files.finish(args)?;
     let simulation = runner.simulation();
     summary.stopped = simulation.stopped();
     summary.executed = simulation.executed();
     eprint!(
         "{}",
-        summary.text(&file.to_string(), &project.machine, matches!(end, Ok(End::Finished)))
+        summary.text(&file.to_string(), &machine, matches!(end, Ok(End::Finished)))
     );
-    match end? {
+    let end = end?;
+    if let Some(measures) = measures {
+        let outcome = Outcome {
+            instructions: Some(simulation.executed()),
+            seed: Some(args.seed.unwrap_or_default()),
+            config: Some(prepared.hash.clone()),
+            wall_s: Some(began.elapsed().as_secs_f64()),
+            ..Outcome::of(&end, &measures, &machine)
+        };
+        crate::cli::print(&format!("{}\n", outcome.line()))?;
+    }
+    match end {
         End::Finished => Ok(ExitCode::SUCCESS),
         End::Erred(error) => Err(Failure::new(1, format!("{file}: {error}"))),
         End::Wrong(

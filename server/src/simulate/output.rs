@@ -2,22 +2,25 @@
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use arcline_cases::{Measures, TraceFile};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event, FaultChange};
 use arcline_simulation::{Observer, Record};
 
-use super::{Summary, cannot_write};
-use crate::cli::{Failure, SimulateArgs};
+use super::{SimulateArgs, Summary, cannot_write};
+use crate::cli::Failure;
 
 /// What a simulation writes down.
 pub(super) struct Files {
-    pub(super) trace: Option<Record>,
+    pub(super) trace: Option<TraceFile>,
     pub(super) events: Option<Record>,
     pub(super) faults: Option<Record>,
     pub(super) summary: Summary,
+    /// For --json.
+    pub(super) measures: Option<Measures>,
 }
 
 impl Files {
@@ -25,33 +28,37 @@ impl Files {
     ///
     /// # Errors
     /// A file that cannot be created, or more than one to standard output.
-    pub(super) fn create(args: &SimulateArgs) -> Result<Self, Failure> {
+    pub(super) fn create(args: &SimulateArgs, machine: &Machine) -> Result<Self, Failure> {
         let create = |path: &Path| open(path).map_err(|error| cannot_write(path, &error));
         let outputs = [&args.trace, &args.events, &args.faults, &args.tags];
         let to_output = outputs.into_iter().flatten().filter(|path| is_standard_output(path));
-        if to_output.count() > 1 {
+        if to_output.count() + usize::from(args.json) > 1 {
             return Err(Failure::usage(
-                "only one of --trace, --events, --faults and --tags can be written to standard output",
+                "only one of --trace, --events, --faults, --tags and --json can be written to standard output",
             ));
         }
+        let trace = |path: &PathBuf| {
+            let file = TraceFile::create(path, machine, &args.signals, args.every);
+            file.map_err(|error| Failure::usage(error.to_string()))
+        };
         Ok(Files {
-            trace: args.trace.as_deref().map(create).transpose()?,
+            trace: args.trace.as_ref().map(trace).transpose()?,
             events: args.events.as_deref().map(create).transpose()?,
             faults: args.faults.as_deref().map(create).transpose()?,
             summary: Summary::default(),
+            measures: args.json.then(Measures::default),
         })
     }
 
-    /// Ends the files; the summary of the run.
+    /// Ends the files; the summary of the run. The measures are taken first.
     ///
     /// # Errors
     /// A file that could not be written.
     pub(super) fn finish(self, args: &SimulateArgs) -> Result<Summary, Failure> {
-        let outputs = [
-            (self.trace, &args.trace),
-            (self.events, &args.events),
-            (self.faults, &args.faults),
-        ];
+        if let (Some(trace), Some(path)) = (self.trace, &args.trace) {
+            trace.finish().map_err(|error| cannot_write(path, &error))?;
+        }
+        let outputs = [(self.events, &args.events), (self.faults, &args.faults)];
         for (output, path) in outputs {
             if let (Some(output), Some(path)) = (output, path) {
                 output.finish().map_err(|error| cannot_write(path, &error))?;
@@ -62,22 +69,21 @@ impl Files {
 }
 
 impl Observer for Files {
-    fn begin(&mut self, machine: &Machine) {
-        if let Some(trace) = &mut self.trace {
-            trace.header(machine);
-        }
-    }
-
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
         if let Some(trace) = &mut self.trace {
-            let time = (tick as f64 * machine.period_ns as f64) / 1e9;
-            trace.row(tick, time, controller.trace());
+            trace.tick(tick, machine, controller);
+        }
+        if let Some(measures) = &mut self.measures {
+            measures.tick(tick, controller);
         }
         self.summary.tick(tick, machine, controller);
         true
     }
 
     fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
+        if let Some(measures) = &mut self.measures {
+            measures.fault(change, time, machine);
+        }
         let axis = machine.axes.get(usize::from(change.axis));
         let axis = axis.map_or("", |axis| axis.name.as_str());
         self.summary.fault(change, time, axis);

@@ -1,12 +1,11 @@
 //! A real `arcline-server` for the length of a test. Knows its command line and its ready line, nothing else.
 
-use std::io::{BufRead, BufReader, Read};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, PoisonError, mpsc};
-use std::thread::JoinHandle;
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
+
+use arcline_testing::child::{Log, first_line, ready_address};
 
 /// How long a server may take until it is ready; far more than it needs, for machines that are busy.
 const READY: Duration = Duration::from_secs(20);
@@ -29,44 +28,6 @@ pub struct NotReady(String);
 impl std::fmt::Display for NotReady {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
-    }
-}
-
-/// What a server writes to standard error.
-struct Log {
-    text: Arc<Mutex<Vec<u8>>>,
-    reader: Option<JoinHandle<()>>,
-}
-
-impl Log {
-    fn read(mut stderr: ChildStderr) -> Self {
-        let text = Arc::new(Mutex::new(Vec::new()));
-        let shared = text.clone();
-        let reader = std::thread::spawn(move || {
-            let mut piece = [0; 4096];
-            // A read error ends the log; what came before it is what there is to show.
-            while let Ok(length @ 1..) = stderr.read(&mut piece) {
-                let mut text = shared.lock().unwrap_or_else(PoisonError::into_inner);
-                text.extend_from_slice(&piece[..length]);
-            }
-        });
-        Self {
-            text,
-            reader: Some(reader),
-        }
-    }
-
-    /// So far.
-    fn so_far(&self) -> String {
-        let text = self.text.lock().unwrap_or_else(PoisonError::into_inner);
-        String::from_utf8_lossy(&text).into_owned()
-    }
-
-    /// To its end, which must be near; once.
-    fn until_the_end(&mut self) -> Option<String> {
-        // A reader that panicked has shown what it has.
-        let _ = self.reader.take()?.join();
-        Some(self.so_far())
     }
 }
 
@@ -144,14 +105,7 @@ impl Server {
             .expect("the server was just built");
         let stdout = child.stdout.take().expect("stdout is piped");
         let mut log = Log::read(child.stderr.take().expect("stderr is piped"));
-        let (line_sender, line) = mpsc::channel();
-        std::thread::spawn(move || {
-            let mut lines = BufReader::new(stdout).lines();
-            // The receiver is gone once the ready line has come or the test has given up.
-            let _ = line_sender.send(lines.next().and_then(Result::ok).unwrap_or_default());
-            lines.for_each(drop);
-        });
-        let line = line.recv_timeout(READY).unwrap_or_default();
+        let line = first_line(stdout, READY).unwrap_or_default();
         let ready_after = began.elapsed();
         let Some(address) = ready_address(&line, "eip=") else {
             // It may have ended by itself; its log says why either way.
@@ -279,35 +233,4 @@ pub fn signal(name: &str, process: u32) {
         status.is_ok_and(|status| status.success()),
         "kill -{name} {process} failed"
     );
-}
-
-/// An address in `ready eip=127.0.0.1:44818 hmi=off`, by the word before it.
-fn ready_address(line: &str, name: &str) -> Option<SocketAddr> {
-    let mut words = line.split_whitespace();
-    (words.next() == Some("ready")).then_some(())?;
-    words.find_map(|word| word.strip_prefix(name))?.parse().ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ready_lines() {
-        #[rustfmt::skip]
-        let cases = [
-            // why,                   line,                                           of,     address
-            ("the contract's line",   "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "eip=", Some("127.0.0.1:44818")),
-            ("its second address",    "ready eip=127.0.0.1:44818 hmi=127.0.0.1:8080", "hmi=", Some("127.0.0.1:8080")),
-            ("no HMI",                "ready eip=127.0.0.1:40001 hmi=off",            "eip=", Some("127.0.0.1:40001")),
-            ("no HMI, asked for it",  "ready eip=127.0.0.1:40001 hmi=off",            "hmi=", None),
-            ("something else",        "listening eip=127.0.0.1:40001",                "eip=", None),
-            ("no address",            "ready hmi=off",                                "eip=", None),
-            ("the server has ended",  "",                                             "eip=", None),
-        ];
-        for (why, line, of, address) in cases {
-            let expected = address.map(|text| text.parse().expect("an address"));
-            assert_eq!(ready_address(line, of), expected, "{why}: {line}");
-        }
-    }
 }

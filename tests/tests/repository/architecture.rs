@@ -24,6 +24,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-realtime",        &["arcline-controller"]),
     ("arcline-config",          &["arcline-controller"]),
     ("arcline-simulation",      &["arcline-config", "arcline-structured-text"]),
+    ("arcline-mcap",            &[]),
+    ("arcline-cases",           &["arcline-simulation", "arcline-mcap"]),
     ("arcline-routine",         &["arcline-instruction-set", "arcline-tag"]),
     ("arcline-l5x",             &["arcline-config", "arcline-routine"]),
     ("arcline-state",           &[]),
@@ -31,8 +33,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-plot",            &[]),
     ("arcline-testing",         &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
-                                  "arcline-gcode", "arcline-plot"]),
-    ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-l5x", "arcline-state",
+                                  "arcline-gcode", "arcline-mcap", "arcline-plot"]),
+    ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-cases", "arcline-l5x", "arcline-state",
                                   "arcline-proto", "arcline-structured-text", "arcline-routine"]),
 ];
 

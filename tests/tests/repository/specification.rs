@@ -68,8 +68,17 @@ fn relative_links_lead_to_files_and_headings() {
 /// A page names files of the repository in backticks; they exist.
 #[test]
 fn named_files_exist() {
-    const FOLDERS: [&str; 9] = [
-        "crates/", "server/", "client/", "proto/", "tests/", "web/", "docs/", "fuzz/", ".ci/",
+    const FOLDERS: [&str; 10] = [
+        "crates/",
+        "server/",
+        "client/",
+        "proto/",
+        "tests/",
+        "web/",
+        "docs/",
+        "fuzz/",
+        ".ci/",
+        "examples/",
     ];
     let mut wrong = Vec::new();
     for file in files(&["md"]) {

@@ -30,7 +30,7 @@ pub(crate) use moves::{Arc, Change, Circle, Direction, Dynamics, Home, Move, OnO
 pub(crate) use pictures::{Diff, Gcode, Plot, Unit};
 pub(crate) use programs::{Exec, Run};
 pub(crate) use tags::{CreateTag, DeleteTag, Read, TagAccess, Tags, TagsChange, Write};
-pub(crate) use tools::{Completions, Explain, Man, Subject};
+pub(crate) use tools::{Completions, Doctor, Explain, Man, Subject};
 pub(crate) use trace::Trace;
 pub(crate) use values::{Point, Rate};
 
@@ -246,6 +246,13 @@ pub(crate) enum LocalCommand {
         Example: arcline diff expected.csv trace.csv --tolerance 1e-6"
     )]
     Diff(Diff),
+    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do
+    #[command(
+        after_help = "Runs `arcline-server doctor` with the same options. The exit code is 0 when nothing is amiss, 1 when something warns, 2 when a server \
+        would not start.\n\
+        Example: arcline doctor\n         arcline doctor --config machine.toml --measure 10"
+    )]
+    Doctor(Doctor),
     /// Print completions for a shell
     #[command(after_help = "Example: arcline completions bash > ~/.local/share/bash-completion/completions/arcline")]
     Completions(Completions),

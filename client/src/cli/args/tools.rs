@@ -1,4 +1,4 @@
-//! Arguments of `explain`, `completions` and `man`, which need no machine.
+//! Arguments of `explain`, `doctor`, `completions` and `man`, which need no machine.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -74,6 +74,19 @@ pub(super) fn mnemonic(text: &str) -> Result<Mnemonic, String> {
             None => format!("{error}; `arcline exec --help` lists them"),
         }
     })
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct Doctor {
+    /// The configuration of the server; without it the embedded default
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// The file that the server is to keep its state in
+    #[arg(long, value_name = "FILE")]
+    pub(crate) state: Option<PathBuf>,
+    /// Seconds for which ticks are measured; by default 2
+    #[arg(long, value_name = "SECONDS")]
+    pub(crate) measure: Option<f64>,
 }
 
 #[derive(Args, Debug)]

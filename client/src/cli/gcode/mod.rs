@@ -6,7 +6,7 @@ mod source;
 
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
@@ -161,17 +161,6 @@ fn progress(counts: &Counts, output: &Output) -> ProgressBar {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
     }
-}
-
-/// `arcline-server` beside this program, or wherever the system finds it.
-fn server_program() -> PathBuf {
-    let name = format!("arcline-server{}", std::env::consts::EXE_SUFFIX);
-    let beside = std::env::current_exe()
-        .ok()
-        .map(|program| program.with_file_name(&name));
-    beside
-        .filter(|path| path.is_file())
-        .unwrap_or_else(|| PathBuf::from(name))
 }
 
 fn start(command: &Gcode) -> Option<[f64; 3]> {

@@ -6,9 +6,10 @@ use std::process::{Command, Stdio};
 
 use serde_json::json;
 
+use super::progress;
 use super::source::{Counts, Source};
-use super::{progress, server_program};
 use crate::cli::output::counted;
+use crate::cli::tools::server_program;
 use crate::cli::{Failure, Output};
 
 /// Simulated time without an end of its own, s.

@@ -1,20 +1,22 @@
 //! `trace`: every tick of some signals into a file, as they come, by the trace of `arcline_client`.
 
 mod csv;
-mod mcap;
 
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::BufWriter;
 use std::time::Duration;
 
 use serde_json::json;
 
 use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, Trigger, nearest};
 
+use arcline_mcap::Mcap;
+
 use super::args::Trace;
 use super::output::counted;
 use super::{Failure, Output, wait};
 use csv::Csv;
-use mcap::Mcap;
 
 /// Time between two looks when there is nothing new.
 const POLL: Duration = Duration::from_millis(20);
@@ -33,7 +35,7 @@ const OF_ROBOT: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
 /// Where rows go.
 enum Sink {
     Csv(Csv),
-    Mcap(Mcap),
+    Mcap(Mcap<BufWriter<File>>),
 }
 
 /// `trace`.
@@ -58,7 +60,8 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
         }
     };
     let mut sink = if is_mcap {
-        Sink::Mcap(Mcap::create(&command.output, &request.signals, period).map_err(at)?)
+        let file = BufWriter::new(File::create(&command.output).map_err(at)?);
+        Sink::Mcap(Mcap::new(file, &request.signals, period).map_err(at)?)
     } else {
         Sink::Csv(Csv::create(&command.output, &request.signals, period).map_err(at)?)
     };

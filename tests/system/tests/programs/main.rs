@@ -1,8 +1,10 @@
 //! The programs as users start them, without anything from outside of the project.
 
+mod batches;
 mod cli;
 mod client_examples;
 mod controller;
+mod doctor;
 mod guide;
 mod l5x;
 mod masters;

@@ -2,12 +2,12 @@
 //! with a schema, in chunks with an index. No compression.
 //!
 //! Records as the MCAP specification (version 0) lays them out; all numbers little-endian. Times are nanoseconds of the
-//! server's run: tick times coarse update period.
+//! machine's run: tick times coarse update period.
+
+#![forbid(unsafe_code)]
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::io::{self, Write};
 use std::time::Duration;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -15,22 +15,22 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 const CHUNK: usize = 1 << 20;
 
 mod opcode {
-    pub(super) const HEADER: u8 = 0x01;
-    pub(super) const FOOTER: u8 = 0x02;
-    pub(super) const SCHEMA: u8 = 0x03;
-    pub(super) const CHANNEL: u8 = 0x04;
-    pub(super) const MESSAGE: u8 = 0x05;
-    pub(super) const CHUNK: u8 = 0x06;
-    pub(super) const MESSAGE_INDEX: u8 = 0x07;
-    pub(super) const CHUNK_INDEX: u8 = 0x08;
-    pub(super) const STATISTICS: u8 = 0x0B;
-    pub(super) const DATA_END: u8 = 0x0F;
+    pub(crate) const HEADER: u8 = 0x01;
+    pub(crate) const FOOTER: u8 = 0x02;
+    pub(crate) const SCHEMA: u8 = 0x03;
+    pub(crate) const CHANNEL: u8 = 0x04;
+    pub(crate) const MESSAGE: u8 = 0x05;
+    pub(crate) const CHUNK: u8 = 0x06;
+    pub(crate) const MESSAGE_INDEX: u8 = 0x07;
+    pub(crate) const CHUNK_INDEX: u8 = 0x08;
+    pub(crate) const STATISTICS: u8 = 0x0B;
+    pub(crate) const DATA_END: u8 = 0x0F;
 }
 
-/// A file that is being written.
+/// A file that is being written, in small pieces: `W` buffers.
 #[derive(Debug)]
-pub(super) struct Mcap {
-    file: BufWriter<File>,
+pub struct Mcap<W> {
+    file: W,
     /// Bytes written so far.
     offset: u64,
     period: Duration,
@@ -65,8 +65,12 @@ struct Chunk {
     index: BTreeMap<u16, Vec<(u64, u64)>>,
 }
 
-impl Mcap {
-    pub(super) fn create(path: &Path, signals: &[String], period: Duration) -> io::Result<Self> {
+impl<W: Write> Mcap<W> {
+    /// Begins a file: names of the signals of a row (`Object.Member`), and the coarse update period.
+    ///
+    /// # Errors
+    /// The beginning could not be written, or there are more objects than channels.
+    pub fn new(file: W, signals: &[String], period: Duration) -> io::Result<Self> {
         let mut channels: Vec<Channel> = Vec::new();
         for (index, signal) in signals.iter().enumerate() {
             let (topic, member) = signal.rsplit_once('.').unwrap_or((signal, "value"));
@@ -86,7 +90,7 @@ impl Mcap {
             record(&mut described, opcode::CHANNEL, &channel.channel(id));
         }
         let mut mcap = Self {
-            file: BufWriter::new(File::create(path)?),
+            file,
             offset: 0,
             period,
             channels,
@@ -110,7 +114,11 @@ impl Mcap {
         Ok(mcap)
     }
 
-    pub(super) fn row(&mut self, tick: u64, row: &[f64]) -> io::Result<()> {
+    /// The samples of one tick.
+    ///
+    /// # Errors
+    /// They could not be written.
+    pub fn row(&mut self, tick: u64, row: &[f64]) -> io::Result<()> {
         let time = u64::try_from(u128::from(tick) * self.period.as_nanos()).unwrap_or(u64::MAX);
         for (index, channel) in self.channels.iter().enumerate() {
             let id = number_of(index)?;
@@ -137,7 +145,11 @@ impl Mcap {
         }
     }
 
-    pub(super) fn finish(mut self) -> io::Result<()> {
+    /// Writes what is left, and the index.
+    ///
+    /// # Errors
+    /// It could not be written.
+    pub fn finish(mut self) -> io::Result<()> {
         self.write_chunk()?;
         let mut end = Vec::new();
         record(&mut end, opcode::DATA_END, &0_u32.to_le_bytes());
@@ -315,17 +327,15 @@ mod tests {
 
     #[test]
     fn a_file_is_whole_and_indexed() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.mcap");
+        let mut bytes = Vec::new();
         let signals = ["X.CommandPosition", "CS1.PathSpeed", "X.ActualPosition"].map(str::to_owned);
-        let mut mcap = Mcap::create(&path, &signals, Duration::from_millis(1)).expect("created");
+        let mut mcap = Mcap::new(&mut bytes, &signals, Duration::from_millis(1)).expect("begun");
         let rows = 30_000_u64;
         for tick in 0..rows {
             mcap.row(tick + 5, &[tick as f64 * 0.5, 1.0, f64::NAN])
                 .expect("written");
         }
         mcap.finish().expect("finished");
-        let bytes = std::fs::read(&path).expect("read");
         assert!(bytes.starts_with(MAGIC));
         let records = records(&bytes[MAGIC.len()..]);
         let of = |opcode: u8| {

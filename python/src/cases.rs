@@ -1,0 +1,69 @@
+//! `simulate_many`: a batch of cases, as `arcline-server simulate --cases` runs them.
+
+use std::sync::Arc;
+
+use arcline_cases::{Batch, Defaults};
+use arcline_tag::WriteValue;
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::inner::policy;
+use crate::values;
+
+/// Runs the cases of a text, one a line; their results, one a line.
+#[pyfunction]
+#[pyo3(name = "_simulate_many", signature = (cases, program, config, set, seed, until, wait, keep_going, first, threads, trace, signals))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn simulate_many(
+    py: Python<'_>,
+    cases: &str,
+    program: Option<String>,
+    config: Option<String>,
+    set: Vec<(String, Bound<'_, PyAny>)>,
+    seed: u64,
+    until: f64,
+    wait: bool,
+    keep_going: bool,
+    first: u64,
+    threads: usize,
+    trace: Option<String>,
+    signals: Vec<String>,
+) -> PyResult<String> {
+    let set: PyResult<Vec<(String, WriteValue)>> = set
+        .into_iter()
+        .map(|(name, value)| Ok((name, values::given(&value)?)))
+        .collect();
+    let batch = Batch {
+        defaults: Arc::new(Defaults {
+            program,
+            config,
+            set: set?,
+            seed,
+            until,
+            policy: policy(wait, keep_going),
+            trace,
+            signals,
+            every: 1,
+        }),
+        first,
+        from: first,
+        to: None,
+        jobs: threads,
+    };
+    let mut output = Vec::new();
+    // Looked at between results: Ctrl-C ends a batch behind the case that runs.
+    let mut interrupted = None;
+    let ran = py.detach(|| {
+        batch.run(cases.as_bytes(), &mut output, &mut |_| {
+            interrupted = interrupted
+                .take()
+                .or_else(|| Python::attach(|py| py.check_signals().err()));
+            interrupted.is_none()
+        })
+    });
+    if let Some(error) = interrupted {
+        return Err(error);
+    }
+    ran.map_err(|error| PyOSError::new_err(error.to_string()))?;
+    String::from_utf8(output).map_err(|error| PyValueError::new_err(error.to_string()))
+}
