@@ -255,7 +255,12 @@ async fn a_new_viewer_is_told_the_past() {
     viewer.take("CS1").await;
     let line = "MCLM(CS1, P, Absolute, [30, 0, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
     viewer.execute(line).await.expect("it has the right");
-    viewer.status(|status| status["axes"][0]["command"] == 30.0).await;
+    let status = viewer.status(|status| status["axes"][0]["command"] == 30.0).await;
+    let tick = status["tick"].as_u64().expect("a tick");
+    // The thread of the trace may be behind the state.
+    while bench.plant.trace().kept().next <= tick {
+        tokio::task::yield_now().await;
+    }
     let now = bench.plant.trace().kept().next;
     let (mut before, mut rows) = (now, 0);
     let mut positions = Vec::new();
