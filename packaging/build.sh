@@ -23,8 +23,10 @@ cargo build --release --workspace --bins --locked --quiet
 # glibc, linked in: nothing of the server resolves names or users, for which a static glibc would load libraries. Named target: build scripts stay dynamic.
 RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --quiet -p arcline-server --target x86_64-unknown-linux-gnu
 static=$work/arcline-server
-# Without the id of the build, which is a hash over the paths of the sources too.
-stripped() { strip --strip-all --remove-section=.comment --remove-section=.note.gnu.build-id -o "$2" "$1"; }
+stripped() {
+    strip --strip-all --remove-section=.comment -o "$2" "$1"
+    python3 packaging/build_id.py "$2"
+}
 stripped "$target/x86_64-unknown-linux-gnu/release/arcline-server" "$static"
 
 # pages FOLDER PROGRAM...: manual pages and completions.
