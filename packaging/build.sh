@@ -23,7 +23,11 @@ cargo build --release --workspace --bins --locked --quiet
 # glibc, linked in: nothing of the server resolves names or users, for which a static glibc would load libraries. Named target: build scripts stay dynamic.
 RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --quiet -p arcline-server --target x86_64-unknown-linux-gnu
 static=$work/arcline-server
-strip --strip-all -o "$static" "$target/x86_64-unknown-linux-gnu/release/arcline-server"
+stripped() {
+    strip --strip-all --remove-section=.comment -o "$2" "$1"
+    python3 packaging/build_id.py "$2"
+}
+stripped "$target/x86_64-unknown-linux-gnu/release/arcline-server" "$static"
 
 # pages FOLDER PROGRAM...: manual pages and completions.
 pages() {
@@ -57,7 +61,7 @@ tree=$work/tree
 control=$work/control
 for program in arcline-server arcline; do
     install -d "$tree/usr/bin"
-    strip --strip-all --remove-section=.comment --remove-section=.note -o "$tree/usr/bin/$program" "$target/release/$program"
+    stripped "$target/release/$program" "$tree/usr/bin/$program"
     chmod 755 "$tree/usr/bin/$program"
 done
 pages "$tree/usr" arcline-server arcline

@@ -18,6 +18,9 @@ use crate::{errors, values};
 /// Ticks between two looks at the signals of Python.
 const SLICE: u64 = 4096;
 
+/// A truth for each machine.
+type Mask<'py> = PyReadonlyArray1<'py, bool>;
+
 /// `n` machines of one configuration, stepped together.
 #[pyclass(frozen, module = "arcline._arcline")]
 pub(crate) struct Batch {
@@ -43,6 +46,22 @@ impl Batch {
     /// Waits with the interpreter released: who holds the lock may need it.
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Inner> {
         self.inner.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The machines whose element of the mask is true; without a mask all.
+    fn masked<'r>(&self, runners: &'r mut [Runner], mask: Option<&Mask<'_>>) -> PyResult<Vec<&'r mut Runner>> {
+        let mask = mask.map(PyReadonlyArray1::as_array);
+        if mask.as_ref().is_some_and(|mask| mask.len() != self.count) {
+            return Err(PyValueError::new_err(format!(
+                "the mask must have {} elements",
+                self.count
+            )));
+        }
+        let wanted = |index: usize| mask.as_ref().is_none_or(|mask| mask[index]);
+        let runners = runners.iter_mut().enumerate();
+        Ok(runners
+            .filter_map(|(index, runner)| wanted(index).then_some(runner))
+            .collect())
     }
 
     /// Steps all machines, then samples the bound signals of each into its element of their arrays.
@@ -193,46 +212,39 @@ impl Batch {
         values::read(py, &mut runner.simulation(), path)
     }
 
-    /// Starts a program on every machine.
-    #[pyo3(signature = (text, *, keep_going=false))]
-    fn program(&self, py: Python<'_>, text: &str, keep_going: bool) -> PyResult<()> {
+    /// Starts a program on every machine, or on those whose element of `mask` is true.
+    #[pyo3(signature = (text, *, keep_going=false, mask=None))]
+    fn program(&self, py: Python<'_>, text: &str, keep_going: bool, mask: Option<Mask<'_>>) -> PyResult<()> {
         let mut inner = self.lock(py);
         let program = parsed(py, inner.runners[0].simulation().image(), text)?;
-        for runner in &mut inner.runners {
+        for runner in self.masked(&mut inner.runners, mask.as_ref())? {
             runner.start(Interpreter::new(program.clone()), policy(true, keep_going));
         }
         Ok(())
     }
 
-    /// Lets `ticks` ticks pass on every machine.
+    /// Lets `ticks` ticks pass on every machine; with 0 ticks the bound arrays are refreshed and no more.
     #[pyo3(signature = (ticks=1))]
     fn step(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         let mut left = ticks;
-        while left > 0 {
+        loop {
             let slice = left.min(SLICE);
             self.pass(py, slice)?;
             left -= slice;
             py.check_signals()?;
+            if left == 0 {
+                return Ok(());
+            }
         }
-        Ok(())
     }
 
     /// Brings machines back to their beginning: those whose element of `mask` is true, or all.
     #[pyo3(signature = (mask=None))]
-    fn reset(&self, py: Python<'_>, mask: Option<PyReadonlyArray1<'_, bool>>) -> PyResult<()> {
+    fn reset(&self, py: Python<'_>, mask: Option<Mask<'_>>) -> PyResult<()> {
         let mut inner = self.lock(py);
         let Inner { project, runners, .. } = &mut *inner;
-        let mask = mask.as_ref().map(PyReadonlyArray1::as_array);
-        if mask.as_ref().is_some_and(|mask| mask.len() != self.count) {
-            return Err(PyValueError::new_err(format!(
-                "the mask must have {} elements",
-                self.count
-            )));
-        }
-        for (index, runner) in runners.iter_mut().enumerate() {
-            if mask.as_ref().is_none_or(|mask| mask[index]) {
-                *runner = fresh(project);
-            }
+        for runner in self.masked(runners, mask.as_ref())? {
+            *runner = fresh(project);
         }
         Ok(())
     }
