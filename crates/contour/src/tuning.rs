@@ -401,6 +401,11 @@ constants! {
         /// Seconds in which it fades out at least and at most, and the factor from one trial to the next.
         fade_s: [f64; 2] = [0.004, 0.1],
         fade_factor: f64 = 1.3,
+        /// Factor by which the speeds of a smooth curve differ within a part that is travelled as one, and its nodes at least.
+        alike: f64 = 1.25,
+        least_part: f64 = 4.0,
+        /// Instants at which the running motion is left for a smooth curve, at most.
+        smooth_attempts: usize = 6,
         /// How often the curve is smoothed where it is outside with the times of the faster motion.
         repairs: usize = 3,
     }

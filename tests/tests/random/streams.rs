@@ -1,42 +1,38 @@
 //! Random toolpaths through a queue of 1,000 moves that is kept filled: chords, islands of tiny moves, lines, arcs between lines and sudden corners. Plans
-//! come 20 ms after they were asked for. The motion never rests on the way, within its limits at every tick.
+//! come 20 ms after they were asked for. The motion never rests on the way, within its limits at every tick, whatever is asked of it meanwhile.
 #![allow(missing_docs)]
 
-use arcline_tests::random::seeds;
-use arcline_tests::streams::{Feed, Latency, Wild, limits, travel};
+use arcline_planner::geometry::{Path, Point};
+use arcline_planner::precise::AxisLimits;
+use arcline_planner::{ContourQueue, Move, Sample};
+use arcline_tests::random::{Random, seeds};
+use arcline_tests::streams::{Feed, Latency, Travelled, Wild, limits, travel};
 
 const MOVES: usize = 200;
+const FEED: Feed = Feed {
+    depth: 1000,
+    per_tick: 16.0,
+    latency: Latency::Seconds(0.02),
+};
 /// Seeds that rested: a curve that was left for evenly rounded corners, too coarse in those that it passed first, or never left as it was too fast for them.
 const FOUND: [u64; 5] = [111, 293, 460, 735, 804];
 
 #[test]
 fn a_trapezoid_stream_that_is_sent_fast_enough_never_rests() {
+    never_rest(seeds(120).chain(FOUND), |wild| wild.jerk.is_none());
+}
+
+#[test]
+fn an_s_curve_stream_that_is_sent_fast_enough_never_rests() {
+    never_rest(seeds(240), |wild| wild.jerk.is_some());
+}
+
+fn never_rest(seeds: impl Iterator<Item = u64>, is_meant: impl Fn(&Wild) -> bool) {
     let mut rests = 0;
-    for seed in seeds(120).chain(FOUND) {
-        let wild = Wild::new(seed, MOVES);
-        if wild.jerk.is_some() {
-            continue;
-        }
-        let kept = limits(wild.jerk);
-        let feed = Feed {
-            depth: 1000,
-            per_tick: 16.0,
-            latency: Latency::Seconds(0.02),
-        };
-        let told = travel(&wild.moves, wild.jerk, feed, |_, _, sample| {
-            let Some(sample) = sample else { return };
-            assert!(
-                sample.velocity.norm() <= wild.speed * (1.0 + 1e-9),
-                "seed {seed}: {wild}"
-            );
-            for axis in 0..3 {
-                let (acceleration, most) = (sample.acceleration[axis].abs(), kept.acceleration[axis]);
-                assert!(
-                    acceleration <= most * (1.0 + 1e-9),
-                    "seed {seed}: {acceleration}, {wild}"
-                );
-            }
-        });
+    let meant = seeds.map(|seed| (seed, Wild::new(seed, MOVES)));
+    for (seed, wild) in meant.filter(|(_, wild)| is_meant(wild)) {
+        let mut within = Within::new(&wild, seed);
+        let told = travel(&wild.moves, wild.jerk, FEED, |_, _, sample| within.look(sample));
         rests += told.unplanned;
         if told.unplanned > 0 {
             println!("seed {seed} rests {} times: {wild}", told.unplanned);
@@ -44,3 +40,183 @@ fn a_trapezoid_stream_that_is_sent_fast_enough_never_rests() {
     }
     assert_eq!(rests, 0);
 }
+
+/// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS), after which the rest of the stream is sent from
+/// where the motion came to rest.
+#[test]
+fn whatever_is_asked_of_a_stream_keeps_it_within_its_limits_and_it_goes_on() {
+    for seed in seeds(40) {
+        let wild = Wild::new(seed, MOVES);
+        let mut random = Random(seed ^ 0x5EED);
+        let mut within = Within::new(&wild, seed);
+        let mut on_path = OnPath::new(&wild);
+        let (mut rate, mut stops, mut until) = (1.0, 0, 100 + random.below(300));
+        // Stops that were not at the end of the whole.
+        let mut inside = 0;
+        let mut stopping: Option<u64> = None;
+        let told = travel(&wild.moves, wild.jerk, FEED, |queue, clock, sample| {
+            within.look(sample);
+            if let Some(sample) = sample {
+                on_path.look(queue, &sample, seed);
+            }
+            if let Some(since) = stopping {
+                if queue.is_running() {
+                    assert!(clock.tick - since <= LONGEST_STOP, "seed {seed}: a stop takes too long");
+                    return;
+                }
+                stopping = None;
+                inside += usize::from(queue.moves().next().is_some());
+                on_path.go_on(queue, clock);
+            }
+            if clock.tick < until || !queue.is_running() {
+                return;
+            }
+            until = clock.tick + 30 + random.below(400);
+            match random.below(if stops < 2 { 5 } else { 4 }) {
+                // A hold, and the motion goes on after some time.
+                0 if rate > 0.0 => rate = 0.0,
+                0 | 1 => rate = random.between(0.1, 1.0),
+                2 => rate = 1.0,
+                3 => {
+                    let speed = wild.speed * random.between(0.3, 1.0);
+                    queue.moves_mut().for_each(|one| one.limits.speed = speed);
+                    queue.change(clock);
+                }
+                _ => {
+                    stops += 1;
+                    stopping = Some(clock.tick);
+                    let own = queue.moves().next().expect("an active move").limits;
+                    queue.stop(&own, clock);
+                    assert!(queue.is_paused(), "seed {seed}: no stop");
+                }
+            }
+            queue.set_rate(rate, clock);
+        });
+        let Travelled { unplanned, starved, .. } = told;
+        assert_eq!((unplanned, starved), (inside, 0), "seed {seed}: {wild}");
+    }
+}
+
+/// Ticks that the longest stop may take: from 400 mm/s beside what the motion needs its axes for.
+const LONGEST_STOP: u64 = 500;
+
+/// Speed, acceleration and jerk from tick to tick.
+struct Within<'w> {
+    wild: &'w Wild,
+    seed: u64,
+    kept: AxisLimits,
+    last: Option<Sample>,
+}
+
+impl<'w> Within<'w> {
+    fn new(wild: &'w Wild, seed: u64) -> Self {
+        let kept = limits(wild.jerk);
+        Within {
+            wild,
+            seed,
+            kept,
+            last: None,
+        }
+    }
+
+    fn look(&mut self, sample: Option<Sample>) {
+        let Within { wild, seed, kept, .. } = self;
+        if let Some(sample) = sample {
+            let speed = sample.velocity.norm();
+            assert!(speed <= wild.speed * (1.0 + 1e-9), "seed {seed}: {speed}, {wild}");
+            for axis in 0..3 {
+                let (acceleration, most) = (sample.acceleration[axis].abs(), kept.acceleration[axis]);
+                assert!(
+                    acceleration <= most * (1.0 + 1e-9),
+                    "seed {seed}: {acceleration}, {wild}"
+                );
+                if let (Some(last), Some(most)) = (self.last, kept.jerk) {
+                    let jerk = (sample.acceleration[axis] - last.acceleration[axis]).abs() * 1000.0;
+                    assert!(jerk <= most[axis] * (1.0 + 1e-6), "seed {seed}: jerk {jerk}, {wild}");
+                }
+            }
+        }
+        self.last = sample;
+    }
+}
+
+/// How far from the programmed path.
+struct OnPath {
+    paths: Vec<Path>,
+    tolerance: f64,
+    at: Point,
+}
+
+impl OnPath {
+    fn new(wild: &Wild) -> Self {
+        OnPath {
+            paths: wild.moves.iter().map(|one| one.path).collect(),
+            tolerance: wild.tolerance,
+            at: Point::zeros(),
+        }
+    }
+
+    fn look(&mut self, queue: &ContourQueue<usize>, sample: &Sample, seed: u64) {
+        self.at = sample.position;
+        let Some(active) = queue.moves().next().map(|one| one.data) else {
+            return;
+        };
+        let most = self.tolerance * (1.0 + 1e-6) + 1e-9;
+        // The nearest first, so that most are not looked at.
+        let mut near: Vec<usize> = (active.saturating_sub(BESIDE)..(active + BESIDE).min(self.paths.len())).collect();
+        near.sort_by_key(|place| place.abs_diff(active));
+        let mut least = f64::INFINITY;
+        let is_near = near.into_iter().any(|place| {
+            least = least.min(distance(&self.paths[place], &self.at));
+            least <= most
+        });
+        assert!(
+            is_near,
+            "seed {seed}: {least} off move {active}, tolerance {}",
+            self.tolerance
+        );
+    }
+
+    /// Sends the moves that are left again, the first of them from where the motion is.
+    fn go_on(&mut self, queue: &mut ContourQueue<usize>, clock: &arcline_planner::Clock) {
+        let mut left: Vec<Move<usize>> = queue.moves().copied().collect();
+        queue.clear();
+        if let Some(first) = left.first_mut() {
+            first.path = Path::line(self.at, first.path.end());
+            self.paths[first.data] = first.path;
+        }
+        for one in left {
+            queue.push(one, clock).expect("room, as before");
+        }
+    }
+}
+
+/// Moves beside the active one that may be the nearest.
+const BESIDE: usize = 16;
+
+/// From a path, by the nearest of some of its points and a search about it.
+fn distance(path: &Path, from: &Point) -> f64 {
+    let length = path.length();
+    let off = |s: f64| (path.at(s.clamp(0.0, length)).position - from).norm();
+    if let Path::Line(_) = path {
+        let (start, end) = (path.start(), path.end());
+        let along = (from - start).dot(&(end - start)) / length;
+        return off(along);
+    }
+    let step = length / f64::from(POINTS);
+    let best = (0..=POINTS).map(|k| step * f64::from(k));
+    let best = best.min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0.0);
+    let (mut low, mut high) = ((best - step).max(0.0), (best + step).min(length));
+    for _ in 0..SEARCH {
+        let [one, other] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+        if off(one) < off(other) {
+            high = other;
+        } else {
+            low = one;
+        }
+    }
+    off(0.5 * (low + high))
+}
+
+const POINTS: u32 = 24;
+const SEARCH: u32 = 60;

@@ -1,6 +1,7 @@
 //! What is tried for an extension, one after the other, until a motion is found. From a slower motion one is found more easily.
 
 use crate::solve::relax::SlowDown;
+use crate::solve::stages::Quality;
 
 /// One way to extend a running trajectory.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +12,27 @@ pub(crate) struct Attempt {
     pub(crate) brakings: f64,
     /// Which part of dense chords is slowed down first.
     pub(crate) slow_down: SlowDown,
+}
+
+/// How an extension is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Search<'a> {
+    /// From a first guess outside of the limits, by these attempts.
+    Attempts(Quality, &'a [Attempt]),
+    /// Within all limits from the first guess on, along evenly rounded corners.
+    Gentle,
+    /// Within all limits from the first guess on, along the smooth curve of dense chords.
+    GentleAndSmooth,
+}
+
+impl Search<'_> {
+    pub(crate) fn quality(self) -> Quality {
+        match self {
+            Search::Attempts(quality, _) => quality,
+            Search::Gentle => Quality::TimingOnly,
+            Search::GentleAndSmooth => Quality::Smooth,
+        }
+    }
 }
 
 /// In their order.
@@ -33,3 +55,6 @@ const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
 
 /// Gentle ways to go on: share of the limits along the path with which the speed changes, and of the speed at which nothing is above a limit.
 pub(crate) const GENTLE: [[f64; 2]; 5] = [[0.3, 0.8], [0.5, 0.8], [0.7, 0.8], [0.88, 0.8], [0.88, 0.4]];
+
+/// The same shares along the smooth curve of dense chords.
+pub(crate) const GENTLE_AND_SMOOTH: [[f64; 2]; 4] = [[0.2, 0.7], [0.3, 0.8], [0.5, 0.8], [0.8, 0.85]];

@@ -1,7 +1,7 @@
 //! A section that is planned from an instant of a running trajectory on. Position units and seconds.
 
-use crate::extend::attempts::GENTLE;
-use crate::extend::gentle::{Course, gentle};
+use crate::extend::attempts::{GENTLE, GENTLE_AND_SMOOTH};
+use crate::extend::gentle::{Course, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
@@ -84,6 +84,28 @@ impl Continuation<'_> {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
                     let guess = gentle(&Course::new(&section), followed, shares)?;
+                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
+                    section.hasten(guess, &mut work)
+                })
+            })
+    }
+
+    /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
+    pub(crate) fn plan_gently_and_smooth(&self, earliest: f64, brakes: f64) -> Option<Trajectory> {
+        let &Continuation { running, limits, .. } = self;
+        let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
+        let first = earliest.max(brakes - TUNING.gentle.before_s);
+        let mut instants: Vec<(f64, f64)> = leaves(running, first, until)
+            .map(|leave| (in_use(&running.at(leave), limits), leave))
+            .collect();
+        instants.sort_by(|a, b| a.0.total_cmp(&b.0));
+        instants
+            .into_iter()
+            .take(TUNING.gentle.smooth_attempts)
+            .find_map(|(_, leave)| {
+                let splice = first.max(before(running, leave));
+                self.then(splice, leave, Quality::Smooth, |section, followed, _| {
+                    let guess = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
                     let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
                     section.hasten(guess, &mut work)
                 })

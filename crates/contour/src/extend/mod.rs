@@ -11,7 +11,7 @@ mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::attempts::{ATTEMPTS, Attempt};
+use crate::extend::attempts::{ATTEMPTS, Search};
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
@@ -58,7 +58,7 @@ pub fn extend(
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
     // What is found first is taken. Dense chords are fastest as a smooth curve; what is gentle is found soonest; less is found more easily.
-    let plan = |quality, share: f64, attempts| {
+    let plan = |search: Search<'_>, share: f64| {
         let most = moves.len() - old;
         let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));
         let continuation = Continuation {
@@ -69,12 +69,13 @@ pub fn extend(
             now,
             begin,
             end: end.min(old + more),
-            quality,
+            quality: search.quality(),
         };
-        extended(&continuation, old, earliest, attempts)
+        extended(&continuation, old, earliest, search)
     };
-    let gently = || plan(Quality::TimingOnly, TUNING.gentle.ahead_share, &[]);
-    let few = |quality, attempts| plan(quality, TUNING.extend.less_share, attempts);
+    let all = |quality| plan(Search::Attempts(quality, &ATTEMPTS), 1.0);
+    let few = |quality| plan(Search::Attempts(quality, &ATTEMPTS), TUNING.extend.less_share);
+    let gently = || plan(Search::Gentle, TUNING.gentle.ahead_share);
     let arcs = moves[begin..end]
         .iter()
         .filter(|one| matches!(one.path, Path::Arc(_)))
@@ -83,24 +84,25 @@ pub fn extend(
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
         // Where little is left, what is gentle leaves still less for the next extension.
         let is_little = running.duration() - now < TUNING.extend.least_s;
-        let together = || is_little.then(|| plan(Quality::Full, 1.0, &ATTEMPTS)).flatten();
-        let smooth = plan(Quality::Smooth, 1.0, &ATTEMPTS);
-        smooth.or_else(together).or_else(gently)
+        all(Quality::Smooth)
+            .or_else(|| plan(Search::GentleAndSmooth, 1.0))
+            .or_else(|| is_little.then(|| all(Quality::Full)).flatten())
+            .or_else(gently)
     } else {
         // Sharp corners of lines are passed faster when timing and shape are found together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let together = (arcs == 0 && is_ample)
-            .then(|| plan(Quality::Full, 1.0, &ATTEMPTS[..1]))
+            .then(|| plan(Search::Attempts(Quality::Full, &ATTEMPTS[..1]), 1.0))
             .flatten();
-        together.or_else(gently).or_else(|| few(Quality::Smooth, &ATTEMPTS))
+        together.or_else(gently).or_else(|| few(Quality::Smooth))
     };
-    let extended = extended.or_else(|| few(Quality::Full, &ATTEMPTS))?;
+    let extended = extended.or_else(|| few(Quality::Full))?;
     let count = extended.moves();
     Some(extended.planned_for(&moves[..count], limits))
 }
 
 /// `old` moves are those of the running trajectory.
-fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, attempts: &[Attempt]) -> Option<Trajectory> {
+fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: Search<'_>) -> Option<Trajectory> {
     let &Continuation {
         running,
         passed,
@@ -126,11 +128,12 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, attempts
         return Some(cut(running, now, stop, passed, begin).at_rest_then(&moves[begin..], limits));
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
-    if quality == Quality::TimingOnly {
-        let first = earliest.max(stop.map_or(0.0, after_stop));
-        let brakes = brakes_from(running);
-        return continuation.plan_gently(first, brakes);
-    }
+    let soonest = earliest.max(stop.map_or(0.0, after_stop));
+    let attempts = match search {
+        Search::Gentle => return continuation.plan_gently(soonest, brakes_from(running)),
+        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(soonest, brakes_from(running)),
+        Search::Attempts(_, attempts) => attempts,
+    };
     // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
     let (mut work, mut tried) = (None, Vec::new());
     attempts.iter().find_map(|attempt| {

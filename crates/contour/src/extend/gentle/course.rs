@@ -1,0 +1,347 @@
+//! What a gentle continuation goes along, and how. Position units and seconds.
+
+use crate::extend::gentle::fade::Fade;
+use crate::extend::gentle::smoothed::Smoothed;
+use crate::extend::warm_start::{Running, followed};
+use crate::limits::Bounds;
+use crate::path::reference::along;
+use crate::path::rounding::{Corners, Shape, Stretch, round};
+use crate::section::Section;
+use crate::tuning::TUNING;
+use crate::{Point, State};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
+
+/// A curve with the speeds at which it can be travelled.
+pub(crate) struct Course<'a> {
+    pub(super) section: &'a Section<'a>,
+    curve: Curve,
+    pub(super) parts: Vec<Part>,
+}
+
+/// What is travelled, by its progress.
+enum Curve {
+    /// The reference path with every corner rounded.
+    Rounded(Vec<Stretch>),
+    /// A smooth curve through dense chords.
+    Smooth(Box<Smoothed>),
+}
+
+/// A part of a course.
+pub(super) struct Part {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    /// The constant speed at which it is within all limits.
+    pub(super) speed: f64,
+    /// Whether it is part of a line.
+    is_straight: bool,
+    /// The nodes that it has at least.
+    nodes: f64,
+    /// Which piece of the reference path it is on.
+    piece: usize,
+}
+
+/// How a motion goes on along a course: one profile for each stretch, with the instant at which it begins. The acceleration along the path is 0 between them.
+pub(super) struct CourseTiming {
+    /// The part that it begins on.
+    first: usize,
+    parts: Vec<(f64, Profile)>,
+}
+
+impl CourseTiming {
+    pub(super) fn at(&self, time: f64) -> KinematicState {
+        let part = self.parts.partition_point(|(from, _)| *from <= time).saturating_sub(1);
+        let (from, profile) = &self.parts[part];
+        profile.at(time - from)
+    }
+
+    /// The part that it begins on, and the profile from there.
+    pub(super) fn first(&self) -> (usize, &Profile) {
+        (self.first, &self.parts[0].1)
+    }
+
+    /// How many profiles.
+    pub(super) fn count(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// When each profile ends.
+    pub(super) fn ends(&self) -> impl Iterator<Item = f64> + '_ {
+        self.parts.iter().map(|(from, profile)| from + profile.duration())
+    }
+}
+
+impl<'a> Course<'a> {
+    pub(crate) fn new(section: &'a Section<'a>) -> Self {
+        let reference = &section.reference;
+        let stretches = round(reference, &section.allowance, Corners::Even);
+        let mut parts: Vec<Part> = stretches
+            .iter()
+            .map(|stretch| {
+                let piece = reference.piece_at(0.5 * (stretch.from + stretch.to));
+                let is_kept = section.allowance.keeps_at(reference, piece, stretch.from);
+                let is_rounding = matches!(stretch.shape, Shape::Bezier(..));
+                let measured = if is_rounding { MEASURED } else { 1 };
+                let step = (stretch.to - stretch.from) / f64::from(measured);
+                let sites = (0..=measured).map(|k| stretch.derivatives(reference, stretch.from + step * f64::from(k)));
+                Part {
+                    from: stretch.from,
+                    to: stretch.to,
+                    speed: most_speed(&section.bounds[piece], sites, step),
+                    is_straight: !is_rounding && !stretch.is_arc(reference),
+                    nodes: if is_rounding {
+                        TUNING.gentle.rounding_nodes[usize::from(is_kept)]
+                    } else {
+                        0.0
+                    },
+                    piece,
+                }
+            })
+            .collect();
+        let pairs = stretches.windows(2).enumerate();
+        for (k, pair) in pairs {
+            let [_, end, _] = pair[0].derivatives(reference, pair[0].to);
+            let [_, start, _] = pair[1].derivatives(reference, pair[1].from);
+            if (end - start).norm() > SHARP {
+                parts[k + 1].speed = 0.0;
+            }
+        }
+        Course {
+            section,
+            curve: Curve::Rounded(stretches),
+            parts,
+        }
+    }
+
+    /// A smooth curve, in parts in which its speed changes little.
+    pub(super) fn smooth(section: &'a Section<'a>, curve: Smoothed) -> Self {
+        let reference = &section.reference;
+        let sites = curve.sites();
+        let mut parts: Vec<Part> = Vec::new();
+        for pair in sites.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let piece = reference.piece_at(curve.progress_at(0.5 * (from + to)));
+            let derivatives = [curve.derivatives(from), curve.derivatives(to)];
+            let speed = most_speed(&section.bounds[piece], derivatives.into_iter(), to - from);
+            match parts.last_mut() {
+                Some(part)
+                    if (part.speed / speed).max(speed / part.speed) <= TUNING.gentle.alike
+                        || part.nodes < TUNING.gentle.least_part =>
+                {
+                    part.to = to;
+                    part.speed = part.speed.min(speed);
+                    part.nodes += 1.0;
+                }
+                _ => parts.push(Part {
+                    from,
+                    to,
+                    speed,
+                    is_straight: false,
+                    nodes: 1.0,
+                    piece,
+                }),
+            }
+        }
+        for part in &mut parts {
+            part.nodes = 0.0;
+        }
+        Course {
+            section,
+            curve: Curve::Smooth(Box::new(curve)),
+            parts,
+        }
+    }
+
+    pub(super) fn smoothed(&self) -> Option<&Smoothed> {
+        match &self.curve {
+            Curve::Smooth(curve) => Some(curve),
+            Curve::Rounded(_) => None,
+        }
+    }
+
+    /// Seconds between the nodes of a part that is travelled in a time.
+    pub(super) fn step(&self, part: &Part, lasts: f64) -> f64 {
+        let node_s = self.section.allowance.node_s();
+        if part.nodes > 0.0 {
+            node_s.min(lasts / part.nodes)
+        } else {
+            node_s
+        }
+    }
+
+    /// With which speed each stretch is entered, and at rest after the last.
+    pub(crate) fn ends(&self, shares: [f64; 2]) -> Vec<f64> {
+        let count = self.parts.len();
+        let mut ends = vec![0.0; count + 1];
+        for k in (0..count).rev() {
+            let limits = self.limits(k, shares);
+            let before = self.parts[k.saturating_sub(1)].speed.min(self.parts[k].speed);
+            let part = &self.parts[k];
+            ends[k] = entry_speed(part.to - part.from, ends[k + 1], &limits).min(shares[1] * before);
+        }
+        ends
+    }
+
+    /// Whether a motion that is left goes on gently; `ends` as [`Course::ends`]. The share of what is allowed that its offset needs to fade out.
+    pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
+        let from = running.trajectory.at(running.leave);
+        let at = followed(self.section, running).last()?.progress;
+        let (_, profile) = self.first(self.state(&from, at), ends, shares)?;
+        Some(Fade::new(self, &from, &profile).1)
+    }
+
+    /// How a motion that is left comes to the course at its speed: the stretch at whose end it has done so, and the profile until there. `None`: it is too fast for
+    /// what comes.
+    fn first(&self, state: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<(usize, Profile)> {
+        let first = self.place(state.position);
+        if state.velocity <= 0.0 {
+            return None;
+        }
+        let behind = [0, 1, 2, 4, 8, 16, 32, 64, 128].map(|more| first + more);
+        behind
+            .into_iter()
+            .take_while(|&last| last < self.parts.len())
+            .find_map(|last| {
+                let target = self.parts[last].to;
+                let mut limits = self.limits_of(first, shares[0], shares[1]);
+                for k in first + 1..=last {
+                    limits.speed = limits.speed.min(shares[1] * self.parts[k].speed);
+                }
+                if ends[last + 1] <= 0.0 && last + 1 < self.parts.len() {
+                    return None;
+                }
+                let most = exit_speed(state, target - state.position, &limits);
+                let profile = Profile::to_position(state, target, ends[last + 1].min(most), &limits);
+                let end = profile.end();
+                let is_met = end.velocity <= ends[last + 1] * (1.0 + ROUNDING) + ROUNDING
+                    && end.acceleration.abs() <= ROUNDING * limits.acceleration;
+                let is_forward = |&t: &f64| profile.at(t).velocity >= 0.0;
+                let within = |k: usize| {
+                    let time = profile.time_at_position(self.parts[k].from);
+                    time.is_some_and(|time| {
+                        profile.at(time).velocity <= TUNING.gentle.entry_share * self.parts[k].speed
+                    })
+                };
+                let is_within =
+                    is_met && profile.segment_times().iter().all(is_forward) && (first + 1..=last).all(within);
+                is_within.then_some((last, profile))
+            })
+    }
+
+    /// How a motion that begins on the course goes on along it to rest at its end; `ends` as [`Course::ends`]. `None`: it is too fast for what comes.
+    pub(super) fn timing(&self, begin: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<CourseTiming> {
+        let first = self.place(begin.position);
+        let (last, profile) = self.first(begin, ends, shares)?;
+        let (mut time, mut state) = (profile.duration(), profile.end());
+        let mut parts = vec![(0.0, profile)];
+        for k in last + 1..self.parts.len() {
+            let (target, limits) = (self.parts[k].to, self.limits(k, shares));
+            let from = KinematicState {
+                acceleration: 0.0,
+                ..state
+            };
+            let most = exit_speed(from, target - from.position, &limits);
+            let profile = Profile::to_position(from, target, ends[k + 1].min(most), &limits);
+            parts.push((time, profile));
+            time += profile.duration();
+            state = profile.end();
+        }
+        (state.velocity == 0.0 && time.is_finite()).then_some(CourseTiming { first, parts })
+    }
+
+    /// Which stretch is at a progress.
+    fn place(&self, progress: f64) -> usize {
+        let place = self.parts.partition_point(|part| part.to < progress);
+        place.min(self.parts.len() - 1)
+    }
+
+    fn at(&self, progress: f64) -> [Point; 3] {
+        match &self.curve {
+            Curve::Rounded(stretches) => stretches[self.place(progress)].derivatives(&self.section.reference, progress),
+            Curve::Smooth(curve) => curve.derivatives(progress),
+        }
+    }
+
+    /// The progress of a motion near the path, with its first two derivatives by time.
+    pub(super) fn state(&self, from: &State, at: f64) -> KinematicState {
+        let reference = &self.section.reference;
+        let (_, piece) = reference.foot(&from.position, reference.piece_at(at));
+        let position = reference.starts[piece] + along(&reference.pieces[piece], &from.position);
+        let [_, tangent, curvature] = self.at(position);
+        let square = tangent.norm_squared();
+        let velocity = from.velocity.dot(&tangent) / square;
+        let acceleration = (from.acceleration - curvature * (velocity * velocity)).dot(&tangent) / square;
+        KinematicState {
+            position,
+            velocity,
+            acceleration,
+        }
+    }
+
+    /// The motion on the path.
+    pub(super) fn moving(&self, along: &KinematicState) -> State {
+        let [position, tangent, curvature] = self.at(along.position);
+        State {
+            position,
+            velocity: tangent * along.velocity,
+            acceleration: curvature * (along.velocity * along.velocity) + tangent * along.acceleration,
+        }
+    }
+
+    /// Limits along a stretch.
+    fn limits(&self, place: usize, [rates, speed]: [f64; 2]) -> Limits {
+        let share = if self.parts[place].is_straight {
+            rates
+        } else {
+            rates.min(TUNING.gentle.turning_share)
+        };
+        self.limits_of(place, share, speed)
+    }
+
+    /// Shares of the limits along a stretch.
+    fn limits_of(&self, place: usize, share: f64, speed: f64) -> Limits {
+        let bound = &self.section.bounds[self.parts[place].piece];
+        let rate = share * bound.axes.acceleration.min();
+        let (acceleration, deceleration) = (
+            rate.min(share * bound.acceleration),
+            rate.min(share * bound.deceleration),
+        );
+        // A step of the acceleration is more than it is on a curve of nodes.
+        let jerk = (share * bound.least_jerk()).min(acceleration.min(deceleration) / TUNING.gentle.step_s);
+        Limits {
+            speed: speed * self.parts[place].speed,
+            acceleration,
+            deceleration,
+            jerk: Some(Jerk {
+                acceleration: jerk,
+                deceleration: jerk,
+            }),
+        }
+    }
+}
+
+/// The constant speed at which a curve is within all limits: at sites a step apart.
+fn most_speed(bound: &Bounds, sites: impl Iterator<Item = [Point; 3]>, step: f64) -> f64 {
+    let mut before: Option<Point> = None;
+    let mut most = f64::INFINITY;
+    for [_, tangent, curvature] in sites {
+        let change = before.map_or(Point::zeros(), |before| (curvature - before) / step);
+        most = most.min(bound.speed / tangent.norm());
+        most = most.min(libm::sqrt(bound.norm_acceleration() / curvature.norm()));
+        most = most.min(libm::cbrt(bound.jerk / change.norm()));
+        for axis in 0..3 {
+            most = most.min(bound.axes.speed[axis] / tangent[axis].abs());
+            most = most.min(libm::sqrt(bound.axes.acceleration[axis] / curvature[axis].abs()));
+            let jerk = bound.axes.jerk.map_or(f64::INFINITY, |axes| axes[axis]);
+            most = most.min(libm::cbrt(jerk / change[axis].abs()));
+        }
+        before = Some(curvature);
+    }
+    most
+}
+
+/// Points of a rounding that are measured.
+const MEASURED: u32 = 16;
+/// Tangents that differ by more are a corner.
+const SHARP: f64 = 1e-3;
+/// Share of a speed or rate that is rounding.
+const ROUNDING: f64 = 1e-9;

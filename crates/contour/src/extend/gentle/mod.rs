@@ -1,0 +1,193 @@
+//! A continuation that is within all limits from the first guess on: the running motion until it is left, then a course at speeds so low that nothing there comes
+//! near to a limit. Position units and seconds.
+//!
+//! The course is the programmed path with every corner rounded evenly; the offset from it at the instant at which the running motion is left fades out in position,
+//! velocity and acceleration. Of dense chords it is the smooth curve that goes on from the running motion, so that there is no offset.
+
+mod course;
+mod fade;
+mod smoothed;
+
+use crate::State;
+use crate::extend::warm_start::{Running, followed, knots};
+use crate::section::Section;
+use crate::timing::control_points::{ControlPoints, blossom};
+use crate::tuning::TUNING;
+pub(crate) use course::Course;
+use course::CourseTiming;
+use fade::Fade;
+use smoothed::Smoothed;
+
+/// Control points of a motion that follows the running one until it is left and then the course, with shares of what is possible there (of the limits along the
+/// path, and of the speed). `None`: it is too fast for what comes.
+pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]) -> Option<ControlPoints> {
+    let section = course.section;
+    let left = running.leave - running.splice;
+    let from = running.trajectory.at(running.leave);
+    let route = followed(section, running);
+    let state = course.state(&from, route.last()?.progress);
+    let timing = course.timing(state, &course.ends(shares), shares)?;
+    let (fade, _) = Fade::new(course, &from, timing.first().1);
+    let mut i = 0;
+    let before = |time: f64| {
+        while i + 2 < route.len() && route[i + 1].time < time {
+            i += 1;
+        }
+        (running.trajectory.at(running.splice + time), route[i].progress)
+    };
+    let behind = |time: f64| {
+        let along = timing.at(time);
+        (fade.added_to(&course.moving(&along), time), along.position)
+    };
+    let mut grid = knots(section, running);
+    let followed = grid.len();
+    grid.extend(
+        marched(&steps(course, &timing, fade.duration))
+            .into_iter()
+            .map(|time| left + time),
+    );
+    let initial = running.trajectory.at(running.splice);
+    control(section, (initial, grid, followed), before, behind)
+}
+
+/// The same along the smooth curve of dense chords, with the first of the shares that is possible. `None` also where too little comes behind what is kept.
+pub(crate) fn gentle_and_smooth(
+    section: &Section<'_>,
+    running: Running<'_>,
+    shares: &[[f64; 2]],
+) -> Option<ControlPoints> {
+    let curve = Smoothed::new(section, running)?;
+    let initial = running.trajectory.at(running.splice);
+    let (state, followed) = (curve.begin(), curve.followed().to_vec());
+    let left = *followed.last()?;
+    let course = Course::smooth(section, curve);
+    let timing = shares
+        .iter()
+        .find_map(|&shares| course.timing(state, &course.ends(shares), shares))?;
+    let curve = course.smoothed()?;
+    let before = |time: f64| (curve.motion(time), curve.progress(time));
+    let behind = |time: f64| {
+        let along = timing.at(time);
+        (course.moving(&along), curve.progress_at(along.position))
+    };
+    let count = followed.len();
+    let mut grid = followed;
+    grid.extend(
+        marched(&steps(&course, &timing, 0.0))
+            .into_iter()
+            .map(|time| left + time),
+    );
+    control(section, (initial, grid, count), before, behind)
+}
+
+/// Control points on a grid of which the first knots are followed: the states at instants of it and behind its last followed knot, with their progress.
+fn control(
+    section: &Section<'_>,
+    (initial, mut grid, followed): (State, Vec<f64>, usize),
+    mut before: impl FnMut(f64) -> (State, f64),
+    behind: impl Fn(f64) -> (State, f64),
+) -> Option<ControlPoints> {
+    // The last span is left out: there the motion comes to rest.
+    let whole = grid.pop()?;
+    let left = grid[followed - 1];
+    let mut control = ControlPoints::continuing(initial, &grid, followed);
+    for k in 0..grid.len() {
+        let span_before = grid[k.max(1)] - grid[k.max(1) - 1];
+        let span_behind = grid.get(k + 1).map_or(whole, |&next| next) - grid[k];
+        let (state, progress) = if k < followed {
+            before(grid[k])
+        } else {
+            behind(grid[k] - left)
+        };
+        control.points.push(blossom(&state, [-span_before, 0.0, span_behind]));
+        control.progress.push(progress.min(section.reference.length()));
+    }
+    Some(control.completed(&section.reference))
+}
+
+/// Where the nodes of a motion along the course are; there is one at a cut.
+fn steps(course: &Course<'_>, timing: &CourseTiming, cut: f64) -> Vec<Span> {
+    // The first profile may pass several stretches.
+    let (first, profile) = timing.first();
+    let mut spans: Vec<Span> = Vec::new();
+    let mut from = 0.0;
+    let behind = course.parts.len() + 1 - timing.count();
+    let passed = &course.parts[first..behind];
+    let ends = passed.iter().enumerate().map(|(k, part)| {
+        let is_last = k + 1 == passed.len();
+        let passes = profile.time_at_position(part.to).filter(|_| !is_last);
+        (part, passes.unwrap_or(profile.duration()))
+    });
+    for (part, end) in ends.chain(course.parts[behind..].iter().zip(timing.ends().skip(1))) {
+        if end > from {
+            let step = course.step(part, end - from);
+            spans.push(Span { end, step, knot: false });
+            from = end;
+        }
+    }
+    let cuts = profile.segment_times().iter().copied().chain([cut]);
+    for cut in cuts.filter(|&cut| cut > 0.0 && cut < profile.duration()) {
+        let k = spans.partition_point(|span| span.end <= cut);
+        let step = spans[k].step;
+        let part = Span {
+            end: cut,
+            step,
+            knot: true,
+        };
+        spans.insert(k, part);
+    }
+    spans
+}
+
+/// A stretch of time: its end, seconds from node to node, and whether there is a knot at its end, as the motion changes there.
+struct Span {
+    end: f64,
+    step: f64,
+    knot: bool,
+}
+
+/// Instants of nodes behind 0, no farther apart than the steps and without sudden changes, until the end of the last of the stretches.
+fn marched(spans: &[Span]) -> Vec<f64> {
+    let whole = spans.last().map_or(0.0, |last| last.end);
+    let growth = TUNING.grid.spread;
+    let begin = |k: usize| if k > 0 { spans[k - 1].end } else { 0.0 };
+    // What is possible at the start of each stretch beside what lies before, and at its end beside what lies behind.
+    let mut before = vec![f64::INFINITY; spans.len()];
+    let mut behind = vec![f64::INFINITY; spans.len()];
+    for k in 1..spans.len() {
+        let Span { end, step, .. } = spans[k - 1];
+        before[k] = step.min(before[k - 1] + growth * (end - begin(k - 1)));
+    }
+    for k in (1..spans.len()).rev() {
+        let Span { end, step, .. } = spans[k];
+        behind[k - 1] = step.min(behind[k] + growth * (end - begin(k)));
+    }
+    let (mut times, mut t, mut k) = (Vec::new(), 0.0, 0);
+    // The node from which on they are not at their places, and its time.
+    let (mut fitted, mut since) = (0, 0.0);
+    while t < whole {
+        let Span { end, step, .. } = spans[k];
+        let step = step
+            .min(before[k] + growth * (t - begin(k)))
+            .min(behind[k] + growth * (end - t).max(0.0));
+        let step = step.max(TUNING.grid.finest_s);
+        t += step;
+        times.push(t);
+        while k < spans.len() && spans[k].end <= t {
+            let span = &spans[k];
+            let is_end = k + 1 == spans.len();
+            if is_end || span.knot && span.end - since > step {
+                let scale = (span.end - since) / (t - since);
+                for time in &mut times[fitted..] {
+                    *time = since + (*time - since) * scale;
+                }
+                (fitted, since, t) = (times.len(), span.end, span.end);
+            }
+            k += 1;
+        }
+        if k == spans.len() {
+            break;
+        }
+    }
+    times
+}
