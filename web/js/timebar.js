@@ -21,7 +21,7 @@ export class Timebar {
     const strip = h("div.timebar-strip");
     this.element = h("div.timebar", {}, this.button, strip, this.label);
     this.stage = new Stage(strip, (context, width) => this.#draw(context, width), {
-      tabindex: "0", role: "slider", "aria-label": "Moment that is shown", "aria-valuemin": "0",
+      tabindex: "0", role: "slider", "aria-label": "Moment that is shown", "aria-valuemin": "0", "aria-valuemax": "0", "aria-valuenow": "0",
     });
     gestures(this.stage.element, {
       start: (event) => this.#to(event.offsetX),
