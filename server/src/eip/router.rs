@@ -159,6 +159,9 @@ impl Router {
         let mut steps = Vec::with_capacity(if at_once { 0 } else { requests.len() });
         let kept = self
             .with_memory(self.context(room, transport).principal, writes, |memory| {
+                if let Memory::Write(transaction) = memory {
+                    transaction.of_packet();
+                }
                 for parsed in &parsed {
                     let context = self.context(room, transport);
                     let step = match parsed {

@@ -40,6 +40,7 @@ pub struct Transaction<'t> {
     retained: bool,
     /// The series that the instructions belong to.
     series: Option<Series>,
+    is_packet: bool,
 }
 
 /// The instructions and writes of a transaction that are not answered or not in the file of the retained state yet.
@@ -103,6 +104,7 @@ impl Plant {
             pending: Pending::default(),
             retained: false,
             series: None,
+            is_packet: false,
         };
         transaction.update_room();
         let result = work(&mut transaction);
@@ -169,6 +171,9 @@ impl Pending {
     }
 }
 
+/// Stops that find room when packets have taken theirs.
+const STOPS_OF_SINGLE_REQUESTS: usize = arcline_realtime::STOPS / 4;
+
 /// Why a transaction is not done.
 pub(super) enum Unsettled {
     NoAnswer,
@@ -176,6 +181,13 @@ pub(super) enum Unsettled {
 }
 
 impl Transaction<'_> {
+    /// The writes are those of one packet: they leave the stops of single requests their room, so that nobody who toggles many stops keeps a stop
+    /// of others out.
+    pub(crate) fn of_packet(&mut self) {
+        self.is_packet = true;
+        self.update_room();
+    }
+
     /// The tags as they are now.
     pub fn image(&self) -> &Image {
         self.state.image()
@@ -430,7 +442,10 @@ impl Transaction<'_> {
 
     /// Updates the number of instructions that writes may begin.
     fn update_room(&mut self) {
-        let room = self.state.room();
+        let mut room = self.state.room();
+        if self.is_packet {
+            room.stops = room.stops.saturating_sub(STOPS_OF_SINGLE_REQUESTS);
+        }
         self.state.image_mut().set_call_room(room);
     }
 

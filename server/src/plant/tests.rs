@@ -253,6 +253,36 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     plant.stop_all();
 }
 
+/// Packets that toggle a stop fill no more of the ring than leaves single requests their stops.
+#[tokio::test(start_paused = true)]
+async fn packets_of_stops_leave_room_for_the_stops_of_others() {
+    let project = project();
+    let (_rings, link) = arcline_realtime::link(&project.machine);
+    let plant = Plant::new(&project, link);
+    plant.roles().set(1, Role::Engineer);
+    let path: arcline_tag::TagPath = "Stop1.EnableIn".parse().expect("a path");
+    let write = |transaction: &mut Transaction<'_>, on| transaction.write_value(&path, arcline_tag::Value::Lreal(on));
+    let mut accepted = 0;
+    for _ in 0..50 {
+        let (taken, pending) = plant.transact(CLIENT, |transaction| {
+            transaction.of_packet();
+            (0..20)
+                .filter(|_| write(transaction, 1.0).and(write(transaction, 0.0)).is_ok())
+                .count()
+        });
+        accepted += taken;
+        drop(pending);
+    }
+    assert_eq!(accepted, arcline_realtime::STOPS / 4);
+    for _ in 0..arcline_realtime::STOPS / 8 {
+        for on in [1.0, 0.0] {
+            let (result, pending) = plant.transact(CLIENT, |transaction| write(transaction, on));
+            assert!(result.is_ok(), "{result:?}");
+            drop(pending);
+        }
+    }
+}
+
 /// STOP by every way that there is: what would begin motion is refused with 53 until it is released, and everything else goes on.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn stop_inhibits_motion_until_it_is_released() {

@@ -18,7 +18,7 @@ use arcline_proto::epath::Epath;
 use arcline_proto::logix::{WireType, WriteTag};
 use arcline_server::eip::{Listener, Settings};
 use arcline_server::hmi::Hmi;
-use arcline_server::plant::{Call, Command as Do, Outcome, Plant, Principal};
+use arcline_server::plant::{Call, CallRefused, Command as Do, Outcome, Plant, Principal};
 use bytes::{Bytes, BytesMut};
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde_json::json;
@@ -126,9 +126,15 @@ impl Server {
             given: &given,
             text: None,
         };
-        let done = self
-            .clients
-            .block_on(self.plant.apply(Principal::Server, Do::Call(call)));
+        let began = Instant::now();
+        // The load may have taken the room for instructions that begin motion.
+        let done = loop {
+            let jog = self.plant.apply(Principal::Server, Do::Call(call.clone()));
+            let done = self.clients.block_on(jog);
+            if done != Err(CallRefused::Busy.into()) || began.elapsed() > SOON {
+                break done;
+            }
+        };
         let Ok(Outcome::Executed(executed)) = done else {
             panic!("{done:?}")
         };
