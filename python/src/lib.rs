@@ -4,6 +4,7 @@
 mod batch;
 mod cases;
 mod errors;
+mod fair;
 mod inner;
 mod machine;
 mod signals;

@@ -1,9 +1,9 @@
 //! `Machine`: a machine with its tags and programs, stepped from Python.
 //!
 //! Calls that let time pass release the interpreter first and lock the machine then, so that other threads of Python run meanwhile. All others wait for
-//! the lock with the interpreter released.
+//! the lock with the interpreter released, and get it after the slice of ticks that passes.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, MutexGuard};
 use std::time::{Duration, Instant};
 
 use arcline_controller::machine::Machine as Configured;
@@ -11,10 +11,10 @@ use arcline_instruction_set::{AxisId, FAULTS, FaultSet, Flag};
 use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::sync::MutexExt;
 use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{self, raise};
+use crate::fair::Fair;
 use crate::inner::{Entry, Inner};
 use crate::signals::signal;
 use crate::values;
@@ -27,7 +27,7 @@ const LOOK: Duration = Duration::from_millis(10);
 /// A machine on a virtual clock, with its tags and programs. Deterministic: the same calls in the same order give the same state.
 #[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
 pub(crate) struct Machine {
-    inner: Mutex<Inner>,
+    inner: Fair<Inner>,
     config: String,
     seed: u64,
 }
@@ -41,14 +41,8 @@ fn ticks_of(machine: &Configured, seconds: f64) -> PyResult<u64> {
 }
 
 impl Machine {
-    /// Waits with the interpreter released: who holds the lock may need it.
     fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Inner> {
-        self.inner.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Works on the machine with the interpreter released.
-    fn detached<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut Inner) -> R + Send) -> R {
-        py.detach(|| work(&mut self.inner.lock().unwrap_or_else(PoisonError::into_inner)))
+        self.inner.lock(py)
     }
 
     /// Lets ticks pass, and looks at signals of Python now and then.
@@ -57,7 +51,7 @@ impl Machine {
         let mut looked = Instant::now();
         while left > 0 {
             let slice = left.min(SLICE);
-            self.detached(py, |inner| inner.step(slice));
+            self.inner.detached(py, |inner| inner.step(slice));
             left -= slice;
             if left > 0 && looked.elapsed() >= LOOK {
                 py.check_signals()?;
@@ -85,7 +79,7 @@ impl Machine {
     ) -> PyResult<Self> {
         let (config, project) = errors::project(py, config)?;
         let machine = Machine {
-            inner: Mutex::new(Inner::new(&project, journal)),
+            inner: Fair::new(Inner::new(&project, journal)),
             config,
             seed,
         };
@@ -215,7 +209,8 @@ impl Machine {
         while steps_left > 0 {
             let slice = steps_left.min(SLICE as usize * 8);
             let (part, rest) = left.split_at_mut(slice * width);
-            self.detached(py, |inner| inner.trace(slice as u64, &signals, part));
+            self.inner
+                .detached(py, |inner| inner.trace(slice as u64, &signals, part));
             (left, steps_left) = (rest, steps_left - slice);
             py.check_signals()?;
         }

@@ -1,5 +1,7 @@
 //! `fault inject`, `fault clear`, `fault list`.
 
+use std::time::{Duration, Instant};
+
 use serde_json::json;
 
 use arcline_client::{Client, ClientError, FaultSet, Flag, Mnemonic, Object, TagValue, shown_faults};
@@ -25,7 +27,8 @@ pub(crate) async fn inject(client: &Client, command: &FaultInject, output: &Outp
     Ok(())
 }
 
-/// `fault clear`: the causes, then the faults (MAFR).
+/// `fault clear`: the causes, then the faults (MAFR). An axis that still brakes because of them is waited for: until it is at rest, no
+/// instruction is accepted on it.
 pub(crate) async fn clear(client: &Client, command: &FaultClear, output: &Output) -> Result<(), Failure> {
     let axis = &command.axis.name;
     let left = match command.kind {
@@ -38,6 +41,10 @@ pub(crate) async fn clear(client: &Client, command: &FaultClear, output: &Output
     client.inject_faults(axis, left).await?;
     let execution = client.execute(Mnemonic::Mafr, axis, "", &[]).await?;
     client.wait_for(&execution, Flag::Dn, DONE).await?;
+    let end = Instant::now() + DONE;
+    while state(&client.read(axis).await?) == ABORTING && Instant::now() < end {
+        tokio::time::sleep(LOOK_AGAIN).await;
+    }
     output.result(format!("{axis}: faults cleared"), || injection(axis, left));
     Ok(())
 }
@@ -105,7 +112,7 @@ fn state(axis: &TagValue) -> &'static str {
         Some(3.0) => "starting",
         Some(4.0) => "running",
         Some(6.0) => "stopping",
-        Some(7.0) => "aborting",
+        Some(7.0) => ABORTING,
         Some(8.0) => "faulted",
         Some(_) => "not ready",
     }
@@ -119,5 +126,11 @@ fn names(set: FaultSet) -> Vec<String> {
     set.kinds().map(|kind| kind.fault().word.to_owned()).collect()
 }
 
-/// A reset is done within two updates.
-const DONE: std::time::Duration = std::time::Duration::from_secs(10);
+/// A reset is done within two updates, and an axis brakes within seconds.
+const DONE: Duration = Duration::from_secs(10);
+
+/// How soon an axis that brakes is looked at again.
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
+
+/// An axis that brakes because of a fault.
+const ABORTING: &str = "aborting";
