@@ -244,8 +244,8 @@ An injected cause is there until it is taken away.
 - Tag `FaultInject`: DINT, an element for each axis in the order of the configuration, a bit for each cause that is there. In a
   program too: `FaultInject[0] := 16;`.
 - Attribute 9 of the axis (class 0x0301): the same element, UDINT, can be set. Attribute 10: the bits that the axis can have.
-- `arcline fault inject AXIS KIND`, `arcline fault list`, and `arcline fault clear AXIS [KIND]`, which takes causes away and executes
-  MAFR.
+- `arcline fault inject AXIS KIND`, `arcline fault list`, and `arcline fault clear AXIS [KIND]`, which takes causes away, executes
+  MAFR, and waits for an axis that still brakes.
 ";
 
 #[cfg(test)]
