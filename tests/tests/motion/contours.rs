@@ -196,13 +196,13 @@ fn every_update_period_gives_one_contour() {
 }
 
 /// Position, velocity and acceleration of X and Y, watched for what their limits allow.
-struct Watch {
+pub(crate) struct Watch {
     last: [[f64; 3]; 2],
     limits: [[f64; 3]; 2],
 }
 
 impl Watch {
-    fn new(bench: &Bench) -> Self {
+    pub(crate) fn new(bench: &Bench) -> Self {
         let limits = ["X", "Y"].map(|name| {
             let index = bench.machine().axis(name).expect("it exists");
             let axis = &bench.machine().axes[usize::from(index)];
@@ -218,7 +218,13 @@ impl Watch {
         }
     }
 
-    fn tick(&mut self, bench: &mut Bench) {
+    /// Trapezoids: the acceleration may step.
+    pub(crate) fn without_jerk(mut self) -> Self {
+        self.limits.iter_mut().for_each(|[_, _, jerk]| *jerk = f64::INFINITY);
+        self
+    }
+
+    pub(crate) fn tick(&mut self, bench: &mut Bench) {
         bench.tick();
         let now = ["X", "Y"].map(|axis| bench.axis(axis).command);
         for ((now, last), limits) in now.iter().zip(&self.last).zip(&self.limits) {
