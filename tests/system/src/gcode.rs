@@ -1,7 +1,7 @@
 //! Long G-code programs, simulated: their duration and memory, by `arcline gcode --simulate`.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
@@ -18,13 +18,12 @@ pub struct Simulated {
     pub peak: u64,
 }
 
-/// Writes a program of so many lines of 0.25 mm at 50 mm/s, up and down in X, and simulates it.
+/// Writes a program of so many lines of 0.25 mm at 50 mm/s, up and down in X, and simulates it on the default machine.
 ///
 /// # Panics
 /// When it cannot be written, simulated or observed.
 #[must_use]
 pub fn simulated(folder: &Path, lines: usize) -> Simulated {
-    let file = folder.join(format!("{lines}.ngc"));
     let mut text = String::from("G21 G90 G61 F3000\n");
     for line in 1..lines {
         let step = (line + 200) % 400;
@@ -32,10 +31,42 @@ pub fn simulated(folder: &Path, lines: usize) -> Simulated {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "G1 X{x}");
     }
+    simulated_on(None, &written(folder, lines, text))
+}
+
+/// Writes a dense toolpath of so many lines: chords of 0.25 mm of a wave at 150 mm/s, to be rounded within 0.01 mm.
+///
+/// # Panics
+/// When it cannot be written.
+#[must_use]
+pub fn toolpath(folder: &Path, lines: usize) -> PathBuf {
+    let mut text = String::from("G21 G90 G64 P0.01 F9000\n");
+    for line in 1..lines {
+        let along = 0.25 * line as f64;
+        let (x, y) = (60.0 * (along / 60.0).sin(), 40.0 * (along / 47.0).sin());
+        let _ = writeln!(text, "G1 X{x:.3} Y{y:.3} Z{:.3}", 6.0 * (along / 13.0).sin());
+    }
+    written(folder, lines, text)
+}
+
+fn written(folder: &Path, lines: usize, text: String) -> PathBuf {
+    let file = folder.join(format!("{lines}.ngc"));
     std::fs::write(&file, text).expect("the folder is writable");
+    file
+}
+
+/// Simulates a program on the coordinate system CS1 of the machine of a configuration, or of the default one.
+///
+/// # Panics
+/// When it cannot be simulated or observed.
+#[must_use]
+pub fn simulated_on(config: Option<&Path>, file: &Path) -> Simulated {
     let file = file.to_str().expect("UTF-8");
     let nobody = "127.0.0.1:1".parse().expect("an address");
     let mut arcline = command(nobody, &["--json", "gcode", file, "CS1", "--simulate"]);
+    if let Some(config) = config {
+        arcline.arg("--config").arg(config);
+    }
     let mut arcline = arcline.stdout(Stdio::piped()).spawn().expect("it was just built");
     let peak = peak_of(&mut arcline);
     let output = arcline.wait_with_output().expect("it ends");

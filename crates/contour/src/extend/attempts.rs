@@ -45,6 +45,16 @@ pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.08, 0.25, SlowDown::Whole),
 ];
 
+/// Where little is left of the running motion: what begins at a slower instant of it is found more often than what only slows down more.
+pub(crate) const SHORT_ATTEMPTS: [Attempt; 6] = [
+    ATTEMPTS[0],
+    ATTEMPTS[3],
+    ATTEMPTS[1],
+    ATTEMPTS[2],
+    ATTEMPTS[4],
+    ATTEMPTS[5],
+];
+
 const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
     Attempt {
         later_s,

@@ -11,7 +11,7 @@ mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::attempts::{ATTEMPTS, Search};
+use crate::extend::attempts::{ATTEMPTS, SHORT_ATTEMPTS, Search};
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
@@ -73,8 +73,14 @@ pub fn extend(
         };
         extended(&continuation, old, earliest, search)
     };
-    let all = |quality| plan(Search::Attempts(quality, &ATTEMPTS), 1.0);
-    let few = |quality| plan(Search::Attempts(quality, &ATTEMPTS), TUNING.extend.less_share);
+    let left = running.duration() - now;
+    let attempts = if left < TUNING.extend.short_s {
+        &SHORT_ATTEMPTS
+    } else {
+        &ATTEMPTS
+    };
+    let all = |quality| plan(Search::Attempts(quality, attempts), 1.0);
+    let few = |quality| plan(Search::Attempts(quality, attempts), TUNING.extend.less_share);
     let gently = || plan(Search::Gentle, TUNING.gentle.ahead_share);
     let arcs = moves[begin..end]
         .iter()
@@ -83,7 +89,7 @@ pub fn extend(
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
         // Where little is left, what is gentle leaves still less for the next extension.
-        let is_little = running.duration() - now < TUNING.extend.least_s;
+        let is_little = left < TUNING.extend.least_s;
         all(Quality::Smooth)
             .or_else(|| plan(Search::GentleAndSmooth, 1.0))
             .or_else(|| is_little.then(|| all(Quality::Full)).flatten())
