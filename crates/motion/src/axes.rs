@@ -10,9 +10,10 @@ use arcline_instruction_set::enumerations::Reference;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
+use crate::axis::Axis;
 use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
+use crate::axis::state::AxisState;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};

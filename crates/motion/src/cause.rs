@@ -4,7 +4,7 @@
 
 use arcline_instruction_set::{AxisId, ControlSlot, FaultSet, JogEnd, Mnemonic};
 
-use crate::control::{Execution, Ticket};
+use crate::execution::{Execution, Ticket};
 
 /// What ended an instruction that did not come to its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,10 +7,7 @@
 use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, MotionError};
 
 use crate::cause::Cause;
-
-/// One execution of one instruction, for ever.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct Ticket(pub u64);
+use crate::execution::{Execution, Ticket};
 
 /// Places for motion control tags, the unnamed one included.
 pub const CONTROL_SLOTS: usize = 8192;
@@ -53,14 +50,6 @@ impl Event {
         control.exerr = self.exerr;
         control.segment = self.segment;
     }
-}
-
-/// The bits that an execution writes to, wherever they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Execution {
-    pub(crate) ticket: Ticket,
-    pub(crate) control: ControlSlot,
-    pub(crate) mnemonic: Mnemonic,
 }
 
 #[derive(Clone, Copy, Debug)]

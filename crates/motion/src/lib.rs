@@ -10,7 +10,6 @@
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 
-mod accepted;
 mod axes;
 mod axis;
 mod call_data;
@@ -20,6 +19,7 @@ mod control;
 mod dynamics;
 mod dynamics_bits;
 mod events;
+mod execution;
 mod feed_override;
 mod heading;
 mod instructions;
@@ -38,7 +38,6 @@ mod system;
 mod transforms;
 mod verify;
 
-pub use accepted::AcceptedMove;
 pub use arcline_cam as cam;
 pub use arcline_planner::ContourRests;
 pub use arcline_planner::geometry::{Path, Point};
@@ -46,10 +45,11 @@ pub use arcline_planner::precise::Trajectory;
 pub use call_data::{Calculation, CallData, Frame, Frames, Results};
 pub use cause::{Cause, FaultChange, RefusedCommand};
 pub use contour::ContourRequest;
-pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
+pub use control::{CONTROL_SLOTS, Event, UNNAMED};
 pub use events::{ArrayWrite, Written};
+pub use execution::Ticket;
 pub use feed_override::MAX_OVERRIDE;
-pub use motion::{Input, Motion};
+pub use motion::{AcceptedMove, Input, Motion};
 pub use output::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 pub use path_data::{DynamicsData, PathData, PathMove};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

@@ -1,5 +1,6 @@
 //! The machine in motion: one tick after another.
 
+mod accepted;
 mod advance;
 mod command_limits;
 mod faults;
@@ -8,7 +9,7 @@ mod generators;
 mod homing;
 mod master_links;
 mod messages;
-mod operands;
+pub(crate) mod operands;
 mod outputs;
 mod probes;
 mod take_over;
@@ -18,21 +19,17 @@ mod transforms;
 use std::sync::Arc;
 
 use arcline_drive::{Feedback, SetPoint};
-use arcline_instruction_set::{
-    AxisId, AxisIndex, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, MotionError, SystemId,
-};
+use arcline_instruction_set::{AxisId, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, MotionError};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{AxisLimits, Trajectory};
 
-use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axes::Axes;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::call_data::{CallData, ReceivedData};
 use crate::cause::{Cause, FaultChange};
-use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
+use crate::control::{Controls, Event, UNDER_WAY};
 use crate::events::{ArrayWrite, Events};
-use crate::instructions;
+use crate::execution::{Execution, Ticket};
 use crate::machine::MotionGroup;
 use crate::order::Order;
 use crate::output::Word;
@@ -43,8 +40,10 @@ use crate::system::{System, Systems};
 use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
 
+use accepted::ACCEPTED;
 use messages::{MESSAGES, Message};
 
+pub use accepted::AcceptedMove;
 pub use probes::Input;
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
@@ -78,7 +77,7 @@ pub struct Motion {
     /// Coordinated moves that the controller has not taken yet.
     pub(crate) accepted: Vec<AcceptedMove>,
     /// Instructions that would begin motion are refused.
-    is_inhibited: bool,
+    pub(crate) is_inhibited: bool,
 }
 
 /// Arrays that are written in one tick; one more is lost.
@@ -113,38 +112,6 @@ impl Motion {
     /// The present tick.
     pub fn tick(&self) -> u64 {
         self.clock.tick
-    }
-
-    /// Executes an instruction at the present tick and returns what its motion control tag shows then.
-    /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
-    pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
-        self.execute_with(ticket, call, None)
-    }
-
-    /// The same with what the instruction has from tags. Real-time.
-    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
-        let execution = Execution {
-            ticket,
-            control: call.control,
-            mnemonic: call.mnemonic,
-        };
-        let tick = self.clock.tick;
-        let refused = self.is_inhibited && call.mnemonic.begins_motion();
-        let data = ReceivedData(data);
-        self.controls.because(execution.into());
-        let result = self.controls.begin(execution, tick).and_then(|()| match refused {
-            // All axes are: the first one is named.
-            true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
-            false => instructions::execute(self, execution, call, &data),
-        });
-        if let Err(error) = result {
-            self.controls.fail(execution, error, tick);
-            if data.verdict() == Err(error) {
-                self.controls.set_segment(execution, data.element() as i32, tick);
-            }
-        }
-        self.controls.because(Cause::Itself);
-        self.controls.word(call.control)
     }
 
     /// Refuses an instruction without looking at it. Real-time.
@@ -202,15 +169,6 @@ impl Motion {
                 report(&change);
             }
         }
-    }
-
-    /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
-    pub fn has_room(&self, call: &Call) -> bool {
-        if !instructions::is_queued(call.mnemonic) || instructions::merges(call) {
-            return true;
-        }
-        let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
-        system.is_none_or(|system| system.room() > 0)
     }
 
     /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.

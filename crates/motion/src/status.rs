@@ -10,8 +10,9 @@ use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
 use crate::axes::Axes;
+use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
+use crate::axis::state::AxisState;
 use crate::masters::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};

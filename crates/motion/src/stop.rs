@@ -1,6 +1,6 @@
 //! A stop of a coordinate system that is under way (MCS).
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::MAX_AXES;
 use arcline_instruction_set::AxisId;
 

@@ -10,10 +10,10 @@ use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
 use crate::axes::Axes;
-use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
+use crate::execution::Execution;
 use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLinks;

@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 use super::Axis;
 use super::generator::Equation;
 use super::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{self, Cam, Ended, Pending, Source};
 

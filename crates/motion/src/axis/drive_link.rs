@@ -10,9 +10,10 @@ use arcline_instruction_set::{FaultKind, FaultSet};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
+use super::Axis;
 use super::faults::Observed;
 use super::probes::Registration;
-use super::{Axis, AxisState};
+use super::state::AxisState;
 
 /// Exchanges in a row that an axis does without; one more is a fault.
 const TOLERATED_LOSSES: u32 = 2;

@@ -7,10 +7,10 @@ use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
 use arcline_planner::{Clock, Instant, ROUNDING};
 use arcline_profile::KinematicState;
 
-use super::sum::Displacements;
-use crate::control::Execution;
+use super::generator_kind::Displacements;
 use crate::dynamics::Dynamics;
 use crate::events::MoveEvents;
+use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::masters::follower::MasterFollower;
 use crate::masters::gear::Gear;

@@ -94,6 +94,9 @@ impl GeneratorKind {
 
 pub(super) const GENERATOR_KINDS: usize = 11;
 
+/// Displacements of an axis by kind of generator, position units.
+pub(super) type Displacements = [f64; GENERATOR_KINDS];
+
 /// The kinds of generators whose bits are set.
 pub(super) fn kinds(mut bits: u16) -> impl Iterator<Item = GeneratorKind> {
     std::iter::from_fn(move || {

@@ -12,6 +12,7 @@ pub(crate) mod generator_kind;
 pub(crate) mod homing;
 pub(crate) mod probes;
 mod redefine;
+pub(crate) mod state;
 pub(crate) mod sum;
 
 use arcline_instruction_set::ExceptionAction;
@@ -34,26 +35,8 @@ use generator::Generator;
 use generator_kind::GeneratorKind;
 use homing::Homing;
 use probes::{Registration, Watch};
+use state::AxisState;
 use sum::Sum;
-
-/// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum AxisState {
-    /// Ready, servo off.
-    Stopped,
-    /// MSO is under way.
-    Starting,
-    /// Servo on: the drive follows the command.
-    Running,
-    /// MSF is under way.
-    Stopping,
-    /// A fault brakes the axis; the servo goes off when it stands.
-    Aborting,
-    /// A fault has switched the servo off.
-    Faulted,
-    /// Shut down until a shutdown reset.
-    Shutdown,
-}
 
 /// What becomes of an axis that has been stopped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

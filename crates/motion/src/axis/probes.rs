@@ -6,7 +6,7 @@
 
 use arcline_drive::{ArmLatch, Trigger};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 
 /// The watch of one axis.

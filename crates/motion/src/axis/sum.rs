@@ -10,10 +10,7 @@ use arcline_planner::profile::{Jerk, Limits};
 use arcline_profile::KinematicState;
 
 use super::generator::{Equation, Generator};
-use super::generator_kind::{GENERATOR_KINDS, GeneratorKind, kinds};
-
-/// Displacements by kind of generator.
-pub(super) type Displacements = [f64; GENERATOR_KINDS];
+use super::generator_kind::{Displacements, GENERATOR_KINDS, GeneratorKind, kinds};
 
 /// The generators of one axis.
 #[derive(Clone, Debug)]

@@ -7,12 +7,13 @@ use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
 
 use super::programmed::{self, Programmed};
+use crate::axis::Axis;
 use crate::axis::generator::{Generator, Goal, Program};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
-use crate::control::Execution;
+use crate::axis::state::AxisState;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::system::DrivenBy;
 

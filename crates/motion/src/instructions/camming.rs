@@ -9,7 +9,7 @@ use crate::axis::Axis;
 use crate::axis::camming::Offset;
 use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Pending, Program, Source};
 use crate::masters::displacement::Crossing;

@@ -9,7 +9,7 @@ use super::axis_moves::{self, AxisMove, Beginning};
 use super::programmed::Programmed;
 use crate::axis::generator::Goal;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

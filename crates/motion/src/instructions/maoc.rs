@@ -8,10 +8,10 @@ use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::mapc::crossing;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
-use crate::output::{Arming, Program, Word};
+use crate::output::{ArmedCam, Arming, Word};
 
 /// Ranges in the order of the faceplate.
 fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
@@ -81,7 +81,7 @@ pub(super) fn execute(
     not_shut_down(&motion.axes[axis])?;
     let target = target(motion, axis, *execution_target)?;
     let (cam, [output_bits, input_bits]) = data.output_cam()?;
-    let program = Program {
+    let program = ArmedCam {
         cam,
         mode: *execution_mode,
         execution,

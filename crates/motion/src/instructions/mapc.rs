@@ -8,7 +8,7 @@ use super::axis_moves;
 use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::cam::{Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;

@@ -6,7 +6,7 @@ use arcline_instruction_set::operands::Mar;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
 use super::axis_moves::not_shut_down;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

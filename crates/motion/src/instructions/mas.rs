@@ -8,8 +8,8 @@ use arcline_planner::profile::{Jerk, Limits};
 use super::axis_moves::{stoppable, switched_on};
 use super::programmed::{positive, stop_change};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
 use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 /// Deceleration and jerk of the stop of a motion at `speed`; the maxima are those of the axis.

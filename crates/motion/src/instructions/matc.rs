@@ -9,7 +9,7 @@ use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify
 use super::programmed::{driven_by, verify_lock};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::cam::{self, Cam, Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::masters::links::MasterLink;

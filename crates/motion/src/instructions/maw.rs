@@ -6,7 +6,7 @@ use arcline_instruction_set::{Call, Flag, MotionError};
 
 use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
 

@@ -5,8 +5,8 @@ use arcline_instruction_set::operands::Mccd;
 use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 
 use super::programmed::{Change, ChangeOperands, Rates};
-use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
+use crate::execution::Execution;
 use crate::machine::CoordinateSystem;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};

@@ -8,7 +8,7 @@ use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction
 use super::moves::{self, MoveOperands};
 use super::points::{self, primary, target_point, unwinds};
 use super::programmed::Programmed;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 use crate::rotary::Turn;

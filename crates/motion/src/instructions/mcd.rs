@@ -9,7 +9,7 @@ use super::axis_moves;
 use super::programmed::{ChangeOperands, Rates};
 use crate::axis::generator::{Goal, Program};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

@@ -15,15 +15,16 @@ use arcline_planner::geometry::{Path, Point, Rotation};
 
 use super::merging::{Master, TakenOver};
 use super::moves::{self, JointLimits, Verified};
-use super::{no_target, points, programmed};
+use super::{points, programmed};
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
+use crate::execution::Execution;
 use crate::heading;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
+use crate::motion::operands::no_target;
 use crate::path_data::{DynamicsData, PathData};
 use crate::range;
 use crate::system::Termination;

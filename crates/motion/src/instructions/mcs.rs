@@ -6,11 +6,11 @@ use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::programmed::{positive, stop_change};
-use crate::control::Execution;
 use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
-use crate::transforms::Release;
+use crate::transforms::cancel::Release;
 use crate::transforms::transform::Transform;
 use crate::verify;
 

@@ -7,7 +7,7 @@ use arcline_planner::geometry::{Frame, Point};
 
 use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower, Planned};
 use crate::range;

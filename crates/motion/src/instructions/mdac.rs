@@ -4,7 +4,7 @@ use arcline_instruction_set::operands::Mdac;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};

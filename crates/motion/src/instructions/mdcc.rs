@@ -4,7 +4,7 @@ use arcline_instruction_set::enumerations::Reference;
 use arcline_instruction_set::operands::Mdcc;
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
 

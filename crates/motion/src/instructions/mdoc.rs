@@ -5,7 +5,7 @@ use arcline_instruction_set::operands::Mdoc;
 use arcline_instruction_set::{Call, MotionError};
 
 use super::maoc;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

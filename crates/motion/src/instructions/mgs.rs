@@ -4,13 +4,13 @@ use arcline_instruction_set::enumerations::StopMode;
 use arcline_instruction_set::operands::Mgs;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::masd;
-use crate::axis::{AfterStop, AxisState};
-use crate::control::Execution;
+use crate::axis::AfterStop;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 use crate::machine::ProgrammedStopMode;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
-use crate::transforms::Release;
+use crate::transforms::cancel::Release;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
@@ -63,7 +63,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
                 continue;
             }
             ProgrammedStopMode::HardShutdown => {
-                masd::shut_down(motion, axis);
+                motion.shut_down(axis);
                 continue;
             }
         };

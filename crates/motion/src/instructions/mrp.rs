@@ -6,7 +6,7 @@ use arcline_instruction_set::operands::Mrp;
 use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves::{not_homing, not_shut_down};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 

@@ -2,7 +2,11 @@
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
-use super::{DynamicsBits, Home, Inputs, default_jerk};
+use arcline_planner::profile::Bounds as DynamicsBits;
+
+use super::home::Home;
+use super::inputs::Inputs;
+use super::limits::default_jerk;
 
 /// One axis (spec/axis-and-data-types.md §9.1 to §9.4).
 #[derive(Clone, PartialEq, Debug)]

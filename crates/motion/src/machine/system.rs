@@ -2,7 +2,11 @@
 
 use arcline_instruction_set::AxisId;
 
-use super::{Deviation, DynamicsBits, Geometry, MAX_PRIMARY_AXES, Parameters, Wrist, default_jerk};
+use arcline_kinematics::{Geometry, Parameters, Wrist};
+use arcline_planner::precise::Deviation;
+use arcline_planner::profile::Bounds as DynamicsBits;
+
+use super::limits::{MAX_PRIMARY_AXES, default_jerk};
 
 /// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima are of the vector.
 #[derive(Clone, PartialEq, Debug)]

@@ -15,7 +15,7 @@ use arcline_profile::KinematicState;
 use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Reader;
-use crate::control::Execution;
+use crate::execution::Execution;
 
 /// The variable of a cam's profile.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 //! another master waits behind the active one until a motion begins by it. Not here: the causes that break links (`motion::master_links`).
 
 use super::master::Master;
-use crate::control::Execution;
+use crate::execution::Execution;
 use arcline_instruction_set::enumerations::MdacMotionType;
 
 /// A link to a master.

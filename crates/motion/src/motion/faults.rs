@@ -5,9 +5,8 @@
 use arcline_instruction_set::{AxisId, ExceptionAction, FaultSet};
 
 use super::Motion;
-use crate::axis::AxisState;
+use crate::axis::state::AxisState;
 use crate::cause::Cause;
-use crate::instructions::shut_down;
 
 impl Motion {
     /// Puts causes of faults on an axis, to be found at the next update, and takes those away that were put there before.
@@ -85,8 +84,17 @@ impl Motion {
                 }
                 AxisState::Aborting | AxisState::Faulted | AxisState::Shutdown => {}
             },
-            ExceptionAction::Shutdown => shut_down(self, axis),
+            ExceptionAction::Shutdown => self.shut_down(axis),
         }
+    }
+
+    /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
+    pub(crate) fn shut_down(&mut self, axis: AxisId) {
+        self.leave(axis);
+        self.disarm(axis);
+        self.unlink_slave(axis);
+        self.unlink_master(axis);
+        self.axes[axis].disable(AxisState::Shutdown);
     }
 
     /// Everything that moves the axis ends; it decelerates by itself, and so do the axes that moved with it.

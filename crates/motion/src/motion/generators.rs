@@ -8,9 +8,10 @@ use arcline_planner::profile::Limits;
 use super::Motion;
 use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{AfterStop, Axis, AxisState};
-use crate::control::Execution;
+use crate::axis::state::AxisState;
+use crate::axis::{AfterStop, Axis};
 use crate::events::MoveEvents;
+use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::status::phase_flags;
 

@@ -5,7 +5,7 @@
 use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError};
 
 use super::Motion;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::HomeMode;
 
 impl Motion {

@@ -6,8 +6,8 @@
 use arcline_instruction_set::{AxisId, Detail, Flag, Mnemonic, MotionError};
 
 use super::Motion;
-use crate::axis::AxisState;
-use crate::control::Execution;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 
 /// An instruction that is done an update later, or when the drive of its axis has answered.
 #[derive(Clone, Copy, Debug)]

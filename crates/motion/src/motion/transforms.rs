@@ -12,7 +12,10 @@ use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::Cause;
 use crate::stop::AxisSet;
-use crate::transforms::{Present, Release, TransformId, Verdict};
+use crate::transforms::TransformId;
+use crate::transforms::cancel::Release;
+use crate::transforms::guard::Verdict;
+use crate::transforms::present::Present;
 
 impl Motion {
     /// Axes, coordinate systems and transforms as they are, to look ahead from.

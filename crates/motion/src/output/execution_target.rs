@@ -8,6 +8,7 @@
 
 mod cam_state;
 mod events;
+mod piece;
 mod pieces;
 mod tail;
 
@@ -18,20 +19,13 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
-use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
-use cam_state::{ACTIVE, CamState, PENDING, TAIL};
+use arcline_instruction_set::enumerations::Reference;
+pub(crate) use cam_state::ArmedCam;
+use cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
 use tail::Trailing;
-
-/// An output cam that an instruction has brought.
-#[derive(Clone, Debug)]
-pub(crate) struct Program {
-    pub(crate) cam: Arc<OutputCam>,
-    pub(crate) mode: ExecutionMode,
-    pub(crate) execution: Execution,
-}
 
 /// What an instruction says of a cam that does not wait for the end of another.
 #[derive(Clone, Copy, Debug)]
@@ -67,16 +61,6 @@ pub(crate) struct Outcome {
 
 /// Bits of OutputCamStatus, PendingStatus, LockStatus and TransitionStatus of a target.
 pub(crate) type Shown = [bool; 4];
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
-    Free,
-    /// Until the axis crosses the arm position.
-    Waiting(Crossing),
-    Armed,
-    /// It is over, but for what goes on of it.
-    Ending,
-}
 
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
@@ -164,7 +148,7 @@ impl Target {
     /// A cam in place of the one that is there, whose durations run out where both have one output. Returns whose it was.
     pub(crate) fn begin(
         &mut self,
-        program: Program,
+        program: ArmedCam,
         arming: &Arming,
         at: KinematicState,
         clock: &Clock,
@@ -200,7 +184,7 @@ impl Target {
     }
 
     /// A cam that waits for the end of the armed one. Returns whose had waited.
-    pub(crate) fn wait(&mut self, program: Program, clock: &Clock) -> Option<Execution> {
+    pub(crate) fn wait(&mut self, program: ArmedCam, clock: &Clock) -> Option<Execution> {
         let before = self.cams[PENDING].program.take().map(|program| program.execution);
         self.cams[PENDING].load(program);
         self.enable(PENDING, clock.now());

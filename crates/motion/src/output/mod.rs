@@ -16,10 +16,10 @@ mod windows;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
-pub(crate) use execution_target::{Arming, Outcome, Program, Target, Word};
+pub(crate) use execution_target::{ArmedCam, Arming, Outcome, Target, Word};
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use arcline_instruction_set::enumerations::Reference;
 use execution_target::{Edge, MOST_EDGES};
 

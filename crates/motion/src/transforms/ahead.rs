@@ -10,7 +10,7 @@ use arcline_planner::profile::{Bounds, Limits, Profile};
 use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
-use super::Present;
+use super::present::Present;
 use super::sides::Side;
 use super::transform::Transform;
 use crate::axes::{AxisList, share};

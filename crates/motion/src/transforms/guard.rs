@@ -9,11 +9,12 @@
 use arcline_instruction_set::{AxisId, AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
+use super::TransformId;
 use super::ahead::Ahead;
+use super::present::Present;
 use super::robot::RobotMap;
 use super::sides::{Side, positions};
 use super::transform::{Map, Transform};
-use super::{Present, TransformId};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
 

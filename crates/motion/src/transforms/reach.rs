@@ -9,7 +9,7 @@ use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point as Vector, Rotation, angle_rates, angles};
 use arcline_profile::KinematicState;
 
-use super::Present;
+use super::present::Present;
 use super::robot::RobotMap;
 use super::sides::Side;
 use super::transform::{Map, Transform};

@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
-use crate::control::Ticket;
+use crate::execution::Ticket;
 use crate::machine::{Axis, AxisKind, CommandLimits, CoordinateSystem, ExceptionActions, MotionGroup};
 use crate::motion::Motion;
 

@@ -8,8 +8,9 @@ use super::super::element::{Effect, Happens, State};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
-use super::pieces::Piece;
-use super::{ACTIVE, CamState, PENDING, Phase, TAIL, Target};
+use super::Target;
+use super::cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
+use super::piece::{Piece, instant};
 
 /// An event within an update.
 #[derive(Clone, Copy, Debug)]
@@ -255,16 +256,4 @@ impl Target {
             .copied()
             .unwrap_or_default()
     }
-}
-
-/// When a share of an update is reached.
-pub(super) fn instant(piece: &Piece, share: f64, clock: &Clock) -> Instant {
-    let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
-    if piece.jumps {
-        return began.now();
-    }
-    if share >= 1.0 {
-        return clock.now();
-    }
-    began.now().after(share * piece.period, &began)
 }

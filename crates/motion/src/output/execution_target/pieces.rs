@@ -10,37 +10,16 @@ use arcline_profile::KinematicState;
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, OUTPUT_BITS};
 use super::super::windows::Turns;
-use super::events::instant;
-use super::{ACTIVE, Edge, PENDING, Phase, Target};
-use crate::control::Execution;
+use super::Target;
+use super::cam_state::{ACTIVE, PENDING, Phase};
+use super::events::Edge;
+use super::piece::{Piece, instant};
+use crate::execution::Execution;
 
 /// Most a piece of an update is cut into: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
 /// What of a cam's position is rounding: a share of its length.
 const ROUNDING: f64 = 1e-12;
-
-/// A motion of the axis within an update, or a change of its speed at the beginning of one.
-pub(super) struct Piece {
-    pub(super) from: KinematicState,
-    pub(super) to: KinematicState,
-    pub(super) jumps: bool,
-    pub(super) period: f64,
-}
-
-impl Piece {
-    /// The position of the axis, `delay` ahead.
-    pub(super) fn course(&self, delay: f64) -> Interpolation {
-        let [from, to] = [&self.from, &self.to].map(|point| {
-            let rate = point.velocity + delay * point.acceleration;
-            [point.position + delay * point.velocity, rate]
-        });
-        if self.jumps {
-            Interpolation::step(from[0], to[0])
-        } else {
-            Interpolation::new(from, to, self.period)
-        }
-    }
-}
 
 impl Target {
     /// The axis goes from where it was to where it is now. `ended`: whose cams end meanwhile.

@@ -9,8 +9,9 @@ use arcline_planner::Instant;
 use super::super::element::Happens;
 use super::super::program::OUTPUT_BITS;
 use super::super::windows::Turns;
-use super::{ACTIVE, PENDING, Phase, TAIL, Target};
-use crate::control::Execution;
+use super::Target;
+use super::cam_state::{ACTIVE, PENDING, Phase, TAIL};
+use crate::execution::Execution;
 
 /// How a cam was left.
 #[derive(Clone, Copy, Debug)]
