@@ -16,6 +16,7 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_PRIMARY_AXES;
 use crate::motion::Motion;
 use crate::system::{Activity, component, numbered};
+use crate::tolerance::{AT_ONCE_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
 
 /// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
@@ -31,7 +32,7 @@ pub(crate) fn normal(given: &Point) -> Point {
 
 /// -180 and what rounds to it is 180.
 fn above_half_turn(angle: f64) -> f64 {
-    if angle <= -180.0 + ROUNDING {
+    if angle <= -180.0 + HALF_TURN_DEG {
         angle + 360.0
     } else {
         angle
@@ -50,7 +51,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     }
     let missing = (to.z - passed.z) / 360.0;
     // Half a turn is what the mirror rule leaves.
-    let turns = if missing.abs() <= 0.5 + ROUNDING {
+    let turns = if missing.abs() <= 0.5 + HALF_ROTATION_SHARE {
         0.0
     } else {
         missing.round()
@@ -60,7 +61,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     if mirrored {
         // Half a turn of Rx is what the mirror rule leaves.
         let beside = (to.x - passed.x) / 360.0;
-        shown.x -= if beside.abs() <= 0.5 + ROUNDING {
+        shown.x -= if beside.abs() <= 0.5 + HALF_ROTATION_SHARE {
             0.0
         } else {
             360.0 * beside.round()
@@ -91,8 +92,8 @@ fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     for _ in 0..MOST_LOOKS {
         let share = f64::min(here + step, 1.0);
         let there = angles(&rotation.at(share).orientation, &at);
-        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR {
-            if step * rotation.angle() > FINEST {
+        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR_DEG {
+            if step * rotation.angle() > AT_ONCE_DEG {
                 step *= 0.5;
                 continue;
             }
@@ -245,8 +246,4 @@ const LOOKS: u32 = 16;
 /// The same with steps that are halved beside straight up.
 const MOST_LOOKS: u32 = 200;
 /// Degrees of Rx or Rz in a step.
-const FAR: f64 = 60.0;
-/// Degrees: the angles of a rotation that passes straight up nearer than this change at once.
-const FINEST: f64 = 0.05;
-/// Of a share of a rotation.
-const ROUNDING: f64 = 1e-9;
+const FAR_DEG: f64 = 60.0;

@@ -35,6 +35,7 @@ mod snapshot;
 mod status;
 mod stop;
 mod system;
+mod tolerance;
 mod transforms;
 mod verify;
 

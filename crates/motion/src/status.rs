@@ -16,12 +16,8 @@ use crate::axis::state::AxisState;
 use crate::masters::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
+use crate::tolerance::{POSITION_LOCK_UNITS, STANDSTILL_UNITS_PER_S};
 use crate::transforms::shown::Role;
-
-/// A following error below this, units, shows as position lock (Position Lock Tolerance's default).
-const POSITION_LOCK_TOLERANCE: f64 = 0.01;
-/// An actual speed below this, units/s, shows as standstill.
-const STANDSTILL: f64 = 1e-3;
 
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
@@ -74,11 +70,11 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
                 cip_axis_status::TRACKING_COMMAND_STATUS,
             ),
             (
-                axis.position_error().abs() <= POSITION_LOCK_TOLERANCE,
+                axis.position_error().abs() <= POSITION_LOCK_UNITS,
                 cip_axis_status::POSITION_LOCK_STATUS,
             ),
             (
-                actual.velocity.abs() <= STANDSTILL,
+                actual.velocity.abs() <= STANDSTILL_UNITS_PER_S,
                 cip_axis_status::VELOCITY_STANDSTILL_STATUS,
             ),
             (saturation == Saturation::Speed, cip_axis_status::VELOCITY_LIMIT_STATUS),

@@ -10,10 +10,6 @@ use crate::Sample;
 
 const NANOSECONDS: f64 = 1e9;
 
-/// Seconds by which an instant may be off for rounding: what lies so little ahead of a tick is at it. A motion of a whole number
-/// of ticks ends at the last of them.
-pub const ROUNDING: f64 = 1e-10;
-
 /// The present tick and what a tick is worth; or where on its way a master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {

@@ -24,9 +24,10 @@ use arcline_contour::{Deviation, Trajectory};
 use arcline_geometry::Point;
 use arcline_profile::{Jerk, KinematicState, Limits, Phase};
 
-use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
+use crate::{Clock, Instant, Move, QueueFull, Sample};
 use pace::{Pace, Wanted};
 
+use crate::tolerance::{CREEPING_SHARE, SAME_INSTANT_S, SAME_SHARE, STEADY_SHARE};
 pub use requests::{ContourBatch, Extension, Installed};
 pub use rests::ContourRests;
 pub use stopping::ContourStopping;
@@ -247,12 +248,12 @@ impl<T: Copy> ContourQueue<T> {
         if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourEvent::End);
         }
-        if now.position >= run.trajectory.duration() - ROUNDING {
+        if now.position >= run.trajectory.duration() - SAME_INSTANT_S {
             return Some(ContourEvent::End);
         }
         let next = run.trajectory.move_end(run.passed)?;
         let more = run.passed + 1 < run.trajectory.moves();
-        (more && now.position >= next - ROUNDING).then_some(ContourEvent::Next)
+        (more && now.position >= next - SAME_INSTANT_S).then_some(ContourEvent::Next)
     }
 
     /// The active move of the trajectory is complete: takes it out.
@@ -324,7 +325,7 @@ impl<T: Copy> ContourQueue<T> {
             let wanted = motion.limits;
             let own = wanted.jerk.map(least);
             let own_speed = requests::planned_speed(wanted.speed, rate);
-            stale |= (own_speed / planned.speed - 1.0).abs() > SAME;
+            stale |= (own_speed / planned.speed - 1.0).abs() > SAME_SHARE;
             target = share_of(target, self.rate * wanted.speed / planned.speed);
             let shares = [
                 (wanted.acceleration / planned.acceleration).sqrt(),
@@ -333,7 +334,7 @@ impl<T: Copy> ContourQueue<T> {
                     .map_or(1.0, |(own, planned)| libm::cbrt(own / planned)),
             ];
             for share in shares {
-                stale |= (share - 1.0).abs() > SAME;
+                stale |= (share - 1.0).abs() > SAME_SHARE;
                 target = share_of(target, share);
             }
         }
@@ -360,7 +361,12 @@ impl<T: Copy> ContourQueue<T> {
             return;
         };
         let now = rate.in_time(run.pace.at(clock));
-        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
+        let speed = run
+            .trajectory
+            .at(now.position)
+            .velocity
+            .norm()
+            .max(CREEPING_SHARE * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
         run.course = Course::Stopping;
         run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
@@ -373,7 +379,12 @@ impl<T: Copy> ContourQueue<T> {
             return;
         };
         let now = run.pace.at(clock);
-        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
+        let speed = run
+            .trajectory
+            .at(now.position)
+            .velocity
+            .norm()
+            .max(CREEPING_SHARE * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration);
         let wanted = Wanted {
             target: 0.0,
@@ -413,7 +424,7 @@ impl Run {
     /// Where the coordinate system is at a place of the trajectory's own time that goes on like this.
     fn at(&self, pace: KinematicState) -> Sample {
         let duration = self.trajectory.duration();
-        let own = if pace.position >= duration - ROUNDING {
+        let own = if pace.position >= duration - SAME_INSTANT_S {
             duration
         } else {
             pace.position
@@ -459,8 +470,8 @@ impl Run {
         });
         let rates = self.trajectory.rates(self.passed);
         // Where it is about to start or has all but stopped, any is one.
-        let creeps = rates.is_none_or(|rates| speed < SLIGHT * pace * rates.speed);
-        let share = if creeps { 0.0 } else { SLIGHT * pace * pace };
+        let creeps = rates.is_none_or(|rates| speed < STEADY_SHARE * pace * rates.speed);
+        let share = if creeps { 0.0 } else { STEADY_SHARE * pace * pace };
         let slight = |programmed: Option<f64>| share * programmed.map_or(most, |rate| most.min(rate));
         if tangential > slight(rates.map(|rates| rates.acceleration)) {
             Phase::Accelerating
@@ -474,15 +485,14 @@ impl Run {
 
 /// The lesser of two shares; what is 1 but for rounding is 1.
 fn share_of(target: f64, share: f64) -> f64 {
-    if share < 1.0 - SAME { target.min(share) } else { target }
+    if share < 1.0 - SAME_SHARE {
+        target.min(share)
+    } else {
+        target
+    }
 }
 
 /// The jerk that a contour is planned with.
 fn least(jerk: Jerk) -> f64 {
     jerk.acceleration.min(jerk.deceleration)
 }
-
-/// Share of an acceleration that shows as steady speed.
-const SLIGHT: f64 = 0.01;
-/// Shares that differ by no more are the same.
-const SAME: f64 = 1e-9;

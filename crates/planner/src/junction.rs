@@ -4,6 +4,7 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::Limits;
 
 use crate::Move;
+use crate::tolerance::{COLLINEAR_SINE, SAME_TANGENT_SINE};
 
 /// What happens at the end of a move that has a successor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +36,6 @@ pub(crate) enum Junction {
     /// The junction is passed at a speed. `early`: the successor is active from where braking begins.
     Pass { constrained: bool, early: bool },
 }
-
-/// Lines that differ less in direction are collinear: 0.1 degree.
-const COLLINEAR: f64 = 0.001_745_328_365_898_309;
-/// Tangents that differ less are equal: what floating point leaves of an exact tangent (spec/motion-core.md §6.3).
-const TANGENT: f64 = 1e-6;
 
 /// What geometry and endings make of the place between two moves: it stays when speeds and rates change.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -262,7 +258,7 @@ pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
 /// The change of direction of a corner; zeros where the paths are tangent, or lines in one direction.
 pub(crate) fn turn(first: &Path, second: &Path) -> Point {
     let turn = second.start_tangent() - first.end_tangent();
-    if turn.norm() <= TANGENT || collinear(first, second) {
+    if turn.norm() <= SAME_TANGENT_SINE || collinear(first, second) {
         return Point::zeros();
     }
     turn
@@ -281,12 +277,12 @@ fn collinear(first: &Path, second: &Path) -> bool {
         return false;
     };
     let (before, after) = (first.direction(), second.direction());
-    before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR
+    before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR_SINE
 }
 
 /// Whether a velocity runs along a tangent: the same sense, within the angle of collinear lines.
 pub(crate) fn is_along(velocity: &Point, tangent: &Point) -> bool {
-    velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR * velocity.norm()
+    velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR_SINE * velocity.norm()
 }
 
 /// The limits of a stop that ramps out a residual velocity.

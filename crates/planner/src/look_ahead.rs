@@ -13,6 +13,7 @@ use crate::junction::{Junction, Link, junction};
 use crate::planner::Planner;
 use crate::queue::Bound;
 use crate::running::{Running, scaled_limits};
+use crate::tolerance::ROUNDING_SHARE;
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
@@ -39,7 +40,7 @@ impl<T: Copy> Planner<T> {
         let towards = |bound: &Bound, exit: f64, cap: f64| {
             let target = bound.at - running.run_start;
             let joined = queue.moves_before(bound);
-            let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
+            let at_end = joined == 0 && (target - length).abs() <= ROUNDING_SHARE * length;
             Plan {
                 target: if at_end { length } else { target },
                 exit,
@@ -70,7 +71,7 @@ impl<T: Copy> Planner<T> {
         let end = queue.run_end(running.run_start + length);
         let wanted = queue.speed(&end).min(cap);
         let distance = end.at - running.run_start - from.position;
-        let beyond = distance < -ROUNDING * (running.run_start + from.position).abs();
+        let beyond = distance < -ROUNDING_SHARE * (running.run_start + from.position).abs();
         if beyond && end.link.corner().is_finite() {
             // It comes back to a corner, and turns there.
             return Plan {
@@ -101,7 +102,7 @@ impl<T: Copy> Planner<T> {
                 ..plan
             };
         }
-        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
+        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING_SHARE);
         if level && !too_fast && !turns_back(&from, &limits) {
             return plan;
         }
@@ -113,7 +114,7 @@ impl<T: Copy> Planner<T> {
             ..plan
         };
         let corner = end.link.corner();
-        if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING) {
+        if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING_SHARE) {
             return Plan { exit: 0.0, ..plan };
         }
         plan
@@ -148,7 +149,7 @@ impl<T: Copy> Planner<T> {
         };
         let (plan, profile) = self.planned(&running, from);
         // A corner that was not known may lie behind what was to be passed.
-        let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING);
+        let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING_SHARE);
         if plan.exit > running.exit || plan.joined != running.joined || too_fast {
             if approaching {
                 running.trajectory.profile = profile;
@@ -267,13 +268,13 @@ pub(crate) enum Ends {
 /// beginning).
 fn can_rest(from: KinematicState, distance: f64, limits: &Limits) -> bool {
     let rest = Profile::stop(from, limits).end().position - from.position;
-    (0.0..=distance * (1.0 + ROUNDING)).contains(&rest)
+    (0.0..=distance * (1.0 + ROUNDING_SHARE)).contains(&rest)
 }
 
 /// Whether a deceleration can only be taken back when the motion has passed through rest.
 pub(crate) fn turns_back(from: &KinematicState, limits: &Limits) -> bool {
     let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
-    let least = (1.0 + ROUNDING) * from.velocity;
+    let least = (1.0 + ROUNDING_SHARE) * from.velocity;
     from.acceleration < 0.0 && limits.jerk.is_some_and(|jerk| least < relieved(jerk))
 }
 
@@ -288,6 +289,3 @@ impl<T> Running<T> {
         self.joined = plan.joined;
     }
 }
-
-/// Share of a speed that is rounding.
-const ROUNDING: f64 = 1e-9;

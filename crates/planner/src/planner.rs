@@ -60,9 +60,6 @@ impl Beyond {
     }
 }
 
-/// Share of an acceleration that is none: what rounding leaves across the direction of motion.
-pub(crate) const NO_ACCELERATION: f64 = 1e-9;
-
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
     /// make at once in a corner that is not tangent, units/s. The only allocation.

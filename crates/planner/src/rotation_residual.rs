@@ -11,7 +11,8 @@ use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 use crate::junction::braking;
 use crate::planner::Planner;
 use crate::running::{Parameter, Running};
-use crate::{Clock, Instant, MasterRate, ROUNDING};
+use crate::tolerance::SAME_INSTANT_S;
+use crate::{Clock, Instant, MasterRate};
 
 /// How an orientation turns at an instant.
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +127,7 @@ impl RampingOut {
 
     /// Whether it is at rest at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
-        self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - ROUNDING
+        self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - SAME_INSTANT_S
     }
 
     /// Seconds after an instant at which it is at rest.

@@ -8,6 +8,7 @@ use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultS
 
 use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, ExceptionActions, PositionErrorLimit, Travel};
+use crate::tolerance::TRAVEL_UNITS;
 
 /// What an axis does at one update, as far as faults look at it.
 #[derive(Clone, Copy, Debug)]
@@ -61,9 +62,6 @@ pub(crate) struct Faults {
     /// Its travel counts.
     homed: bool,
 }
-
-/// A position beyond a limit by less than this, units, is rounding.
-const ROUNDING: f64 = 1e-9;
 
 impl Faults {
     pub(crate) fn new(description: &Description) -> Self {
@@ -311,8 +309,8 @@ impl Faults {
 
     fn side_of(&self, position: f64) -> i8 {
         match self.travel {
-            Some(travel) if position > travel.max + ROUNDING => 1,
-            Some(travel) if position < travel.min - ROUNDING => -1,
+            Some(travel) if position > travel.max + TRAVEL_UNITS => 1,
+            Some(travel) if position < travel.min - TRAVEL_UNITS => -1,
             _ => 0,
         }
     }

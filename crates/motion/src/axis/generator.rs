@@ -4,7 +4,7 @@
 //! master's displacement has master units in place of seconds.
 
 use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
-use arcline_planner::{Clock, Instant, ROUNDING};
+use arcline_planner::{Clock, Instant, SAME_INSTANT_S};
 use arcline_profile::KinematicState;
 
 use super::generator_kind::Displacements;
@@ -228,7 +228,7 @@ impl Generator {
                     ..
                 })
             );
-            let at_end = profile.arrives() && elapsed >= profile.duration() - ROUNDING;
+            let at_end = profile.arrives() && elapsed >= profile.duration() - SAME_INSTANT_S;
             self.over = (self.stopping || !endless) && at_end;
             self.now = if self.over {
                 KinematicState::at_rest(profile.end().position)

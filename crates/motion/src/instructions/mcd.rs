@@ -11,6 +11,7 @@ use crate::axis::generator::{Goal, Program};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
+use crate::tolerance::DISTANCE_SHARE;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -116,13 +117,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 fn pause(from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Limits {
     let reach = |limits: &Limits| Profile::stop(from, limits).reach();
     match before {
-        Some(before) if reach(limits) > reach(before) * (1.0 + NEARLY) => Limits {
+        Some(before) if reach(limits) > reach(before) * (1.0 + DISTANCE_SHARE) => Limits {
             speed: limits.speed,
             ..*before
         },
         _ => *limits,
     }
 }
-
-/// Share of a way that is rounding.
-const NEARLY: f64 = 1e-9;

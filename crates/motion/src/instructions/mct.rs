@@ -11,8 +11,9 @@ use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower, Planned};
 use crate::range;
+use crate::tolerance::CONSISTENT_UNITS;
 use crate::transforms::TransformId;
-use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
+use crate::transforms::robot::{Joints, RobotMap};
 use crate::transforms::sides::Positions;
 use crate::transforms::transform::{Map, Transform};
 use crate::verify;
@@ -237,7 +238,7 @@ fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
         let state = &motion.axes[*axis];
         let settable = state.is_virtual && state.sum.is_idle();
         let beyond = position.abs() > state.range;
-        if beyond || !settable && deviates(*axis, *position) > CONSISTENT {
+        if beyond || !settable && deviates(*axis, *position) > CONSISTENT_UNITS {
             return Err(MotionError::InvalidTransformPosition(Detail(place as i8)));
         }
     }

@@ -16,6 +16,7 @@ use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Reader;
 use crate::execution::Execution;
+use crate::tolerance::CAM_LENGTH_SHARE;
 
 /// The variable of a cam's profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,9 +84,6 @@ struct Exit {
     /// Where the slave stands.
     slave: f64,
 }
-
-/// A master displacement that is rounding, as a share of the length of the profile.
-const ROUNDING: f64 = 1e-12;
 
 impl Cam {
     /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, without the offset that
@@ -196,7 +194,7 @@ impl Cam {
         let position = entry + gone / master_scale;
         let before = std::mem::replace(&mut self.position, position);
         let (start, length) = (profile.start().0, profile.length());
-        let rounding = ROUNDING * length;
+        let rounding = CAM_LENGTH_SHARE * length;
         let turn = match mode {
             ExecutionMode::Continuous => ((position - start) / length).floor(),
             ExecutionMode::Once | ExecutionMode::Persistent => 0.0,

@@ -18,6 +18,7 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, RefusedCommand};
 use crate::machine::CommandLimits;
 use crate::stop::AxisSet;
+use crate::tolerance::COMMAND_SHARE;
 
 impl Motion {
     /// Compares the new set-points with the last ones and replaces those that must not go out. To be called once a tick, when all
@@ -192,7 +193,7 @@ impl CommandLimits {
         let speed = self.speed * axis.dynamics.speed;
         let rate = axis.dynamics.acceleration.max(axis.dynamics.deceleration);
         // Rounding of positions far from 0.
-        let rounding = 1e-12 * position.abs().max(speed * period);
+        let rounding = COMMAND_SHARE * position.abs().max(speed * period);
         step.abs() <= speed * period + rounding
             && next.velocity.abs() <= speed
             && ((next.velocity - velocity).abs() <= self.acceleration * rate * period

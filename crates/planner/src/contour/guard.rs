@@ -13,6 +13,7 @@
 //! nothing is looked at; elsewhere the sums above are, knot by knot and in steps so short that what lies between is bounded.
 //! Position units, seconds. Nothing allocates; the work is bounded by [`WORK`].
 
+use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
 use arcline_contour::{AxisLimits, Peaks, Piece, Rates, State as Axes, Trajectory};
 use arcline_geometry::Point;
 use arcline_profile::Profile;
@@ -81,7 +82,7 @@ impl<'a> Guard<'a> {
     pub(super) fn allows(&self, ramp: &Profile, since: f64) -> bool {
         let times = ramp.segment_times();
         // Between the ends of its segments the pace is monotone.
-        let inside = |pace: f64| (-NONE..=1.0 + NONE).contains(&pace);
+        let inside = |pace: f64| (-PACE_SHARE..=1.0 + PACE_SHARE).contains(&pace);
         if !inside(ramp.end().velocity) || !times.iter().all(|&t| t < since || inside(ramp.at(t).velocity)) {
             return false;
         }
@@ -192,7 +193,7 @@ impl<'a> Guard<'a> {
         let own_jerk = piece.jerk();
         let within = |value: f64, limit: f64, own: f64, hidden: f64| {
             let most = limit.max(own.abs());
-            value.abs() + hidden <= most * (1.0 + ROUNDING)
+            value.abs() + hidden <= most * (1.0 + ROUNDING_SHARE)
         };
         let bent = |axis: usize| bend * (own_jerk[axis].abs() * first.abs() + axes.acceleration[axis].abs() * hidden);
         let kept = (0..3).all(|axis| {
@@ -226,7 +227,7 @@ impl<'a> Guard<'a> {
         let down = rates.deceleration.max(self.extra[0]);
         let up = rates.acceleration;
         let most = up.max(down).max(axes.acceleration.norm());
-        if acceleration.norm() + hidden > most * (1.0 + ROUNDING) {
+        if acceleration.norm() + hidden > most * (1.0 + ROUNDING_SHARE) {
             return false;
         }
         let speed = axes.velocity.norm();
@@ -235,7 +236,8 @@ impl<'a> Guard<'a> {
         }
         let along = axes.velocity.dot(acceleration) / speed;
         let own = axes.velocity.dot(&axes.acceleration) / speed;
-        along + hidden <= up.max(own) * (1.0 + ROUNDING) && hidden - along <= down.max(-own) * (1.0 + ROUNDING)
+        along + hidden <= up.max(own) * (1.0 + ROUNDING_SHARE)
+            && hidden - along <= down.max(-own) * (1.0 + ROUNDING_SHARE)
     }
 }
 
@@ -291,7 +293,3 @@ const WORK: usize = 1500;
 /// Seconds of a ramp that are looked at as a whole, and one by one.
 const CELL: f64 = 0.004;
 const STEP: f64 = 0.000_5;
-/// A difference of the pace that is none.
-const NONE: f64 = 1e-12;
-/// Share of a limit that is rounding.
-const ROUNDING: f64 = 1e-9;

@@ -9,6 +9,7 @@ use arcline_contour::Trajectory;
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
+use crate::tolerance::REACHED_PACE_SHARE;
 use crate::{Clock, Instant};
 
 /// A pace that is asked for, and how fast it may be come to at most.
@@ -126,7 +127,7 @@ impl Pace {
         let now = self.at(clock);
         let over = self.start.elapsed(clock) >= self.ramp.duration();
         let gap = self.wanted.target - now.velocity;
-        if over && gap.abs() <= ROUNDING {
+        if over && gap.abs() <= REACHED_PACE_SHARE {
             self.take(0, self.constant_from(now), clock);
             return true;
         }
@@ -201,5 +202,3 @@ const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
 const RAMPS: usize = 14 * REACHES.len();
 /// Ramps that are tried in a tick.
 const TRIES: usize = 3;
-/// A difference of the pace that is none.
-const ROUNDING: f64 = 1e-10;

@@ -7,6 +7,7 @@ use arcline_profile::{KinematicState, Limits};
 
 use super::pace::Pace;
 use super::{ContourQueue, Course, Run};
+use crate::tolerance::CREEPING_SHARE;
 use crate::{Clock, Sample};
 
 /// A stop at once that has not begun.
@@ -60,7 +61,7 @@ impl Run {
             .at(now.position)
             .velocity
             .norm()
-            .max(1e-3 * limits.speed);
+            .max(CREEPING_SHARE * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
         Pace::stopping(now, limits.deceleration / speed, jerk, time)
     }

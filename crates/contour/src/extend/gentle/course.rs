@@ -7,6 +7,7 @@ use crate::limits::Bounds;
 use crate::path::reference::along;
 use crate::path::rounding::{Corners, Shape, Stretch, round};
 use crate::section::Section;
+use crate::tolerance::RATE_SHARE;
 use crate::tuning::TUNING;
 use crate::{Point, State};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
@@ -212,8 +213,8 @@ impl<'a> Course<'a> {
                 let most = exit_speed(state, target - state.position, &limits);
                 let profile = Profile::to_position(state, target, ends[last + 1].min(most), &limits);
                 let end = profile.end();
-                let is_met = end.velocity <= ends[last + 1] * (1.0 + ROUNDING) + ROUNDING
-                    && end.acceleration.abs() <= ROUNDING * limits.acceleration;
+                let is_met = end.velocity <= ends[last + 1] * (1.0 + RATE_SHARE) + RATE_SHARE
+                    && end.acceleration.abs() <= RATE_SHARE * limits.acceleration;
                 let is_forward = |&t: &f64| profile.at(t).velocity >= 0.0;
                 let within = |k: usize| {
                     let time = profile.time_at_position(self.parts[k].from);
@@ -343,5 +344,3 @@ fn most_speed(bound: &Bounds, sites: impl Iterator<Item = [Point; 3]>, step: f64
 const MEASURED: u32 = 16;
 /// Tangents that differ by more are a corner.
 const SHARP: f64 = 1e-3;
-/// Share of a speed or rate that is rounding.
-const ROUNDING: f64 = 1e-9;

@@ -15,11 +15,10 @@ use super::cam_state::{ACTIVE, PENDING, Phase};
 use super::events::Edge;
 use super::piece::{Piece, instant};
 use crate::execution::Execution;
+use crate::tolerance::OUTPUT_CAM_SHARE;
 
 /// Most a piece of an update is cut into: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
-/// What of a cam's position is rounding: a share of its length.
-const ROUNDING: f64 = 1e-12;
 
 impl Target {
     /// The axis goes from where it was to where it is now. `ended`: whose cams end meanwhile.
@@ -129,7 +128,7 @@ impl Target {
             return None;
         }
         let zero = self.zero();
-        let rounding = ROUNDING * (program.cam.end - program.cam.start);
+        let rounding = OUTPUT_CAM_SHARE * (program.cam.end - program.cam.start);
         let (start, end) = (zero + program.cam.start, zero + program.cam.end);
         let beyond = |position: f64| position > end + rounding || position < start - rounding;
         let here = interval.at(share);
