@@ -21,7 +21,6 @@ mod dynamics_bits;
 mod events;
 mod execution;
 mod feed_override;
-mod heading;
 mod instructions;
 pub mod machine;
 mod masters;

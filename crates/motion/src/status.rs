@@ -1,11 +1,11 @@
 //! Status words, from the state at a tick.
 
 use arcline_drive::Saturation;
+use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
-use arcline_instruction_set::{FaultWord, Flag};
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
@@ -181,16 +181,6 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     ]
     .into_iter()
     .fold(0, with)
-}
-
-/// ACCEL and DECEL of an instruction: what to set, and what to clear.
-pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
-    let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
-    match phase {
-        Phase::Accelerating => (accel, decel),
-        Phase::Decelerating => (decel, accel),
-        Phase::Steady => (0, accel | decel),
-    }
 }
 
 /// What an axis does: by its profile if it has one, otherwise by what its command does.

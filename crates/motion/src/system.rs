@@ -1,11 +1,19 @@
 //! One coordinate system: its moves and their motion, its stop, and what its tags show.
 
+mod advance;
+mod commands;
+pub(crate) mod heading;
+mod links;
+mod stopping;
+mod take_over;
+
 use std::ops::{Deref, DerefMut, Index, IndexMut};
+use std::sync::Arc;
 
 use arcline_instruction_set::{AxisId, AxisIndex, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::AxisLimits;
+use arcline_planner::precise::{AxisLimits, Trajectory};
 use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
@@ -15,7 +23,7 @@ use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
 use crate::execution::Execution;
 use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
-use crate::masters::follower::{LockTo, MasterFollower};
+use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
 
@@ -45,13 +53,6 @@ pub(crate) struct Planned {
     pub(crate) only_turns: bool,
 }
 
-/// The link by which a move is master driven, and its lock.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DrivenBy {
-    pub(crate) link: u32,
-    pub(crate) lock: LockTo,
-}
-
 /// Whose motion the active move is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
@@ -65,26 +66,40 @@ pub(crate) enum Activity {
 
 /// Every coordinate system of a machine at the present tick.
 #[derive(Debug)]
-pub(crate) struct Systems(Vec<System>);
+pub(crate) struct Systems {
+    systems: Vec<System>,
+    /// Trajectories that are no longer needed, to be freed outside the tick.
+    pub(crate) retired: Vec<Arc<Trajectory>>,
+}
 
 impl Systems {
     /// All coordinate systems, in the order of the configuration.
     pub(crate) fn ids(&self) -> impl Iterator<Item = SystemId> + use<> {
-        SystemId::first(self.0.len())
+        SystemId::first(self.systems.len())
     }
 
     pub(crate) fn get(&self, system: SystemId) -> Option<&System> {
-        self.0.get(system.index())
+        self.systems.get(system.index())
+    }
+
+    /// Ends everything that a system travels along; trajectories are freed outside the tick.
+    fn retire_all(&mut self, system: SystemId) {
+        let trajectories = self.systems[system.index()].travel.clear();
+        self.retired.extend(trajectories);
     }
 
     pub(crate) fn get_mut(&mut self, system: SystemId) -> Option<&mut System> {
-        self.0.get_mut(system.index())
+        self.systems.get_mut(system.index())
     }
 }
 
 impl FromIterator<System> for Systems {
     fn from_iter<I: IntoIterator<Item = System>>(systems: I) -> Self {
-        Systems(systems.into_iter().collect())
+        let systems: Vec<System> = systems.into_iter().collect();
+        Systems {
+            retired: Vec::with_capacity(2 * systems.len()),
+            systems,
+        }
     }
 }
 
@@ -92,13 +107,13 @@ impl Deref for Systems {
     type Target = [System];
 
     fn deref(&self) -> &[System] {
-        &self.0
+        &self.systems
     }
 }
 
 impl DerefMut for Systems {
     fn deref_mut(&mut self) -> &mut [System] {
-        &mut self.0
+        &mut self.systems
     }
 }
 
@@ -106,13 +121,13 @@ impl Index<SystemId> for Systems {
     type Output = System;
 
     fn index(&self, system: SystemId) -> &System {
-        &self.0[system.index()]
+        &self.systems[system.index()]
     }
 }
 
 impl IndexMut<SystemId> for Systems {
     fn index_mut(&mut self, system: SystemId) -> &mut System {
-        &mut self.0[system.index()]
+        &mut self.systems[system.index()]
     }
 }
 

@@ -4,14 +4,17 @@ mod average;
 mod braking;
 pub(crate) mod camming;
 mod drive_link;
+mod ending;
 pub(crate) mod faults;
 pub(crate) mod feed;
 mod following;
 pub(crate) mod generator;
 pub(crate) mod generator_kind;
 pub(crate) mod homing;
+mod links;
 pub(crate) mod probes;
 mod redefine;
+mod reporting;
 pub(crate) mod state;
 pub(crate) mod sum;
 
@@ -20,6 +23,7 @@ use arcline_planner::Clock;
 use arcline_planner::profile::Bounds;
 use arcline_profile::KinematicState;
 
+use crate::cause::Cause;
 use crate::dynamics::Maxima;
 use crate::machine::{Axis as Description, AxisKind, CommandLimits, Home, ProgrammedStopMode};
 use crate::masters::cam::Cam;
@@ -337,6 +341,16 @@ impl Axis {
             && !self.awaits_events()
             && self.is_link_steady()
             && self.faults.are_steady()
+    }
+
+    /// Clears its faults. A faulted axis is then stopped, a shut down one stays so. Returns whether no cause is left, which would fault
+    /// it again at the next update.
+    pub(crate) fn reset_faults(&mut self, by: Cause) -> bool {
+        let gone = self.faults.reset(by);
+        if self.state == AxisState::Faulted {
+            self.state = AxisState::Stopped;
+        }
+        gone
     }
 
     /// Whether its servo is off for another reason than a fault or a shutdown.

@@ -14,8 +14,8 @@ use crate::axis::state::AxisState;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
 use crate::execution::Execution;
+use crate::masters::follower::DrivenBy;
 use crate::motion::Motion;
-use crate::system::DrivenBy;
 
 /// The operands that MAM and MAJ have alike.
 #[derive(Clone, Copy, Debug)]
@@ -86,10 +86,11 @@ impl AxisMove {
         let from = steady(taken, &dynamics.limits());
         let before = self.in_force(&motion.axes[axis], kind, led.is_some());
         if self.merges_into(kind) {
-            motion.end_single_axis(axis, Some(kind));
+            motion.axes[axis].end_single_axis(Some(kind), &mut motion.controls);
         }
-        motion.end_generator(axis, kind);
-        let follower = led.and_then(|(driven_by, _)| motion.lead_axis(axis, driven_by));
+        motion.axes[axis].end_generator(kind, &mut motion.controls);
+        let follower =
+            led.and_then(|(driven_by, _)| motion.axes.lead(axis, driven_by, &mut motion.controls, &motion.clock));
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
@@ -118,8 +119,8 @@ impl AxisMove {
         if follower.is_some() {
             accepted |= Flag::Ac.mask();
         }
-        motion.controls.write(execution, accepted, 0, motion.clock.tick);
-        motion.calculate_move(axis, kind);
+        motion.controls.write(execution, accepted, 0);
+        motion.axes[axis].calculate_move(kind, &mut motion.controls, &motion.clock);
     }
 
     /// How a move or a jog is master driven, and with what it takes over what it supersedes; `None`: by time.

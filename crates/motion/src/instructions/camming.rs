@@ -97,7 +97,7 @@ pub(super) fn verify_reach(
 
 /// The cam waits for the end of the one under way.
 pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: Program, execution: Execution) {
-    motion.end_pending_cams(axis, Some(kind));
+    motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls);
     let cams = motion.axes[axis].cams_mut(kind);
     cams.direction = Some(program.slave_scale.signum());
     cams.pending = Some(Pending { program, execution });
@@ -113,7 +113,7 @@ pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, exe
         master,
     } = beginning;
     if kind == GeneratorKind::PositionCam {
-        motion.end_generator(axis, GeneratorKind::MasterOffset);
+        motion.axes[axis].end_generator(GeneratorKind::MasterOffset, &mut motion.controls);
         motion.axes[axis].cams_mut(kind).offset = Offset::default();
     }
     let clock = motion.clock;
@@ -132,12 +132,10 @@ pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, exe
     state.command = state.sum.command();
     state.stale = true;
     accept(motion, execution);
-    motion
-        .controls
-        .set_segment(execution, segment as i32, motion.clock.tick);
+    motion.controls.set_segment(execution, segment as i32);
 }
 
 fn accept(motion: &mut Motion, execution: Execution) {
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, accepted, 0, motion.clock.tick);
+    motion.controls.write(execution, accepted, 0);
 }

@@ -32,7 +32,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);
     }
-    motion.not_in_transform(axis)?;
+    motion.axes[axis].not_in_transform()?;
     motion.begin_homing(axis, execution);
     Ok(())
 }

@@ -119,10 +119,10 @@ pub(super) fn execute(
     };
     let written = place.write(&clock);
     if let Some(ended) = ended {
-        motion.end_move(ended, 0);
+        motion.controls.end_move(ended, 0);
     }
     motion.write_word(written);
-    motion.controls.write(execution, Flag::Ip.mask(), 0, clock.tick);
+    motion.controls.write(execution, Flag::Ip.mask(), 0);
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

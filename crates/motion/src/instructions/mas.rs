@@ -63,14 +63,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let state = &motion.axes[axis];
     switched_on(state)?;
     stoppable(state)?;
-    let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped, Stopped::All | Stopped::Kind(GeneratorKind::Home)) {
-        motion.end_passive_homing(axis);
+        motion.axes[axis].end_passive_homing(&mut motion.controls);
     }
     match stopped {
-        Stopped::All => motion.end_pending_cams(axis, None),
-        Stopped::Kind(kind) => motion.end_pending_cams(axis, Some(kind)),
+        Stopped::All => motion.axes[axis].end_pending_cams(None, &mut motion.controls),
+        Stopped::Kind(kind) => motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls),
         Stopped::Nothing => {}
     }
     let state = &motion.axes[axis];
@@ -87,7 +86,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                     motion.abort_system(index, |_| false);
                 }
             }
-            motion.controls.write(execution, initiated, 0, tick);
+            motion.controls.write(execution, initiated, 0);
             motion.stop_axis_at(axis, &limits, Some(execution));
             motion.unlink_slave(axis);
         }
@@ -97,8 +96,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 (generator.now.velocity.abs(), generator.s_curve)
             });
             let limits = limits(&rates, &state.dynamics, speed, s_curve)?;
-            motion.controls.write(execution, initiated, 0, tick);
-            motion.stop_generator(axis, kind, &limits, Some(execution));
+            motion.controls.write(execution, initiated, 0);
+            motion.axes[axis].stop_generator(kind, &limits, Some(execution), &mut motion.controls, &motion.clock);
         }
         // Nothing of that kind is under way; a transform that moves no axis now is cancelled all the same.
         other => {
@@ -107,7 +106,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 motion.unlink_slave(axis);
             }
             let nothing_to_stop = Flag::Dn.mask() | Flag::Pc.mask();
-            motion.controls.write(execution, nothing_to_stop, 0, tick);
+            motion.controls.write(execution, nothing_to_stop, 0);
         }
     }
     Ok(())

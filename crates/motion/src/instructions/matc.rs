@@ -12,9 +12,9 @@ use crate::call_data::ReceivedData;
 use crate::execution::Execution;
 use crate::masters::cam::{self, Cam, Program, Source};
 use crate::masters::displacement::{Crossing, Sense};
+use crate::masters::follower::DrivenBy;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::system::DrivenBy;
 
 /// What drives the cam; `None`: time.
 ///
@@ -96,7 +96,7 @@ pub(super) fn execute(
     let master = match led {
         None => cam::time(since, &motion.clock),
         Some((link, driven_by)) => {
-            motion.take_up_link(axis, link.id);
+            motion.axes[axis].take_up_link(link.id, &mut motion.controls);
             let state = &motion.axes[link.master.axis];
             lock = driven_by.lock.position.map(|position| Crossing {
                 position: position - state.redefined,

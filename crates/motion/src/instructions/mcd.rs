@@ -107,7 +107,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     state.stale = true;
     if let Some(changed) = calculated {
         let available = Flag::CalculatedDataAvailable;
-        motion.controls.flag(changed, available, false, clock.tick);
+        motion.controls.flag(changed, available, false);
     }
     motion.done(execution);
     Ok(())

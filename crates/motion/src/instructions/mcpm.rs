@@ -20,7 +20,6 @@ use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
 use crate::execution::Execution;
-use crate::heading;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
@@ -28,6 +27,7 @@ use crate::motion::operands::no_target;
 use crate::path_data::{DynamicsData, PathData};
 use crate::range;
 use crate::system::Termination;
+use crate::system::heading;
 use crate::verify;
 
 /// Members of the path in their ranges (13), and what is reserved (99).
@@ -108,7 +108,10 @@ pub(super) fn execute(
         tags.dynamics.profile == Some(VelocityProfile::SCurve),
     )?;
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
-    let headings = [motion.heading(index), motion.heading_shift(index)];
+    let headings = [
+        motion.systems[index].heading(&motion.axes),
+        motion.systems[index].heading_shift(&motion.axes),
+    ];
     let path_move = PathMove::of(&tags.path, &(start + shift), headings);
     range::verify_point(
         &motion.systems[index],

@@ -30,11 +30,11 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
     // A weaker stop while a stop of all is running takes over its bits only.
     let running = motion.systems[index].stop;
-    motion.end_stop(index);
+    motion.systems[index].end_stop(&mut motion.controls);
     let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
     let of_moves = *stop_type != McsStopType::CoordinatedTransform || running.is_some_and(|stop| stop.of_moves);
     if *stop_type != McsStopType::CoordinatedTransform {
-        motion.keep_stopping_link(index);
+        motion.systems[index].keep_stopping_link();
     }
     match *stop_type {
         McsStopType::All => {
@@ -64,7 +64,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         braking,
     });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, initiated, 0, motion.clock.tick);
+    motion.controls.write(execution, initiated, 0);
     Ok(())
 }
 
@@ -99,7 +99,7 @@ impl Rates {
             .active()
             .filter(|_| system.follower.is_none())
             .map(|active| active.dynamics.limits());
-        let deceleration = motion.kept_by_turn(index, self.deceleration);
+        let deceleration = motion.systems[index].kept_by_turn(self.deceleration);
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
             // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
@@ -162,9 +162,9 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, Sys
 
 /// Stops the coordinated move on its path and empties the queue.
 pub(crate) fn stop_move(motion: &mut Motion, index: SystemId, limits: &Limits) {
-    motion.cancel_pending(index);
-    motion.end_active(index);
-    motion.stop_on_path(index, limits);
+    motion.systems.cancel_pending(index, &mut motion.controls);
+    motion.systems[index].end_active(&mut motion.controls);
+    motion.systems[index].stop_on_path(limits, &motion.clock);
 }
 
 /// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
@@ -185,7 +185,7 @@ fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Re
     }
     for place in 0..motion.systems[index].description.axes.len() {
         let axis = motion.systems[index].description.axes[place];
-        motion.stop_own(axis);
+        motion.axes[axis].stop_own(&mut motion.controls, &motion.clock);
         braking.insert(axis);
     }
     Ok(braking)

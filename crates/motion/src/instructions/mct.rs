@@ -122,7 +122,7 @@ pub(super) fn begin(
         .begin(TransformId::of_target(target), transform, &mut motion.axes);
     motion.order.take(order);
     let started = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, started, 0, motion.clock.tick);
+    motion.controls.write(execution, started, 0);
     Ok(())
 }
 

@@ -9,7 +9,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
     if let Some(ended) = motion.axes[axis].watch.disarm() {
-        motion.end_move(ended, 0);
+        motion.controls.end_move(ended, 0);
     }
     motion.done_next_update(execution, axis, None);
     Ok(())

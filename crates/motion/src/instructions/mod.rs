@@ -70,19 +70,18 @@ impl Motion {
             control: call.control,
             mnemonic: call.mnemonic,
         };
-        let tick = self.clock.tick;
         let refused = self.is_inhibited && call.mnemonic.begins_motion();
         let data = ReceivedData(data);
         self.controls.because(execution.into());
-        let result = self.controls.begin(execution, tick).and_then(|()| match refused {
+        let result = self.controls.begin(execution).and_then(|()| match refused {
             // All axes are: the first one is named.
             true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
             false => execute(self, execution, call, &data),
         });
         if let Err(error) = result {
-            self.controls.fail(execution, error, tick);
+            self.controls.fail(execution, error);
             if data.verdict() == Err(error) {
-                self.controls.set_segment(execution, data.element() as i32, tick);
+                self.controls.set_segment(execution, data.element() as i32);
             }
         }
         self.controls.because(Cause::Itself);

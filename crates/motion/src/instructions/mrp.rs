@@ -26,7 +26,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if state.homing().is_some() || motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);
     }
-    motion.not_in_transform(axis)?;
+    motion.axes[axis].not_in_transform()?;
     let state = &mut motion.axes[axis];
     let (command, actual) = (state.command.position, state.actual.position);
     let offset = match (*redefine_type, *position_select) {

@@ -10,11 +10,11 @@ use arcline_planner::profile::{Limits, stop_distance};
 
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
 use crate::masters::displacement::Sense;
+use crate::masters::follower::DrivenBy;
 use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::rotary::Turn;
-use crate::system::DrivenBy;
 
 /// Speed, rates and jerks with their units, of a move, a jog or a change.
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,13 @@ use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Master;
 
+/// The link by which a move is master driven, and its lock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrivenBy {
+    pub(crate) link: u32,
+    pub(crate) lock: LockTo,
+}
+
 /// The lock operands of an instruction (Lock Direction and Lock Position).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LockTo {

@@ -17,18 +17,6 @@ impl Motion {
         }
     }
 
-    /// Clears the faults of an axis. A faulted one is then stopped, a shut down one stays so. Returns whether no
-    /// cause is left, which would fault it again at the next update.
-    pub(crate) fn reset_faults(&mut self, axis: AxisId) -> bool {
-        let by = self.controls.cause();
-        let axis = &mut self.axes[axis];
-        let gone = axis.faults.reset(by);
-        if axis.state == AxisState::Faulted {
-            axis.state = AxisState::Stopped;
-        }
-        gone
-    }
-
     /// Looks at every axis, and does what its faults ask for.
     pub(super) fn check_faults(&mut self) {
         let period = self.clock.period();
@@ -91,7 +79,7 @@ impl Motion {
     /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
     pub(crate) fn shut_down(&mut self, axis: AxisId) {
         self.leave(axis);
-        self.disarm(axis);
+        self.axes[axis].disarm(&mut self.controls);
         self.unlink_slave(axis);
         self.unlink_master(axis);
         self.axes[axis].disable(AxisState::Shutdown);
@@ -101,7 +89,7 @@ impl Motion {
     fn stop_planner(&mut self, axis: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has(axis) {
-                self.end_stop(index);
+                self.systems[index].end_stop(&mut self.controls);
                 self.abort_system(index, |_| false);
             }
         }
