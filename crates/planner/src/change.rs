@@ -1,4 +1,4 @@
-//! What changes while a move is under way: its limits, and the share of the programmed speeds.
+//! Changes of a move that is under way: its limits, and the share of the programmed speeds.
 //!
 //! Bounded.
 
@@ -274,7 +274,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// What a plan meets of that which lies behind its end.
+/// The demands behind the end of a plan that it meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Met {
     /// The path is left at a corner.

@@ -1,4 +1,4 @@
-//! What moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
+//! The variables that moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
 //! the displacement of a master (§10.4).
 //!
 //! A master's displacement has no ticks: a clock of it shows the displacement itself, in master units. Everything that is planned over it has
@@ -68,7 +68,7 @@ impl Clock {
         }
     }
 
-    /// What the clock shows as an instant.
+    /// The reading of the clock as an instant.
     pub fn now(&self) -> Instant {
         Instant {
             tick: self.tick,
@@ -166,7 +166,7 @@ impl MasterRate {
     }
 }
 
-/// What moves are functions of at one instant: time, or the displacement of a master.
+/// The variables that moves are functions of, at one instant: time, or the displacement of a master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeBase {
     /// Time.
@@ -175,7 +175,7 @@ pub struct TimeBase {
     pub master: Option<MasterMotion>,
 }
 
-/// What a driven move sees of its master.
+/// The master of a driven move, as the move reads it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MasterMotion {
     /// How far it has gone since the lock, master units.
@@ -190,7 +190,7 @@ impl TimeBase {
         TimeBase { time, master: None }
     }
 
-    /// What the active move is a function of, as a clock.
+    /// The variable that the active move is a function of, as a clock.
     pub fn clock(&self) -> Clock {
         self.master
             .map_or(self.time, |master| Clock::of_displacement(master.displacement))
@@ -219,11 +219,11 @@ mod tests {
 
     #[test]
     fn a_way_has_no_ticks() {
-        let place = Clock::of_displacement(2.5)
+        let instant_of_displacement = Clock::of_displacement(2.5)
             .now()
             .after(10.0, &Clock::of_displacement(2.5));
-        assert_eq!(place.elapsed(&Clock::of_displacement(14.0)), 1.5);
-        assert_eq!(place.elapsed(&Clock::of_displacement(12.0)), -0.5);
+        assert_eq!(instant_of_displacement.elapsed(&Clock::of_displacement(14.0)), 1.5);
+        assert_eq!(instant_of_displacement.elapsed(&Clock::of_displacement(12.0)), -0.5);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a profile aims at: the next place that binds it, at the speed that the queue behind it allows, and when the
+//! The aim of a profile: the next junction that binds it, at the speed that the queue behind it allows, and when the
 //! successor takes over.
 //!
 //! Whatever changes, and whenever: a profile ends with acceleration 0 at a place from which the rest of the queue can
@@ -9,7 +9,7 @@
 
 use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_speed};
 
-use crate::junction::{Junction, Link, junction};
+use crate::junction::{Junction, JunctionDemand, junction};
 use crate::planner::Planner;
 use crate::queue::Bound;
 use crate::running::{Running, scaled_limits};
@@ -20,7 +20,7 @@ use crate::{Clock, Instant};
 const LED_OVER: usize = 6;
 
 impl<T: Copy> Planner<T> {
-    /// What the profile of a move that is in state `from` aims at.
+    /// The aim of the profile of a move that is in state `from`.
     pub(crate) fn plan(&self, running: &Running<T>, from: KinematicState) -> Plan {
         let limits = self.limits(running);
         let length = running.motion.path.length();
@@ -65,14 +65,14 @@ impl<T: Copy> Planner<T> {
                 if seen == LED_OVER {
                     break;
                 }
-                cap = cap.min(bound.link.programmed() * queue.rate());
+                cap = cap.min(bound.demand.programmed() * queue.rate());
             }
         }
         let end = queue.run_end(running.run_start + length);
         let wanted = queue.speed(&end).min(cap);
         let distance = end.at - running.run_start - from.position;
         let beyond = distance < -ROUNDING_SHARE * (running.run_start + from.position).abs();
-        if beyond && end.link.corner().is_finite() {
+        if beyond && end.demand.corner().is_finite() {
             // It comes back to a corner, and turns there.
             return Plan {
                 ends: Ends::Overshooting,
@@ -90,7 +90,7 @@ impl<T: Copy> Planner<T> {
         }
         let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
         let plan = towards(&end, speed, cap);
-        if end.link == Link::Rest {
+        if end.demand == JunctionDemand::Rest {
             let ends = if level && speed == 0.0 {
                 Ends::AsItMust
             } else {
@@ -113,7 +113,7 @@ impl<T: Copy> Planner<T> {
             ends: Ends::TooFast,
             ..plan
         };
-        let corner = end.link.corner();
+        let corner = end.demand.corner();
         if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING_SHARE) {
             return Plan { exit: 0.0, ..plan };
         }
@@ -235,7 +235,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// What a profile aims at.
+/// The aim of a profile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     /// Distance from the start of the active path.

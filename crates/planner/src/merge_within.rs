@@ -15,13 +15,13 @@ use crate::running::{InitialMotion, Move};
 use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
 use crate::{Clock, Instant};
 
-/// What a path may use of the limits of the axes.
+/// The share of the limits of the axes that a path may use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Within {
     axes: AxisLimits,
     path: Path,
     share: f64,
-    /// What every unit of the path takes back of the residual.
+    /// The part of the residual that every unit of the path takes back.
     drift: Point,
 }
 
@@ -271,7 +271,7 @@ impl Within {
         }
     }
 
-    /// What a unit of the path moves every axis; along an arc the most of it.
+    /// The distance of every axis for a unit of the path; along an arc the largest one.
     fn most_tangent(&self) -> Point {
         match &self.path {
             Path::Line(line) => line.direction() - self.drift,
@@ -344,7 +344,7 @@ fn in_plane(normal: &Point) -> Point {
     normal.map(|n| (1.0 - n * n).max(0.0).sqrt())
 }
 
-/// What residual and path have each.
+/// The share of the limits that residual and path have each.
 const HALF: f64 = 0.5;
 /// An override may make a move so much faster.
 const MOST_RATE: f64 = 2.0;

@@ -72,11 +72,11 @@ impl<T: Copy> Planner<T> {
                 };
             }
         }
-        let place = trajectory.offset + length - distance;
-        if place < trajectory.profile.start().position {
+        let event_position = trajectory.offset + length - distance;
+        if event_position < trajectory.profile.start().position {
             return EventTime::Passed;
         }
-        match trajectory.profile.time_at_position(place) {
+        match trajectory.profile.time_at_position(event_position) {
             Some(planned) => at(planned),
             None if arrives => at(trajectory.profile.duration()),
             None => EventTime::Never,

@@ -13,7 +13,7 @@ pub(crate) struct MoveTrajectory {
     pub(crate) path: Path,
     /// How the orientation turns along `path`.
     pub(crate) rotation: Option<Rotation>,
-    /// What lies before the start of `path`: the end of a collinear predecessor.
+    /// The distance before the start of `path`, on a collinear predecessor.
     pub(crate) lead: Option<Path>,
     /// The predecessor's own way to the start of `path`, where the move became active before its end.
     pub(crate) approach: Option<Approach>,
@@ -70,7 +70,7 @@ pub struct Sample {
     pub acceleration: Point,
     /// State along the path: distance from its start, speed, tangential acceleration.
     pub along: KinematicState,
-    /// What the speed along the path does.
+    /// Whether the speed along the path rises or falls.
     pub phase: Phase,
     /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
     pub rotation_state: Option<RotationState>,

@@ -13,7 +13,7 @@ use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
 use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
 
-/// What is terminated, and how it ramps out.
+/// The motion that is terminated, and how it ramps out.
 #[derive(Clone, Copy)]
 pub(crate) struct RampOut {
     pub(crate) initial: InitialMotion,

@@ -18,7 +18,7 @@ use arcline_contour::{AxisLimits, Peaks, Piece, Rates, State as Axes, Trajectory
 use arcline_geometry::Point;
 use arcline_profile::Profile;
 
-/// What a trajectory is to keep at another pace.
+/// The limits that a trajectory is to keep at another pace.
 pub(super) struct Guard<'a> {
     trajectory: &'a Trajectory,
     /// Vector deceleration and jerk that are allowed in any case: those of a stop.
@@ -87,9 +87,9 @@ impl<'a> Guard<'a> {
             return false;
         }
         let mut left = WORK;
-        for (place, &from) in times.iter().enumerate() {
+        for (time_index, &from) in times.iter().enumerate() {
             let from = from.max(since);
-            let until = times.get(place + 1).copied().unwrap_or(ramp.duration());
+            let until = times.get(time_index + 1).copied().unwrap_or(ramp.duration());
             if until <= from {
                 continue;
             }
@@ -142,7 +142,7 @@ impl<'a> Guard<'a> {
         let steps = ((end - begin) / STEP).ceil().max(1.0);
         let width = (end - begin) / steps;
         let (mut before, _) = segment.at(begin);
-        let mut place = self.trajectory.piece_at(before);
+        let mut time_index = self.trajectory.piece_at(before);
         for step in 0..steps as usize {
             let (from, until) = (begin + width * step as f64, begin + width * (step + 1) as f64);
             let (behind, _) = segment.at(until);
@@ -153,7 +153,7 @@ impl<'a> Guard<'a> {
                     return false;
                 };
                 *left = less;
-                let Some(piece) = self.trajectory.piece(place) else {
+                let Some(piece) = self.trajectory.piece(time_index) else {
                     return true;
                 };
                 let leaves = piece.until < behind;
@@ -170,7 +170,7 @@ impl<'a> Guard<'a> {
                     break;
                 }
                 at = next;
-                place += 1;
+                time_index += 1;
             }
             before = behind;
         }

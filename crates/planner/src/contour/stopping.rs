@@ -5,8 +5,9 @@
 
 use arcline_profile::{KinematicState, Limits};
 
+use super::ContourQueue;
 use super::pace::Pace;
-use super::{ContourQueue, Course, Run};
+use super::run::{Run, RunState};
 use crate::tolerance::CREEPING_SHARE;
 use crate::{Clock, Sample};
 
@@ -22,7 +23,7 @@ impl ContourStopping {
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// What [`ContourQueue::stop_at_once`] would do at `clock`, which may lie ahead of the present tick. `way`: how what
+    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `way`: how what
     /// `clock` shows goes on, where a master leads; `time` then shows time. Real-time.
     pub fn stopping(
         &self,
@@ -47,7 +48,7 @@ impl<T: Copy> ContourQueue<T> {
         self.asked = None;
         if let Some(run) = &mut self.run {
             run.pace = run.stopping(limits, None, clock, clock);
-            run.course = Course::Stopping;
+            run.state = RunState::Stopping;
         }
     }
 }
