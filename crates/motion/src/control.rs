@@ -40,7 +40,7 @@ pub struct Event {
     pub exerr: i8,
     /// SEGMENT after the change.
     pub segment: i32,
-    /// What ended the execution, where this change is its end without PC and without an error.
+    /// The cause of the end of the execution, where this change is its end without PC and without an error.
     pub cause: Cause,
 }
 
@@ -66,7 +66,7 @@ struct Control {
     changed: bool,
     /// SEGMENT is not what was last reported.
     moved: bool,
-    /// What ended it.
+    /// The cause of its end.
     cause: Cause,
 }
 
@@ -77,11 +77,11 @@ pub(crate) struct Controls {
     changed: Vec<u32>,
     events: Vec<Event>,
     lost: u64,
-    /// What ends the executions that end now.
+    /// The cause of the ends of executions from now on.
     cause: Cause,
     /// The present tick.
     tick: u64,
-    /// What instructions wrote to arrays in this tick.
+    /// The arrays that instructions wrote in this tick.
     array_writes: Vec<ArrayWrite>,
 }
 
@@ -138,7 +138,7 @@ impl Controls {
         std::mem::replace(&mut self.cause, cause)
     }
 
-    /// What ends the executions that end now.
+    /// The cause of the ends of executions from now on.
     pub(crate) fn cause(&self) -> Cause {
         self.cause
     }
@@ -214,7 +214,7 @@ impl Controls {
         }
     }
 
-    /// What the tag shows.
+    /// The status that the tag shows.
     pub(crate) fn word(&self, slot: ControlSlot) -> MotionControl {
         self.table
             .get(slot.0 as usize)

@@ -1,4 +1,4 @@
-//! What a Logix-like controller does with motion instructions: axes, coordinate systems, the life of every
+//! Motion instructions as a Logix-like controller executes them: axes, coordinate systems, the life of every
 //! instruction and every status bit, tick by tick.
 //!
 //! [`Motion::begin`] brings everything to the next tick, [`Motion::execute`] runs an instruction at that tick,

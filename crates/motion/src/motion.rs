@@ -49,9 +49,9 @@ pub struct Motion {
     pub(crate) clock: Clock,
     pub(crate) axes: Axes,
     pub(crate) systems: Systems,
-    /// What went out to the drives at the last exchange, in the order of the axes.
+    /// The set-points of the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
-    /// What came in from them.
+    /// The feedback of the last exchange.
     feedback: Vec<Feedback>,
     pub(crate) controls: Controls,
     pub(crate) transforms: Transforms,
@@ -138,7 +138,7 @@ impl Motion {
         self.controls.drain(report);
     }
 
-    /// What instructions wrote to arrays in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
+    /// The arrays that instructions wrote in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
     /// far as `report` is.
     pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
         self.controls.take_array_writes(report);
@@ -229,7 +229,7 @@ impl Motion {
         self.controls.lost()
     }
 
-    /// What a motion control tag shows.
+    /// The status that a motion control tag shows.
     pub fn control(&self, slot: ControlSlot) -> MotionControl {
         self.controls.word(slot)
     }
@@ -272,7 +272,7 @@ fn systems(machine: &MotionGroup) -> Systems {
     machine.systems.iter().map(system).collect()
 }
 
-/// What planned contours of a coordinate system keep of the limits of its axes.
+/// The limits of its axes that planned contours of a coordinate system keep.
 fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) -> AxisLimits {
     let unlimited = Point::repeat(f64::INFINITY);
     let mut limits = AxisLimits {

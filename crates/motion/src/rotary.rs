@@ -22,7 +22,7 @@ pub(crate) struct Turn {
     unwind: f64,
     /// Whole turns.
     turns: f64,
-    /// What the axis shows, 0 to below the unwind.
+    /// The position that the axis shows, 0 to below the unwind.
     pub(crate) shown: f64,
 }
 

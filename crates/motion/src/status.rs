@@ -183,7 +183,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     .fold(0, with)
 }
 
-/// What an axis does: by its profile if it has one, otherwise by what its command does.
+/// Whether the speed of an axis rises or falls: by its profile if it has one, otherwise by its command.
 fn phase(axis: &Axis) -> Phase {
     let mut active = axis.sum.active();
     if let (Some((_, only)), None) = (active.next(), active.next())

@@ -4,7 +4,7 @@ use crate::execution::Execution;
 use crate::machine::MAX_AXES;
 use arcline_instruction_set::AxisId;
 
-/// What a running stop waits for.
+/// A running stop, and the axes that it waits for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) execution: Execution,

@@ -4,6 +4,7 @@ mod advance;
 mod commands;
 pub(crate) mod heading;
 mod links;
+mod shown;
 mod stopping;
 mod take_over;
 
@@ -26,6 +27,7 @@ use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SY
 use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
+pub(crate) use shown::Shown;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +38,7 @@ pub(crate) enum Termination {
     Command,
 }
 
-/// What a coordinate system keeps with a move.
+/// The data of a move in the queue of a coordinate system.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planned {
     pub(crate) execution: Execution,
@@ -141,7 +143,7 @@ pub(crate) struct System {
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     /// The moves and their motion.
     pub(crate) travel: Travel<Planned>,
-    /// What contours keep of the axes' own limits.
+    /// The axes' own limits that contours keep.
     pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
@@ -152,7 +154,7 @@ pub(crate) struct System {
     pub(crate) links: MasterLinks,
     /// The MDCC whose motion is being stopped.
     pub(crate) stopping_link: Option<Execution>,
-    /// What the active move is a function of, where that is not time.
+    /// The master displacement that the active move is a function of, where that is not time.
     pub(crate) follower: Option<MasterFollower>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
     pub(crate) ended: Option<Instant>,
@@ -233,7 +235,7 @@ impl System {
         }
     }
 
-    /// What the active move is a function of at the present tick: time, or the displacement of a master.
+    /// The variable that the active move is a function of, at the present tick: time, or the displacement of a master.
     pub(crate) fn time_base(&self, time: &Clock) -> TimeBase {
         TimeBase {
             time: *time,
@@ -360,53 +362,6 @@ impl System {
     pub(crate) fn shared_axis(&self, other: &System) -> Option<AxisIndex> {
         let mut axes = numbered(&self.description.axes);
         axes.find(|(_, axis)| other.has(*axis)).map(|(index, _)| index)
-    }
-}
-
-/// What the tags of a coordinate system and of its active instruction show of the motion.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shown {
-    /// ACCEL and DECEL of the active instruction, as last written.
-    pub(crate) phase: Phase,
-    /// TrackingMaster of the active instruction, as last written.
-    pub(crate) tracking: bool,
-    /// What the speed along the path does, masters included.
-    pub(crate) trend: Phase,
-    /// ActualPosToleranceStatus.
-    pub(crate) in_actual_tolerance: bool,
-    /// CommandPosToleranceStatus.
-    pub(crate) in_command_tolerance: bool,
-    /// The active move blends with the end of the one before it, off the programmed path.
-    pub(crate) in_transition: bool,
-    /// The moves under way have begun to move the axes.
-    pub(crate) has_moved: bool,
-    /// Speed along the path, units/s.
-    pub(crate) speed: f64,
-    /// Distance gone along the active path, units.
-    pub(crate) distance: f64,
-    /// Length of the active path, units.
-    pub(crate) length: f64,
-}
-
-impl Shown {
-    /// When another move becomes active.
-    pub(crate) fn of_next_move(self) -> Self {
-        Shown {
-            phase: Phase::Steady,
-            tracking: false,
-            in_actual_tolerance: false,
-            in_command_tolerance: false,
-            ..self
-        }
-    }
-
-    /// When nothing is active any more.
-    pub(crate) fn at_rest(self) -> Self {
-        Shown {
-            in_actual_tolerance: self.in_actual_tolerance,
-            in_command_tolerance: self.in_command_tolerance,
-            ..Shown::default()
-        }
     }
 }
 

@@ -173,7 +173,7 @@ impl Axis {
         }
     }
 
-    /// What becomes of the axis when it stands after a stop.
+    /// Switches the axis off, or shuts it down, when it stands after a stop that asks for it.
     pub(crate) fn act_after_stop(&mut self, after: AfterStop) {
         match after {
             AfterStop::Hold => {}

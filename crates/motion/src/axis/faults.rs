@@ -10,7 +10,7 @@ use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, ExceptionActions, PositionErrorLimit, Travel};
 use crate::tolerance::TRAVEL_UNITS;
 
-/// What an axis does at one update, as far as faults look at it.
+/// The quantities of an axis at one update that faults look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed {
     /// Actual position.
@@ -22,7 +22,7 @@ pub(crate) struct Observed {
     pub(crate) error: Option<f64>,
     /// Nothing is written to the tag that feeds the axis.
     pub(crate) lost: bool,
-    /// What the drive reports, and what its answers show.
+    /// The faults that the drive reports, and those that its answers show.
     pub(crate) drive: FaultSet,
 }
 
@@ -204,7 +204,7 @@ impl Faults {
         self.raised
     }
 
-    /// What has changed since the last call.
+    /// The changes since the last call.
     pub(crate) fn take_change(&mut self, tick: u64, axis: AxisId) -> Option<FaultChange> {
         let refused = self.refused.take();
         if self.set.is_empty() && self.clear.is_empty() {

@@ -1,4 +1,4 @@
-//! What an axis keeps of gears and transforms: its master, its part in transforms, and the brake of what one moved.
+//! An axis's part in gears and transforms: its master, its part in transforms, and the brake of the motion that one gave it.
 //!
 //! Not here: where it follows to (`crate::masters`, `crate::transforms`).
 

@@ -28,7 +28,7 @@ pub(crate) enum Equation {
     Cammed(Cam),
 }
 
-/// What an instruction programmed, for later changes of it.
+/// The motion that an instruction programmed, for later changes of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Program {
     pub(crate) dynamics: Dynamics,
@@ -62,7 +62,7 @@ pub(crate) struct Generator {
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
-    /// What a planned one is a function of, where that is not time.
+    /// The master displacement that a planned one is a function of, where that is not time.
     pub(crate) follower: Option<MasterFollower>,
     /// TrackingMaster of its instruction, as last written.
     pub(crate) shown_tracking: bool,
@@ -85,9 +85,9 @@ pub(crate) struct Generator {
     pub(crate) ending: bool,
     /// Where it began, in its frame.
     pub(super) origin: f64,
-    /// What all generators of the axis had displaced it then.
+    /// Displacements by all generators of the axis at that time.
     pub(super) others: Displacements,
-    /// What the position was redefined by since.
+    /// The offset by which the position was redefined since.
     pub(super) shift: f64,
 }
 
@@ -159,7 +159,7 @@ impl Generator {
         matches!(self.equation, Equation::Planned { .. }) && self.follower.is_none()
     }
 
-    /// What it is a function of at the present tick: time, or a master's displacement.
+    /// The variable that it is a function of, at the present tick: time, or a master's displacement.
     pub(crate) fn clock(&self, time: &Clock) -> Clock {
         self.follower.map_or(*time, |follower| follower.clock())
     }
@@ -172,7 +172,7 @@ impl Generator {
         }
     }
 
-    /// What the profile does at the present tick; nothing yet while a lock is waited for.
+    /// Whether the speed of the profile rises or falls at the present tick; steady while a lock is waited for.
     pub(crate) fn phase(&self, time: &Clock) -> Phase {
         match &self.equation {
             Equation::Planned { profile, start } if self.follower.is_none_or(|follower| follower.has_begun()) => {

@@ -42,7 +42,7 @@ use probes::{Registration, Watch};
 use state::AxisState;
 use sum::Sum;
 
-/// What becomes of an axis that has been stopped.
+/// The state of an axis behind a stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AfterStop {
     /// The servo stays on.
@@ -58,11 +58,11 @@ pub(crate) enum AfterStop {
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) state: AxisState,
-    /// What it gives to its drive and has from it.
+    /// Its side of the exchange with its drive.
     pub(crate) link: DriveLink,
     /// Where the feedback of the last exchange says that the axis is.
     pub(crate) actual: KinematicState,
-    /// What [`Sum::command`] says at the present tick.
+    /// [`Sum::command`] at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
     /// Nothing in the next tick changes it, unless its feedback does or something is done to it: the tick passes over it.
@@ -93,12 +93,12 @@ pub(crate) struct Axis {
     /// Of position cams, and of time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
-    /// What happens when the stop that is under way has ended.
+    /// Its state behind the stop that is under way.
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
     pub(crate) faults: Faults,
-    /// What its set-points may ask of it.
+    /// The limits of its set-points.
     pub(crate) command_limits: CommandLimits,
     pub(crate) average: Average,
     /// Where the position of an encoder comes from: it has no drive.

@@ -1,4 +1,4 @@
-//! What the instructions of one axis report: ACCEL, DECEL and PC of its motion, its cams, what it looked out for, its links.
+//! The reports of the instructions of one axis: ACCEL, DECEL and PC of its motion, its cams, registrations and watch position.
 //!
 //! Real-time: nothing allocates; bounded by the kinds of generators.
 

@@ -1,4 +1,4 @@
-//! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
+//! The common part of MAM, MAJ and MCD: verification, the motion that a merge takes over, and how a generator begins.
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
 use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};

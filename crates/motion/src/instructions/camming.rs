@@ -1,4 +1,4 @@
-//! What MAPC and MATC share: directions, modes, and how a cam begins or waits for the end of another.
+//! The common part of MAPC and MATC: directions, modes, and how a cam begins or waits for the end of another.
 
 use arcline_instruction_set::enumerations::GearDirection;
 use arcline_instruction_set::operands::OperandValue;

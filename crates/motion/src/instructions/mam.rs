@@ -26,7 +26,7 @@ struct Destination {
 }
 
 impl Destination {
-    /// What the move is one of.
+    /// The kind of generator that the move is.
     fn kind(&self) -> GeneratorKind {
         match self.move_type {
             AbsoluteMasterOffset | IncrementalMasterOffset => GeneratorKind::MasterOffset,

@@ -32,7 +32,7 @@ fn limits(operands: &StopOperands, own: &Maxima, speed: f64, s_curve: bool) -> R
     Ok(limits)
 }
 
-/// What a Stop Type stops.
+/// The motion that a Stop Type stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stopped {
     /// All motion of the axis.

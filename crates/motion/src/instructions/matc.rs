@@ -16,7 +16,7 @@ use crate::masters::follower::DrivenBy;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 
-/// What drives the cam; `None`: time.
+/// The master of the cam; `None`: time.
 ///
 /// # Errors
 /// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no

@@ -38,13 +38,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     match *stop_type {
         McsStopType::All => {
-            for place in 0..motion.systems[index].description.axes.len() {
-                let axis = motion.systems[index].description.axes[place];
+            for member in 0..motion.systems[index].description.axes.len() {
+                let axis = motion.systems[index].description.axes[member];
                 braking.extend(cancel(motion, &rates.release, |transform, _| transform.has(axis)));
             }
             braking.extend(stop_all(motion, index, &operands)?);
-            for place in 0..motion.systems[index].description.axes.len() {
-                motion.unlink_slave(motion.systems[index].description.axes[place]);
+            for member in 0..motion.systems[index].description.axes.len() {
+                motion.unlink_slave(motion.systems[index].description.axes[member]);
             }
         }
         // A stop of all that is under way goes on as it is.
@@ -177,14 +177,14 @@ fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Re
         }
         let limits = rates(motion, other, operands)?.along_path(motion, other);
         stop_move(motion, other, &limits);
-        for place in 0..motion.systems[other].taken().len() {
-            let axis = motion.systems[other].taken()[place];
+        for member in 0..motion.systems[other].taken().len() {
+            let axis = motion.systems[other].taken()[member];
             motion.axes[axis].end_on_path();
             braking.insert(axis);
         }
     }
-    for place in 0..motion.systems[index].description.axes.len() {
-        let axis = motion.systems[index].description.axes[place];
+    for member in 0..motion.systems[index].description.axes.len() {
+        let axis = motion.systems[index].description.axes[member];
         motion.axes[axis].stop_own(&mut motion.controls, &motion.clock);
         braking.insert(axis);
     }

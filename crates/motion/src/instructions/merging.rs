@@ -19,7 +19,7 @@ use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
 
-/// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
+/// The motion of the axes that a merge begins its move with: of coordinated motion, or of all motion.
 fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
@@ -101,8 +101,8 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     if merge != Merge::AllMotion {
         return;
     }
-    for place in 0..motion.systems[index].description.linear().len() {
-        let axis = motion.systems[index].description.linear()[place];
+    for member in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[member];
         motion.axes[axis].end_single_axis(None, &mut motion.controls);
     }
     for other in motion.systems.ids() {
@@ -114,7 +114,7 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     }
 }
 
-/// What a move goes on from: what a merge terminates, or rest.
+/// The motion that a move begins with: the one that a merge terminates, or rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TakenOver {
     pub(super) merge: Merge,
@@ -212,7 +212,7 @@ impl Master {
     }
 }
 
-/// What is under way by time, by the displacement of a master.
+/// A motion by time, as one by the displacement of a master.
 fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion {
     let mut taken = InitialMotion::default();
     for index in 0..taken.velocity.len() {

@@ -1,4 +1,4 @@
-//! What each instruction does, one file an instruction; here, how they are found and what they share.
+//! The instructions, one file each; here, their execution, and the queue that coordinated moves take a place in.
 
 mod axis_moves;
 mod camming;

@@ -1,4 +1,4 @@
-//! What MCLM and MCCM share: dynamics, termination, and the way into the queue.
+//! The common part of MCLM and MCCM: dynamics, termination, and the way into the queue.
 //!
 //! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
 
@@ -188,7 +188,7 @@ fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shi
     }
 }
 
-/// What the joints of robots permit.
+/// The limits that the joints of robots set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointLimits {
     pub(super) path: PathLimits,

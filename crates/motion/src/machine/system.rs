@@ -106,7 +106,7 @@ impl Orientation {
 pub struct Robot {
     /// How it is built; it has as many joints as the coordinate system has axes.
     pub build: Build,
-    /// What it is built with.
+    /// Its lengths and offsets.
     pub parameters: Parameters,
 }
 
@@ -139,7 +139,7 @@ pub enum Corner {
     Precise,
 }
 
-/// What becomes of an axis's own limits in a coordinated move.
+/// Whether a coordinated move keeps the axes' own limits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum AxisLimits {
     /// Nothing, as in Logix: only the vector's limits count.

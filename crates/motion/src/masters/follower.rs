@@ -270,8 +270,8 @@ mod tests {
         );
         let clock = Clock::at(7, PERIOD_NS);
         follower.advance(&at(4.0), &clock);
-        let place = Clock::of_displacement(1.0).now();
-        let instant = follower.instant_of(place, &clock);
+        let gone = Clock::of_displacement(1.0).now();
+        let instant = follower.instant_of(gone, &clock);
         assert!((instant.elapsed(&clock) - 0.75e-3).abs() < 1e-15);
         assert!((follower.displacement_at(instant, &clock).elapsed(&follower.clock()) - 3.0).abs() < 1e-12);
         let next = MasterFollower::begin(

@@ -68,7 +68,7 @@ impl Motion {
             .allow(before, next, follows, axis, self.clock.period())
     }
 
-    /// What is reported of a set-point that does not go out.
+    /// The report of a set-point that does not go out.
     fn refusal(&mut self, id: AxisId, next: &KinematicState) -> RefusedCommand {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         let (redefined, before) = (axis.redefined, [last.position, last.velocity]);

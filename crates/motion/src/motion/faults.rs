@@ -1,4 +1,4 @@
-//! What faults of axes do to motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
+//! The effect of faults of axes on motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 

@@ -1,4 +1,4 @@
-//! What moves single axes from one tick to the next, and what ends it together with the transforms that it is part of.
+//! Motion of single axes from one tick to the next, and its end together with the transforms that an axis is part of.
 //!
 //! Not here: what touches one axis alone (`crate::axis`). Real-time: no allocation; bounded by the axes.
 
@@ -23,7 +23,7 @@ impl Motion {
         }
     }
 
-    /// What instructions began at this tick shows in the commands of it. `changed`: coordinated motion began or changed.
+    /// Motion that instructions began at this tick shows in its commands. `changed`: coordinated motion began or changed.
     pub(super) fn refresh_axes(&mut self, mut changed: bool) {
         for index in self.axes.ids() {
             if self.axes[index].stale {

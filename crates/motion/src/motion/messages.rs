@@ -17,7 +17,7 @@ pub(super) struct Message {
     request: Option<Request>,
 }
 
-/// What a drive was asked for.
+/// A request to a drive.
 #[derive(Clone, Copy, Debug)]
 struct Request {
     /// The state of the axis until its drive has answered.

@@ -1,4 +1,4 @@
-//! What instructions read of a call: its target, its verified operands, and the objects that these name.
+//! The parts of a call that instructions read: its target, its verified operands, and the objects that these name.
 
 use arcline_instruction_set::operands::{OperandValue, Operands};
 use arcline_instruction_set::{Argument, AxisId, Call, Mnemonic, MotionError, Object, OperandIndex, SystemId};

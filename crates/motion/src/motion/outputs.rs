@@ -29,8 +29,8 @@ impl Motion {
     pub(super) fn finish_outputs(&mut self) {
         // What comes of these is for the next tick.
         let count = self.words.len();
-        for place in 0..count {
-            let word = self.words[place];
+        for word_index in 0..count {
+            let word = self.words[word_index];
             self.share_word(&word);
         }
         self.words.drain(..count);

@@ -1,10 +1,10 @@
-//! What comes into the machine from tags while it runs, and what axes look out for.
+//! Inputs of the machine from tags while it runs, and the events that axes look out for.
 //!
 //! Real-time: no allocation; bounded by the axes.
 
 use arcline_drive::{Drives, REGISTRATION_LATCHES, WrittenInput};
-use arcline_instruction_set::TagAddress;
 use arcline_instruction_set::AxisId;
+use arcline_instruction_set::TagAddress;
 
 use super::Motion;
 use crate::axis::feed::Fed;
@@ -33,7 +33,7 @@ pub enum Input {
     Word {
         /// The tag, by what the directory calls it.
         tag: TagAddress,
-        /// What is in it now.
+        /// Its new value.
         bits: u32,
     },
 }
@@ -64,8 +64,8 @@ impl Motion {
         let written = WrittenInput { axis, input, on, armed };
         drives.write_input(&written, feedback);
         state.link.feedback.inputs = feedback.inputs;
-        let place = REGISTRATION_LATCHES[input];
-        state.link.feedback.latches[place] = feedback.latches[place].take();
+        let latch_index = REGISTRATION_LATCHES[input];
+        state.link.feedback.latches[latch_index] = feedback.latches[latch_index].take();
         state.take_registrations(&mut self.controls, &self.clock);
     }
 
@@ -83,7 +83,7 @@ impl Motion {
         }
     }
 
-    /// What axes look out for is looked at.
+    /// Looks for the events that an axis looks out for.
     pub(super) fn look_out(&mut self, axis: AxisId) {
         self.axes[axis].take_registrations(&mut self.controls, &self.clock);
         self.axes[axis].look_for_watch(&mut self.controls);

@@ -58,7 +58,7 @@ impl Motion {
         self.axes.exchanged = true;
     }
 
-    /// What the feedback of all axes says: requests to drives that are done, moves and homing that went on inside the update, what axes
+    /// Acts on the feedback of all axes: requests to drives that are done, moves and homing that went on inside the update, what axes
     /// look out for.
     fn use_feedback(&mut self, drives: &dyn Drives) {
         self.finish_requests();
@@ -95,7 +95,7 @@ impl Motion {
         self.finish_group_stop();
     }
 
-    /// What instructions and coordinate systems show of the present tick.
+    /// Shows the present tick in the status of instructions and coordinate systems.
     fn show_status(&mut self) {
         for system in self.systems.iter_mut() {
             system.update_tolerance(&self.axes);

@@ -27,7 +27,7 @@ use cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
 use tail::Trailing;
 
-/// What an instruction says of a cam that does not wait for the end of another.
+/// The arming of a cam that does not wait for the end of another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arming {
     /// Where it is armed; `None`: at once.
@@ -50,7 +50,7 @@ pub(crate) struct Word {
     pub(crate) bits: u32,
 }
 
-/// What an update has brought.
+/// The result of an update.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outcome {
     /// Instructions whose cams have ended by themselves.
@@ -208,12 +208,12 @@ impl Target {
     pub(super) fn take_word(&mut self, word: &Word, clock: &Clock) {
         let mut changed = false;
         let (own, words) = (self.written.mask, [Some(&mut self.output), self.input.as_mut()]);
-        for (place, mine) in words.into_iter().enumerate() {
+        for (word_index, mine) in words.into_iter().enumerate() {
             if let Some(mine) = mine.filter(|mine| mine.tag == word.tag) {
                 // A client that writes the whole word may write bits of the target as they were before: the target's own are newer.
-                let mask = if place == 0 { word.mask & !own } else { word.mask };
+                let mask = if word_index == 0 { word.mask & !own } else { word.mask };
                 let bits = (mine.bits & !mask) | (word.bits & mask);
-                changed |= std::mem::replace(&mut mine.bits, bits) != bits || place == 0;
+                changed |= std::mem::replace(&mut mine.bits, bits) != bits || word_index == 0;
             }
         }
         if changed && !self.is_idle() {

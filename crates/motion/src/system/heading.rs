@@ -126,7 +126,7 @@ impl System {
         Some(Rotation::keeping(&self.heading(axes)))
     }
 
-    /// What Rx, Ry, Rz were redefined by since the queue took them.
+    /// The offsets by which Rx, Ry, Rz were redefined since the queue took them.
     pub(crate) fn heading_shift(&self, axes: &Axes) -> Point {
         match self.queued_heading() {
             Some(_) => self.oriented(axes, |axis| axis.sum.shift_of(GeneratorKind::System)),

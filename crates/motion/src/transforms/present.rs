@@ -1,4 +1,4 @@
-//! What a look ahead begins from.
+//! The state that a look ahead begins from.
 
 use arcline_planner::Clock;
 

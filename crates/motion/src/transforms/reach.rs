@@ -277,7 +277,7 @@ const LOOKS: u16 = 400;
 /// Places at which a joint turns round that are looked for, and how often a step is halved for one.
 const EXTREMES: u16 = 24;
 const HALVES: u16 = 18;
-/// What joints do between two looks at a path is within this share of what they do at one of them.
+/// Between two looks at a path, speeds and rates of joints are within this share of those at one of them.
 const LOOKED_AT_SHARE: f64 = 0.98;
 /// Degrees.
 const FAR_DEG: f64 = 5.0;

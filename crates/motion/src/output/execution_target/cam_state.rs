@@ -25,7 +25,7 @@ pub(crate) struct ArmedCam {
     pub(crate) execution: Execution,
 }
 
-/// What becomes of the cam of an execution target.
+/// The phase of the cam of an execution target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Phase {
     Free,

@@ -36,8 +36,8 @@ impl Target {
                     continue;
                 }
                 for latch in [true, false] {
-                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
-                    let crossed = window.crossed(course.from, course.to);
+                    let (interpolation, window) = self.signal(piece, cam_index, element_index, latch);
+                    let crossed = window.crossed(interpolation.from, interpolation.to);
                     let [entered, left] = if latch {
                         [Happens::LatchEntered, Happens::LatchLeft]
                     } else {
@@ -45,11 +45,11 @@ impl Target {
                     };
                     for (value, what) in crossed.into_iter().zip([entered, left]) {
                         let Some(value) = value else { continue };
-                        let share = course.share_of(value);
+                        let share = interpolation.share_of(value);
                         if share >= from && share <= until && edges.len() < MOST_EDGES {
                             edges.push(Edge {
                                 share,
-                                along: (value - course.from).abs(),
+                                along: (value - interpolation.from).abs(),
                                 what,
                                 cam_index,
                                 element: element_index,
@@ -80,8 +80,8 @@ impl Target {
                 }
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
-                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
-                    window.contains(course.at(until))
+                    let (interpolation, window) = self.signal(piece, cam_index, element_index, latch);
+                    window.contains(interpolation.at(until))
                 });
                 self.correct(cam_index, element_index, inside, at);
             }
@@ -103,7 +103,10 @@ impl Target {
             return (Interpolation::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
-        (piece.course(delay), self.window(cam_index, element, compensation))
+        (
+            piece.interpolation(delay),
+            self.window(cam_index, element, compensation),
+        )
     }
 
     /// Where an element's range is, as a position of the axis.
@@ -163,7 +166,7 @@ impl Target {
         self.take(cam_index, element_index, effect, at);
     }
 
-    /// What has come of an event.
+    /// Takes the effect of an event.
     pub(super) fn take(&mut self, cam_index: usize, element_index: usize, effect: Effect, at: Instant) {
         let Some((element, _)) = self.cams[cam_index].element(element_index) else {
             return;

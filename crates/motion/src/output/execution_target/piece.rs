@@ -15,7 +15,7 @@ pub(super) struct Piece {
 
 impl Piece {
     /// The position of the axis, `delay` ahead.
-    pub(super) fn course(&self, delay: f64) -> Interpolation {
+    pub(super) fn interpolation(&self, delay: f64) -> Interpolation {
         let [from, to] = [&self.from, &self.to].map(|point| {
             let rate = point.velocity + delay * point.acceleration;
             [point.position + delay * point.velocity, rate]

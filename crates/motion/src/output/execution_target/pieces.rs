@@ -80,7 +80,7 @@ impl Target {
     }
 
     fn walk(&mut self, piece: &Piece, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
-        let interval = piece.course(0.0);
+        let interval = piece.interpolation(0.0);
         if interval.to != interval.from {
             self.forward = interval.to > interval.from;
         }
@@ -101,7 +101,7 @@ impl Target {
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
-                    self.arm(crossed, |delay| piece.course(delay).at(share), at);
+                    self.arm(crossed, |delay| piece.interpolation(delay).at(share), at);
                     self.phase = Phase::Armed;
                 }
                 Phase::Armed => {
@@ -157,7 +157,7 @@ impl Target {
         self.arm_enabled(at);
     }
 
-    /// What is true at the present tick: durations, whole turns, what is shown.
+    /// Brings durations, whole turns and the bits that are shown to the present tick.
     pub(super) fn settle(&mut self, clock: &Clock) {
         let now = clock.now();
         self.expire(now, clock);

@@ -1,4 +1,4 @@
-//! What goes on of an output cam that is over: edges that lag behind its axis, and durations.
+//! The parts of an output cam that go on when it is over: edges that lag behind its axis, and durations.
 //!
 //! An offset or a delay below 0 can put edges behind where the axis is. When it leaves the cam these are still to come: the elements
 //! stay until each of them has come past the end of the cam, or until the axis comes back to where it left. Durations run out in
