@@ -18,7 +18,7 @@ use crate::control::Controls;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
-use crate::masters::follower::{Beginning, DrivenBy, LockTo, MasterFollower};
+use crate::masters::follower::{FollowerStart, DrivenBy, LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::masters::master::Master;
 
@@ -120,7 +120,7 @@ impl Axes {
     pub(crate) fn follower(&self, link: &MasterLink, lock: LockTo, since: Instant, clock: &Clock) -> MasterFollower {
         let Master { axis, reference, .. } = link.master;
         let at = self.master_at(axis, reference, clock);
-        let beginning = Beginning {
+        let beginning = FollowerStart {
             link: link.id,
             lock,
             unwind: self[axis].unwind,

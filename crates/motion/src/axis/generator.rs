@@ -30,7 +30,7 @@ pub(crate) enum Equation {
 
 /// The motion that an instruction programmed, for later changes of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Program {
+pub(crate) struct ProgrammedMotion {
     pub(crate) dynamics: Dynamics,
     pub(crate) goal: Goal,
 }
@@ -53,7 +53,7 @@ pub(crate) struct Generator {
     /// The instruction that reports its end.
     pub(crate) execution: Option<Execution>,
     /// `None` where there is nothing to change: stops, and what others compute.
-    pub(crate) program: Option<Program>,
+    pub(crate) program: Option<ProgrammedMotion>,
     /// It only brakes, and is over when it stands.
     pub(crate) stopping: bool,
     /// The limits that it brakes at; `None`: it does not brake, or its coordinate system brakes it.
@@ -223,7 +223,7 @@ impl Generator {
             let state = profile.at(elapsed);
             let endless = matches!(
                 self.program,
-                Some(Program {
+                Some(ProgrammedMotion {
                     goal: Goal::Velocity(_),
                     ..
                 })

@@ -8,7 +8,7 @@ use arcline_profile::KinematicState;
 
 use super::programmed::{self, Programmed};
 use crate::axis::Axis;
-use crate::axis::generator::{Generator, Goal, Program};
+use crate::axis::generator::{Generator, Goal, ProgrammedMotion};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::state::AxisState;
 use crate::dynamics::Dynamics;
@@ -71,10 +71,10 @@ impl AxisMove {
         motion: &mut Motion,
         axis: AxisId,
         kind: GeneratorKind,
-        beginning: Beginning,
+        beginning: MoveStart,
         plan: impl FnOnce(KinematicState) -> Profile,
     ) {
-        let Beginning {
+        let MoveStart {
             execution,
             dynamics,
             goal,
@@ -103,7 +103,7 @@ impl AxisMove {
         generator.keeps(&limits);
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
-        generator.program = Some(Program { dynamics, goal });
+        generator.program = Some(ProgrammedMotion { dynamics, goal });
         if let (Some(events), Goal::Position(to)) = (events, goal) {
             generator.events = Some(MoveEvents {
                 events,
@@ -162,7 +162,7 @@ impl AxisMove {
 }
 
 /// A move or a jog that is to begin.
-pub(super) struct Beginning {
+pub(super) struct MoveStart {
     pub(super) execution: Execution,
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,

@@ -11,7 +11,7 @@ use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::masters::MasterAt;
-use crate::masters::cam::{Cam, Pending, Program, Source};
+use crate::masters::cam::{Cam, Pending, CamProgram, Source};
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
@@ -72,9 +72,9 @@ pub(super) fn verify_change(
 }
 
 /// A verified cam that is to begin.
-pub(super) struct Beginning {
+pub(super) struct CamStart {
     pub(super) kind: GeneratorKind,
-    pub(super) program: Program,
+    pub(super) program: CamProgram,
     pub(super) lock: Option<Crossing>,
     /// The master as it is now.
     pub(super) master: MasterAt,
@@ -87,7 +87,7 @@ pub(super) struct Beginning {
 pub(super) fn verify_reach(
     motion: &Motion,
     axis: AxisId,
-    program: &Program,
+    program: &CamProgram,
     scaling: OperandIndex,
 ) -> Result<(), MotionError> {
     let state = &motion.axes[axis];
@@ -96,7 +96,7 @@ pub(super) fn verify_reach(
 }
 
 /// The cam waits for the end of the one under way.
-pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: Program, execution: Execution) {
+pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: CamProgram, execution: Execution) {
     motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls);
     let cams = motion.axes[axis].cams_mut(kind);
     cams.direction = Some(program.slave_scale.signum());
@@ -105,8 +105,8 @@ pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, progr
 }
 
 /// The cam begins now.
-pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, execution: Execution) {
-    let Beginning {
+pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: CamStart, execution: Execution) {
+    let CamStart {
         kind,
         program,
         lock,

@@ -6,7 +6,7 @@ use arcline_instruction_set::operands::{Mam, OperandValue, Operands};
 use arcline_instruction_set::{AxisIndex, Call, MotionError};
 use arcline_planner::profile::Profile;
 
-use super::axis_moves::{self, AxisMove, Beginning};
+use super::axis_moves::{self, AxisMove, MoveStart};
 use super::programmed::{Programmed, verify_reduction};
 use super::seconds;
 use crate::axis::Axis;
@@ -164,7 +164,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let present = operands.present_speed(state, kind, led);
         verify_reduction(present, &dynamics.limits(), displacement.abs())?;
     }
-    let beginning = Beginning {
+    let beginning = MoveStart {
         execution,
         dynamics,
         goal: Goal::Position(target),

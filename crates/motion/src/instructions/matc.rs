@@ -5,12 +5,12 @@ use arcline_instruction_set::operands::{LockOperands, Matc};
 use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use super::axis_moves;
-use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
+use super::camming::{CamStart, begin, not_stopping, sign, verify_change, verify_reach, wait};
 use super::programmed::{driven_by, verify_lock};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
 use crate::execution::Execution;
-use crate::masters::cam::{self, Cam, Program, Source};
+use crate::masters::cam::{self, Cam, CamProgram, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::masters::follower::DrivenBy;
 use crate::masters::links::MasterLink;
@@ -76,7 +76,7 @@ pub(super) fn execute(
     let profile = data.cam()?;
 
     let before = motion.axes[axis].cams(GeneratorKind::TimeCam).direction;
-    let program = Program {
+    let program = CamProgram {
         entry: profile.start().0,
         profile,
         source,
@@ -108,7 +108,7 @@ pub(super) fn execute(
                 .master_at(link.master.axis, link.master.reference, &motion.clock)
         }
     };
-    let beginning = Beginning {
+    let beginning = CamStart {
         kind: GeneratorKind::TimeCam,
         program,
         lock,

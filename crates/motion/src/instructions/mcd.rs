@@ -7,7 +7,7 @@ use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
 
 use super::axis_moves;
 use super::programmed::{ChangeOperands, Rates};
-use crate::axis::generator::{Goal, Program};
+use crate::axis::generator::{Goal, ProgrammedMotion};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
@@ -65,7 +65,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let Some(generator) = state.sum.get_mut(kind) else {
         return Err(MotionError::IllegalDynamicChange);
     };
-    let Some(Program {
+    let Some(ProgrammedMotion {
         dynamics: programmed,
         goal,
     }) = running
@@ -98,7 +98,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     });
     generator.follow(profile, generator.clock(&clock).now());
     generator.keeps(&limits);
-    generator.program = Some(Program { dynamics, goal });
+    generator.program = Some(ProgrammedMotion { dynamics, goal });
     // What had been calculated is given anew at the next update.
     let calculated = generator.events.as_mut().and_then(|events| {
         events.due = Some(clock.tick + 1);

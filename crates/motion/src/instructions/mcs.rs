@@ -83,14 +83,14 @@ fn verify_units(motion: &Motion, index: SystemId, operands: &StopOperands) -> Re
 }
 
 /// Deceleration and jerk that a stop is executed with.
-struct Rates {
+struct StopRates {
     deceleration: f64,
     jerk: f64,
     /// What of both the operands say: cancelled transforms have maxima of their own.
     release: Release,
 }
 
-impl Rates {
+impl StopRates {
     /// For a stop along the path of the active move.
     fn along_path(&self, motion: &Motion, index: SystemId) -> Limits {
         let system = &motion.systems[index];
@@ -115,7 +115,7 @@ impl Rates {
     }
 }
 
-fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<Rates, MotionError> {
+fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<StopRates, MotionError> {
     let system = &motion.systems[index];
     let description = &system.description;
     let changed = stop_change(operands, &Maxima::from(description));
@@ -138,7 +138,7 @@ fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<Ra
     if motion.systems[index].is_s_curve() {
         positive(jerk, operands.decel_jerk.index)?;
     }
-    Ok(Rates {
+    Ok(StopRates {
         deceleration,
         jerk,
         release,

@@ -9,7 +9,7 @@ use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower, Planned};
+use crate::order::{Circle, Follower, PlannedOrder};
 use crate::range;
 use crate::tolerance::CONSISTENT_UNITS;
 use crate::transforms::TransformId;
@@ -191,7 +191,7 @@ pub(super) fn verify_linear(motion: &Motion, axes: &[AxisId]) -> Result<(), Moti
 }
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
-fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<Planned, MotionError> {
+fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<PlannedOrder, MotionError> {
     let id = TransformId::of_target(target);
     let same = motion.transforms.get(id);
     if same.is_some_and(|running| running.source_system == transform.source_system && !running.braking) {

@@ -5,7 +5,7 @@
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
 use super::Motion;
-use crate::order::{Circle, Follower, Planned, Step};
+use crate::order::{Circle, Follower, PlannedOrder, Step};
 
 impl Motion {
     /// Commands of all axes at the present tick, in order.
@@ -83,7 +83,7 @@ impl Motion {
     ///
     /// # Errors
     /// When the axes would follow each other in a circle.
-    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<Planned, Circle> {
+    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<PlannedOrder, Circle> {
         let Motion {
             axes,
             systems,

@@ -60,7 +60,7 @@ pub(crate) struct Outcome {
 }
 
 /// Bits of OutputCamStatus, PendingStatus, LockStatus and TransitionStatus of a target.
-pub(crate) type Shown = [bool; 4];
+pub(crate) type TargetStatus = [bool; 4];
 
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
@@ -136,7 +136,7 @@ impl Target {
         self.phase == Phase::Free
     }
 
-    pub(super) fn shown(&self) -> Shown {
+    pub(super) fn shown(&self) -> TargetStatus {
         [
             self.is_alive(),
             self.cams[PENDING].program.is_some(),

@@ -57,7 +57,7 @@ impl Look {
 
 /// The verdict of two looks on the interval between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Between {
+enum IntervalVerdict {
     Kept,
     /// Only a look between them can decide.
     Unknown,
@@ -76,7 +76,7 @@ struct Bounds {
 }
 
 /// A stop that is looked at.
-struct Stop<'a> {
+struct StopAhead<'a> {
     present: Present<'a>,
     transform: &'a Transform,
     ahead: &'a mut Ahead,
@@ -129,7 +129,7 @@ impl Present<'_> {
         self.plan_ahead(transform, ahead);
         let duration = ahead.duration();
         let now = self.joints_now(transform);
-        let mut stop = Stop {
+        let mut stop = StopAhead {
             present: *self,
             transform,
             ahead,
@@ -250,7 +250,7 @@ impl Present<'_> {
     }
 }
 
-impl Stop<'_> {
+impl StopAhead<'_> {
     /// From one instant to a later one, as closely as need be.
     ///
     /// # Errors
@@ -264,9 +264,9 @@ impl Stop<'_> {
                 next.led = self.robot.near(next.led);
             }
             match self.between(&before, &next) {
-                Between::Exceeded(error) => return Err(error),
+                IntervalVerdict::Exceeded(error) => return Err(error),
                 // Before the next update nothing is planned.
-                Between::Unknown
+                IntervalVerdict::Unknown
                     if self.left > 0 && count < DEPTH && before.at >= 0.0 && next.at - before.at > SHORTEST_LOOK_S =>
                 {
                     self.left -= 1;
@@ -274,8 +274,8 @@ impl Stop<'_> {
                     count += 1;
                     continue;
                 }
-                Between::Unknown => self.judge(&before, &next)?,
-                Between::Kept => {}
+                IntervalVerdict::Unknown => self.judge(&before, &next)?,
+                IntervalVerdict::Kept => {}
             }
             if self.transform.source_moves {
                 self.robot.follow_joints(&next.led);
@@ -301,18 +301,18 @@ impl Stop<'_> {
         Ok(look)
     }
 
-    fn between(&self, before: &Look, next: &Look) -> Between {
+    fn between(&self, before: &Look, next: &Look) -> IntervalVerdict {
         let width = next.at - before.at;
-        let mut verdict = Between::Kept;
+        let mut verdict = IntervalVerdict::Kept;
         for index in 0..self.transform.target.len() {
             let bounds = &self.bounds[index];
             let (from, to) = (before.joint(index), next.joint(index));
             if to.velocity.abs() > bounds.speed * (1.0 + JOINT_SPEED_SHARE) {
-                return Between::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
+                return IntervalVerdict::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
             }
             let [least, most] = bounds.room;
             if to.position < least - JOINT_UNITS || to.position > most + JOINT_UNITS {
-                return Between::Exceeded(bounds.beyond);
+                return IntervalVerdict::Exceeded(bounds.beyond);
             }
             if width <= 0.0 {
                 continue;
@@ -330,7 +330,7 @@ impl Stop<'_> {
                 || (middle - ends).abs() > ODD_SPEED_SHARE * bounds.speed
                 || (turns && near_an_end)
             {
-                verdict = Between::Unknown;
+                verdict = IntervalVerdict::Unknown;
             }
         }
         verdict

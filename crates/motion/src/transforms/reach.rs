@@ -185,7 +185,7 @@ impl Present<'_> {
                 }
                 self.verify_joints(transform, &there, limits)?;
                 for index in 0..transform.target.len() {
-                    let span = Between {
+                    let span = JointsBetween {
                         index,
                         ends: [here, next],
                         joints: [&joints, &there],
@@ -210,7 +210,7 @@ impl Present<'_> {
         &self,
         transform: &Transform,
         robot: &RobotMap,
-        span: &Between<'_>,
+        span: &JointsBetween<'_>,
         source: &mut impl FnMut(f64) -> Side,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
@@ -244,13 +244,13 @@ impl Present<'_> {
 }
 
 /// The way of a joint between two looks at a path, at shares of it.
-struct Between<'a> {
+struct JointsBetween<'a> {
     index: usize,
     ends: [f64; 2],
     joints: [&'a Side; 2],
 }
 
-impl Between<'_> {
+impl JointsBetween<'_> {
     /// Whether it goes one way at the beginning and the other way at the end.
     fn turns_round(&self, length: f64) -> bool {
         let [before, after] = self.joints.map(|joints| joints[self.index].velocity);
@@ -277,7 +277,7 @@ const LOOKS: u16 = 400;
 /// Places at which a joint turns round that are looked for, and how often a step is halved for one.
 const EXTREMES: u16 = 24;
 const HALVES: u16 = 18;
-/// Between two looks at a path, speeds and rates of joints are within this share of those at one of them.
+/// JointsBetween two looks at a path, speeds and rates of joints are within this share of those at one of them.
 const LOOKED_AT_SHARE: f64 = 0.98;
 /// Degrees.
 const FAR_DEG: f64 = 5.0;
