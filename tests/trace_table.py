@@ -3,6 +3,7 @@
 
     ARCLINE_TRACES=/tmp/traces.txt cargo test -p arcline-tests --test motion -- --skip wandering --skip half_a_turn
     python3 tests/trace_table.py compare /tmp/traces.txt     names the tests whose traces changed
+    python3 tests/trace_table.py check /tmp/traces.txt       the same, and fails when a test of the table did not run
     python3 tests/trace_table.py record /tmp/traces.txt      rewrites the table
 
 The table, tests/motion_traces.txt, has one line per test: its name and a hash over every snapshot, event and change of
@@ -28,7 +29,7 @@ def read_table():
 
 
 def main():
-    if len(sys.argv) != 3 or sys.argv[1] not in ("compare", "record"):
+    if len(sys.argv) != 3 or sys.argv[1] not in ("compare", "check", "record"):
         sys.exit(__doc__)
     found = read_benches(sys.argv[2])
     if sys.argv[1] == "record":
@@ -41,8 +42,12 @@ def main():
         print("changed:", name)
     for name in sorted(found.keys() - kept.keys()):
         print("new:", name)
-    print(f"{len(found)} tests, {len(changed)} changed, {len(kept.keys() - found.keys())} of the table did not run")
-    sys.exit(1 if changed else 0)
+    missing = sorted(kept.keys() - found.keys())
+    if sys.argv[1] == "check":
+        for name in missing:
+            print("did not run:", name)
+    print(f"{len(found)} tests, {len(changed)} changed, {len(missing)} of the table did not run")
+    sys.exit(1 if changed or (missing and sys.argv[1] == "check") else 0)
 
 
 main()

@@ -4,6 +4,7 @@
 //! exact where it does not turn). Real-time: bounded, nothing allocates but [`Trajectory::measure_arc_lengths`]. Units: position
 //! units and seconds.
 
+use crate::tolerance::LENGTH_SHARE;
 use crate::trajectory::{Knot, Trajectory};
 
 impl Trajectory {
@@ -70,7 +71,7 @@ impl Trajectory {
             } else {
                 0.5 * (low + high)
             };
-            if high - low <= EXACT * high {
+            if high - low <= LENGTH_SHARE * high {
                 break;
             }
         }
@@ -93,8 +94,6 @@ const POINTS: [(f64, f64); 2] = [
 const MIDDLE: f64 = 128.0 / 225.0;
 /// Steps of the bracketed Newton method.
 const MOST_STEPS: u32 = 40;
-/// Share of a piece that is rounding.
-const EXACT: f64 = 1e-15;
 
 #[cfg(test)]
 mod tests {

@@ -23,6 +23,7 @@ mod section;
 mod solve;
 mod spline;
 mod timing;
+mod tolerance;
 mod trajectory;
 mod tuning;
 
@@ -34,6 +35,7 @@ pub use plan::{begin, plan};
 pub use trajectory::{Peaks, Piece, State, Trajectory};
 
 pub(crate) use limits::Bounds;
+use tolerance::SAME_POINT_UNITS;
 
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +74,3 @@ pub enum Deviation {
     /// Anywhere.
     Anywhere,
 }
-
-/// Points that are no farther apart are one, position units.
-pub(crate) const SAME_POINT_UNITS: f64 = 1e-9;

@@ -5,6 +5,7 @@ use crate::path::allowance::Begin;
 use crate::path::straight::straight;
 use crate::section::Section;
 use crate::solve::stages::Quality;
+use crate::tolerance::SAME_TANGENT_SINE;
 use crate::trajectory::MoveEnd;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Path, Point, Trajectory};
@@ -76,7 +77,7 @@ pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     if before.jerk.is_some() != after.jerk.is_some() {
         return false;
     }
-    let tangent = (before.path.end_tangent() - after.path.start_tangent()).norm() <= SAME_TANGENT;
+    let tangent = (before.path.end_tangent() - after.path.start_tangent()).norm() <= SAME_TANGENT_SINE;
     tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
 }
 
@@ -129,6 +130,3 @@ pub(crate) fn is_dense(moves: &[ContourMove]) -> bool {
     let sharp = moves.windows(2).filter(|pair| turn(pair) > TUNING.smooth.sharp).count();
     moves.len() >= TUNING.smooth.least_moves && sharp * TUNING.smooth.most_sharp <= moves.len()
 }
-
-/// Tangents that differ by no more than this are equal (spec/motion-core.md §6.3).
-const SAME_TANGENT: f64 = 1e-6;

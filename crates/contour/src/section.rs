@@ -17,6 +17,7 @@ use crate::solve::work::Work;
 use crate::timing::control_points::ControlPoints;
 use crate::timing::first_guess::first_guess;
 use crate::timing::resample::{project, resample};
+use crate::tolerance::LIMIT_SHARE;
 use crate::trajectory::MoveEnd;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
@@ -149,7 +150,7 @@ impl<'a> Section<'a> {
             let now = self.run_stage(&mut control, stage, &margin, work);
             let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_faster = now.trajectory.duration() < best.trajectory.duration();
-            let is_within = worst <= 1.0 && now.excess <= 1.0 + EXACT;
+            let is_within = worst <= 1.0 && now.excess <= 1.0 + LIMIT_SHARE;
             if is_within && is_faster {
                 best = Solved {
                     trajectory: now.trajectory,
@@ -175,7 +176,7 @@ impl<'a> Section<'a> {
             excess,
         } = measured(&control, &self.bounds, &self.reference, StageResult::Start);
         let worst = margin.tighten(&trajectory, &control, &self.reference, &self.allowance);
-        (worst <= 1.0 && excess <= 1.0 + EXACT).then_some(Solved {
+        (worst <= 1.0 && excess <= 1.0 + LIMIT_SHARE).then_some(Solved {
             trajectory,
             control,
             times,
@@ -251,7 +252,7 @@ impl<'a> Section<'a> {
             }
             let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_plan = stage.result != StageResult::Start;
-            let within = worst <= 1.0 && now.excess <= 1.0 + EXACT;
+            let within = worst <= 1.0 && now.excess <= 1.0 + LIMIT_SHARE;
             // A motion that is continued within all limits is a plan, from whichever stage: what fails later starts from it again.
             if let Some(within) = within_before.take_if(|_| is_plan && !within) {
                 return Some(self.improved(within, stage, &margin, work));
@@ -302,7 +303,7 @@ impl<'a> Section<'a> {
         let mut margin = ToleranceMargin::new();
         let worst = margin.tighten(&better.trajectory, &control, &self.reference, &self.allowance);
         let faster = better.trajectory.duration() < from.trajectory.duration();
-        if faster && worst <= 1.0 && better.excess <= 1.0 + EXACT {
+        if faster && worst <= 1.0 && better.excess <= 1.0 + LIMIT_SHARE {
             Solved {
                 trajectory: better.trajectory,
                 control,
@@ -399,9 +400,6 @@ impl<'a> Section<'a> {
         ends
     }
 }
-
-/// What rounding errors make of a limit that is reached exactly, relative.
-const EXACT: f64 = 1e-10;
 
 #[cfg(test)]
 mod tests {

@@ -140,6 +140,10 @@ constants! {
         nearer: f64 = 0.97,
         /// How often the timing is repeated with the corridor narrowed where the curve was outside.
         repairs: usize = 6,
+        /// Nodes at an end that stay: three give the position, velocity and acceleration with which the motion begins or ends there.
+        held_ends: usize = 3,
+        /// The spring of a node that stays, far above all others.
+        held_spring: f64 = 1e14,
     }
 }
 
@@ -264,6 +268,9 @@ constants! {
         /// Nodes to either side over which a shortened step is spread.
         /// 12 nodes: +0.4 %, 3 rests.
         spread_nodes: usize = 48,
+        /// Between these a product can take the factors of another node before its logarithm is due: a third of the exponents of `f64`.
+        least_product: f64 = 1e-100,
+        most_product: f64 = 1e100,
     }
 }
 
@@ -399,6 +406,12 @@ constants! {
         step_s: f64 = 0.005,
         /// Nodes of a rounding, and of one beside a piece that is kept to.
         rounding_nodes: [f64; 2] = [8.0, 16.0],
+        /// Points of a rounding at which its limits are looked at. Without an experiment.
+        rounding_samples: u32 = 16,
+        /// Tangents (unit vectors) that differ by more are a corner. Without an experiment: a thousand times [`crate::tolerance::SAME_TANGENT_SINE`].
+        corner: f64 = 1e-3,
+        /// Points of the fading offset at which its place and rates are looked at. Without an experiment.
+        fade_samples: u32 = 16,
         /// Share of the limits that the offset uses which fades out.
         fade_share: f64 = 0.2,
         /// Seconds in which it fades out at least and at most, and the factor from one trial to the next.

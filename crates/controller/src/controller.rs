@@ -86,28 +86,19 @@ pub struct Overtaking {
 }
 
 /// What joins the controller to the rest: rings in the real-time thread, plain collections in a test.
-/// Every method is called from the tick and must neither block nor allocate.
+/// Every method is called from the tick and must neither block nor allocate. None has a body: an implementer that discards something
+/// says so itself.
 pub trait Port {
     /// The next request to stop: every one is taken before the first command of a tick.
-    fn next_stop(&mut self) -> Option<StopRequest> {
-        None
-    }
+    fn next_stop(&mut self) -> Option<StopRequest>;
     /// Whether a command of this tick was sent before the newest [`StopRequest::All`]: what it began is stopped too.
-    fn was_sent_before_stop(&mut self) -> bool {
-        false
-    }
+    fn was_sent_before_stop(&mut self) -> bool;
     /// Whether motion is inhibited: instructions of this tick that would begin motion are refused.
-    fn is_inhibited(&mut self) -> bool {
-        false
-    }
+    fn is_inhibited(&mut self) -> bool;
     /// The next stop before which more commands wait than this tick takes.
-    fn next_overtaking(&mut self) -> Option<Overtaking> {
-        None
-    }
+    fn next_overtaking(&mut self) -> Option<Overtaking>;
     /// The commands that were taken before the newest one of [`Port::next_command`], ever, stops aside.
-    fn taken_before(&self) -> u64 {
-        0
-    }
+    fn taken_before(&self) -> u64;
     /// The next command, if one waits.
     fn next_command(&mut self) -> Option<Command>;
     /// What the motion control tag shows right after an instruction was executed.
@@ -115,34 +106,26 @@ pub trait Port {
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
     /// The faults of an axis changed.
-    fn fault_change(&mut self, _: &FaultChange) {}
+    fn fault_change(&mut self, change: &FaultChange);
     /// An instruction wrote to an array.
-    fn array_write(&mut self, _: &ArrayWrite) {}
+    fn array_write(&mut self, write: &ArrayWrite);
     /// A coordinated move was accepted.
-    fn accepted(&mut self, accepted: &AcceptedMove) {
-        let _ = accepted;
-    }
+    fn accepted(&mut self, accepted: &AcceptedMove);
     /// A place for the state at the end of this tick; `None` when no snapshot is wanted.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
     /// The snapshot is filled.
     fn publish(&mut self);
     /// An empty request for the planning of a contour; `None`: no request can be taken now.
-    fn contour_request(&mut self) -> Option<&mut ContourRequest> {
-        None
-    }
+    fn contour_request(&mut self) -> Option<&mut ContourRequest>;
     /// The request is filled.
-    fn submit_contour(&mut self) {}
+    fn submit_contour(&mut self);
     /// The next contour that has been planned.
-    fn planned_contour(&mut self) -> Option<PlannedContour> {
-        None
-    }
+    fn planned_contour(&mut self) -> Option<PlannedContour>;
     /// Takes a trajectory to free it outside the tick.
     ///
     /// # Errors
     /// The trajectory, when it cannot be taken now: it is offered again.
-    fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>> {
-        Err(trajectory)
-    }
+    fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>>;
 }
 
 /// The answer to a [`ContourRequest`].

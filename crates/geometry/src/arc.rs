@@ -7,7 +7,10 @@
 use core::f64::consts::{PI, TAU};
 
 use crate::line::norm;
-use crate::{PathPoint, Point, SAME_POINT};
+use crate::tolerance::{
+    CIRCULAR_RATIO, COLLINEAR_SINE, HALF_CIRCLE_SHARE, NEWTON_STEP_SHARE, SAME_POINT_UNITS, SAME_RADIUS_SHARE,
+};
+use crate::{PathPoint, Point};
 
 /// Number of primary axes of the coordinate system: not of the coordinates that change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,10 +172,10 @@ impl Arc {
     /// spec/motion-core.md §9.3.
     fn by_via(start: Point, end: Point, via: Point, direction: Direction) -> Result<Arc, ArcError> {
         let (a, b) = (via - start, end - start);
-        if norm(b) <= SAME_POINT {
+        if norm(b) <= SAME_POINT_UNITS {
             return Err(ArcError::StartEnd);
         }
-        if norm(a) <= SAME_POINT || norm(end - via) <= SAME_POINT || collinear(a, b) {
+        if norm(a) <= SAME_POINT_UNITS || norm(end - via) <= SAME_POINT_UNITS || collinear(a, b) {
             return Err(ArcError::Collinear);
         }
         let n = a.cross(&b);
@@ -191,7 +194,7 @@ impl Arc {
     fn by_center_2d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
         let (r1, r2) = radii(start, end, center)?;
         let n = turn_axis(direction);
-        if direction.is_full() || norm(end - start) <= SAME_POINT {
+        if direction.is_full() || norm(end - start) <= SAME_POINT_UNITS {
             return Ok(Arc::circle(start, start, center, start - center, n, true));
         }
         Ok(Arc::spiral(start, end, center, n, r1, r2))
@@ -199,7 +202,7 @@ impl Arc {
 
     /// spec/motion-core.md §9.2, in space.
     fn by_center_3d(start: Point, end: Point, center: Point, direction: Direction) -> Result<Arc, ArcError> {
-        if norm(end - start) <= SAME_POINT {
+        if norm(end - start) <= SAME_POINT_UNITS {
             return Err(ArcError::StartEnd);
         }
         if collinear(center - start, end - start) {
@@ -222,12 +225,12 @@ impl Arc {
     fn by_radius(start: Point, end: Point, signed: f64, direction: Direction) -> Result<Arc, ArcError> {
         let chord = end - start;
         let length = norm(chord);
-        if length <= SAME_POINT {
+        if length <= SAME_POINT_UNITS {
             return Err(ArcError::StartEnd);
         }
         let radius = signed.abs();
         let half = 0.5 * length;
-        let least = SMALLEST_RADIUS.max(half * (1.0 - HALF_CIRCLE_SLACK));
+        let least = SMALLEST_RADIUS.max(half * (1.0 - HALF_CIRCLE_SHARE));
         if radius < least {
             return Err(ArcError::SmallRadius {
                 radius,
@@ -280,7 +283,7 @@ impl Arc {
 
     fn spiral(start: Point, end: Point, center: Point, n: Point, r1: f64, r2: f64) -> Arc {
         let mut arc = Arc::circle(start, end, center, start - center, n, false);
-        if (r2 - r1).abs() > SAME_RADIUS * r1 {
+        if (r2 - r1).abs() > SAME_RADIUS_SHARE * r1 {
             arc.slope = (r2 - r1) / arc.sweep;
             arc.length = arc.length_between(0.0, arc.sweep);
         }
@@ -417,7 +420,7 @@ impl Arc {
         } else {
             self.sweep * s / self.length
         };
-        if b.abs() < CIRCULAR * r1 {
+        if b.abs() < CIRCULAR_RATIO * r1 {
             return first;
         }
         let mut angle = first;
@@ -425,7 +428,7 @@ impl Arc {
             let r = r1 + b * angle;
             let step = (self.length_between(0.0, angle) - s) / (r * r + b * b).sqrt();
             angle -= step;
-            if step.abs() <= 1e-15 * angle.abs() {
+            if step.abs() <= NEWTON_STEP_SHARE * angle.abs() {
                 break;
             }
         }
@@ -435,7 +438,7 @@ impl Arc {
     /// Arc length between two angles of a spiral: the integral of sqrt(r^2 + b^2).
     fn length_between(&self, from: f64, to: f64) -> f64 {
         let (b, r1) = (self.slope, self.radius);
-        if b.abs() < CIRCULAR * r1 {
+        if b.abs() < CIRCULAR_RATIO * r1 {
             return (to - from) * (r1 + 0.5 * b * (from + to));
         }
         let half = 0.5 * (to - from);
@@ -482,7 +485,7 @@ fn sweep_angle(x0: Point, x1: Point, e1: Point, e2: Point) -> f64 {
 }
 
 fn collinear(a: Point, b: Point) -> bool {
-    norm(a.cross(&b)) <= COLLINEAR * norm(a) * norm(b)
+    norm(a.cross(&b)) <= COLLINEAR_SINE * norm(a) * norm(b)
 }
 
 /// The axis of turning in the plane.
@@ -490,18 +493,10 @@ fn turn_axis(direction: Direction) -> Point {
     Point::new(0.0, 0.0, if direction.is_counter_clockwise() { 1.0 } else { -1.0 })
 }
 
-/// Sine of the angle below which three points are collinear (spec/coordinated-instructions.md §13.4).
-const COLLINEAR: f64 = 1e-6;
 /// Least radius, position units (ERR 49).
 const SMALLEST_RADIUS: f64 = 0.001;
 /// Largest relative difference of the radii (ERR 46).
 const LARGEST_MISMATCH: f64 = 0.15;
-/// Relative slack for exact half circles by radius.
-const HALF_CIRCLE_SLACK: f64 = 1e-9;
-/// Radii that differ by less are equal but for rounding.
-const SAME_RADIUS: f64 = 4e-16;
-/// Below this ratio of slope to radius, the radial motion adds less than 1e-16 to the length.
-const CIRCULAR: f64 = 1e-8;
 /// Newton steps from arc length to angle; two or three suffice inside the arc.
 const NEWTON_STEPS: usize = 8;
 /// Gauss-Legendre nodes and weights, eight points on -1..1.

@@ -16,6 +16,7 @@ mod line;
 mod path;
 mod rotation;
 mod spin;
+mod tolerance;
 
 pub use arc::{Arc, ArcError, CirclePoint, Dimension, Direction};
 pub use frame::Frame;
@@ -23,10 +24,7 @@ pub use line::Line;
 pub use path::{Path, PathPoint};
 pub use rotation::{Rotation, RotationState, angle_rates, angles, angular_rates, continued, nearest, rotation};
 pub use spin::Spin;
+pub use tolerance::SAME_POINT_UNITS;
 
 /// A point or a difference of points; unused dimensions are 0.
 pub type Point = nalgebra::Vector3<f64>;
-
-/// Two points nearer than this (position units) are the same point
-/// (spec/coordinated-instructions.md §13.4).
-pub const SAME_POINT: f64 = 1e-6;

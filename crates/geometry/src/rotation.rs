@@ -8,6 +8,7 @@ use nalgebra::Matrix3;
 
 use crate::Point;
 use crate::frame::sin_cos;
+use crate::tolerance::{HALF_TURN_RATIO, NO_ROTATION_RATIO, SAME_ANGLES_DEG, UPRIGHT_COSINE};
 
 /// `Rz * Ry * Rx` of fixed X-Y-Z angles in degrees. Quarter turns are exact.
 #[must_use]
@@ -26,7 +27,7 @@ pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
     let m = rotation;
     let level = libm::hypot(m[(0, 0)], m[(1, 0)]);
     let second = libm::atan2(-m[(2, 0)], level).to_degrees();
-    let (first, third) = if level > UPRIGHT {
+    let (first, third) = if level > UPRIGHT_COSINE {
         let first = libm::atan2(m[(2, 1)], m[(2, 2)]).to_degrees();
         (first, libm::atan2(m[(1, 0)], m[(0, 0)]).to_degrees())
     } else {
@@ -68,7 +69,7 @@ pub fn nearest(angle: f64, near: f64) -> f64 {
 pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
     let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
     let along = rate.x * cc + rate.y * sc;
-    let upright = cb.abs() <= UPRIGHT;
+    let upright = cb.abs() <= UPRIGHT_COSINE;
     let over = if upright { 0.0 } else { 1.0 / cb };
     let first = along * over;
     let second = rate.y * cc - rate.x * sc;
@@ -239,7 +240,7 @@ impl RotationState {
     pub fn angles(&self) -> Point {
         let shown = angles(&self.orientation, &self.near);
         let stands = self.rate == Point::zeros() && self.change == Point::zeros();
-        if stands && (shown - self.near).abs().max() <= SAME_ANGLES {
+        if stands && (shown - self.near).abs().max() <= SAME_ANGLES_DEG {
             self.near
         } else {
             shown
@@ -300,12 +301,14 @@ fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
         (skew.z, Point::new(xz, yz, parts[3]))
     };
     let norm = libm::sqrt(v.dot(&v));
-    if norm <= NO_TURN * w.abs() {
+    if norm <= NO_ROTATION_RATIO * w.abs() {
         return (Point::zeros(), 0.0);
     }
     let axis = v / norm;
-    let first = [axis.z, axis.y, axis.x].into_iter().find(|part| part.abs() > UPRIGHT);
-    let backwards = if w.abs() <= HALF_TURN * norm {
+    let first = [axis.z, axis.y, axis.x]
+        .into_iter()
+        .find(|part| part.abs() > UPRIGHT_COSINE);
+    let backwards = if w.abs() <= HALF_TURN_RATIO * norm {
         first.is_some_and(|part| part < 0.0)
     } else {
         w < 0.0
@@ -313,15 +316,6 @@ fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
     let (axis, w) = if backwards { (-axis, -w) } else { (axis, w) };
     (axis, 2.0 * libm::atan2(norm, w))
 }
-
-/// Below this cosine of the second angle the other two cannot be told apart.
-const UPRIGHT: f64 = 1e-9;
-/// Below this ratio of the parts of a quaternion there is no rotation but rounding.
-const NO_TURN: f64 = 1e-15;
-/// Below this ratio of them it is half a turn, but for rounding of the angles.
-const HALF_TURN: f64 = 1e-9;
-/// Angles that differ by less are the same, degrees: rounding.
-const SAME_ANGLES: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {

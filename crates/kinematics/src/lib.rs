@@ -17,6 +17,7 @@ mod oriented;
 mod parallel;
 mod pose;
 mod robot;
+mod tolerance;
 mod two_links;
 
 pub use error::{GeometryError, KinematicsError};

@@ -10,6 +10,7 @@ use crate::error::{GeometryError, KinematicsError};
 use crate::number::Number;
 use crate::pose::{DEGREES, Pose, product, turn_x, turn_y, turn_z};
 use crate::robot::{Arm, Elbow, Geometry, Parameters, Robot};
+use crate::tolerance::{OFF_ANGLE_SINE, OFF_PLANE_UNITS, STRAIGHT_COSINE};
 
 /// How a robot with a wrist is built, by the names of its joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -248,7 +249,7 @@ impl OrientedRobot {
         };
         let turns = self.wrist.counted().map(|index| {
             let joint = index.map_or(0.0, |index| internal[index]);
-            ((joint - wrapped(joint)) / TURN).round() as i16
+            ((joint - wrapped(joint)) / TURN_DEG).round() as i16
         });
         (configuration, turns)
     }
@@ -270,7 +271,7 @@ impl OrientedRobot {
         let elbow = |right: bool| if right { Elbow::Right } else { Elbow::Left };
         let mut joints = match self.wrist {
             Wrist::DeltaJ1J2J6 => {
-                if p.y.value().abs() > OFF_PLANE {
+                if p.y.value().abs() > OFF_PLANE_UNITS {
                     return Err(KinematicsError::Orientation { angle: 1 });
                 }
                 let [j1, j2, _] = self.arm.inverse([p.x, p.z, nothing], Arm::default())?;
@@ -283,7 +284,7 @@ impl OrientedRobot {
             Wrist::DeltaJ1J2J3J4J5 => {
                 let [j1, j2, j3] = self.arm.inverse((*p).into(), Arm::default())?;
                 let turned = product(m, &down());
-                if turned[(2, 1)].value().abs() > OFF_ANGLE {
+                if turned[(2, 1)].value().abs() > OFF_ANGLE_SINE {
                     return Err(KinematicsError::Orientation { angle: 3 });
                 }
                 let j4 = -degrees(-turned[(0, 1)], turned[(1, 1)]);
@@ -313,7 +314,7 @@ impl OrientedRobot {
         };
         for (counter, index) in turns.into_iter().zip(self.wrist.counted()) {
             if let Some(joint) = index.and_then(|index| joints.get_mut(index)) {
-                *joint = wrapped(*joint) + TURN * f64::from(counter);
+                *joint = wrapped(*joint) + TURN_DEG * f64::from(counter);
             }
         }
         for (joint, zero) in joints.iter_mut().zip(self.zero).take(self.wrist.joints()) {
@@ -335,7 +336,7 @@ fn forearm<N: Number>(base: N, lift: N) -> Matrix3<N> {
 fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], KinematicsError> {
     let square = m[(1, 0)] * m[(1, 0)] + m[(2, 0)] * m[(2, 0)];
     if square.value() < N::NEAREST * N::NEAREST {
-        if N::NEAREST > STRAIGHT {
+        if N::NEAREST > STRAIGHT_COSINE {
             return Err(KinematicsError::Origin);
         }
         let straight = if m[(0, 0)].value() < 0.0 { 180.0 } else { 0.0 };
@@ -354,8 +355,8 @@ fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], Kinemati
 /// How a tool that points straight down is turned: Rz.
 fn downwards<N: Number>(m: &Matrix3<N>) -> Result<N, KinematicsError> {
     let [rolled, tilted, up] = [m[(2, 1)], m[(2, 0)], m[(2, 2)]].map(N::value);
-    if libm::hypot(tilted, rolled) > OFF_ANGLE || up > 0.0 {
-        let angle = if tilted.abs() > OFF_ANGLE { 4 } else { 3 };
+    if libm::hypot(tilted, rolled) > OFF_ANGLE_SINE || up > 0.0 {
+        let angle = if tilted.abs() > OFF_ANGLE_SINE { 4 } else { 3 };
         return Err(KinematicsError::Orientation { angle });
     }
     Ok(degrees(m[(1, 0)], m[(0, 0)]))
@@ -377,19 +378,13 @@ fn degrees<N: Number>(sin: N, cos: N) -> N {
 
 /// Within half a turn: above -180 up to 180.
 fn wrapped<N: Number>(angle: N) -> N {
-    let turned = angle - TURN * (angle.value() / TURN).round();
-    if turned.value() <= -0.5 * TURN {
-        turned + TURN
+    let turned = angle - TURN_DEG * (angle.value() / TURN_DEG).round();
+    if turned.value() <= -0.5 * TURN_DEG {
+        turned + TURN_DEG
     } else {
         turned
     }
 }
 
 /// Degrees.
-const TURN: f64 = 360.0;
-/// Operands are REAL: this far off the plane, position units, is in it.
-const OFF_PLANE: f64 = 1e-3;
-/// Sine of an angle that is rounding.
-const OFF_ANGLE: f64 = 1e-5;
-/// Up to this [`Number::NEAREST`] it is no fault that J4 and J6 turn about the same axis: nothing moves.
-const STRAIGHT: f64 = 1e-9;
+const TURN_DEG: f64 = 360.0;

@@ -4,6 +4,7 @@
 //! is an upper link that hangs down. Units: any for lengths, radians.
 
 use crate::number::root;
+use crate::tolerance::{DEGENERATE_SHARE, RANGE_END_RAD};
 use crate::{KinematicsError, Number};
 
 /// The arms of a delta robot, and how far they turn.
@@ -57,7 +58,7 @@ impl Arms {
         let (a, b) = (minus(second, first), minus(third, first));
         let normal = cross(a, b);
         let square = dot(normal, normal);
-        if square.value() <= NEAR * self.rod.powi(4) {
+        if square.value() <= DEGENERATE_SHARE * self.rod.powi(4) {
             return Err(KinematicsError::Origin);
         }
         // From the first elbow to the centre of the circle through all of them, and on, across their plane.
@@ -75,7 +76,7 @@ impl Arms {
         let ([out, z1], [back, z2]) = (self.elbow(first, 0)?, self.elbow(second, 1)?);
         let (width, rise) = (out + back, z1 - z2);
         let square = width * width + rise * rise;
-        if square.value() <= NEAR * self.rod * self.rod {
+        if square.value() <= DEGENERATE_SHARE * self.rod * self.rod {
             return Err(KinematicsError::Origin);
         }
         let left = N::constant(self.rod * self.rod) - square * 0.25;
@@ -121,7 +122,7 @@ impl Arms {
     /// Whether an arm can turn so far.
     fn verify(&self, angle: f64, joint: u8) -> Result<(), KinematicsError> {
         let [least, most] = self.range;
-        if angle >= least - ROUNDING && angle <= most + ROUNDING {
+        if angle >= least - RANGE_END_RAD && angle <= most + RANGE_END_RAD {
             Ok(())
         } else {
             Err(KinematicsError::Reach { joint })
@@ -149,7 +150,3 @@ fn cross<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
 const AZIMUTHS: [(f64, f64); 3] = [(1.0, 0.0), (-0.5, HALF_ROOT_3), (-0.5, -HALF_ROOT_3)];
 /// `sqrt(3) / 2`.
 const HALF_ROOT_3: f64 = 0.866_025_403_784_438_6;
-/// An angle this far out of its range, radians, is at its end.
-const ROUNDING: f64 = 1e-9;
-/// Elbows that are this near to a line or a point, as a share of the rod, squared or to the fourth, hold no plate.
-const NEAR: f64 = 1e-18;

@@ -5,6 +5,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::number::Number;
+use crate::tolerance::{HALF_TURN_DEG, UPRIGHT_COSINE};
 
 /// Where something is, and how it is turned; with [`arcline_profile::KinematicState`] also how that changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +82,7 @@ impl<N: Number> Pose<N> {
     fn angles(&self, upright: f64) -> [N; 3] {
         let m = &self.rotation;
         let square = m[(0, 0)] * m[(0, 0)] + m[(1, 0)] * m[(1, 0)];
-        let angles = if square.value() > UPRIGHT * UPRIGHT {
+        let angles = if square.value() > UPRIGHT_COSINE * UPRIGHT_COSINE {
             [
                 m[(2, 1)].atan2(m[(2, 2)]),
                 (-m[(2, 0)]).atan2(square.sqrt()),
@@ -180,7 +181,7 @@ fn sin_cos<N: Number>(degrees: N) -> (N, N) {
 
 /// -180 and what rounds to it is 180.
 fn above_half_turn<N: Number>(degrees: N) -> N {
-    if degrees.value() <= -180.0 + ROUNDING {
+    if degrees.value() <= -180.0 + HALF_TURN_DEG {
         degrees + 360.0
     } else {
         degrees
@@ -191,7 +192,3 @@ pub(crate) const DEGREES: f64 = 180.0 / core::f64::consts::PI;
 pub(crate) const RADIANS: f64 = core::f64::consts::PI / 180.0;
 /// Radians.
 const QUARTER: f64 = core::f64::consts::FRAC_PI_2;
-/// Below this cosine of Ry the other two angles cannot be told apart.
-const UPRIGHT: f64 = 1e-9;
-/// Degrees.
-const ROUNDING: f64 = 1e-9;

@@ -7,15 +7,20 @@ use arcline_instruction_set::AxisId;
 use std::ops::{Deref, Index, IndexMut};
 
 use arcline_instruction_set::enumerations::Reference;
-use arcline_planner::Clock;
+use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
+use crate::axis::Axis;
 use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
+use crate::axis::state::AxisState;
+use crate::control::Controls;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
+use crate::masters::follower::{FollowerStart, DrivenBy, LockTo, MasterFollower};
+use crate::masters::links::MasterLink;
+use crate::masters::master::Master;
 
 /// Every axis of a machine at the present tick.
 #[derive(Debug)]
@@ -96,6 +101,32 @@ impl Axes {
             read,
             redefined: axis.redefined,
         }
+    }
+
+    /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
+    pub(crate) fn lead(
+        &mut self,
+        axis: AxisId,
+        driven_by: DrivenBy,
+        controls: &mut Controls,
+        clock: &Clock,
+    ) -> Option<MasterFollower> {
+        let (link, ended) = self[axis].links.take_up(driven_by.link)?;
+        controls.end_links([ended]);
+        Some(self.follower(&link, driven_by.lock, clock.now(), clock))
+    }
+
+    /// The master follower of a motion that begins by a link at an instant of this update.
+    pub(crate) fn follower(&self, link: &MasterLink, lock: LockTo, since: Instant, clock: &Clock) -> MasterFollower {
+        let Master { axis, reference, .. } = link.master;
+        let at = self.master_at(axis, reference, clock);
+        let beginning = FollowerStart {
+            link: link.id,
+            lock,
+            unwind: self[axis].unwind,
+            since,
+        };
+        MasterFollower::begin(beginning, &link.master, &at, clock)
     }
 
     /// Brings the followers of an axis to where their masters are at the present tick: its links, the moves that they drive, its

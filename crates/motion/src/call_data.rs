@@ -103,8 +103,8 @@ impl Results {
 
     /// Sets them. Real-time.
     pub(crate) fn set(&self, numbers: &[f64]) {
-        for (place, number) in self.numbers.iter().zip(numbers) {
-            place.store(number.to_bits(), Ordering::Relaxed);
+        for (index, number) in self.numbers.iter().zip(numbers) {
+            index.store(number.to_bits(), Ordering::Relaxed);
         }
         self.count.store(numbers.len().min(MOST_NUMBERS), Ordering::Release);
     }

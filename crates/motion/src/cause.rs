@@ -4,9 +4,9 @@
 
 use arcline_instruction_set::{AxisId, ControlSlot, FaultSet, JogEnd, Mnemonic};
 
-use crate::control::{Execution, Ticket};
+use crate::execution::{Execution, Ticket};
 
-/// What ended an instruction that did not come to its end.
+/// The cause of the end of an instruction that did not complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cause {
     /// Nothing but the instruction itself, or it has not ended this way.
@@ -57,7 +57,7 @@ pub struct FaultChange {
     pub again: FaultSet,
     /// Faults that were cleared.
     pub clear: FaultSet,
-    /// What cleared them.
+    /// The cause of the clearing.
     pub by: Cause,
     /// Of a command limit fault: the command that did not go out.
     pub refused: Option<RefusedCommand>,

@@ -84,7 +84,7 @@ impl Motion {
     pub fn install_contour(&mut self, system: SystemId, generation: u32, planned: Option<Arc<Trajectory>>) {
         let id = system;
         let Some(system) = self.systems.get_mut(id) else {
-            self.retired.extend(planned);
+            self.systems.retired.extend(planned);
             return;
         };
         // One that begins does so at the displacement 0 of its master.
@@ -96,26 +96,28 @@ impl Motion {
         let installed = system.travel.install(generation, planned, &base);
         match installed {
             Ok(Installed::Started) => {
-                if let Err(error) = self.lead_system(id, driven_by, self.clock.now()) {
-                    self.refuse(id, error);
+                if let Err(error) =
+                    self.systems[id].lead(driven_by, self.clock.now(), &self.axes, &mut self.controls, &self.clock)
+                {
+                    self.systems.refuse(id, error, &mut self.controls);
                     return;
                 }
                 self.systems[id].stale = true;
-                self.activate(id);
+                self.systems[id].activate(&mut self.axes, &mut self.controls, &self.clock);
             }
             // The set-points are the same up to the splice.
-            Ok(Installed::Extended(old)) => self.retired.push(old),
-            Err(unwanted) => self.retired.extend(unwanted),
+            Ok(Installed::Extended(old)) => self.systems.retired.push(old),
+            Err(unwanted) => self.systems.retired.extend(unwanted),
         }
     }
 
     /// A trajectory that is no longer needed, to be freed outside the tick. Real-time.
     pub fn retired_contour(&mut self) -> Option<Arc<Trajectory>> {
-        self.retired.pop()
+        self.systems.retired.pop()
     }
 
     /// Keeps a trajectory that could not be freed yet.
     pub fn keep_retired(&mut self, trajectory: Arc<Trajectory>) {
-        self.retired.push(trajectory);
+        self.systems.retired.push(trajectory);
     }
 }

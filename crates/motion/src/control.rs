@@ -5,12 +5,11 @@
 //! under its ticket only.
 
 use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, MotionError};
+use arcline_planner::profile::Phase;
 
 use crate::cause::Cause;
-
-/// One execution of one instruction, for ever.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct Ticket(pub u64);
+use crate::events::{ArrayWrite, Events};
+use crate::execution::{Execution, Ticket};
 
 /// Places for motion control tags, the unnamed one included.
 pub const CONTROL_SLOTS: usize = 8192;
@@ -41,7 +40,7 @@ pub struct Event {
     pub exerr: i8,
     /// SEGMENT after the change.
     pub segment: i32,
-    /// What ended the execution, where this change is its end without PC and without an error.
+    /// The cause of the end of the execution, where this change is its end without PC and without an error.
     pub cause: Cause,
 }
 
@@ -53,14 +52,6 @@ impl Event {
         control.exerr = self.exerr;
         control.segment = self.segment;
     }
-}
-
-/// The bits that an execution writes to, wherever they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Execution {
-    pub(crate) ticket: Ticket,
-    pub(crate) control: ControlSlot,
-    pub(crate) mnemonic: Mnemonic,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +66,7 @@ struct Control {
     changed: bool,
     /// SEGMENT is not what was last reported.
     moved: bool,
-    /// What ended it.
+    /// The cause of its end.
     cause: Cause,
 }
 
@@ -86,16 +77,33 @@ pub(crate) struct Controls {
     changed: Vec<u32>,
     events: Vec<Event>,
     lost: u64,
-    /// What ends the executions that end now.
+    /// The cause of the ends of executions from now on.
     cause: Cause,
+    /// The present tick.
+    tick: u64,
+    /// The arrays that instructions wrote in this tick.
+    array_writes: Vec<ArrayWrite>,
 }
 
 /// FLAGS bits of an execution under way: its end clears them.
-pub(crate) const UNDER_WAY: u32 =
+const UNDER_WAY: u32 =
     Flag::Ip.mask() | Flag::Ac.mask() | Flag::Accel.mask() | Flag::Decel.mask() | Flag::TrackingMaster.mask();
 
 /// Events that one tick can hold.
 const EVENTS: usize = 2 * CONTROL_SLOTS;
+
+/// Arrays that are written in one tick; one more is lost.
+const ARRAY_WRITES: usize = 1024;
+
+/// FLAGS bits to set and to clear, so that ACCEL and DECEL show what the speed does.
+pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
+    let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
+    match phase {
+        Phase::Accelerating => (accel, decel),
+        Phase::Decelerating => (decel, accel),
+        Phase::Steady => (0, accel | decel),
+    }
+}
 
 impl Controls {
     pub(crate) fn new() -> Self {
@@ -115,7 +123,14 @@ impl Controls {
             events: Vec::with_capacity(EVENTS),
             lost: 0,
             cause: Cause::Itself,
+            tick: 0,
+            array_writes: Vec::with_capacity(ARRAY_WRITES),
         }
+    }
+
+    /// A tick begins: changes from now on are of this one.
+    pub(crate) fn begin_tick(&mut self, tick: u64) {
+        self.tick = tick;
     }
 
     /// From now on executions end because of this. Returns what they ended of before, to be put back.
@@ -123,7 +138,7 @@ impl Controls {
         std::mem::replace(&mut self.cause, cause)
     }
 
-    /// What ends the executions that end now.
+    /// The cause of the ends of executions from now on.
     pub(crate) fn cause(&self) -> Cause {
         self.cause
     }
@@ -133,8 +148,8 @@ impl Controls {
     /// # Errors
     /// `ExecutionCollision` (3) when the tag's last execution has set neither DN nor ER yet; the tag shows the
     /// new execution all the same.
-    pub(crate) fn begin(&mut self, execution: Execution, tick: u64) -> Result<(), MotionError> {
-        self.report(execution.control, tick);
+    pub(crate) fn begin(&mut self, execution: Execution) -> Result<(), MotionError> {
+        self.report(execution.control);
         let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
             return Err(MotionError::ExecutionCollision);
         };
@@ -149,7 +164,7 @@ impl Controls {
             moved: false,
             cause: Cause::Itself,
         };
-        self.write(execution, Flag::En.mask(), 0, tick);
+        self.write(execution, Flag::En.mask(), 0);
         if busy && execution.control != UNNAMED {
             return Err(MotionError::ExecutionCollision);
         }
@@ -157,35 +172,35 @@ impl Controls {
     }
 
     /// Sets and clears FLAGS bits of an execution.
-    pub(crate) fn write(&mut self, execution: Execution, set: u32, clear: u32, tick: u64) {
-        self.change(execution, set, clear, None, tick);
+    pub(crate) fn write(&mut self, execution: Execution, set: u32, clear: u32) {
+        self.change(execution, set, clear, None);
     }
 
     /// Sets or clears one FLAGS bit of an execution.
-    pub(crate) fn flag(&mut self, execution: Execution, flag: Flag, on: bool, tick: u64) {
+    pub(crate) fn flag(&mut self, execution: Execution, flag: Flag, on: bool) {
         let (set, clear) = if on { (flag.mask(), 0) } else { (0, flag.mask()) };
-        self.write(execution, set, clear, tick);
+        self.write(execution, set, clear);
     }
 
     /// Ends an execution with an error. IP and AC clear; DN stays as it is.
-    pub(crate) fn fail(&mut self, execution: Execution, error: MotionError, tick: u64) {
-        self.change(execution, Flag::Er.mask(), UNDER_WAY, Some(error), tick);
+    pub(crate) fn fail(&mut self, execution: Execution, error: MotionError) {
+        self.change(execution, Flag::Er.mask(), UNDER_WAY, Some(error));
     }
 
     /// Sets SEGMENT of an execution that its tag still shows.
-    pub(crate) fn set_segment(&mut self, execution: Execution, segment: i32, tick: u64) {
+    pub(crate) fn set_segment(&mut self, execution: Execution, segment: i32) {
         let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
             return;
         };
         if control.ticket == execution.ticket && control.word.segment != segment {
             control.word.segment = segment;
             control.moved = true;
-            self.change(execution, 0, 0, None, tick);
+            self.change(execution, 0, 0, None);
         }
     }
 
     /// A false rung: EN clears once DN or ER is set.
-    pub(crate) fn rung_false(&mut self, slot: ControlSlot, tick: u64) {
+    pub(crate) fn rung_false(&mut self, slot: ControlSlot) {
         let Some(control) = self.table.get(slot.0 as usize) else {
             return;
         };
@@ -195,11 +210,11 @@ impl Controls {
                 control: slot,
                 mnemonic: control.mnemonic,
             };
-            self.write(shown, 0, Flag::En.mask(), tick);
+            self.write(shown, 0, Flag::En.mask());
         }
     }
 
-    /// What the tag shows.
+    /// The status that the tag shows.
     pub(crate) fn word(&self, slot: ControlSlot) -> MotionControl {
         self.table
             .get(slot.0 as usize)
@@ -207,14 +222,61 @@ impl Controls {
     }
 
     /// Reports every change since the last call, in the order in which they began.
-    pub(crate) fn drain(&mut self, tick: u64, mut report: impl FnMut(&Event)) {
+    pub(crate) fn drain(&mut self, mut report: impl FnMut(&Event)) {
         for index in 0..self.changed.len() {
             let slot = ControlSlot(self.changed[index]);
-            self.report(slot, tick);
+            self.report(slot);
         }
         self.changed.clear();
         self.events.iter().for_each(&mut report);
         self.events.clear();
+    }
+
+    /// Ends an instruction that is under way: it will never report again.
+    pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
+        // Homing is done when it has ended, whichever way.
+        let set = match execution.mnemonic {
+            Mnemonic::Mah => set | Flag::Dn.mask(),
+            _ => set,
+        };
+        // What was calculated for a move that did not come to its end is of no use.
+        let calculated = if set & Flag::Pc.mask() == 0 {
+            Flag::CalculatedDataAvailable.mask()
+        } else {
+            0
+        };
+        self.write(execution, set, (UNDER_WAY | calculated) & !set);
+    }
+
+    /// Ends instructions of links, of those that there are.
+    pub(crate) fn end_links(&mut self, ended: impl IntoIterator<Item = Option<Execution>>) {
+        for execution in ended.into_iter().flatten() {
+            self.end_move(execution, 0);
+        }
+    }
+
+    /// Writes Calculated Data and says so.
+    pub(crate) fn give(&mut self, execution: Execution, events: &Events) {
+        self.write_array(events.write(self.tick));
+        self.write(execution, Flag::CalculatedDataAvailable.mask(), 0);
+    }
+
+    /// Whether another array can be written in this tick.
+    pub(crate) fn has_room_for_array(&self) -> bool {
+        self.array_writes.len() < ARRAY_WRITES
+    }
+
+    /// Notes a write to an array, if there is room for it.
+    pub(crate) fn write_array(&mut self, write: ArrayWrite) {
+        if self.has_room_for_array() {
+            self.array_writes.push(write);
+        }
+    }
+
+    /// Reports every write to an array since the last call, in order.
+    pub(crate) fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
+        self.array_writes.iter().for_each(report);
+        self.array_writes.clear();
     }
 
     /// Events that found no room, ever.
@@ -222,7 +284,7 @@ impl Controls {
         self.lost
     }
 
-    fn change(&mut self, execution: Execution, set: u32, clear: u32, error: Option<MotionError>, tick: u64) {
+    fn change(&mut self, execution: Execution, set: u32, clear: u32, error: Option<MotionError>) {
         let ends = clear & Flag::Ip.mask() != 0 && set & (Flag::Pc.mask() | Flag::Er.mask()) == 0;
         let cause = if ends { self.cause } else { Cause::Itself };
         let Some(control) = self.table.get_mut(execution.control.0 as usize) else {
@@ -231,7 +293,7 @@ impl Controls {
         if control.ticket != execution.ticket {
             let (err, exerr) = error.map_or((0, 0), |error| (error.err(), error.exerr()));
             self.push(Event {
-                tick,
+                tick: self.tick,
                 ticket: execution.ticket,
                 control: execution.control,
                 owner: false,
@@ -259,7 +321,7 @@ impl Controls {
         }
     }
 
-    fn report(&mut self, slot: ControlSlot, tick: u64) {
+    fn report(&mut self, slot: ControlSlot) {
         let Some(control) = self.table.get_mut(slot.0 as usize) else {
             return;
         };
@@ -268,7 +330,7 @@ impl Controls {
         }
         let now = control.word.flags;
         let event = Event {
-            tick,
+            tick: self.tick,
             ticket: control.ticket,
             control: slot,
             owner: true,

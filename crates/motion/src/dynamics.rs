@@ -14,11 +14,11 @@ pub(crate) trait Units: Copy {
     /// Whether master units take the place of time.
     fn is_master_driven(self) -> bool;
 
-    /// What the number counts where it is a duration.
+    /// The unit of the number where it is a duration.
     fn duration(self) -> Option<Duration>;
 }
 
-/// What the duration of a move or of a phase is counted in.
+/// The unit of the duration of a move or of a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Duration {
     Seconds,

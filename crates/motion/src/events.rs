@@ -9,7 +9,7 @@ use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, TagAddress, 
 use arcline_planner::profile::Profile;
 use arcline_planner::{Clock, EventTime, Instant};
 
-/// What an instruction writes to a tag.
+/// A write of an instruction to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArrayWrite {
     /// When.
@@ -29,7 +29,7 @@ pub enum Written {
     Bits {
         /// Which ones.
         mask: u32,
-        /// What they become.
+        /// Their new values.
         bits: u32,
     },
 }
@@ -52,7 +52,7 @@ pub(crate) struct Events {
 }
 
 impl Events {
-    /// What an instruction asks for; `None`: nothing.
+    /// The distances that an instruction asks for; `None`: none.
     ///
     /// # Errors
     /// `MdscCalculatedDataSize` (101) where the answers have no room.

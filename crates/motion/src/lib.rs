@@ -1,4 +1,4 @@
-//! What a Logix-like controller does with motion instructions: axes, coordinate systems, the life of every
+//! Motion instructions as a Logix-like controller executes them: axes, coordinate systems, the life of every
 //! instruction and every status bit, tick by tick.
 //!
 //! [`Motion::begin`] brings everything to the next tick, [`Motion::execute`] runs an instruction at that tick,
@@ -10,7 +10,6 @@
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 
-mod accepted;
 mod axes;
 mod axis;
 mod call_data;
@@ -20,8 +19,8 @@ mod control;
 mod dynamics;
 mod dynamics_bits;
 mod events;
+mod execution;
 mod feed_override;
-mod heading;
 mod instructions;
 pub mod machine;
 mod masters;
@@ -35,10 +34,10 @@ mod snapshot;
 mod status;
 mod stop;
 mod system;
+mod tolerance;
 mod transforms;
 mod verify;
 
-pub use accepted::AcceptedMove;
 pub use arcline_cam as cam;
 pub use arcline_planner::ContourRests;
 pub use arcline_planner::geometry::{Path, Point};
@@ -46,10 +45,11 @@ pub use arcline_planner::precise::Trajectory;
 pub use call_data::{Calculation, CallData, Frame, Frames, Results};
 pub use cause::{Cause, FaultChange, RefusedCommand};
 pub use contour::ContourRequest;
-pub use control::{CONTROL_SLOTS, Event, Ticket, UNNAMED};
+pub use control::{CONTROL_SLOTS, Event, UNNAMED};
 pub use events::{ArrayWrite, Written};
+pub use execution::Ticket;
 pub use feed_override::MAX_OVERRIDE;
-pub use motion::{Input, Motion};
+pub use motion::{AcceptedMove, Input, Motion};
 pub use output::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 pub use path_data::{DynamicsData, PathData, PathMove};
 pub use snapshot::{AxisSnapshot, SystemSnapshot};

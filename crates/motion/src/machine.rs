@@ -9,6 +9,7 @@
 mod axis;
 mod home;
 mod inputs;
+mod limits;
 mod system;
 
 pub use axis::{
@@ -16,6 +17,11 @@ pub use axis::{
 };
 pub use home::{Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch};
 pub use inputs::{Feed, Inputs};
+pub(crate) use limits::three;
+pub use limits::{
+    MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEM_AXES, MAX_SYSTEMS, MAX_TRANSFORMS,
+    default_jerk,
+};
 pub use system::{AxisLimits, Build, CoordinateSystem, Corner, Orientation, Robot};
 
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
@@ -23,27 +29,6 @@ pub use arcline_planner::precise::Deviation;
 pub use arcline_planner::profile::Bounds as DynamicsBits;
 
 use arcline_instruction_set::{AxisId, SystemId};
-
-/// Largest number of axes of one machine.
-pub const MAX_AXES: usize = 256;
-
-/// Largest number of coordinate systems of one machine.
-pub const MAX_SYSTEMS: usize = 64;
-
-/// Largest number of transforms of one machine.
-pub const MAX_TRANSFORMS: usize = 64;
-
-/// Largest number of axes of one coordinate system that moves interpolate as a vector: X, Y, Z.
-pub const MAX_PRIMARY_AXES: usize = 3;
-
-/// Largest number of execution targets of output cams of one axis: a bit of OutputCamStatus each.
-pub const MAX_OUTPUT_TARGETS: usize = 32;
-
-/// Largest number of axes of one coordinate system: X, Y, Z, Rx, Ry, Rz, or the joints J1 to J6.
-pub const MAX_SYSTEM_AXES: usize = 6;
-
-/// Deepest queue of pending moves behind the active one.
-pub const MAX_QUEUE_DEPTH: usize = 1000;
 
 /// The motion group: everything that motion controls.
 ///
@@ -113,21 +98,10 @@ pub struct Transform {
     pub target: SystemId,
 }
 
-/// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
-/// (spec/axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
-pub fn default_jerk(speed: f64, rate: f64) -> f64 {
-    if speed > 0.0 { rate * rate / speed } else { 0.0 }
-}
-
 fn index_of<'a>(mut names: impl Iterator<Item = &'a str>, name: &str) -> Option<u16> {
     names
         .position(|other| other.eq_ignore_ascii_case(name))
         .and_then(|index| u16::try_from(index).ok())
-}
-
-/// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
-pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
-    [of[0], of[1], of[2]]
 }
 
 #[cfg(test)]
@@ -151,12 +125,5 @@ mod tests {
         assert_eq!(machine.transform("t2"), None);
         assert!(machine.is_group("MOTION"));
         assert_eq!(machine.period(), 0.001);
-    }
-
-    #[test]
-    fn absent_jerk_is_full_time() {
-        // The value seen in exported projects (spec/axis-and-data-types.md §9.2).
-        assert!((default_jerk(92.083336, 894.4814) - 8688.8).abs() < 0.1);
-        assert_eq!(default_jerk(0.0, 1.0), 0.0);
     }
 }

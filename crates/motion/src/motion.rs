@@ -1,6 +1,6 @@
 //! The machine in motion: one tick after another.
 
-mod advance;
+mod accepted;
 mod command_limits;
 mod faults;
 mod follow;
@@ -8,32 +8,26 @@ mod generators;
 mod homing;
 mod master_links;
 mod messages;
-mod operands;
+pub(crate) mod operands;
 mod outputs;
 mod probes;
-mod take_over;
 mod tick;
 mod transforms;
 
-use std::sync::Arc;
-
 use arcline_drive::{Feedback, SetPoint};
-use arcline_instruction_set::{
-    AxisId, AxisIndex, Call, ControlSlot, Flag, JogEnd, Mnemonic, MotionControl, MotionError, SystemId,
-};
+use arcline_instruction_set::{AxisId, Call, ControlSlot, JogEnd, MotionControl, MotionError};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::{AxisLimits, Trajectory};
+use arcline_planner::precise::AxisLimits;
 
-use crate::accepted::{ACCEPTED, AcceptedMove};
 use crate::axes::Axes;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::call_data::{CallData, ReceivedData};
 use crate::cause::{Cause, FaultChange};
-use crate::control::{Controls, Event, Execution, Ticket, UNDER_WAY};
-use crate::events::{ArrayWrite, Events};
-use crate::instructions;
+use crate::control::{Controls, Event};
+use crate::events::ArrayWrite;
+use crate::execution::{Execution, Ticket};
 use crate::machine::MotionGroup;
+use crate::masters::link_numbers::LinkNumbers;
 use crate::order::Order;
 use crate::output::Word;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
@@ -43,8 +37,10 @@ use crate::system::{System, Systems};
 use crate::transforms::Transforms;
 use crate::transforms::ahead::Ahead;
 
+use accepted::ACCEPTED;
 use messages::{MESSAGES, Message};
 
+pub use accepted::AcceptedMove;
 pub use probes::Input;
 
 /// Every axis and coordinate system of one motion group, and the instructions that move them.
@@ -53,9 +49,9 @@ pub struct Motion {
     pub(crate) clock: Clock,
     pub(crate) axes: Axes,
     pub(crate) systems: Systems,
-    /// What went out to the drives at the last exchange, in the order of the axes.
+    /// The set-points of the last exchange, in the order of the axes.
     set_points: Vec<SetPoint>,
-    /// What came in from them.
+    /// The feedback of the last exchange.
     feedback: Vec<Feedback>,
     pub(crate) controls: Controls,
     pub(crate) transforms: Transforms,
@@ -63,26 +59,20 @@ pub struct Motion {
     pub(crate) order: Order,
     /// Stops that transforms are looked at with.
     pub(crate) ahead: Ahead,
-    /// Links to masters, and ways of them, so far.
-    link_count: u32,
-    way_count: u32,
-    /// What instructions wrote to arrays in this tick.
-    array_writes: Vec<ArrayWrite>,
+    pub(crate) link_numbers: LinkNumbers,
     /// Words that became others, which output cams are still to see.
     words: Vec<Word>,
-    /// Trajectories that are no longer needed, to be freed outside the tick.
-    pub(crate) retired: Vec<Arc<Trajectory>>,
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
     /// Coordinated moves that the controller has not taken yet.
     pub(crate) accepted: Vec<AcceptedMove>,
     /// Instructions that would begin motion are refused.
-    is_inhibited: bool,
+    pub(crate) is_inhibited: bool,
 }
 
-/// Arrays that are written in one tick; one more is lost.
-const ARRAY_WRITES: usize = 1024;
+/// Words that output cams write in one tick; one more is lost.
+const WORDS: usize = 1024;
 
 impl Motion {
     /// The machine at rest, before its first tick. The only allocation.
@@ -98,11 +88,8 @@ impl Motion {
             transforms: Transforms::new(machine.systems.len()),
             order: Order::new(machine.axes.len(), machine.systems.len()),
             ahead: Ahead::new(machine.axes.len(), machine.systems.len()),
-            link_count: 0,
-            way_count: 0,
-            array_writes: Vec::with_capacity(ARRAY_WRITES),
-            words: Vec::with_capacity(ARRAY_WRITES),
-            retired: Vec::with_capacity(2 * machine.systems.len()),
+            link_numbers: LinkNumbers::default(),
+            words: Vec::with_capacity(WORDS),
             group_stop: None,
             messages: Vec::with_capacity(MESSAGES),
             accepted: Vec::with_capacity(ACCEPTED),
@@ -115,38 +102,6 @@ impl Motion {
         self.clock.tick
     }
 
-    /// Executes an instruction at the present tick and returns what its motion control tag shows then.
-    /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
-    pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
-        self.execute_with(ticket, call, None)
-    }
-
-    /// The same with what the instruction has from tags. Real-time.
-    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
-        let execution = Execution {
-            ticket,
-            control: call.control,
-            mnemonic: call.mnemonic,
-        };
-        let tick = self.clock.tick;
-        let refused = self.is_inhibited && call.mnemonic.begins_motion();
-        let data = ReceivedData(data);
-        self.controls.because(execution.into());
-        let result = self.controls.begin(execution, tick).and_then(|()| match refused {
-            // All axes are: the first one is named.
-            true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
-            false => instructions::execute(self, execution, call, &data),
-        });
-        if let Err(error) = result {
-            self.controls.fail(execution, error, tick);
-            if data.verdict() == Err(error) {
-                self.controls.set_segment(execution, data.element() as i32, tick);
-            }
-        }
-        self.controls.because(Cause::Itself);
-        self.controls.word(call.control)
-    }
-
     /// Refuses an instruction without looking at it. Real-time.
     pub fn refuse_call(&mut self, ticket: Ticket, call: &Call, error: MotionError) -> MotionControl {
         let execution = Execution {
@@ -155,15 +110,14 @@ impl Motion {
             mnemonic: call.mnemonic,
         };
         // A collision with the execution before is the same to its tag.
-        let begun = self.controls.begin(execution, self.clock.tick);
-        self.controls
-            .fail(execution, begun.err().unwrap_or(error), self.clock.tick);
+        let begun = self.controls.begin(execution);
+        self.controls.fail(execution, begun.err().unwrap_or(error));
         self.controls.word(call.control)
     }
 
     /// A false rung condition of the instruction with this motion control tag.
     pub fn rung_false(&mut self, control: ControlSlot) {
-        self.controls.rung_false(control, self.clock.tick);
+        self.controls.rung_false(control);
     }
 
     /// Closes the tick: what instructions began at it shows in its commands, and every change is reported.
@@ -176,19 +130,18 @@ impl Motion {
             }
         }
         self.refresh_axes(changed);
-        for index in self.systems.ids() {
-            self.calculate(index);
+        for system in self.systems.iter_mut() {
+            system.calculate(&mut self.controls, &self.clock);
         }
         self.show_links();
         self.finish_outputs();
-        self.controls.drain(self.clock.tick, report);
+        self.controls.drain(report);
     }
 
-    /// What instructions wrote to arrays in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
+    /// The arrays that instructions wrote in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
     /// far as `report` is.
     pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
-        self.array_writes.iter().for_each(report);
-        self.array_writes.clear();
+        self.controls.take_array_writes(report);
     }
 
     /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
@@ -202,15 +155,6 @@ impl Motion {
                 report(&change);
             }
         }
-    }
-
-    /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
-    pub fn has_room(&self, call: &Call) -> bool {
-        if !instructions::is_queued(call.mnemonic) || instructions::merges(call) {
-            return true;
-        }
-        let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
-        system.is_none_or(|system| system.room() > 0)
     }
 
     /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.
@@ -240,7 +184,7 @@ impl Motion {
     pub fn stop_all(&mut self) {
         self.controls.because(Cause::StopAll);
         for index in self.systems.ids() {
-            self.end_stop(index);
+            self.systems[index].end_stop(&mut self.controls);
             self.abort_system(index, |_| false);
         }
         self.unlink_all();
@@ -261,22 +205,9 @@ impl Motion {
         if self.axes.get(axis).is_none() {
             return;
         }
-        for kind in [GeneratorKind::Jog, GeneratorKind::Stop] {
-            let Some(generator) = self.axes[axis].sum.get(kind) else {
-                continue;
-            };
-            let own = generator.execution.is_some_and(|execution| execution.ticket == ticket);
-            let (stopping, execution) = (generator.stopping, generator.execution);
-            let limits = self.axes[axis].dynamics.stop(generator.s_curve);
-            if stopping {
-                self.axes[axis].brake(kind, &limits, execution, self.clock.now());
-                self.axes[axis].stale = true;
-            } else if own {
-                self.controls.because(Cause::Jog(why));
-                self.stop_generator(axis, kind, &limits, None);
-                self.controls.because(Cause::Itself);
-            }
-        }
+        self.controls.because(Cause::Jog(why));
+        self.axes[axis].end_jog(|execution| execution.ticket == ticket, &mut self.controls, &self.clock);
+        self.controls.because(Cause::Itself);
     }
 
     /// Command position, velocity and acceleration, and actual position, of every axis.
@@ -298,7 +229,7 @@ impl Motion {
         self.controls.lost()
     }
 
-    /// What a motion control tag shows.
+    /// The status that a motion control tag shows.
     pub fn control(&self, slot: ControlSlot) -> MotionControl {
         self.controls.word(slot)
     }
@@ -316,32 +247,6 @@ impl Motion {
             time_left: system.time_left(&self.clock),
             ..status::system(system, &self.axes, present.role(id))
         })
-    }
-
-    /// Ends a move's instruction: it will never report again.
-    pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
-        // Homing is done when it has ended, whichever way.
-        let set = match execution.mnemonic {
-            Mnemonic::Mah => set | Flag::Dn.mask(),
-            _ => set,
-        };
-        // What was calculated for a move that did not come to its end is of no use.
-        let calculated = if set & Flag::Pc.mask() == 0 {
-            Flag::CalculatedDataAvailable.mask()
-        } else {
-            0
-        };
-        self.controls
-            .write(execution, set, (UNDER_WAY | calculated) & !set, self.clock.tick);
-    }
-
-    /// Writes Calculated Data and says so.
-    pub(crate) fn give(&mut self, execution: Execution, events: &Events) {
-        if self.array_writes.len() < ARRAY_WRITES {
-            self.array_writes.push(events.write(self.clock.tick));
-        }
-        let available = Flag::CalculatedDataAvailable.mask();
-        self.controls.write(execution, available, 0, self.clock.tick);
     }
 }
 
@@ -367,7 +272,7 @@ fn systems(machine: &MotionGroup) -> Systems {
     machine.systems.iter().map(system).collect()
 }
 
-/// What planned contours of a coordinate system keep of the limits of its axes.
+/// The limits of its axes that planned contours of a coordinate system keep.
 fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) -> AxisLimits {
     let unlimited = Point::repeat(f64::INFINITY);
     let mut limits = AxisLimits {

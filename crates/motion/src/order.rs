@@ -31,7 +31,7 @@ pub(crate) struct Circle;
 /// An order has been worked out and can be taken.
 #[derive(Debug)]
 #[must_use]
-pub(crate) struct Planned(());
+pub(crate) struct PlannedOrder(());
 
 /// Something that is to follow from the next tick on.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +110,7 @@ impl Order {
     ///
     /// # Errors
     /// When there is none.
-    pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<Planned, Circle> {
+    pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<PlannedOrder, Circle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
         self.edges.begin();
@@ -119,11 +119,11 @@ impl Order {
         for axis in AxisId::first(self.edges.axes) {
             self.visit(self.edges.number(Step::Whole(axis)))?;
         }
-        Ok(Planned(()))
+        Ok(PlannedOrder(()))
     }
 
     /// The order that was planned last is that of the next tick.
-    pub(crate) fn take(&mut self, _planned: Planned) {
+    pub(crate) fn take(&mut self, _planned: PlannedOrder) {
         std::mem::swap(&mut self.steps, &mut self.next);
     }
 

@@ -42,7 +42,7 @@ pub struct DynamicsData {
     pub orientation: [f64; 3],
 }
 
-/// What an MCPM has from its two tags.
+/// The operands that an MCPM has from its two tags.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathMove {
     /// Its Path.

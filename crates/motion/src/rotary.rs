@@ -4,16 +4,17 @@
 //! Units: position units of the axis. Commands are not unwound: a position is a whole number of turns and the position that
 //! the axis shows, from 0 to below the unwind.
 
+use crate::tolerance::{SAME_POSITION_SHARE, UNWIND_SHARE};
+
 /// A position within one turn.
 pub(crate) fn shown(position: f64, unwind: f64) -> f64 {
     let shown = position.rem_euclid(unwind);
-    if shown >= unwind * (1.0 - ROUNDING) { 0.0 } else { shown }
+    if shown >= unwind * (1.0 - UNWIND_SHARE) {
+        0.0
+    } else {
+        shown
+    }
 }
-
-/// A part of a turn that some thousand turns leave as rounding: so little below the unwind is 0.
-const ROUNDING: f64 = 1e-12;
-/// A part of a turn by which two programmed positions do not differ: a move between them is no whole turn.
-const SAME: f64 = 1e-9;
 
 /// A position of a rotary axis, from which programmed ones are counted.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +22,7 @@ pub(crate) struct Turn {
     unwind: f64,
     /// Whole turns.
     turns: f64,
-    /// What the axis shows, 0 to below the unwind.
+    /// The position that the axis shows, 0 to below the unwind.
     pub(crate) shown: f64,
 }
 
@@ -54,7 +55,7 @@ impl Turn {
     pub(crate) fn forward(&self, position: f64) -> f64 {
         let more = if position >= self.shown { 0.0 } else { 1.0 };
         let distance = position - self.shown + more * self.unwind;
-        let whole = distance >= self.unwind * (1.0 - SAME);
+        let whole = distance >= self.unwind * (1.0 - SAME_POSITION_SHARE);
         self.in_turn(position, if whole { more - 1.0 } else { more })
     }
 
@@ -62,7 +63,7 @@ impl Turn {
     pub(crate) fn backward(&self, position: f64) -> f64 {
         let less = if position <= self.shown { 0.0 } else { 1.0 };
         let distance = self.shown - position + less * self.unwind;
-        let whole = distance >= self.unwind * (1.0 - SAME);
+        let whole = distance >= self.unwind * (1.0 - SAME_POSITION_SHARE);
         self.in_turn(position, if whole { 1.0 - less } else { -less })
     }
 

@@ -1,4 +1,4 @@
-//! What the outside sees of an axis and of a coordinate system at one tick.
+//! An axis and a coordinate system at one tick, as the outside sees them.
 
 use arcline_instruction_set::FaultSet;
 use arcline_planner::ContourRests;
@@ -24,7 +24,7 @@ pub struct AxisSnapshot {
     pub faults: FaultSet,
     /// Commands that did not go out since the machine was built, beyond the axis's command limits.
     pub refused_commands: u32,
-    /// What positions were shifted by without motion since the machine was built.
+    /// The offset by which positions were shifted without motion since the machine was built.
     pub redefined: f64,
     /// CIPAxisState.
     pub cip_state: i16,

@@ -1,26 +1,23 @@
 //! Status words, from the state at a tick.
 
 use arcline_drive::Saturation;
+use arcline_instruction_set::FaultWord;
 use arcline_instruction_set::predefined::{
     axis_event, axis_fault, axis_status, cip_axis_io_status, cip_axis_status, coordinate_motion_status as motion,
     coordinate_system_status as status, motion_status,
 };
-use arcline_instruction_set::{FaultWord, Flag};
 use arcline_planner::Clock;
 use arcline_planner::profile::Phase;
 
 use crate::axes::Axes;
+use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
+use crate::axis::state::AxisState;
 use crate::masters::cam::Cam;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::system::{Activity, System};
+use crate::tolerance::{POSITION_LOCK_UNITS, STANDSTILL_UNITS_PER_S};
 use crate::transforms::shown::Role;
-
-/// A following error below this, units, shows as position lock (Position Lock Tolerance's default).
-const POSITION_LOCK_TOLERANCE: f64 = 0.01;
-/// An actual speed below this, units/s, shows as standstill.
-const STANDSTILL: f64 = 1e-3;
 
 /// One axis as its tag shows it.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
@@ -73,11 +70,11 @@ pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
                 cip_axis_status::TRACKING_COMMAND_STATUS,
             ),
             (
-                axis.position_error().abs() <= POSITION_LOCK_TOLERANCE,
+                axis.position_error().abs() <= POSITION_LOCK_UNITS,
                 cip_axis_status::POSITION_LOCK_STATUS,
             ),
             (
-                actual.velocity.abs() <= STANDSTILL,
+                actual.velocity.abs() <= STANDSTILL_UNITS_PER_S,
                 cip_axis_status::VELOCITY_STANDSTILL_STATUS,
             ),
             (saturation == Saturation::Speed, cip_axis_status::VELOCITY_LIMIT_STATUS),
@@ -186,17 +183,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     .fold(0, with)
 }
 
-/// ACCEL and DECEL of an instruction: what to set, and what to clear.
-pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
-    let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
-    match phase {
-        Phase::Accelerating => (accel, decel),
-        Phase::Decelerating => (decel, accel),
-        Phase::Steady => (0, accel | decel),
-    }
-}
-
-/// What an axis does: by its profile if it has one, otherwise by what its command does.
+/// Whether the speed of an axis rises or falls: by its profile if it has one, otherwise by its command.
 fn phase(axis: &Axis) -> Phase {
     let mut active = axis.sum.active();
     if let (Some((_, only)), None) = (active.next(), active.next())

@@ -1,10 +1,10 @@
 //! A stop of a coordinate system that is under way (MCS).
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::MAX_AXES;
 use arcline_instruction_set::AxisId;
 
-/// What a running stop waits for.
+/// A running stop, and the axes that it waits for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) execution: Execution,

@@ -1,23 +1,33 @@
 //! One coordinate system: its moves and their motion, its stop, and what its tags show.
 
+mod advance;
+mod commands;
+pub(crate) mod heading;
+mod links;
+mod shown;
+mod stopping;
+mod take_over;
+
 use std::ops::{Deref, DerefMut, Index, IndexMut};
+use std::sync::Arc;
 
 use arcline_instruction_set::{AxisId, AxisIndex, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::AxisLimits;
+use arcline_planner::precise::{AxisLimits, Trajectory};
 use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
 use crate::axes::Axes;
-use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
+use crate::execution::Execution;
 use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
-use crate::masters::follower::{LockTo, MasterFollower};
+use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
+pub(crate) use shown::Shown;
 
 /// When a move is complete (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +38,7 @@ pub(crate) enum Termination {
     Command,
 }
 
-/// What a coordinate system keeps with a move.
+/// The data of a move in the queue of a coordinate system.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planned {
     pub(crate) execution: Execution,
@@ -45,13 +55,6 @@ pub(crate) struct Planned {
     pub(crate) only_turns: bool,
 }
 
-/// The link by which a move is master driven, and its lock.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct DrivenBy {
-    pub(crate) link: u32,
-    pub(crate) lock: LockTo,
-}
-
 /// Whose motion the active move is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
@@ -65,26 +68,40 @@ pub(crate) enum Activity {
 
 /// Every coordinate system of a machine at the present tick.
 #[derive(Debug)]
-pub(crate) struct Systems(Vec<System>);
+pub(crate) struct Systems {
+    systems: Vec<System>,
+    /// Trajectories that are no longer needed, to be freed outside the tick.
+    pub(crate) retired: Vec<Arc<Trajectory>>,
+}
 
 impl Systems {
     /// All coordinate systems, in the order of the configuration.
     pub(crate) fn ids(&self) -> impl Iterator<Item = SystemId> + use<> {
-        SystemId::first(self.0.len())
+        SystemId::first(self.systems.len())
     }
 
     pub(crate) fn get(&self, system: SystemId) -> Option<&System> {
-        self.0.get(system.index())
+        self.systems.get(system.index())
+    }
+
+    /// Ends everything that a system travels along; trajectories are freed outside the tick.
+    fn retire_all(&mut self, system: SystemId) {
+        let trajectories = self.systems[system.index()].travel.clear();
+        self.retired.extend(trajectories);
     }
 
     pub(crate) fn get_mut(&mut self, system: SystemId) -> Option<&mut System> {
-        self.0.get_mut(system.index())
+        self.systems.get_mut(system.index())
     }
 }
 
 impl FromIterator<System> for Systems {
     fn from_iter<I: IntoIterator<Item = System>>(systems: I) -> Self {
-        Systems(systems.into_iter().collect())
+        let systems: Vec<System> = systems.into_iter().collect();
+        Systems {
+            retired: Vec::with_capacity(2 * systems.len()),
+            systems,
+        }
     }
 }
 
@@ -92,13 +109,13 @@ impl Deref for Systems {
     type Target = [System];
 
     fn deref(&self) -> &[System] {
-        &self.0
+        &self.systems
     }
 }
 
 impl DerefMut for Systems {
     fn deref_mut(&mut self) -> &mut [System] {
-        &mut self.0
+        &mut self.systems
     }
 }
 
@@ -106,13 +123,13 @@ impl Index<SystemId> for Systems {
     type Output = System;
 
     fn index(&self, system: SystemId) -> &System {
-        &self.0[system.index()]
+        &self.systems[system.index()]
     }
 }
 
 impl IndexMut<SystemId> for Systems {
     fn index_mut(&mut self, system: SystemId) -> &mut System {
-        &mut self.0[system.index()]
+        &mut self.systems[system.index()]
     }
 }
 
@@ -126,7 +143,7 @@ pub(crate) struct System {
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     /// The moves and their motion.
     pub(crate) travel: Travel<Planned>,
-    /// What contours keep of the axes' own limits.
+    /// The axes' own limits that contours keep.
     pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
@@ -137,7 +154,7 @@ pub(crate) struct System {
     pub(crate) links: MasterLinks,
     /// The MDCC whose motion is being stopped.
     pub(crate) stopping_link: Option<Execution>,
-    /// What the active move is a function of, where that is not time.
+    /// The master displacement that the active move is a function of, where that is not time.
     pub(crate) follower: Option<MasterFollower>,
     /// When a master driven move with Actual Tolerance came to its programmed end.
     pub(crate) ended: Option<Instant>,
@@ -218,7 +235,7 @@ impl System {
         }
     }
 
-    /// What the active move is a function of at the present tick: time, or the displacement of a master.
+    /// The variable that the active move is a function of, at the present tick: time, or the displacement of a master.
     pub(crate) fn time_base(&self, time: &Clock) -> TimeBase {
         TimeBase {
             time: *time,
@@ -345,53 +362,6 @@ impl System {
     pub(crate) fn shared_axis(&self, other: &System) -> Option<AxisIndex> {
         let mut axes = numbered(&self.description.axes);
         axes.find(|(_, axis)| other.has(*axis)).map(|(index, _)| index)
-    }
-}
-
-/// What the tags of a coordinate system and of its active instruction show of the motion.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shown {
-    /// ACCEL and DECEL of the active instruction, as last written.
-    pub(crate) phase: Phase,
-    /// TrackingMaster of the active instruction, as last written.
-    pub(crate) tracking: bool,
-    /// What the speed along the path does, masters included.
-    pub(crate) trend: Phase,
-    /// ActualPosToleranceStatus.
-    pub(crate) in_actual_tolerance: bool,
-    /// CommandPosToleranceStatus.
-    pub(crate) in_command_tolerance: bool,
-    /// The active move blends with the end of the one before it, off the programmed path.
-    pub(crate) in_transition: bool,
-    /// The moves under way have begun to move the axes.
-    pub(crate) has_moved: bool,
-    /// Speed along the path, units/s.
-    pub(crate) speed: f64,
-    /// Distance gone along the active path, units.
-    pub(crate) distance: f64,
-    /// Length of the active path, units.
-    pub(crate) length: f64,
-}
-
-impl Shown {
-    /// When another move becomes active.
-    pub(crate) fn of_next_move(self) -> Self {
-        Shown {
-            phase: Phase::Steady,
-            tracking: false,
-            in_actual_tolerance: false,
-            in_command_tolerance: false,
-            ..self
-        }
-    }
-
-    /// When nothing is active any more.
-    pub(crate) fn at_rest(self) -> Self {
-        Shown {
-            in_actual_tolerance: self.in_actual_tolerance,
-            in_command_tolerance: self.in_command_tolerance,
-            ..Shown::default()
-        }
     }
 }
 

@@ -10,7 +10,8 @@ use arcline_instruction_set::{AxisId, AxisIndex, Culprit, MotionError};
 use arcline_planner::geometry::Point;
 
 use crate::axes::Axes;
-use crate::axis::{Axis, AxisState};
+use crate::axis::Axis;
+use crate::axis::state::AxisState;
 use crate::system::{Activity, System, component, numbered};
 
 /// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.

@@ -1,4 +1,4 @@
-//! What changes while a move is under way: its limits, and the share of the programmed speeds.
+//! Changes of a move that is under way: its limits, and the share of the programmed speeds.
 //!
 //! Bounded.
 
@@ -11,6 +11,7 @@ use crate::move_trajectory::Approach;
 use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
 use crate::running::{AccelerationRemoval, Move, Running, scaled_limits};
+use crate::tolerance::ROUNDING_SHARE;
 
 impl<T: Copy> Planner<T> {
     /// Gives the active move new limits from the present tick on: the profile is planned again from the
@@ -161,7 +162,8 @@ impl<T: Copy> Planner<T> {
             })
             .reach()
         };
-        reach(&limits) > reach(&ran) * (1.0 + NEARLY) || (turns_back(&from, &limits) && !turns_back(&from, &ran))
+        reach(&limits) > reach(&ran) * (1.0 + ROUNDING_SHARE)
+            || (turns_back(&from, &limits) && !turns_back(&from, &ran))
     }
 
     /// A speed as it is programmed and an override raises it. An override below 1 lowers the speed, and a motion that still slows down
@@ -272,7 +274,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// What a plan meets of that which lies behind its end.
+/// The demands behind the end of a plan that it meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Met {
     /// The path is left at a corner.
@@ -287,7 +289,7 @@ impl Met {
     fn by(plan: &Plan) -> Met {
         if plan.ends != Ends::TooFast {
             Met::All
-        } else if plan.exit <= plan.corners * (1.0 + NEARLY) {
+        } else if plan.exit <= plan.corners * (1.0 + ROUNDING_SHARE) {
             Met::Corners
         } else {
             Met::Nothing
@@ -336,7 +338,7 @@ impl Ran {
         let now = profile.at(elapsed);
         let braking = now.velocity > 0.0 && now.acceleration < 0.0;
         // A lead is under way.
-        let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + NEARLY));
+        let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + ROUNDING_SHARE));
         Ran {
             limits,
             programmed,
@@ -356,7 +358,5 @@ fn taking(limits: &Limits) -> Option<f64> {
     limits.jerk.map(|jerk| jerk.deceleration)
 }
 
-/// Share of a way that is rounding.
-const NEARLY: f64 = 1e-9;
 /// Seconds to an instant that does not come.
 const NEVER: f64 = 1e9;

@@ -1,4 +1,4 @@
-//! What moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
+//! The variables that moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
 //! the displacement of a master (§10.4).
 //!
 //! A master's displacement has no ticks: a clock of it shows the displacement itself, in master units. Everything that is planned over it has
@@ -9,10 +9,6 @@ use arcline_profile::KinematicState;
 use crate::Sample;
 
 const NANOSECONDS: f64 = 1e9;
-
-/// Seconds by which an instant may be off for rounding: what lies so little ahead of a tick is at it. A motion of a whole number
-/// of ticks ends at the last of them.
-pub const ROUNDING: f64 = 1e-10;
 
 /// The present tick and what a tick is worth; or where on its way a master is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +68,7 @@ impl Clock {
         }
     }
 
-    /// What the clock shows as an instant.
+    /// The reading of the clock as an instant.
     pub fn now(&self) -> Instant {
         Instant {
             tick: self.tick,
@@ -170,7 +166,7 @@ impl MasterRate {
     }
 }
 
-/// What moves are functions of at one instant: time, or the displacement of a master.
+/// The variables that moves are functions of, at one instant: time, or the displacement of a master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeBase {
     /// Time.
@@ -179,7 +175,7 @@ pub struct TimeBase {
     pub master: Option<MasterMotion>,
 }
 
-/// What a driven move sees of its master.
+/// The master of a driven move, as the move reads it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MasterMotion {
     /// How far it has gone since the lock, master units.
@@ -194,7 +190,7 @@ impl TimeBase {
         TimeBase { time, master: None }
     }
 
-    /// What the active move is a function of, as a clock.
+    /// The variable that the active move is a function of, as a clock.
     pub fn clock(&self) -> Clock {
         self.master
             .map_or(self.time, |master| Clock::of_displacement(master.displacement))
@@ -223,11 +219,11 @@ mod tests {
 
     #[test]
     fn a_way_has_no_ticks() {
-        let place = Clock::of_displacement(2.5)
+        let instant_of_displacement = Clock::of_displacement(2.5)
             .now()
             .after(10.0, &Clock::of_displacement(2.5));
-        assert_eq!(place.elapsed(&Clock::of_displacement(14.0)), 1.5);
-        assert_eq!(place.elapsed(&Clock::of_displacement(12.0)), -0.5);
+        assert_eq!(instant_of_displacement.elapsed(&Clock::of_displacement(14.0)), 1.5);
+        assert_eq!(instant_of_displacement.elapsed(&Clock::of_displacement(12.0)), -0.5);
     }
 
     #[test]

@@ -10,25 +10,26 @@
 //! time that a master at that speed would have taken for its way: all clocks that a queue is given show that, but where
 //! they are said to show time. Limits are by time ([`crate::Parameter::in_time`]).
 
+mod change;
 mod events;
 mod guard;
 mod pace;
 mod requests;
 mod rests;
+mod run;
 mod stopping;
+mod tuning;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use arcline_contour::{Deviation, Trajectory};
-use arcline_geometry::Point;
-use arcline_profile::{Jerk, KinematicState, Limits, Phase};
 
-use crate::{Clock, Instant, Move, QueueFull, ROUNDING, Sample};
-use pace::{Pace, Wanted};
-
+use crate::tolerance::SAME_INSTANT_S;
+use crate::{Clock, Instant, Move, QueueFull, Sample};
 pub use requests::{ContourBatch, Extension, Installed};
 pub use rests::ContourRests;
+use run::{Asked, Run, RunState};
 pub use stopping::ContourStopping;
 
 /// One active move and the pending ones, of which the first few are on a planned trajectory.
@@ -54,64 +55,7 @@ pub struct ContourQueue<T> {
     is_late: bool,
 }
 
-/// A plan under way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Asked {
-    /// From rest.
-    Contour,
-    /// Of what follows a trajectory in execution, of which so many moves had been completed then.
-    Extension {
-        /// Moves of it that had been completed.
-        passed: usize,
-    },
-    /// Of what is left of a trajectory in execution, with what its moves are to have now.
-    Anew {
-        /// Moves of it that had been completed.
-        passed: usize,
-        /// The pace that it was travelled at.
-        pace: f64,
-    },
-}
-
-/// A trajectory in execution.
-#[derive(Debug)]
-struct Run {
-    trajectory: Arc<Trajectory>,
-    /// Moves of it that have been completed.
-    passed: usize,
-    /// When its active move became active, and where that was, seconds on the trajectory's own time.
-    begun: (Instant, f64),
-    /// How far the active move had gone at a place on the trajectory's own time: that place in seconds, and units along the curve.
-    gone: (f64, f64),
-    /// Until when the corner before the active move is rounded, seconds on the trajectory's own time.
-    rounded: f64,
-    /// How fast its own time runs.
-    pace: Pace,
-    /// It was not planned for what its moves are to have now.
-    stale: bool,
-    /// Since when they are to have that.
-    changed: Instant,
-    course: Course,
-    /// How long a plan that extends it may take, seconds on the trajectory's own time.
-    lead: f64,
-    /// Where on it the last one was asked for.
-    asked: f64,
-    /// Where on it an extension may be asked for again.
-    retry: f64,
-    /// The speed of the master that it was planned for, master units/s; 1 for time.
-    nominal: f64,
-}
-
-/// What a pace of 0 means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
-    /// A hold: it goes on when the pace rises again.
-    Travelling,
-    /// The end.
-    Stopping,
-}
-
-/// What lies at or before the present tick.
+/// An event at or before the present tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContourEvent {
     /// The active move is complete and the next one of the trajectory is active.
@@ -176,7 +120,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// The programmed jerk of a trajectory that is being stopped: its moves have left the queue.
     pub(crate) fn jerk_of_stop(&self) -> Option<f64> {
-        let run = self.run.as_ref().filter(|run| run.course == Course::Stopping)?;
+        let run = self.run.as_ref().filter(|run| run.state == RunState::Stopping)?;
         run.trajectory.least_rates().jerk
     }
 
@@ -240,19 +184,19 @@ impl<T: Copy> ContourQueue<T> {
         self.run.take().map(|run| run.trajectory)
     }
 
-    /// What lies at or before the present tick, one thing at a time.
+    /// The next event at or before the present tick.
     pub fn event(&self, clock: &Clock) -> Option<ContourEvent> {
         let run = self.run.as_ref()?;
         let now = run.pace.at(clock);
-        if run.course == Course::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
+        if run.state == RunState::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourEvent::End);
         }
-        if now.position >= run.trajectory.duration() - ROUNDING {
+        if now.position >= run.trajectory.duration() - SAME_INSTANT_S {
             return Some(ContourEvent::End);
         }
         let next = run.trajectory.move_end(run.passed)?;
         let more = run.passed + 1 < run.trajectory.moves();
-        (more && now.position >= next - ROUNDING).then_some(ContourEvent::Next)
+        (more && now.position >= next - SAME_INSTANT_S).then_some(ContourEvent::Next)
     }
 
     /// The active move of the trajectory is complete: takes it out.
@@ -285,106 +229,6 @@ impl<T: Copy> ContourQueue<T> {
         self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed)
     }
 
-    /// Takes an override: a share of the programmed speeds, 0 holds.
-    pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
-        self.rate = rate;
-        if matches!(self.asked, Some(Asked::Anew { .. })) {
-            self.asked = None;
-        }
-        self.change(clock);
-    }
-
-    /// Speeds or rates of moves have changed, or the override has. A trajectory in execution is slowed down to a pace that is
-    /// within all of them, or comes back to its own; then what is left of it is planned anew.
-    pub fn change(&mut self, clock: &Clock) {
-        self.change_pace(clock);
-    }
-
-    /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
-    pub fn steer(&mut self, clock: &Clock) {
-        if let Some(run) = &mut self.run
-            && run.pace.steer(&run.trajectory, clock)
-        {
-            self.plans = self.plans.wrapping_add(1);
-        }
-    }
-
-    /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
-    fn change_pace(&mut self, clock: &Clock) {
-        let rate = self.planned_rate();
-        let Some(run) = self.run.as_mut().filter(|run| run.course == Course::Travelling) else {
-            return;
-        };
-        let left = run.trajectory.moves() - run.passed;
-        let (mut target, mut stale) = (1.0_f64, false);
-        for (place, motion) in self.moves.iter().take(left).enumerate() {
-            let Some(planned) = run.trajectory.rates(run.passed + place) else {
-                break;
-            };
-            let wanted = motion.limits;
-            let own = wanted.jerk.map(least);
-            let own_speed = requests::planned_speed(wanted.speed, rate);
-            stale |= (own_speed / planned.speed - 1.0).abs() > SAME;
-            target = share_of(target, self.rate * wanted.speed / planned.speed);
-            let shares = [
-                (wanted.acceleration / planned.acceleration).sqrt(),
-                (wanted.deceleration / planned.deceleration).sqrt(),
-                own.zip(planned.jerk)
-                    .map_or(1.0, |(own, planned)| libm::cbrt(own / planned)),
-            ];
-            for share in shares {
-                stale |= (share - 1.0).abs() > SAME;
-                target = share_of(target, share);
-            }
-        }
-        run.stale = stale;
-        run.changed = clock.now();
-        let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
-        let rates = run.trajectory.least_rates();
-        let wanted = Wanted {
-            target,
-            rate: rates.acceleration.min(rates.deceleration) / speed,
-            jerk: rates.jerk.map(|jerk| jerk / speed),
-            extra: [0.0; 2],
-        };
-        run.pace.ask(wanted, &run.trajectory, clock);
-        self.plans = self.plans.wrapping_add(1);
-    }
-
-    /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
-    /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
-    /// are looked at.
-    pub fn stop_in_time(&mut self, limits: &Limits, rate: &crate::MasterRate, clock: &Clock, time: &Clock) {
-        self.asked = None;
-        let Some(run) = &mut self.run else {
-            return;
-        };
-        let now = rate.in_time(run.pace.at(clock));
-        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
-        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
-        run.course = Course::Stopping;
-        run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
-    }
-
-    /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.
-    pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
-        self.asked = None;
-        let Some(run) = &mut self.run else {
-            return;
-        };
-        let now = run.pace.at(clock);
-        let speed = run.trajectory.at(now.position).velocity.norm().max(1e-3 * limits.speed);
-        let jerk = limits.jerk.map(|jerk| jerk.deceleration);
-        let wanted = Wanted {
-            target: 0.0,
-            rate: limits.deceleration / speed,
-            jerk: jerk.map(|jerk| jerk / speed),
-            extra: [limits.deceleration, jerk.unwrap_or(0.0)],
-        };
-        run.course = Course::Stopping;
-        run.pace.ask(wanted, &run.trajectory, clock);
-    }
-
     /// Length of the curve on which the active move is travelled, units: its part of rounded corners, not what was programmed.
     pub fn length(&self) -> f64 {
         self.run.as_ref().map_or(0.0, |run| {
@@ -408,81 +252,3 @@ impl<T: Copy> ContourQueue<T> {
         Some(run.at(run.pace.at(clock)))
     }
 }
-
-impl Run {
-    /// Where the coordinate system is at a place of the trajectory's own time that goes on like this.
-    fn at(&self, pace: KinematicState) -> Sample {
-        let duration = self.trajectory.duration();
-        let own = if pace.position >= duration - ROUNDING {
-            duration
-        } else {
-            pace.position
-        };
-        let at = self.trajectory.at(own);
-        let velocity: Point = at.velocity * pace.velocity;
-        let acceleration = at.acceleration * (pace.velocity * pace.velocity) + at.velocity * pace.acceleration;
-        let speed = velocity.norm();
-        let tangential = if speed > 0.0 {
-            velocity.dot(&acceleration) / speed
-        } else {
-            0.0
-        };
-        Sample {
-            position: at.position,
-            velocity,
-            acceleration,
-            along: KinematicState {
-                position: self.gone_at(own),
-                velocity: speed,
-                acceleration: tangential,
-            },
-            phase: self.phase(&velocity, tangential, pace.velocity),
-            rotation_state: None,
-        }
-    }
-}
-
-impl Run {
-    /// How far the active move has gone along the curve at an instant of the trajectory's own time, units.
-    fn gone_at(&self, own: f64) -> f64 {
-        let (at, gone) = self.gone;
-        (gone + self.trajectory.arc_length(own) - self.trajectory.arc_length(at)).max(0.0)
-    }
-
-    /// What the speed along the curve does: a tangential acceleration of less than a hundredth of what the move and the axes may have
-    /// in that direction, at the present pace, is none, as a planned contour is never quite without one.
-    fn phase(&self, velocity: &Point, tangential: f64, pace: f64) -> Phase {
-        let speed = velocity.norm();
-        let axes = self.trajectory.axes().acceleration;
-        let most = (0..3).fold(f64::INFINITY, |most, axis| {
-            most.min(axes[axis] * speed / velocity[axis].abs())
-        });
-        let rates = self.trajectory.rates(self.passed);
-        // Where it is about to start or has all but stopped, any is one.
-        let creeps = rates.is_none_or(|rates| speed < SLIGHT * pace * rates.speed);
-        let share = if creeps { 0.0 } else { SLIGHT * pace * pace };
-        let slight = |programmed: Option<f64>| share * programmed.map_or(most, |rate| most.min(rate));
-        if tangential > slight(rates.map(|rates| rates.acceleration)) {
-            Phase::Accelerating
-        } else if -tangential > slight(rates.map(|rates| rates.deceleration)) {
-            Phase::Decelerating
-        } else {
-            Phase::Steady
-        }
-    }
-}
-
-/// The lesser of two shares; what is 1 but for rounding is 1.
-fn share_of(target: f64, share: f64) -> f64 {
-    if share < 1.0 - SAME { target.min(share) } else { target }
-}
-
-/// The jerk that a contour is planned with.
-fn least(jerk: Jerk) -> f64 {
-    jerk.acceleration.min(jerk.deceleration)
-}
-
-/// Share of an acceleration that shows as steady speed.
-const SLIGHT: f64 = 0.01;
-/// Shares that differ by no more are the same.
-const SAME: f64 = 1e-9;

@@ -7,6 +7,7 @@ use crate::look_ahead::{Ends, turns_back};
 use crate::move_trajectory::{Approach, MoveTrajectory};
 use crate::planner::Planner;
 use crate::running::{AccelerationRemoval, Move, Running};
+use crate::tolerance::DISTANCE_SHARE;
 use crate::{Clock, Instant};
 
 impl<T: Copy> Planner<T> {
@@ -124,7 +125,7 @@ impl<T: Copy> Planner<T> {
             .profile
             .at(trajectory.start.elapsed(clock) - at.elapsed(clock));
         from.position -= trajectory.offset;
-        if from.position.abs() <= NEAR * trajectory.offset {
+        if from.position.abs() <= DISTANCE_SHARE * trajectory.offset {
             from.position = 0.0;
         }
         trajectory.replan(trajectory.profile, at);
@@ -178,6 +179,3 @@ impl MoveTrajectory {
 fn passing(end: KinematicState) -> KinematicState {
     KinematicState { position: 0.0, ..end }
 }
-
-/// Share of a distance that is rounding.
-const NEAR: f64 = 1e-12;

@@ -4,8 +4,9 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::Limits;
 
 use crate::Move;
+use crate::tolerance::{COLLINEAR_SINE, SAME_TANGENT_SINE};
 
-/// What happens at the end of a move that has a successor.
+/// The kind of the end of a move that has a successor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// The successor starts from rest (termination types 0 and 1).
@@ -23,7 +24,7 @@ pub enum Ending {
     },
 }
 
-/// What joins two moves.
+/// The junction of two moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Junction {
     /// Rest in between.
@@ -36,12 +37,7 @@ pub(crate) enum Junction {
     Pass { constrained: bool, early: bool },
 }
 
-/// Lines that differ less in direction are collinear: 0.1 degree.
-const COLLINEAR: f64 = 0.001_745_328_365_898_309;
-/// Tangents that differ less are equal: what floating point leaves of an exact tangent (spec/motion-core.md §6.3).
-const TANGENT: f64 = 1e-6;
-
-/// What geometry and endings make of the place between two moves: it stays when speeds and rates change.
+/// The shape that geometry and endings give a junction: it stays when speeds and rates change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Rest,
@@ -112,9 +108,9 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
     }
 }
 
-/// What the place between two moves asks of a profile that comes to it.
+/// What a junction demands of a profile that comes to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Link {
+pub(crate) enum JunctionDemand {
     /// Nothing: the profile goes on.
     Free,
     /// The second move is slower: its programmed speed.
@@ -126,33 +122,33 @@ pub(crate) enum Link {
     Pass { speed: f64, corner: f64, constrained: bool },
 }
 
-impl Link {
-    /// Whether one profile cannot lead over the place.
+impl JunctionDemand {
+    /// Whether one profile cannot lead over the junction.
     pub(crate) fn ends_run(&self) -> bool {
-        !matches!(self, Link::Free | Link::Slower { .. })
+        !matches!(self, JunctionDemand::Free | JunctionDemand::Slower { .. })
     }
 
     /// The highest speed that programmed ones leave.
     pub(crate) fn programmed(&self) -> f64 {
         match self {
-            Link::Free => f64::INFINITY,
-            Link::Rest => 0.0,
-            Link::Slower { speed } | Link::Pass { speed, .. } => *speed,
+            JunctionDemand::Free => f64::INFINITY,
+            JunctionDemand::Rest => 0.0,
+            JunctionDemand::Slower { speed } | JunctionDemand::Pass { speed, .. } => *speed,
         }
     }
 
     /// The highest speed that the corner leaves.
     pub(crate) fn corner(&self) -> f64 {
         match self {
-            Link::Pass { corner, .. } => *corner,
-            Link::Rest => 0.0,
+            JunctionDemand::Pass { corner, .. } => *corner,
+            JunctionDemand::Rest => 0.0,
             _ => f64::INFINITY,
         }
     }
 
     /// Whether the second move has to be able to slow down in time.
     pub(crate) fn is_constrained(&self) -> bool {
-        !matches!(self, Link::Pass { constrained: false, .. })
+        !matches!(self, JunctionDemand::Pass { constrained: false, .. })
     }
 }
 
@@ -217,15 +213,15 @@ impl Joint {
         matches!(self.shape, Shape::Blend { .. } | Shape::Overtake { .. })
     }
 
-    /// What lies between two moves with these limits. One profile can lead over both where the path goes on without a corner,
+    /// The demand of the junction of two moves with these limits. One profile can lead over both where the path goes on without a corner,
     /// the rates are the same, and the second one is to be able to stop in time (spec/motion-core.md §7).
-    pub(crate) fn link(&self, first: &Limits, second: &Limits) -> Link {
+    pub(crate) fn demand(&self, first: &Limits, second: &Limits) -> JunctionDemand {
         let rates_stay = same_rates(first, second);
         match self.shape {
-            Shape::Rest | Shape::Blend { .. } => Link::Rest,
-            Shape::Overtake { .. } if rates_stay => Link::Free,
+            Shape::Rest | Shape::Blend { .. } => JunctionDemand::Rest,
+            Shape::Overtake { .. } if rates_stay => JunctionDemand::Free,
             // Where it is safe, the successor slows down from its tolerance on.
-            Shape::Overtake { .. } => Link::Pass {
+            Shape::Overtake { .. } => JunctionDemand::Pass {
                 speed: first.speed,
                 corner: f64::INFINITY,
                 constrained: true,
@@ -234,17 +230,17 @@ impl Joint {
                 let corner = self.corner;
                 let speed = first.speed.min(second.speed);
                 if corner == 0.0 {
-                    Link::Rest
+                    JunctionDemand::Rest
                 } else if !constrained || !rates_stay || corner.is_finite() {
-                    Link::Pass {
+                    JunctionDemand::Pass {
                         speed,
                         corner,
                         constrained,
                     }
                 } else if second.speed < first.speed {
-                    Link::Slower { speed }
+                    JunctionDemand::Slower { speed }
                 } else {
-                    Link::Free
+                    JunctionDemand::Free
                 }
             }
         }
@@ -262,7 +258,7 @@ pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
 /// The change of direction of a corner; zeros where the paths are tangent, or lines in one direction.
 pub(crate) fn turn(first: &Path, second: &Path) -> Point {
     let turn = second.start_tangent() - first.end_tangent();
-    if turn.norm() <= TANGENT || collinear(first, second) {
+    if turn.norm() <= SAME_TANGENT_SINE || collinear(first, second) {
         return Point::zeros();
     }
     turn
@@ -281,12 +277,12 @@ fn collinear(first: &Path, second: &Path) -> bool {
         return false;
     };
     let (before, after) = (first.direction(), second.direction());
-    before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR
+    before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR_SINE
 }
 
 /// Whether a velocity runs along a tangent: the same sense, within the angle of collinear lines.
 pub(crate) fn is_along(velocity: &Point, tangent: &Point) -> bool {
-    velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR * velocity.norm()
+    velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR_SINE * velocity.norm()
 }
 
 /// The limits of a stop that ramps out a residual velocity.

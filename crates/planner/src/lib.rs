@@ -32,9 +32,10 @@ mod ramp_out;
 mod rotation_residual;
 mod running;
 mod stopping;
+mod tolerance;
 mod travel;
 
-pub use clock::{Clock, Instant, MasterMotion, MasterRate, ROUNDING, TimeBase};
+pub use clock::{Clock, Instant, MasterMotion, MasterRate, TimeBase};
 pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, Installed};
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
@@ -43,6 +44,7 @@ pub use planner::{Planner, QueueFull};
 pub use rotation_residual::{AngularState, RotationResidual};
 pub use running::{InitialMotion, Move, Parameter, Running};
 pub use stopping::Stopping;
+pub use tolerance::SAME_INSTANT_S;
 pub use travel::{PathStopping, Travel};
 
 pub use arcline_contour as precise;

@@ -1,4 +1,4 @@
-//! What a profile aims at: the next place that binds it, at the speed that the queue behind it allows, and when the
+//! The aim of a profile: the next junction that binds it, at the speed that the queue behind it allows, and when the
 //! successor takes over.
 //!
 //! Whatever changes, and whenever: a profile ends with acceleration 0 at a place from which the rest of the queue can
@@ -9,17 +9,18 @@
 
 use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_speed};
 
-use crate::junction::{Junction, Link, junction};
+use crate::junction::{Junction, JunctionDemand, junction};
 use crate::planner::Planner;
 use crate::queue::Bound;
 use crate::running::{Running, scaled_limits};
+use crate::tolerance::ROUNDING_SHARE;
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that a profile may lead over.
 const LED_OVER: usize = 6;
 
 impl<T: Copy> Planner<T> {
-    /// What the profile of a move that is in state `from` aims at.
+    /// The aim of the profile of a move that is in state `from`.
     pub(crate) fn plan(&self, running: &Running<T>, from: KinematicState) -> Plan {
         let limits = self.limits(running);
         let length = running.motion.path.length();
@@ -39,7 +40,7 @@ impl<T: Copy> Planner<T> {
         let towards = |bound: &Bound, exit: f64, cap: f64| {
             let target = bound.at - running.run_start;
             let joined = queue.moves_before(bound);
-            let at_end = joined == 0 && (target - length).abs() <= ROUNDING * length;
+            let at_end = joined == 0 && (target - length).abs() <= ROUNDING_SHARE * length;
             Plan {
                 target: if at_end { length } else { target },
                 exit,
@@ -64,14 +65,14 @@ impl<T: Copy> Planner<T> {
                 if seen == LED_OVER {
                     break;
                 }
-                cap = cap.min(bound.link.programmed() * queue.rate());
+                cap = cap.min(bound.demand.programmed() * queue.rate());
             }
         }
         let end = queue.run_end(running.run_start + length);
         let wanted = queue.speed(&end).min(cap);
         let distance = end.at - running.run_start - from.position;
-        let beyond = distance < -ROUNDING * (running.run_start + from.position).abs();
-        if beyond && end.link.corner().is_finite() {
+        let beyond = distance < -ROUNDING_SHARE * (running.run_start + from.position).abs();
+        if beyond && end.demand.corner().is_finite() {
             // It comes back to a corner, and turns there.
             return Plan {
                 ends: Ends::Overshooting,
@@ -89,7 +90,7 @@ impl<T: Copy> Planner<T> {
         }
         let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
         let plan = towards(&end, speed, cap);
-        if end.link == Link::Rest {
+        if end.demand == JunctionDemand::Rest {
             let ends = if level && speed == 0.0 {
                 Ends::AsItMust
             } else {
@@ -101,7 +102,7 @@ impl<T: Copy> Planner<T> {
                 ..plan
             };
         }
-        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING);
+        let too_fast = speed > wanted && speed > queue.must(&end) * (1.0 + ROUNDING_SHARE);
         if level && !too_fast && !turns_back(&from, &limits) {
             return plan;
         }
@@ -112,8 +113,8 @@ impl<T: Copy> Planner<T> {
             ends: Ends::TooFast,
             ..plan
         };
-        let corner = end.link.corner();
-        if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING) {
+        let corner = end.demand.corner();
+        if corner.is_finite() && self.profile(running, from, &plan).end().velocity > corner * (1.0 + ROUNDING_SHARE) {
             return Plan { exit: 0.0, ..plan };
         }
         plan
@@ -148,7 +149,7 @@ impl<T: Copy> Planner<T> {
         };
         let (plan, profile) = self.planned(&running, from);
         // A corner that was not known may lie behind what was to be passed.
-        let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING);
+        let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING_SHARE);
         if plan.exit > running.exit || plan.joined != running.joined || too_fast {
             if approaching {
                 running.trajectory.profile = profile;
@@ -234,7 +235,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// What a profile aims at.
+/// The aim of a profile.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     /// Distance from the start of the active path.
@@ -267,13 +268,13 @@ pub(crate) enum Ends {
 /// beginning).
 fn can_rest(from: KinematicState, distance: f64, limits: &Limits) -> bool {
     let rest = Profile::stop(from, limits).end().position - from.position;
-    (0.0..=distance * (1.0 + ROUNDING)).contains(&rest)
+    (0.0..=distance * (1.0 + ROUNDING_SHARE)).contains(&rest)
 }
 
 /// Whether a deceleration can only be taken back when the motion has passed through rest.
 pub(crate) fn turns_back(from: &KinematicState, limits: &Limits) -> bool {
     let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
-    let least = (1.0 + ROUNDING) * from.velocity;
+    let least = (1.0 + ROUNDING_SHARE) * from.velocity;
     from.acceleration < 0.0 && limits.jerk.is_some_and(|jerk| least < relieved(jerk))
 }
 
@@ -288,6 +289,3 @@ impl<T> Running<T> {
         self.joined = plan.joined;
     }
 }
-
-/// Share of a speed that is rounding.
-const ROUNDING: f64 = 1e-9;

@@ -14,9 +14,10 @@ use crate::Clock;
 use crate::junction::is_along;
 use crate::move_trajectory::{Part, Residual};
 use crate::path_with_residual::PathWithResidual;
-use crate::planner::{NO_ACCELERATION, Planner};
-use crate::ramp_out::{ROUNDING_SHARE, RampOut, short};
+use crate::planner::Planner;
+use crate::ramp_out::{RampOut, short};
 use crate::running::{AccelerationRemoval, InitialMotion, Move, scaled_limits};
+use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE, SPLIT_VELOCITY_SHARE};
 
 impl<T: Copy> Planner<T> {
     /// Starts a move at the present tick out of another motion.
@@ -49,7 +50,7 @@ impl<T: Copy> Planner<T> {
         let direction = initial.velocity / speed;
         let along = initial.acceleration.dot(&direction);
         let across = (initial.acceleration - direction * along).norm();
-        let level = across <= NO_ACCELERATION * initial.acceleration.norm();
+        let level = across <= NO_ACCELERATION_SHARE * initial.acceleration.norm();
         if path.length() > 0.0 && level && is_along(&initial.velocity, &tangent) {
             let from = KinematicState {
                 position: 0.0,
@@ -197,7 +198,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
         let before = drift;
         drift = parts.iter().map(Part::total).sum::<Point>() / path.length();
         // The velocity steps by this.
-        if (drift - before).norm() * along.velocity <= ROUNDING * velocity.norm() {
+        if (drift - before).norm() * along.velocity <= SPLIT_VELOCITY_SHARE * velocity.norm() {
             return Some(Pieces {
                 parts,
                 from: along,
@@ -214,5 +215,3 @@ const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 const SPLITTINGS: usize = 32;
 /// Square of the share of a path that a compensation may leave.
 const LEAST_WAY: f64 = 0.01;
-/// Share of the velocity by which the split may change it.
-const ROUNDING: f64 = 1e-13;

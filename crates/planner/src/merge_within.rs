@@ -10,17 +10,18 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use crate::move_trajectory::{Part, Residual};
-use crate::planner::{NO_ACCELERATION, Planner};
+use crate::planner::Planner;
 use crate::running::{InitialMotion, Move};
+use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
 use crate::{Clock, Instant};
 
-/// What a path may use of the limits of the axes.
+/// The share of the limits of the axes that a path may use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Within {
     axes: AxisLimits,
     path: Path,
     share: f64,
-    /// What every unit of the path takes back of the residual.
+    /// The part of the residual that every unit of the path takes back.
     drift: Point,
 }
 
@@ -162,7 +163,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
                 Path::Line(_) => residual + path,
                 Path::Arc(_) => residual.abs() + path,
             };
-            residual.abs().max(sum.abs()) <= axes.speed[axis] * NEARLY
+            residual.abs().max(sum.abs()) <= axes.speed[axis] * (1.0 + ROUNDING_SHARE)
         })
     });
     kept.then_some(ResidualPlan { parts, wait, within })
@@ -184,8 +185,8 @@ fn kept(path: &Path, initial: &InitialMotion) -> bool {
     matches!(path, Path::Line(_))
         && path.length() > 0.0
         && initial.velocity.dot(&tangent) > 0.0
-        && initial.velocity.cross(&tangent).norm() <= NO_ACCELERATION * initial.velocity.norm()
-        && across <= NO_ACCELERATION * initial.acceleration.norm()
+        && initial.velocity.cross(&tangent).norm() <= NO_ACCELERATION_SHARE * initial.velocity.norm()
+        && across <= NO_ACCELERATION_SHARE * initial.acceleration.norm()
 }
 
 /// What the axes do is ramped out with a share of their limits, and of the programmed deceleration. A path without length
@@ -206,7 +207,7 @@ fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &P
         } else {
             0.0
         };
-        f64::max(if along.is_finite() { along } else { 0.0 }, alone).max(LEAST)
+        f64::max(if along.is_finite() { along } else { 0.0 }, alone).max(LEAST_RATE_UNITS)
     };
     [0, 1, 2].map(|axis| {
         let deceleration = rate(axis, own.deceleration, &axes.acceleration);
@@ -270,7 +271,7 @@ impl Within {
         }
     }
 
-    /// What a unit of the path moves every axis; along an arc the most of it.
+    /// The distance of every axis for a unit of the path; along an arc the largest one.
     fn most_tangent(&self) -> Point {
         match &self.path {
             Path::Line(line) => line.direction() - self.drift,
@@ -304,7 +305,7 @@ impl Within {
     /// Halves of the acceleration along and across; thirds of the jerk `j t + 3 v a k n - k² v³ t`.
     fn on_arc(&self, own: &Limits, normal: &Point, curvature: f64) -> Limits {
         let in_plane = in_plane(normal);
-        let each = || (0..3).filter(|&axis| in_plane[axis] > 1e-9);
+        let each = || (0..3).filter(|&axis| in_plane[axis] > NO_COMPONENT_SINE);
         let along = |axis: usize| in_plane[axis] + self.drift[axis].abs();
         let across = |axis: usize| in_plane[axis] * curvature;
         let a_of = |axis: usize| self.share * self.axes.acceleration[axis] / 2.0;
@@ -343,14 +344,11 @@ fn in_plane(normal: &Point) -> Point {
     normal.map(|n| (1.0 - n * n).max(0.0).sqrt())
 }
 
-/// What residual and path have each.
+/// The share of the limits that residual and path have each.
 const HALF: f64 = 0.5;
 /// An override may make a move so much faster.
 const MOST_RATE: f64 = 2.0;
 /// Instants at which the sum of both is looked at.
 const LOOKS: u32 = 100;
-const NEARLY: f64 = 1.0 + 1e-9;
 /// How much tighter than its radius a spiral within what is accepted may turn.
 const TIGHTER: f64 = 1.05;
-/// A rate that an axis has which does not move.
-const LEAST: f64 = 1e-3;

@@ -3,7 +3,8 @@
 use crate::junction::Ending;
 use crate::planner::Planner;
 use crate::running::Running;
-use crate::{Clock, Instant, ROUNDING};
+use crate::tolerance::SAME_INSTANT_S;
+use crate::{Clock, Instant};
 
 /// A point on the way of the active move that lies at or before the present tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ impl<T: Copy> Planner<T> {
         let running = self.active.as_ref()?;
         let elapsed = running.trajectory.start.elapsed(clock);
         // A stop is over when it stands, to the last bit.
-        let rounding = if running.stopped { 0.0 } else { ROUNDING };
+        let rounding = if running.stopped { 0.0 } else { SAME_INSTANT_S };
         let instant = |seconds: f64| running.trajectory.start.after(seconds.min(elapsed), clock);
         if let Some(at) = self.hand_over_at
             && elapsed >= at - rounding
@@ -71,11 +72,11 @@ impl<T: Copy> Planner<T> {
                 };
             }
         }
-        let place = trajectory.offset + length - distance;
-        if place < trajectory.profile.start().position {
+        let event_position = trajectory.offset + length - distance;
+        if event_position < trajectory.profile.start().position {
             return EventTime::Passed;
         }
-        match trajectory.profile.time_at_position(place) {
+        match trajectory.profile.time_at_position(event_position) {
             Some(planned) => at(planned),
             None if arrives => at(trajectory.profile.duration()),
             None => EventTime::Never,

@@ -4,7 +4,8 @@ use arcline_geometry::{Path, PathPoint, Point, Rotation, RotationState};
 use arcline_profile::{Bounds, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
 
 use crate::running::scaled_limits;
-use crate::{Clock, Instant, MasterRate, ROUNDING};
+use crate::tolerance::{DISTANCE_SHARE, ROUNDING_SHARE, SAME_INSTANT_S};
+use crate::{Clock, Instant, MasterRate};
 
 /// A path with the profile along it, from an instant on.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,7 @@ pub(crate) struct MoveTrajectory {
     pub(crate) path: Path,
     /// How the orientation turns along `path`.
     pub(crate) rotation: Option<Rotation>,
-    /// What lies before the start of `path`: the end of a collinear predecessor.
+    /// The distance before the start of `path`, on a collinear predecessor.
     pub(crate) lead: Option<Path>,
     /// The predecessor's own way to the start of `path`, where the move became active before its end.
     pub(crate) approach: Option<Approach>,
@@ -69,14 +70,11 @@ pub struct Sample {
     pub acceleration: Point,
     /// State along the path: distance from its start, speed, tangential acceleration.
     pub along: KinematicState,
-    /// What the speed along the path does.
+    /// Whether the speed along the path rises or falls.
     pub phase: Phase,
     /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
     pub rotation_state: Option<RotationState>,
 }
-
-/// Share of a speed that is rounding.
-const NEARLY_NONE: f64 = 1e-9;
 
 impl MoveTrajectory {
     pub(crate) fn sample(&self, clock: &Clock) -> Sample {
@@ -140,7 +138,7 @@ impl MoveTrajectory {
                 // It does not get there: what lies behind makes no difference.
                 None => return usize::MAX,
             };
-            if speed > corner * (1.0 + NEARLY_NONE) {
+            if speed > corner * (1.0 + ROUNDING_SHARE) {
                 break;
             }
             end += path.length();
@@ -194,7 +192,7 @@ impl MoveTrajectory {
     /// Whether the profile's end is the end of the path, but for the rounding of the offset.
     fn ends_here(&self) -> bool {
         let length = self.path.length();
-        (self.profile.end().position - self.offset - length).abs() <= 1e-12 * (self.offset + length)
+        (self.profile.end().position - self.offset - length).abs() <= DISTANCE_SHARE * (self.offset + length)
     }
 
     /// Runs another profile from an instant on, beginning in the state of that instant.
@@ -272,7 +270,7 @@ impl MoveTrajectory {
 
     /// Whether everything of this trajectory has come to its end at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
-        self.start.elapsed(clock) - at.elapsed(clock) >= self.duration(clock) - ROUNDING
+        self.start.elapsed(clock) - at.elapsed(clock) >= self.duration(clock) - SAME_INSTANT_S
     }
 
     /// Seconds after the start at which everything of this trajectory has come to its end.

@@ -8,7 +8,8 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{KinematicState, Lead, Limits, Phase, Profile};
 
 use crate::move_trajectory::Part;
-use crate::ramp_out::{ROUNDING_SHARE, forward};
+use crate::ramp_out::forward;
+use crate::tolerance::{ROUNDING_SHARE, VERTEX_SHARE};
 
 /// A path that is travelled while something ramps out.
 pub(crate) struct PathWithResidual<'a> {
@@ -131,8 +132,8 @@ impl PathWithResidual<'_> {
                 continue;
             }
             let mut looks = [first; LOOKS + 1];
-            for (place, look) in looks.iter_mut().enumerate().skip(1) {
-                *look = square(begin + length * place as f64 / LOOKS as f64);
+            for (look_index, look) in looks.iter_mut().enumerate().skip(1) {
+                *look = square(begin + length * look_index as f64 / LOOKS as f64);
             }
             if highest(&square, begin, end, &looks, most) > most {
                 return false;
@@ -148,15 +149,21 @@ fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOO
     let (mut begin, mut end, mut looks) = (begin, end, *looks);
     let mut found = vertices(&looks);
     for _ in 0..NARROWINGS {
-        if found > most || found <= most * (1.0 - NEAR) {
+        if found > most || found <= most * (1.0 - VERTEX_SHARE) {
             break;
         }
-        let top = (0..=LOOKS).fold(0, |top, place| if looks[place] > looks[top] { place } else { top });
+        let top = (0..=LOOKS).fold(0, |top, look_index| {
+            if looks[look_index] > looks[top] {
+                look_index
+            } else {
+                top
+            }
+        });
         let (before, after) = (top.saturating_sub(1), (top + 1).min(LOOKS));
         let step = (end - begin) / LOOKS as f64;
         (begin, end) = (begin + step * before as f64, begin + step * after as f64);
         let part = (end - begin) / LOOKS as f64;
-        looks = std::array::from_fn(|place| square(begin + part * place as f64));
+        looks = std::array::from_fn(|look_index| square(begin + part * look_index as f64));
         found = vertices(&looks);
     }
     found
@@ -224,7 +231,5 @@ const BISECTIONS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
 const LOOKS: usize = 4;
-/// A parabola through three looks is off by less than this share of its vertex.
-const NEAR: f64 = 1e-2;
 /// Each looks at a half of the interval before, or less.
 const NARROWINGS: usize = 4;

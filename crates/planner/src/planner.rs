@@ -25,9 +25,9 @@ pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
     /// The end of a move that the active one blends with.
     pub(crate) tail: Option<MoveTrajectory>,
-    /// What the turn of that end may be braked with, radians and seconds.
+    /// The limits of a stop of the rotation of that end, radians and seconds.
     pub(crate) tail_turns: Option<Limits>,
-    /// What is left of a turn that a merge took over.
+    /// The rest of a rotation that a merge took over.
     pub(crate) ramping_out: Option<RampingOut>,
     pub(crate) queue: Queue<T>,
     depth: usize,
@@ -39,7 +39,7 @@ pub struct Planner<T> {
     trail_ends: bool,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
-    /// What the active move may use of the limits of the axes, where these are kept.
+    /// The share of the limits of the axes that the active move may use, where these are kept.
     pub(crate) within: Option<Within>,
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
@@ -59,9 +59,6 @@ impl Beyond {
         (&self.path, self.corner)
     }
 }
-
-/// Share of an acceleration that is none: what rounding leaves across the direction of motion.
-pub(crate) const NO_ACCELERATION: f64 = 1e-9;
 
 impl<T: Copy> Planner<T> {
     /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
@@ -380,7 +377,7 @@ impl<T: Copy> Planner<T> {
         self.schedule(running.begun, clock);
     }
 
-    /// What the profile of a move aims at, and the profile, behind what takes a present acceleration away.
+    /// The aim of the profile of a move, and the profile, behind the removal of a present acceleration.
     pub(crate) fn planned(&self, running: &Running<T>, from: KinematicState) -> (Plan, Profile) {
         let lead = running.removal.lead(from, &self.limits(running));
         let level = lead.map_or(from, |lead| lead.end());

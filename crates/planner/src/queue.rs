@@ -22,7 +22,7 @@ pub(crate) use bounds::Bound;
 use bounds::{BackwardPass, LEAST, MOST, WORK, WORK_OF_A_CHANGE};
 
 use crate::corners::Corners;
-use crate::junction::{Joint, Link};
+use crate::junction::{Joint, JunctionDemand};
 use crate::running::Move;
 
 /// Pending moves, oldest first, each known by its number.
@@ -179,10 +179,10 @@ impl<T: Copy> Queue<T> {
                 self.corners.clear();
             }
             let end = start + before.path.length();
-            let link = joint.link(&before.limits, &motion.limits);
+            let demand = joint.demand(&before.limits, &motion.limits);
             waiting.blended = joint.blends();
             waiting.joint = joint;
-            waiting.start = self.bind(next, end, link);
+            waiting.start = self.bind(next, end, demand);
         }
         self.moves.push_back(waiting);
         let (stale, work) = self
@@ -216,9 +216,9 @@ impl<T: Copy> Queue<T> {
             }
         }
         let joint = Joint::new(active, &front.motion, blended, &self.corner_step).at_most(front.joint.corner());
-        let link = joint.link(&active.limits, &front.motion.limits);
+        let demand = joint.demand(&active.limits, &front.motion.limits);
         let length = active.path.length();
-        let (start, at) = if link.ends_run() {
+        let (start, at) = if demand.ends_run() {
             (0.0, length)
         } else {
             (front.start - length, front.start)
@@ -226,16 +226,16 @@ impl<T: Copy> Queue<T> {
         let mut bound = Bound {
             next: self.first,
             at,
-            link,
+            demand,
             speed: 0.0,
             corners: 0.0,
         };
         let following = self.following(self.first);
         bound.corners = self.corners_from(&bound, &following);
         bound.speed = self.speed_at(&bound, &following);
-        match link {
-            Link::Free => {}
-            Link::Slower { .. } => self.slower.push_front(bound),
+        match demand {
+            JunctionDemand::Free => {}
+            JunctionDemand::Slower { .. } => self.slower.push_front(bound),
             _ => self.ends.push_front(bound),
         }
         start
@@ -250,11 +250,11 @@ impl<T: Copy> Queue<T> {
             change(&mut waiting.motion);
         }
         // What lies before the first one is found when the active one is planned.
-        for place in 1..self.moves.len() {
-            let [before, here] = [&self.moves[place - 1], &self.moves[place]];
-            let link = here.joint.link(&before.motion.limits, &here.motion.limits);
+        for move_index in 1..self.moves.len() {
+            let [before, here] = [&self.moves[move_index - 1], &self.moves[move_index]];
+            let demand = here.joint.demand(&before.motion.limits, &here.motion.limits);
             let end = before.start + before.motion.path.length();
-            self.moves[place].start = self.bind(self.first.plus(place), end, link);
+            self.moves[move_index].start = self.bind(self.first.plus(move_index), end, demand);
         }
         let count = self.within(distance, MOST).max(LEAST);
         self.look_again(count);
@@ -300,7 +300,7 @@ impl<T: Copy> Queue<T> {
         self.ends.front().copied().unwrap_or_else(|| Bound {
             next: self.behind(),
             at: self.end().unwrap_or(end),
-            link: Link::Rest,
+            demand: JunctionDemand::Rest,
             speed: 0.0,
             corners: f64::INFINITY,
         })
@@ -308,20 +308,20 @@ impl<T: Copy> Queue<T> {
 
     /// Adds the bound before a move, if there is one; `end` is that of the move before it on its run. Returns where on its run
     /// the move begins.
-    fn bind(&mut self, next: MoveNumber, end: f64, link: Link) -> f64 {
+    fn bind(&mut self, next: MoveNumber, end: f64, demand: JunctionDemand) -> f64 {
         let bound = Bound {
             next,
             at: end,
-            link,
+            demand,
             speed: 0.0,
             corners: 0.0,
         };
-        match link {
-            Link::Free => {}
-            Link::Slower { .. } => self.slower.push_back(bound),
+        match demand {
+            JunctionDemand::Free => {}
+            JunctionDemand::Slower { .. } => self.slower.push_back(bound),
             _ => self.ends.push_back(bound),
         }
-        if link.ends_run() { 0.0 } else { end }
+        if demand.ends_run() { 0.0 } else { end }
     }
 
     /// Where the last move ends on its run.

@@ -9,10 +9,11 @@ use arcline_profile::{Jerk, KinematicState, Lead, Limits, Profile};
 
 use crate::junction::braking;
 use crate::move_trajectory::Part;
-use crate::planner::{NO_ACCELERATION, Planner};
+use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
+use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
 
-/// What is terminated, and how it ramps out.
+/// The motion that is terminated, and how it ramps out.
 #[derive(Clone, Copy)]
 pub(crate) struct RampOut {
     pub(crate) initial: InitialMotion,
@@ -63,7 +64,7 @@ impl RampOut {
             along = 0.0;
         }
         let mut across = acceleration - direction * along;
-        if across.norm() <= NO_ACCELERATION * self.initial.acceleration.norm() || self.across.is_infinite() {
+        if across.norm() <= NO_ACCELERATION_SHARE * self.initial.acceleration.norm() || self.across.is_infinite() {
             across = Point::zeros();
         }
         let nothing = Part::new(Point::zeros(), Profile::rest(0.0));
@@ -237,5 +238,3 @@ const MOST_HASTE: f64 = 1e6;
 /// How often a stop is hastened twofold at most, and how exactly the least haste is found.
 const DOUBLINGS: usize = 24;
 const HALVINGS: usize = 20;
-/// Share of a speed or a distance that is rounding.
-pub(crate) const ROUNDING_SHARE: f64 = 1e-9;

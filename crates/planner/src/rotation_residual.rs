@@ -11,7 +11,8 @@ use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 use crate::junction::braking;
 use crate::planner::Planner;
 use crate::running::{Parameter, Running};
-use crate::{Clock, Instant, MasterRate, ROUNDING};
+use crate::tolerance::SAME_INSTANT_S;
+use crate::{Clock, Instant, MasterRate};
 
 /// How an orientation turns at an instant.
 #[derive(Clone, Copy, Debug)]
@@ -40,13 +41,13 @@ impl AngularState {
     #[must_use]
     pub fn by_displacement(&self, rate: &MasterRate, nominal: f64) -> AngularState {
         let mut own = *self;
-        for place in 0..own.rate.len() {
+        for component in 0..own.rate.len() {
             let state = rate.by_displacement(KinematicState {
                 position: 0.0,
-                velocity: self.rate[place],
-                acceleration: self.change[place],
+                velocity: self.rate[component],
+                acceleration: self.change[component],
             });
-            (own.rate[place], own.change[place]) = (state.velocity, state.acceleration);
+            (own.rate[component], own.change[component]) = (state.velocity, state.acceleration);
         }
         let backwards = Parameter {
             speed: nominal.recip(),
@@ -126,7 +127,7 @@ impl RampingOut {
 
     /// Whether it is at rest at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
-        self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - ROUNDING
+        self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - SAME_INSTANT_S
     }
 
     /// Seconds after an instant at which it is at rest.
@@ -200,7 +201,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// What of a rotation still ramps out, as a function of time.
+    /// The part of a rotation that still ramps out, as a function of time.
     pub(crate) fn ramping_out_in_time(&self, rate: &MasterRate, clock: &Clock, time: &Clock) -> Option<RampingOut> {
         let out = self.ramping_out.filter(|out| !out.is_over_at(&clock.now(), clock))?;
         let parameter = &self.active.as_ref()?.motion.parameter;

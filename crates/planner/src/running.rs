@@ -21,15 +21,15 @@ pub struct Move<T> {
     pub corner: f64,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
-    /// What happens at its end if it has a successor.
+    /// The kind of its end, if it has a successor.
     pub ending: Ending,
-    /// What it is a function of.
+    /// The variable that it is a function of.
     pub parameter: Parameter,
     /// The owner's own data.
     pub data: T,
 }
 
-/// What a move is a function of: time, or one of the ways that its owner numbers. All clocks that a planner is given show
+/// The variable that a move is a function of: time, or one of the ways that its owner numbers. All clocks that a planner is given show
 /// that of its active move. Moves of different ones do not go over into each other without rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {

@@ -1,4 +1,4 @@
-//! What a stop on the path would do if it began at an instant: looked at before it is needed.
+//! A stop on the path as it would be if it began at an instant: for a look before it is needed.
 //!
 //! A [`Stopping`] is what the planner, or a queue of contours, would be after [`Planner::stop_soonest`]; sampling it changes
 //! nothing. Nothing here allocates. Position units, seconds.
@@ -16,7 +16,7 @@ use crate::{Clock, MasterRate, Parameter, Sample};
 pub struct Stopping {
     active: MoveTrajectory,
     tail: Option<MoveTrajectory>,
-    /// What is left of the turn of a move that a merge ended.
+    /// The rest of the rotation of a move that a merge ended.
     ramping_out: Option<RampingOut>,
     /// How many of the paths of [`Planner::beyond`] it may lead over.
     followed: usize,
@@ -32,7 +32,7 @@ impl Stopping {
 }
 
 impl<T: Copy> Planner<T> {
-    /// What [`Planner::stop_soonest`] would do at `clock`, which may lie ahead of the present tick. Real-time.
+    /// The stop of [`Planner::stop_soonest`] at `clock`, which may lie ahead of the present tick. Real-time.
     pub fn stopping(&self, limits: &Limits, clock: &Clock) -> Option<Stopping> {
         let limits = &self.allowed(limits);
         let before = self.before();
@@ -47,7 +47,7 @@ impl<T: Copy> Planner<T> {
         Some(Stopping::of(active, tail, self.ramping_out, followed, clock))
     }
 
-    /// What [`Planner::stop_in_time`] would do, where `clock` shows the displacement that the master will have at `time`, and
+    /// The stop of [`Planner::stop_in_time`], where `clock` shows the displacement that the master will have at `time`, and
     /// `rate` how that goes on. Real-time.
     pub fn stopping_in_time(
         &self,

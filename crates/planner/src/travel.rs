@@ -324,7 +324,7 @@ impl<T: Copy> Travel<T> {
         (contour.pop().map(|motion| motion.data), trajectory)
     }
 
-    /// What contours are functions of: time, or the time that a master at the speed that they are planned for would have taken for its
+    /// The variable that contours are functions of: time, or the time that a master at the speed that they are planned for would have taken for its
     /// displacement.
     fn contour_clock(&self, base: &TimeBase) -> Clock {
         base.master.as_ref().map_or(base.time, |master| {

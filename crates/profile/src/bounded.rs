@@ -11,6 +11,7 @@ use crate::KinematicState;
 use crate::builder::MAX_SEGMENTS;
 use crate::limits::{Jerk, Limits, Shape};
 use crate::profile::{Profile, Segment};
+use crate::tolerance::LIMIT_SHARE;
 
 /// The Dynamics Configuration Bits of an axis or a coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +81,7 @@ impl Lead {
         if square == 0.0 {
             return None;
         }
-        let most = ceiling.max(speed) * (1.0 + ROUNDING);
+        let most = ceiling.max(speed) * (1.0 + LIMIT_SHARE);
         let jerk = if from.velocity * from.acceleration >= 0.0 {
             if speed + 0.5 * square * own.up.per_jerk <= most {
                 return None;
@@ -265,8 +266,5 @@ impl Limits {
 fn critical_jerk(from: &KinematicState) -> Option<f64> {
     let brakes = from.velocity * from.acceleration < 0.0;
     let jerk = 0.5 * from.acceleration * from.acceleration / from.velocity.abs();
-    brakes.then_some(jerk * (1.0 + ROUNDING))
+    brakes.then_some(jerk * (1.0 + LIMIT_SHARE))
 }
-
-/// Share of a speed or a jerk that is rounding.
-const ROUNDING: f64 = 1e-13;

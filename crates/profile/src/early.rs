@@ -10,6 +10,7 @@
 use crate::builder::Trial;
 use crate::limits::{SCurve, Side};
 use crate::peak::{ramp_and_slope, ramp_time};
+use crate::tolerance::{NEWTON_STEP_SHARE, ROUNDED_SHARE};
 
 /// While relaxing from `state` (`v > 0`, `a < 0`): the deceleration at which to stop relaxing, so that
 /// slowing down again from there ends at rest at `x`.
@@ -71,12 +72,12 @@ fn solve(mut below: f64, mut above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
         let newton = at - error / slope;
         let (low, high) = (below.min(above), below.max(above));
         // Quadratic convergence: the step after one so small is below rounding.
-        if (newton - at).abs() <= 1e-9 * at {
+        if (newton - at).abs() <= NEWTON_STEP_SHARE * at {
             return newton.clamp(low, high);
         }
         let inside = newton > low && newton < high;
         at = if inside { newton } else { 0.5 * (below + above) };
-        if high - low <= 2e-16 * high {
+        if high - low <= ROUNDED_SHARE * high {
             break;
         }
     }

@@ -27,6 +27,7 @@ mod position;
 mod profile;
 mod ramp;
 mod root;
+mod tolerance;
 mod trapezoid;
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::KinematicState;
 use crate::builder::Trial;
 use crate::limits::{Limits, SCurve, Shape, Side, Trapezoid, sane};
 use crate::ramp::{approach, ramp};
+use crate::tolerance::LOOKAHEAD_SHARE;
 use crate::{peak, root};
 
 /// Distance (units, at least 0) from `speed` with acceleration 0 to rest.
@@ -153,7 +154,7 @@ fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
     if least >= low || at_least >= 0.0 {
         return least.min(low);
     }
-    let tolerance = 1e-14 * length.max(at_least.abs());
+    let tolerance = LOOKAHEAD_SHARE * length.max(at_least.abs());
     let more = root::solve(low - least, at_least, at_low.max(0.0), tolerance, |w| {
         reach(least + w) - length
     });

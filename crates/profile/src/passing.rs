@@ -9,6 +9,7 @@ use crate::limits::{Limits, SCurve, Shape, sane};
 use crate::lookahead::exit_speed;
 use crate::ramp::ramp;
 use crate::root;
+use crate::tolerance::DISTANCE_SHARE;
 
 /// How a place ahead is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +47,7 @@ pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Li
     };
     match limits.shape() {
         Shape::Trapezoid(limits) => {
-            let square = now.v * now.v - 2.0 * limits.deceleration * length * (1.0 + ROUNDING);
+            let square = now.v * now.v - 2.0 * limits.deceleration * length * (1.0 + DISTANCE_SHARE);
             let slow = now.v <= wanted || square <= wanted * wanted;
             Passing {
                 speed: if slow { wanted } else { square.max(0.0).sqrt() },
@@ -66,7 +67,7 @@ fn brake(now: Trial, length: f64, wanted: f64, limits: &SCurve) -> Passing {
     };
     let at = |speed: f64, level: bool| Passing { speed, level };
     let missed = misses_by(wanted);
-    let tolerance = ROUNDING * length;
+    let tolerance = DISTANCE_SHARE * length;
     if missed <= tolerance {
         return at(wanted, true);
     }
@@ -87,6 +88,3 @@ fn brake(now: Trial, length: f64, wanted: f64, limits: &SCurve) -> Passing {
     });
     at(level - less, true)
 }
-
-/// Share of a way that is rounding.
-const ROUNDING: f64 = 1e-12;

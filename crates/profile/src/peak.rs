@@ -4,6 +4,7 @@
 //! that most profiles need. Units: position units, seconds; all velocities in the direction of the move.
 
 use crate::limits::{SCurve, Side};
+use crate::tolerance::{NEWTON_STEP_SHARE, ROUNDED_SHARE};
 
 /// A rise by `up`, a cruise at `top` for `cruise` seconds, a fall by `down`.
 #[derive(Clone, Copy, Debug)]
@@ -111,7 +112,7 @@ fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, start: f64, most: f
         let inside = step < 1.0 && newton >= below && newton <= above;
         w = if inside { newton } else { 0.5 * (below + above) };
         // Quadratic convergence: the step after this one is below rounding.
-        if step.abs() <= 1e-9 || above - below <= 2e-16 * above {
+        if step.abs() <= NEWTON_STEP_SHARE || above - below <= ROUNDED_SHARE * above {
             break;
         }
     }

@@ -12,6 +12,9 @@ use crate::limits::{SCurve, displacement};
 use crate::peak::{self, Peak};
 use crate::profile::Profile;
 use crate::ramp::{approach, change_by, ramp};
+use crate::tolerance::{
+    ABOVE_ROUNDING_SHARE, CLOSE_DISPLACEMENT_SHARE, DISPLACEMENT_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE,
+};
 use crate::{early, root};
 
 pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, limits: &SCurve) {
@@ -31,7 +34,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
         ramp_displacement(from, end_speed, limits)
     };
     let mut near = nearness(from, target, x, x0);
-    if (x - x0).abs() <= CLOSE * x.abs().max(x0.abs()) {
+    if (x - x0).abs() <= CLOSE_DISPLACEMENT_SHARE * x.abs().max(x0.abs()) {
         let farthest;
         (x0, farthest) = ramp_excursion(from, end_speed, limits);
         // A ramp that comes back knows its end to the digits of the way out only, and so does who asked for its end speed.
@@ -184,7 +187,7 @@ fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurv
             if before == f64::NEG_INFINITY {
                 before = misses_by(state);
             }
-            let tolerance = 4e-15 * x.abs().max(before.abs()).max(state.x.abs());
+            let tolerance = SAMPLED_POSITION_SHARE * x.abs().max(before.abs()).max(state.x.abs());
             root::solve(length, before.min(0.0), after, tolerance, |u| {
                 let mut trial = state;
                 trial.push(u, jerk);
@@ -225,11 +228,8 @@ fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
 fn farthest_stop(from: &KinematicState, limits: &SCurve) -> f64 {
     let relieving = from.acceleration.abs() * limits.up.per_jerk.max(limits.down.per_jerk);
     let fastest = from.velocity.abs() + 0.5 * from.acceleration.abs() * relieving;
-    MARGIN * fastest * (2.0 * relieving + 0.5 * peak::ramp_time(fastest, &limits.down).0)
+    (1.0 + ABOVE_ROUNDING_SHARE) * fastest * (2.0 * relieving + 0.5 * peak::ramp_time(fastest, &limits.down).0)
 }
-
-/// Above 1 by more than rounding.
-const MARGIN: f64 = 1.0 + 1e-9;
 
 /// Displacement of the stop from here in closed form, to a few digits less than [`ramp_displacement`].
 fn stop_displacement(from: &KinematicState, limits: &SCurve) -> f64 {
@@ -263,9 +263,6 @@ fn stop_displacement(from: &KinematicState, limits: &SCurve) -> f64 {
     let higher = v + relieved;
     sign * (peak::ramp(0.0, higher, down) - relaxing * (higher - relieved * (1.0 / 3.0)))
 }
-
-/// Relative difference of displacements below which every digit of them counts.
-const CLOSE: f64 = 1e-6;
 
 fn ramp_displacement(from: &KinematicState, velocity: f64, limits: &SCurve) -> f64 {
     ramp_excursion(from, velocity, limits).0
@@ -314,7 +311,7 @@ impl Sink for Excursion {
 
 /// Differences of displacement below this are rounding.
 pub(crate) fn nearness(from: &KinematicState, target: f64, x: f64, x0: f64) -> f64 {
-    2e-15 * x.abs().max(x0.abs()) + 2e-16 * from.position.abs().max(target.abs())
+    DISPLACEMENT_SHARE * x.abs().max(x0.abs()) + ROUNDED_SHARE * from.position.abs().max(target.abs())
 }
 
 fn arrived(target: f64, velocity: f64) -> KinematicState {

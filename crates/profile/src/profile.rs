@@ -6,6 +6,7 @@
 use crate::KinematicState;
 use crate::builder::{Builder, MAX_SEGMENTS};
 use crate::limits::{Limits, Shape, sane};
+use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE};
 use crate::{position, ramp, trapezoid};
 
 /// What a motion does at an instant.
@@ -237,7 +238,7 @@ impl Profile {
                 (nearest, when) = ((s - position).abs(), time);
             }
         }
-        (nearest <= ROUNDING * largest).then_some(when)
+        (nearest <= SAMPLED_POSITION_SHARE * largest).then_some(when)
     }
 
     /// Start times of the segments, for plots and tests: at most 14, ascending.
@@ -346,7 +347,7 @@ impl Segment {
             } else {
                 high = u
             }
-            if high - low <= 4e-16 * high {
+            if high - low <= BRACKET_SHARE * high {
                 break;
             }
             let newton = u - error / state.velocity;
@@ -355,7 +356,7 @@ impl Segment {
             } else {
                 0.5 * (low + high)
             };
-            if (next - u).abs() <= 2e-16 * u {
+            if (next - u).abs() <= ROUNDED_SHARE * u {
                 return next;
             }
             u = next;
@@ -363,9 +364,6 @@ impl Segment {
         u
     }
 }
-
-/// Relative error of a sampled position.
-const ROUNDING: f64 = 4e-15;
 
 /// Multiplied, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;

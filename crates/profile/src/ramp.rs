@@ -6,6 +6,7 @@
 
 use crate::builder::Sink;
 use crate::limits::{SCurve, Side};
+use crate::tolerance::SAME_VELOCITY_SHARE;
 
 /// From the sink's state to velocity `vt` with acceleration 0: at most nine segments.
 pub(crate) fn ramp<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
@@ -33,7 +34,7 @@ pub(crate) fn approach<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) -> bool 
         let (v, a, vt) = (sign * v, sign * a, sign * vt);
         if a > 0.0 || (a == 0.0 && vt >= v) {
             let vz = v + 0.5 * a * a * limits.up.per_jerk;
-            if vt >= vz - SNAP * vz {
+            if vt >= vz - SAME_VELOCITY_SHARE * vz {
                 return true;
             }
             sink.push(a * limits.up.per_jerk, -sign * limits.up.jerk);
@@ -91,7 +92,7 @@ fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: 
     let relieved = 0.5 * b * b * side.per_jerk;
     if vt >= 0.0 {
         let above = v - relieved - vt;
-        let slack = SNAP * (v + relieved);
+        let slack = SAME_VELOCITY_SHARE * (v + relieved);
         if v < relieved - slack {
             // Speed must pass 0 whatever is done.
             cross(sink, v, b, sign, side.jerk);
@@ -142,7 +143,4 @@ fn cross<S: Sink>(sink: &mut S, v: f64, b: f64, sign: f64, j: f64) {
     sink.set(0.0, -sign * left);
 }
 
-/// Relative difference of velocities that is rounding: a ramp over it would take a visible time
-/// (square root) for an invisible change.
-const SNAP: f64 = 2e-15;
 const MAX_PASSES: usize = 8;

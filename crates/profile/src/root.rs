@@ -1,5 +1,7 @@
 //! One bracketed root of a monotone function that may have corners, plateaus and square roots.
 
+use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE};
+
 /// The place in `0..=length` where `f`, non-decreasing with `f(0) = at_start <= 0` and
 /// `f(length) = at_end >= 0`, is 0 to within `tolerance`: inverse quadratic interpolation inside a
 /// bracket that is halved whenever that is not safe (T. R. Chandrupatla, 1997). At most
@@ -15,7 +17,7 @@ pub(crate) fn solve(length: f64, at_start: f64, at_end: f64, tolerance: f64, mut
     };
     // From b towards a.
     for _ in 0..MAX_EVALUATIONS {
-        if fb.abs() <= tolerance || fa.abs() <= tolerance || (a - b).abs() <= 4e-16 * length {
+        if fb.abs() <= tolerance || fa.abs() <= tolerance || (a - b).abs() <= BRACKET_SHARE * length {
             break;
         }
         let x = b + share * (a - b);
@@ -35,7 +37,7 @@ pub(crate) fn solve(length: f64, at_start: f64, at_end: f64, tolerance: f64, mut
         } else {
             0.5
         };
-        let least = (2e-16 * length / (a - b).abs()).min(0.5);
+        let least = (ROUNDED_SHARE * length / (a - b).abs()).min(0.5);
         share = if share.is_nan() {
             0.5
         } else {

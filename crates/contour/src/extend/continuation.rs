@@ -1,7 +1,7 @@
 //! A section that is planned from an instant of a running trajectory on. Position units and seconds.
 
 use crate::extend::attempts::{GENTLE, GENTLE_AND_SMOOTH};
-use crate::extend::gentle::{Course, gentle, gentle_and_smooth};
+use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
@@ -63,13 +63,13 @@ impl Continuation<'_> {
         let first = earliest.max(brakes - TUNING.gentle.before_s);
         let mut ways = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
-            let course = Course::new(&section);
-            let ends = GENTLE.map(|shares| course.ends(shares));
+            let speed_curve = SpeedCurve::new(&section);
+            let ends = GENTLE.map(|shares| speed_curve.ends(shares));
             for leave in leaves(running, first, until) {
                 let followed = Running { leave, ..from };
                 let state = running.at(leave);
                 for (shares, ends) in GENTLE.into_iter().zip(&ends) {
-                    if let Some(off) = course.goes_on(followed, ends, shares) {
+                    if let Some(off) = speed_curve.goes_on(followed, ends, shares) {
                         ways.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
                         break;
                     }
@@ -83,7 +83,7 @@ impl Continuation<'_> {
             .find_map(|(_, leave, shares)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
-                    let guess = gentle(&Course::new(&section), followed, shares)?;
+                    let guess = gentle(&SpeedCurve::new(&section), followed, shares)?;
                     let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
                     section.hasten(guess, &mut work)
                 })

@@ -5,6 +5,7 @@ use crate::limits::Smoothness;
 use crate::path::reach::{MOST_REACH_TOLERANCES, most_reach};
 use crate::path::reference::{ReferencePath, along, nearest};
 use crate::solve::stages::Quality;
+use crate::tolerance::{BESIDE_SHARE, COLLINEAR_RAD};
 use crate::tuning::TUNING;
 use crate::{Deviation, Point};
 use arcline_geometry::Path;
@@ -187,7 +188,7 @@ impl Allowance {
             let (from, to) = (reference.starts[piece], reference.starts[piece + 1]);
             let behind = self.reach_behind(piece, self.tolerance(reference, piece, from));
             let middle = 0.5 * (from + to);
-            let beside = middle - BESIDE * (to - from);
+            let beside = middle - BESIDE_SHARE * (to - from);
             if self.keeps_at(reference, piece, from) && behind > 0.0 {
                 edges.push((piece, from + behind));
             }
@@ -215,7 +216,7 @@ impl Allowance {
         };
         let before = &reference.pieces[piece];
         let turn = (before.end_tangent() - next.start_tangent()).norm();
-        if turn <= COLLINEAR || self.tolerances[piece] <= 0.0 {
+        if turn <= COLLINEAR_RAD || self.tolerances[piece] <= 0.0 {
             return [0.0; 2];
         }
         [before, next].map(|piece_| self.reaches[piece].min(0.5 * piece_.length()))
@@ -293,9 +294,5 @@ const LONGEST_FLAT_CHORD: f64 = 100.0;
 const LONGEST_CHORD: f64 = 250.0;
 /// Share of the tolerance that is allowed there.
 const STRAIGHT: f64 = 0.01;
-/// Just before the middle of a piece, as a share of it.
-const BESIDE: f64 = 1e-9;
 /// Pieces before and behind that a point may belong to.
 const NEIGHBOURS: usize = 2;
-/// Tangents that differ by no more go on in one direction: 0.1 degree (spec/coordinated-instructions.md §7.7).
-const COLLINEAR: f64 = 0.1 * core::f64::consts::PI / 180.0;

@@ -1,6 +1,7 @@
 //! How far the rounding of a corner reaches along the pieces on both sides. Lengths in position units.
 
 use crate::limits::Smoothness;
+use crate::tolerance::SAME_DIRECTION_SINE;
 use arcline_geometry::Path;
 
 /// How far a corner's rounding reaches along the pieces on both sides: as far as superposition would draw one that uses all of
@@ -17,7 +18,7 @@ pub(crate) fn most_reach(before: &Path, behind: &Path, tolerance: f64, smoothnes
 pub(crate) fn reach_of_lines(before: &Path, behind: &Path, tolerance: f64, smoothness: Smoothness) -> f64 {
     let (u1, u2) = (before.end_tangent(), behind.start_tangent());
     let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
-    if sine <= SAME_DIRECTION && cosine > 0.0 {
+    if sine <= SAME_DIRECTION_SINE && cosine > 0.0 {
         return 0.0;
     }
     let order = match smoothness {
@@ -35,5 +36,3 @@ pub(crate) fn reach_of_lines(before: &Path, behind: &Path, tolerance: f64, smoot
 
 /// Tolerances that a rounding reaches from its corner at most ([`crate::Deviation::Corners`]).
 pub(crate) const MOST_REACH_TOLERANCES: f64 = 10.0;
-/// The sine of an angle between lines that go on straight.
-pub(crate) const SAME_DIRECTION: f64 = 1e-9;

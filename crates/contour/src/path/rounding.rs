@@ -9,8 +9,9 @@
 use crate::Point;
 use crate::limits::Smoothness;
 use crate::path::allowance::Allowance;
-use crate::path::reach::{SAME_DIRECTION, reach_of_lines};
+use crate::path::reach::reach_of_lines;
 use crate::path::reference::{ReferencePath, nearest};
+use crate::tolerance::SAME_DIRECTION_SINE;
 use crate::tuning::TUNING;
 use arcline_geometry::Path;
 
@@ -142,7 +143,7 @@ fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, co
     let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
     let limit = TUNING.rounding.inside_share * tolerance;
     let are_lines = matches!((before, behind), (Path::Line(_), Path::Line(_)));
-    if are_lines && sine <= SAME_DIRECTION && cosine > 0.0 {
+    if are_lines && sine <= SAME_DIRECTION_SINE && cosine > 0.0 {
         return (0.0, Shape::Piece(index));
     }
     if let (true, Corners::Superposed(smoothness)) = (are_lines, corners) {

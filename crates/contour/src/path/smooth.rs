@@ -25,12 +25,12 @@ pub(crate) fn smooth(
     control: &mut ControlPoints,
 ) {
     let count = control.points.len();
-    let given = control.kept.max(ENDS);
-    if count < given + 2 * ENDS {
+    let given = control.kept.max(TUNING.smooth.held_ends);
+    if count < given + 2 * TUNING.smooth.held_ends {
         return;
     }
-    let free = given..count - ENDS;
-    let mut rows: Vec<Row> = (given - 1..count - ENDS)
+    let free = given..count - TUNING.smooth.held_ends;
+    let mut rows: Vec<Row> = (given - 1..count - TUNING.smooth.held_ends)
         .flat_map(|node| PARTS.map(|part| Row::new(node, part, reference, margin, control)))
         .collect();
     if control.initial.is_some() {
@@ -206,8 +206,8 @@ impl Springs {
     }
 
     fn hold(&mut self, node: usize, at: &Point) {
-        self.band[node][0] += HELD;
-        self.points[node] += at * HELD;
+        self.band[node][0] += TUNING.smooth.held_spring;
+        self.points[node] += at * TUNING.smooth.held_spring;
     }
 
     fn pull(&mut self, row: &Row) {
@@ -261,7 +261,3 @@ impl Springs {
 
 /// Parts of the way from a knot to the next at which the curve is inside.
 const PARTS: [f64; 2] = [0.0, 0.5];
-/// Nodes at an end that stay: there the motion begins or rests.
-const ENDS: usize = 3;
-/// The spring of a node that stays.
-const HELD: f64 = 1e14;

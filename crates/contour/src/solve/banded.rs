@@ -1,5 +1,7 @@
 //! Symmetric positive definite systems whose entries lie within a band about the diagonal.
 
+use crate::tolerance::{LEAST_DIAGONAL, PIVOT_SHARE};
+
 /// The lower half of a symmetric band matrix, row by row, `width` entries left of the diagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct Banded {
@@ -59,7 +61,9 @@ impl Banded {
             }
             let sum: f64 = this[width + first - row..width].iter().map(|x| x * x).sum();
             let diagonal = this[width];
-            this[width] = (diagonal - sum).max(1e-14 * diagonal.abs().max(1e-200)).sqrt();
+            this[width] = (diagonal - sum)
+                .max(PIVOT_SHARE * diagonal.abs().max(LEAST_DIAGONAL))
+                .sqrt();
             let product: f64 = this[width + first - row..width]
                 .iter()
                 .zip(&right[first..row])

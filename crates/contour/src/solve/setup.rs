@@ -1,7 +1,6 @@
 //! The optimisation problem of one stage: limits, directions and corridor of every node.
 
 use crate::Point;
-use crate::SAME_POINT_UNITS;
 use crate::limits::Bounds;
 use crate::path::allowance::Allowance;
 use crate::path::corridor::CorridorRow;
@@ -10,6 +9,7 @@ use crate::solve::problem::{Limits, Problem};
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::timing::control_points::{ControlPoints, GIVEN};
+use crate::tolerance::{LEAST_LENGTH_UNITS, SAME_CONTROL_POINT_UNITS, SAME_POINT_UNITS};
 use crate::tuning::TUNING;
 
 /// What a stage is to keep.
@@ -222,9 +222,6 @@ fn across(tangent: &Point, plane: Option<Point>) -> [Point; 2] {
         unit
     });
     let first = helper.cross(tangent);
-    let first = first / first.norm().max(1e-300);
+    let first = first / first.norm().max(LEAST_LENGTH_UNITS);
     [first, tangent.cross(&first)]
 }
-
-/// Control points that are no farther apart have no direction, position units.
-const SAME_CONTROL_POINT_UNITS: f64 = 1e-12;

@@ -6,6 +6,7 @@
 use crate::limits::{Bounds, Smoothness};
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Shape, Stretch};
+use crate::tolerance::SAME_SAMPLE_UNITS;
 use crate::tuning::TUNING;
 use crate::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
@@ -242,6 +243,3 @@ fn pass(square: &mut [f64], rate: &[f64], length: &[f64], start: f64) {
         }
     }
 }
-
-/// Samples that are no farther apart are one, position units.
-const SAME_SAMPLE_UNITS: f64 = 1e-12;

@@ -7,6 +7,7 @@
 
 use arcline_profile::KinematicState;
 
+use super::tolerance::STANDSTILL_UNITS_PER_S;
 use super::{Servo, Settings};
 use crate::Saturation;
 
@@ -21,8 +22,6 @@ pub enum Drive {
 
 /// Time constant with which an axis without torque comes to rest, seconds.
 const COAST_TIME_CONSTANT: f64 = 0.1;
-/// A coasting axis slower than this, units/s, stands.
-const STANDSTILL: f64 = 1e-6;
 
 impl Drive {
     /// An ideal drive at rest.
@@ -110,7 +109,7 @@ impl Drive {
             now.position += now.velocity * COAST_TIME_CONSTANT * (1.0 - left);
             now.velocity *= left;
             now.acceleration = -now.velocity / COAST_TIME_CONSTANT;
-            if now.velocity.abs() < STANDSTILL {
+            if now.velocity.abs() < STANDSTILL_UNITS_PER_S {
                 now = KinematicState::at_rest(now.position);
             }
         }

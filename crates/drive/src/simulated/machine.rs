@@ -7,6 +7,7 @@ use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_profile::KinematicState;
 use arcline_profile::numeric::bisect;
 
+use super::tolerance::SHORTEST_S;
 use super::{Drive, Sensor, Settings, Settling};
 use crate::{
     ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, LATCHES, Latch, REGISTRATION_LATCHES,
@@ -15,8 +16,6 @@ use crate::{
 
 /// Halvings of the instant of a latch: to the last bit of an update.
 const HALVINGS: usize = 60;
-/// A time shorter than this, seconds, is passed in a straight line.
-const SHORTEST: f64 = 1e-9;
 /// Axes of one coordinate system that are looked at together.
 const MOST_AXES: usize = 3;
 
@@ -146,7 +145,7 @@ impl SimulatedAxis {
     /// The first instant of the update at which the axis has passed a position.
     fn instant(&self, passed: impl Fn(f64) -> bool, period: f64) -> f64 {
         let position = |at: f64| match at {
-            short if short < SHORTEST => {
+            short if short < SHORTEST_S => {
                 let KinematicState { position, velocity, .. } = self.before.actual();
                 position + short * velocity
             }
@@ -163,7 +162,7 @@ impl SimulatedAxis {
         let mut drive = self.before;
         if !self.set_point.enable {
             drive.coast(at);
-        } else if at >= SHORTEST {
+        } else if at >= SHORTEST_S {
             drive.cycle(self.before.command_within(self.set_point.motion(), period, at), at);
         }
         drive

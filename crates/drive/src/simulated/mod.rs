@@ -12,6 +12,7 @@ mod sensor;
 mod servo;
 mod settings;
 mod settling;
+mod tolerance;
 
 pub use drive::Drive;
 pub use machine::{SimulatedAxis, SimulatedDrives};

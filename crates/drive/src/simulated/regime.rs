@@ -9,6 +9,7 @@
 
 use super::curve::Curve;
 use super::servo::Velocity;
+use super::tolerance::{SPEED_MARGIN_SHARE, TERM_SHARE, TORQUE_MARGIN_SHARE};
 
 /// A position loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,12 +59,6 @@ struct Course {
 /// Switches within one period. A torque limit that lets the axis swing gives about `sqrt(K · period / 2)` of them:
 /// 32 at the longest period and the highest bandwidth that there are. The last regime keeps the rest of the period.
 pub(crate) const MAX_SWITCHES: usize = 64;
-
-/// A limit counts as exceeded beyond these shares of it, so that a switch is one switch whatever rounds.
-const SPEED_MARGIN: f64 = 1e-12;
-const TORQUE_MARGIN: f64 = 1e-9;
-/// What the terms of a reckoning may lose by rounding, as a share of them: far above the true figure.
-const ROUNDING: f64 = 1e-13;
 
 impl Loop {
     /// `p0 + p1 t + p2 t²`, the following error that the command alone makes, without what is left of the past.
@@ -179,8 +174,8 @@ impl State {
         let k = control.gain;
         let speed = k * self.error.abs() + c0 + (c1 + c2 / k) / k;
         [
-            SPEED_MARGIN * limits.speed + ROUNDING * speed,
-            TORQUE_MARGIN * limits.torque + ROUNDING * k * speed,
+            SPEED_MARGIN_SHARE * limits.speed + TERM_SHARE * speed,
+            TORQUE_MARGIN_SHARE * limits.torque + TERM_SHARE * k * speed,
         ]
     }
 

@@ -1,14 +1,12 @@
 //! Home switch, marker and mechanical stops of an axis, seen from where it is (spec/axis-and-data-types.md §11).
 //!
 //! Machine positions, position units; a direction is 1 or -1. An edge or marker that lies behind by less than
-//! [`WIDTH`] is one that the axis stands on. Nothing allocates.
+//! [`SENSOR_WIDTH_SHARE`] is one that the axis stands on. Nothing allocates.
 
 use arcline_profile::numeric::modulo;
 
+use super::tolerance::SENSOR_WIDTH_SHARE;
 use crate::Trigger;
-
-/// How far the axis may be beyond a position that it is still said to stand on: far more than what rounding moves it.
-const WIDTH: f64 = 1e-9;
 
 /// What an axis passes on its way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,7 +54,7 @@ impl Sensor {
 /// The first of the positions `at`, repeated `every` so many units, from a machine position on; `None` when none lies that way.
 fn ahead(machine: f64, at: f64, direction: f64, every: Option<f64>) -> Option<f64> {
     let distance = direction * (at - machine);
-    let width = WIDTH * machine.abs().max(1.0);
+    let width = SENSOR_WIDTH_SHARE * machine.abs().max(1.0);
     match every {
         None => (distance.is_finite() && distance >= -width).then_some(at),
         Some(every) => {

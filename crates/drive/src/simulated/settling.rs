@@ -7,14 +7,13 @@
 use arcline_profile::KinematicState;
 
 use super::Drive;
+use super::tolerance::GRAIN_SHARE;
 use crate::Saturation;
 
 /// Halvings of a span: to the last bit of a period.
 const HALVINGS: u32 = 60;
 /// Steps along a swing within one period, and halvings of the last of them.
 const STEPS: u32 = 32;
-/// Share of the tolerance that is not told from it when a swing is followed.
-const GRAIN: f64 = 1e-9;
 
 /// Drives at the beginning of a period in which their commands come to rest.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +112,7 @@ impl<const N: usize> Settling<N> {
             distance: norm(drives.iter().map(Drive::error)),
             speed: norm(drives.iter().map(|drive| drive.axis().velocity)),
             growth: norm(drives.iter().map(Drive::torque_limit)),
-            grain: norm(drives.iter().map(Drive::count)).max(GRAIN * self.tolerance),
+            grain: norm(drives.iter().map(Drive::count)).max(GRAIN_SHARE * self.tolerance),
         }
     }
 

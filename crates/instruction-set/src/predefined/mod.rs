@@ -20,6 +20,17 @@ macro_rules! predefined {
                 parse($name, $instance, $size, include_str!(concat!("../layouts/", stringify!($function), ".txt")))
             });
             TEMPLATE.clone()
+        }
+
+        #[doc = concat!("The layout of ", $name, ".")]
+        pub mod $function {
+            /// The offset of a word of the layout; a compiler error where it is used as a constant and there is none of that name.
+            ///
+            /// # Panics
+            /// When the layout has no such word.
+            pub const fn offset(name: &str) -> usize {
+                super::offset_in(include_str!(concat!("../layouts/", stringify!($function), ".txt")), name)
+            }
         })*
 
         /// Every predefined type, STRING included.
@@ -127,6 +138,41 @@ pub fn histogram_edge(bucket: usize) -> Option<f64> {
 
 /// From here on instances are those of a real controller, whose handles are the same numbers.
 const CONTROLLERS_OWN: u16 = 0xF80;
+
+/// The offset of a word of a layout, found while this is compiled.
+const fn offset_in(layout: &str, name: &str) -> usize {
+    let (layout, name) = (layout.as_bytes(), name.as_bytes());
+    let mut at = 0;
+    while at < layout.len() {
+        let mut offset = 0;
+        while layout[at].is_ascii_digit() {
+            offset = 10 * offset + (layout[at] - b'0') as usize;
+            at += 1;
+        }
+        // Behind the type.
+        at += 1;
+        while layout[at] != b' ' {
+            at += 1;
+        }
+        at += 1;
+        if layout[at] == b'(' {
+            at += 1;
+        }
+        let mut same = 0;
+        while same < name.len() && at + same < layout.len() && layout[at + same] == name[same] {
+            same += 1;
+        }
+        let ends = at + same >= layout.len() || matches!(layout[at + same], b' ' | b')' | b'\n');
+        if same == name.len() && ends {
+            return offset;
+        }
+        while at < layout.len() && layout[at] != b'\n' {
+            at += 1;
+        }
+        at += 1;
+    }
+    panic!("no word of this name in the layout")
+}
 
 fn parse(name: &str, instance: u16, size: u32, layout: &str) -> Arc<Template> {
     let mut builder = TemplateBuilder::new(name, instance).size(size);
@@ -309,6 +355,31 @@ mod tests {
             let name = flag.name();
             let member = template.member(name).expect(name);
             assert_eq!(8 * member.offset as u8 + member.bit.expect(name), flag.bit(), "{flag}");
+        }
+    }
+
+    #[test]
+    fn offsets_are_those_of_the_templates() {
+        type Offset = fn(&str) -> usize;
+        #[rustfmt::skip]
+        let templates: [(_, Offset); 4] = [
+            (axis_cip_drive(), axis_cip_drive::offset), (axis_virtual(), axis_virtual::offset),
+            (coordinate_system(), coordinate_system::offset), (motion_group(), motion_group::offset),
+        ];
+        for (template, offset) in templates {
+            for member in template.members.iter().filter(|member| member.bit.is_none()) {
+                assert_eq!(
+                    offset(&member.name),
+                    member.offset as usize,
+                    "{} {}",
+                    template.name,
+                    member.name
+                );
+            }
+        }
+        for missing in ["AxisFaul", "AxisFaults", "", "ServoActionStatus"] {
+            let found = std::panic::catch_unwind(|| axis_virtual::offset(missing));
+            assert!(found.is_err(), "{missing} is no word of AXIS_VIRTUAL");
         }
     }
 

@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 use super::generator::Generator;
 use super::generator_kind::GeneratorKind;
 use super::{AfterStop, Axis};
-use crate::control::Execution;
+use crate::execution::Execution;
 
 impl Axis {
     /// One generator brakes, out of its present motion, and reports to `execution` when it stands. The instruction that

@@ -1,4 +1,4 @@
-//! What an axis keeps of cams: those that wait for the end of another, what they have ended, and the last directions.
+//! The cams of an axis: those that wait for the end of another, what they have ended, and the last directions.
 //!
 //! Not here: where a cam leads (`crate::masters::cam`). Real-time: nothing allocates.
 
@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 use super::Axis;
 use super::generator::Equation;
 use super::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{self, Cam, Ended, Pending, Source};
 
@@ -22,7 +22,7 @@ pub(crate) struct Cams {
     pub(crate) ended: Option<Execution>,
     /// 1 when the last profile was added, -1 when it was subtracted.
     pub(crate) direction: Option<f64>,
-    /// What the master of a position cam is shifted by.
+    /// The offset of the master of a position cam.
     pub(crate) offset: Offset,
 }
 
@@ -48,7 +48,7 @@ impl Axis {
     /// The kinds of generators that cams are.
     pub(crate) const CAMS: [GeneratorKind; 2] = [GeneratorKind::PositionCam, GeneratorKind::TimeCam];
 
-    /// What is kept of cams of a kind.
+    /// The cams of a kind.
     pub(crate) fn cams(&self, kind: GeneratorKind) -> &Cams {
         &self.cams[usize::from(kind == GeneratorKind::TimeCam)]
     }

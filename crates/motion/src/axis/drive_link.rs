@@ -1,4 +1,4 @@
-//! What an axis gives to its drive and has from it: set-point out, feedback in (spec/axis-and-data-types.md §12).
+//! The exchange of an axis with its drive: set-point out, feedback in (spec/axis-and-data-types.md §12).
 //!
 //! The drive knows machine positions; what an axis's positions were redefined by is added here. Not here: the exchange of all axes
 //! (`crate::motion`), homing. Units: position units, seconds. Nothing allocates.
@@ -10,9 +10,10 @@ use arcline_instruction_set::{FaultKind, FaultSet};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
+use super::Axis;
 use super::faults::Observed;
 use super::probes::Registration;
-use super::{Axis, AxisState};
+use super::state::AxisState;
 
 /// Exchanges in a row that an axis does without; one more is a fault.
 const TOLERATED_LOSSES: u32 = 2;
@@ -20,7 +21,7 @@ const TOLERATED_LOSSES: u32 = 2;
 /// An axis's side of the seam to its drive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DriveLink {
-    /// What came in at the last exchange.
+    /// The feedback of the last exchange.
     pub(crate) feedback: Feedback,
     /// How far the axis was behind its set-point at the last exchange.
     lag: KinematicState,
@@ -54,7 +55,7 @@ impl Axis {
         !self.is_virtual && self.feeding.is_none()
     }
 
-    /// What goes out to the drive at the present tick.
+    /// The set-point of the present tick.
     pub(crate) fn write_set_point(&self, out: &mut SetPoint) {
         // Few axes have a latch armed, and every axis comes here in every tick.
         if self.arms_latches() || out.latches.iter().any(Option::is_some) {
@@ -214,7 +215,7 @@ impl Axis {
         self.watch.is_armed() || self.registrations.iter().any(Registration::is_armed) || !self.outputs.is_empty()
     }
 
-    /// What faults look at.
+    /// The quantities that faults look at.
     pub(crate) fn observed(&self) -> Observed {
         let loop_closed = self.has_torque() && self.has_drive();
         let mut drive = FaultSet::default();

@@ -8,8 +8,9 @@ use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultS
 
 use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, ExceptionActions, PositionErrorLimit, Travel};
+use crate::tolerance::TRAVEL_UNITS;
 
-/// What an axis does at one update, as far as faults look at it.
+/// The quantities of an axis at one update that faults look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed {
     /// Actual position.
@@ -21,7 +22,7 @@ pub(crate) struct Observed {
     pub(crate) error: Option<f64>,
     /// Nothing is written to the tag that feeds the axis.
     pub(crate) lost: bool,
-    /// What the drive reports, and what its answers show.
+    /// The faults that the drive reports, and those that its answers show.
     pub(crate) drive: FaultSet,
 }
 
@@ -61,9 +62,6 @@ pub(crate) struct Faults {
     /// Its travel counts.
     homed: bool,
 }
-
-/// A position beyond a limit by less than this, units, is rounding.
-const ROUNDING: f64 = 1e-9;
 
 impl Faults {
     pub(crate) fn new(description: &Description) -> Self {
@@ -206,7 +204,7 @@ impl Faults {
         self.raised
     }
 
-    /// What has changed since the last call.
+    /// The changes since the last call.
     pub(crate) fn take_change(&mut self, tick: u64, axis: AxisId) -> Option<FaultChange> {
         let refused = self.refused.take();
         if self.set.is_empty() && self.clear.is_empty() {
@@ -311,8 +309,8 @@ impl Faults {
 
     fn side_of(&self, position: f64) -> i8 {
         match self.travel {
-            Some(travel) if position > travel.max + ROUNDING => 1,
-            Some(travel) if position < travel.min - ROUNDING => -1,
+            Some(travel) if position > travel.max + TRAVEL_UNITS => 1,
+            Some(travel) if position < travel.min - TRAVEL_UNITS => -1,
             _ => 0,
         }
     }

@@ -11,7 +11,7 @@ use super::Axis;
 use crate::machine::Feed;
 use crate::rotary;
 
-/// What has been written so far.
+/// The positions of an encoder as a client writes them, and the axis between two of them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Feeding {
     /// Time over which the axis goes from one position to the next.

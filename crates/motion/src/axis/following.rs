@@ -1,7 +1,8 @@
-//! What an axis keeps of gears and transforms: its master, its part in transforms, and the brake of what one moved.
+//! An axis's part in gears and transforms: its master, its part in transforms, and the brake of the motion that one gave it.
 //!
 //! Not here: where it follows to (`crate::masters`, `crate::transforms`).
 
+use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::Instant;
 use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
@@ -31,6 +32,17 @@ impl Axis {
     /// Whether it is part of a transform.
     pub(crate) fn is_transformed(&self) -> bool {
         self.transforms.target_of.is_some() || self.transforms.source_of != 0
+    }
+
+    /// Homing and redefining the position would break the link of an axis that a transform moves.
+    ///
+    /// # Errors
+    /// `AxisInTransformMotion` (63) where it is part of a transform.
+    pub(crate) fn not_in_transform(&self) -> Result<(), MotionError> {
+        if self.is_transformed() {
+            return Err(MotionError::AxisInTransformMotion(AxisIndex(0)));
+        }
+        Ok(())
     }
 
     /// The master and the equation of its gearing.

@@ -4,13 +4,13 @@
 //! master's displacement has master units in place of seconds.
 
 use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
-use arcline_planner::{Clock, Instant, ROUNDING};
+use arcline_planner::{Clock, Instant, SAME_INSTANT_S};
 use arcline_profile::KinematicState;
 
-use super::sum::Displacements;
-use crate::control::Execution;
+use super::generator_kind::Displacements;
 use crate::dynamics::Dynamics;
 use crate::events::MoveEvents;
+use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::masters::follower::MasterFollower;
 use crate::masters::gear::Gear;
@@ -28,9 +28,9 @@ pub(crate) enum Equation {
     Cammed(Cam),
 }
 
-/// What an instruction programmed, for later changes of it.
+/// The motion that an instruction programmed, for later changes of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Program {
+pub(crate) struct ProgrammedMotion {
     pub(crate) dynamics: Dynamics,
     pub(crate) goal: Goal,
 }
@@ -53,7 +53,7 @@ pub(crate) struct Generator {
     /// The instruction that reports its end.
     pub(crate) execution: Option<Execution>,
     /// `None` where there is nothing to change: stops, and what others compute.
-    pub(crate) program: Option<Program>,
+    pub(crate) program: Option<ProgrammedMotion>,
     /// It only brakes, and is over when it stands.
     pub(crate) stopping: bool,
     /// The limits that it brakes at; `None`: it does not brake, or its coordinate system brakes it.
@@ -62,7 +62,7 @@ pub(crate) struct Generator {
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
-    /// What a planned one is a function of, where that is not time.
+    /// The master displacement that a planned one is a function of, where that is not time.
     pub(crate) follower: Option<MasterFollower>,
     /// TrackingMaster of its instruction, as last written.
     pub(crate) shown_tracking: bool,
@@ -85,9 +85,9 @@ pub(crate) struct Generator {
     pub(crate) ending: bool,
     /// Where it began, in its frame.
     pub(super) origin: f64,
-    /// What all generators of the axis had displaced it then.
+    /// Displacements by all generators of the axis at that time.
     pub(super) others: Displacements,
-    /// What the position was redefined by since.
+    /// The offset by which the position was redefined since.
     pub(super) shift: f64,
 }
 
@@ -159,7 +159,7 @@ impl Generator {
         matches!(self.equation, Equation::Planned { .. }) && self.follower.is_none()
     }
 
-    /// What it is a function of at the present tick: time, or a master's displacement.
+    /// The variable that it is a function of, at the present tick: time, or a master's displacement.
     pub(crate) fn clock(&self, time: &Clock) -> Clock {
         self.follower.map_or(*time, |follower| follower.clock())
     }
@@ -172,7 +172,7 @@ impl Generator {
         }
     }
 
-    /// What the profile does at the present tick; nothing yet while a lock is waited for.
+    /// Whether the speed of the profile rises or falls at the present tick; steady while a lock is waited for.
     pub(crate) fn phase(&self, time: &Clock) -> Phase {
         match &self.equation {
             Equation::Planned { profile, start } if self.follower.is_none_or(|follower| follower.has_begun()) => {
@@ -223,12 +223,12 @@ impl Generator {
             let state = profile.at(elapsed);
             let endless = matches!(
                 self.program,
-                Some(Program {
+                Some(ProgrammedMotion {
                     goal: Goal::Velocity(_),
                     ..
                 })
             );
-            let at_end = profile.arrives() && elapsed >= profile.duration() - ROUNDING;
+            let at_end = profile.arrives() && elapsed >= profile.duration() - SAME_INSTANT_S;
             self.over = (self.stopping || !endless) && at_end;
             self.now = if self.over {
                 KinematicState::at_rest(profile.end().position)

@@ -1,6 +1,6 @@
 //! The kinds of generators of an axis: which instructions begin them, and what ends them.
 
-/// What can move an axis: one generator of each kind at a time.
+/// The kinds of motion of an axis: one generator of each kind at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GeneratorKind {
     /// A coordinated move, or the axis's part of one that was ended and brakes.
@@ -21,7 +21,7 @@ pub(crate) enum GeneratorKind {
     TimeCam,
     /// MCT: the axis follows another coordinate system, or is led back by it.
     Transform,
-    /// What a transform moved brakes: it was cancelled.
+    /// The stop of an axis whose transform was cancelled.
     Parting,
     /// MAM of a master offset: it moves the master of the position cam, as that sees it, and the axis only through that. Its
     /// frame is the offset, master units.
@@ -93,6 +93,9 @@ impl GeneratorKind {
 }
 
 pub(super) const GENERATOR_KINDS: usize = 11;
+
+/// Displacements of an axis by kind of generator, position units.
+pub(super) type Displacements = [f64; GENERATOR_KINDS];
 
 /// The kinds of generators whose bits are set.
 pub(super) fn kinds(mut bits: u16) -> impl Iterator<Item = GeneratorKind> {

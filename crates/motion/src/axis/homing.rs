@@ -15,10 +15,11 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 use arcline_profile::numeric::modulo;
 
+use super::Axis;
 use super::generator::Generator;
 use super::generator_kind::GeneratorKind;
-use super::{Axis, AxisState};
-use crate::control::Execution;
+use super::state::AxisState;
+use crate::execution::Execution;
 use crate::machine::{HomeMode, HomeSequence};
 
 /// A MAH under way.

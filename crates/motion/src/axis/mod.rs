@@ -4,14 +4,18 @@ mod average;
 mod braking;
 pub(crate) mod camming;
 mod drive_link;
+mod ending;
 pub(crate) mod faults;
 pub(crate) mod feed;
 mod following;
 pub(crate) mod generator;
 pub(crate) mod generator_kind;
 pub(crate) mod homing;
+mod links;
 pub(crate) mod probes;
 mod redefine;
+mod reporting;
+pub(crate) mod state;
 pub(crate) mod sum;
 
 use arcline_instruction_set::ExceptionAction;
@@ -19,6 +23,7 @@ use arcline_planner::Clock;
 use arcline_planner::profile::Bounds;
 use arcline_profile::KinematicState;
 
+use crate::cause::Cause;
 use crate::dynamics::Maxima;
 use crate::machine::{Axis as Description, AxisKind, CommandLimits, Home, ProgrammedStopMode};
 use crate::masters::cam::Cam;
@@ -34,28 +39,10 @@ use generator::Generator;
 use generator_kind::GeneratorKind;
 use homing::Homing;
 use probes::{Registration, Watch};
+use state::AxisState;
 use sum::Sum;
 
-/// The axis state machine (spec/axis-and-data-types.md §12), as far as instructions see it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum AxisState {
-    /// Ready, servo off.
-    Stopped,
-    /// MSO is under way.
-    Starting,
-    /// Servo on: the drive follows the command.
-    Running,
-    /// MSF is under way.
-    Stopping,
-    /// A fault brakes the axis; the servo goes off when it stands.
-    Aborting,
-    /// A fault has switched the servo off.
-    Faulted,
-    /// Shut down until a shutdown reset.
-    Shutdown,
-}
-
-/// What becomes of an axis that has been stopped.
+/// The state of an axis behind a stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AfterStop {
     /// The servo stays on.
@@ -71,11 +58,11 @@ pub(crate) enum AfterStop {
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) state: AxisState,
-    /// What it gives to its drive and has from it.
+    /// Its side of the exchange with its drive.
     pub(crate) link: DriveLink,
     /// Where the feedback of the last exchange says that the axis is.
     pub(crate) actual: KinematicState,
-    /// What [`Sum::command`] says at the present tick.
+    /// [`Sum::command`] at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
     /// Nothing in the next tick changes it, unless its feedback does or something is done to it: the tick passes over it.
@@ -106,12 +93,12 @@ pub(crate) struct Axis {
     /// Of position cams, and of time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
-    /// What happens when the stop that is under way has ended.
+    /// Its state behind the stop that is under way.
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
     pub(crate) faults: Faults,
-    /// What its set-points may ask of it.
+    /// The limits of its set-points.
     pub(crate) command_limits: CommandLimits,
     pub(crate) average: Average,
     /// Where the position of an encoder comes from: it has no drive.
@@ -354,6 +341,16 @@ impl Axis {
             && !self.awaits_events()
             && self.is_link_steady()
             && self.faults.are_steady()
+    }
+
+    /// Clears its faults. A faulted axis is then stopped, a shut down one stays so. Returns whether no cause is left, which would fault
+    /// it again at the next update.
+    pub(crate) fn reset_faults(&mut self, by: Cause) -> bool {
+        let gone = self.faults.reset(by);
+        if self.state == AxisState::Faulted {
+            self.state = AxisState::Stopped;
+        }
+        gone
     }
 
     /// Whether its servo is off for another reason than a fault or a shutdown.

@@ -1,4 +1,4 @@
-//! What an axis looks out for: a position that it passes (MAW), and edges of its registration inputs (MAR)
+//! The events that an axis looks out for: a position that it passes (MAW), and edges of its registration inputs (MAR)
 //! (spec/axis-and-data-types.md §5).
 //!
 //! A watch sees actual positions once an update; it finds a position that is passed within one. Positions are position
@@ -6,7 +6,7 @@
 
 use arcline_drive::{ArmLatch, Trigger};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 
 /// The watch of one axis.
@@ -133,9 +133,9 @@ impl Registration {
         if armed.positive != positive || !armed.window.is_none_or(inside) {
             return None;
         }
-        for place in [0, if positive { 1 } else { 2 }] {
-            self.positions[place] = position;
-            self.times[place] = time;
+        for slot in [0, if positive { 1 } else { 2 }] {
+            self.positions[slot] = position;
+            self.times[slot] = time;
         }
         self.seen = true;
         self.disarm()

@@ -10,10 +10,7 @@ use arcline_planner::profile::{Jerk, Limits};
 use arcline_profile::KinematicState;
 
 use super::generator::{Equation, Generator};
-use super::generator_kind::{GENERATOR_KINDS, GeneratorKind, kinds};
-
-/// Displacements by kind of generator.
-pub(super) type Displacements = [f64; GENERATOR_KINDS];
+use super::generator_kind::{Displacements, GENERATOR_KINDS, GeneratorKind, kinds};
 
 /// The generators of one axis.
 #[derive(Clone, Debug)]
@@ -21,7 +18,7 @@ pub(crate) struct Sum {
     generators: [Option<Generator>; GENERATOR_KINDS],
     /// Places of `generators` that are taken, by bit.
     active: u16,
-    /// What generators that are over have displaced the axis.
+    /// Displacements by generators that are over.
     displaced: Displacements,
     /// The one generator under way began where nothing else was, and nothing has begun since: nothing has displaced the axis beside it.
     alone: bool,
@@ -167,7 +164,7 @@ impl Sum {
         all
     }
 
-    /// What positions were redefined by since a generator began: its frame does not know.
+    /// The offset by which positions were redefined since a generator began: its frame does not have it.
     pub(crate) fn shift_of(&self, kind: GeneratorKind) -> f64 {
         self.get(kind).map_or(0.0, |generator| generator.shift)
     }
@@ -301,8 +298,8 @@ mod tests {
     #[test]
     fn a_generator_that_is_alone_ends_on_its_target_to_the_last_bit() {
         let mut sum = Sum::at_rest(0.1);
-        for (place, target) in [33.3, -7.1, 1e6 / 3.0, 0.3].into_iter().enumerate() {
-            let start = at(place as u64 * 10_000_000);
+        for (index, target) in [33.3, -7.1, 1e6 / 3.0, 0.3].into_iter().enumerate() {
+            let start = at(index as u64 * 10_000_000);
             begin_move(&mut sum, GeneratorKind::Move, target, &start);
             sum.advance(&at(start.tick + 9_999_999));
             assert_eq!(sum.command().position, target);

@@ -1,4 +1,4 @@
-//! What MAM, MAJ and MCD share: verification, what a merge takes over, and how a generator begins.
+//! The common part of MAM, MAJ and MCD: verification, the motion that a merge takes over, and how a generator begins.
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
 use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};
@@ -7,14 +7,15 @@ use arcline_planner::profile::{Bounds, Lead, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
 
 use super::programmed::{self, Programmed};
-use crate::axis::generator::{Generator, Goal, Program};
+use crate::axis::Axis;
+use crate::axis::generator::{Generator, Goal, ProgrammedMotion};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
-use crate::control::Execution;
+use crate::axis::state::AxisState;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
+use crate::execution::Execution;
+use crate::masters::follower::DrivenBy;
 use crate::motion::Motion;
-use crate::system::DrivenBy;
 
 /// The operands that MAM and MAJ have alike.
 #[derive(Clone, Copy, Debug)]
@@ -70,10 +71,10 @@ impl AxisMove {
         motion: &mut Motion,
         axis: AxisId,
         kind: GeneratorKind,
-        beginning: Beginning,
+        beginning: MoveStart,
         plan: impl FnOnce(KinematicState) -> Profile,
     ) {
-        let Beginning {
+        let MoveStart {
             execution,
             dynamics,
             goal,
@@ -85,10 +86,11 @@ impl AxisMove {
         let from = steady(taken, &dynamics.limits());
         let before = self.in_force(&motion.axes[axis], kind, led.is_some());
         if self.merges_into(kind) {
-            motion.end_single_axis(axis, Some(kind));
+            motion.axes[axis].end_single_axis(Some(kind), &mut motion.controls);
         }
-        motion.end_generator(axis, kind);
-        let follower = led.and_then(|(driven_by, _)| motion.lead_axis(axis, driven_by));
+        motion.axes[axis].end_generator(kind, &mut motion.controls);
+        let follower =
+            led.and_then(|(driven_by, _)| motion.axes.lead(axis, driven_by, &mut motion.controls, &motion.clock));
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
@@ -101,7 +103,7 @@ impl AxisMove {
         generator.keeps(&limits);
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
-        generator.program = Some(Program { dynamics, goal });
+        generator.program = Some(ProgrammedMotion { dynamics, goal });
         if let (Some(events), Goal::Position(to)) = (events, goal) {
             generator.events = Some(MoveEvents {
                 events,
@@ -117,8 +119,8 @@ impl AxisMove {
         if follower.is_some() {
             accepted |= Flag::Ac.mask();
         }
-        motion.controls.write(execution, accepted, 0, motion.clock.tick);
-        motion.calculate_move(axis, kind);
+        motion.controls.write(execution, accepted, 0);
+        motion.axes[axis].calculate_move(kind, &mut motion.controls, &motion.clock);
     }
 
     /// How a move or a jog is master driven, and with what it takes over what it supersedes; `None`: by time.
@@ -160,7 +162,7 @@ impl AxisMove {
 }
 
 /// A move or a jog that is to begin.
-pub(super) struct Beginning {
+pub(super) struct MoveStart {
     pub(super) execution: Execution,
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,

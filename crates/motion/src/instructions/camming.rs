@@ -1,4 +1,4 @@
-//! What MAPC and MATC share: directions, modes, and how a cam begins or waits for the end of another.
+//! The common part of MAPC and MATC: directions, modes, and how a cam begins or waits for the end of another.
 
 use arcline_instruction_set::enumerations::GearDirection;
 use arcline_instruction_set::operands::OperandValue;
@@ -9,9 +9,9 @@ use crate::axis::Axis;
 use crate::axis::camming::Offset;
 use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::MasterAt;
-use crate::masters::cam::{Cam, Pending, Program, Source};
+use crate::masters::cam::{Cam, Pending, CamProgram, Source};
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
@@ -72,9 +72,9 @@ pub(super) fn verify_change(
 }
 
 /// A verified cam that is to begin.
-pub(super) struct Beginning {
+pub(super) struct CamStart {
     pub(super) kind: GeneratorKind,
-    pub(super) program: Program,
+    pub(super) program: CamProgram,
     pub(super) lock: Option<Crossing>,
     /// The master as it is now.
     pub(super) master: MasterAt,
@@ -87,7 +87,7 @@ pub(super) struct Beginning {
 pub(super) fn verify_reach(
     motion: &Motion,
     axis: AxisId,
-    program: &Program,
+    program: &CamProgram,
     scaling: OperandIndex,
 ) -> Result<(), MotionError> {
     let state = &motion.axes[axis];
@@ -96,8 +96,8 @@ pub(super) fn verify_reach(
 }
 
 /// The cam waits for the end of the one under way.
-pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: Program, execution: Execution) {
-    motion.end_pending_cams(axis, Some(kind));
+pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: CamProgram, execution: Execution) {
+    motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls);
     let cams = motion.axes[axis].cams_mut(kind);
     cams.direction = Some(program.slave_scale.signum());
     cams.pending = Some(Pending { program, execution });
@@ -105,15 +105,15 @@ pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, progr
 }
 
 /// The cam begins now.
-pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, execution: Execution) {
-    let Beginning {
+pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: CamStart, execution: Execution) {
+    let CamStart {
         kind,
         program,
         lock,
         master,
     } = beginning;
     if kind == GeneratorKind::PositionCam {
-        motion.end_generator(axis, GeneratorKind::MasterOffset);
+        motion.axes[axis].end_generator(GeneratorKind::MasterOffset, &mut motion.controls);
         motion.axes[axis].cams_mut(kind).offset = Offset::default();
     }
     let clock = motion.clock;
@@ -132,12 +132,10 @@ pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: Beginning, exe
     state.command = state.sum.command();
     state.stale = true;
     accept(motion, execution);
-    motion
-        .controls
-        .set_segment(execution, segment as i32, motion.clock.tick);
+    motion.controls.set_segment(execution, segment as i32);
 }
 
 fn accept(motion: &mut Motion, execution: Execution) {
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, accepted, 0, motion.clock.tick);
+    motion.controls.write(execution, accepted, 0);
 }

@@ -3,13 +3,13 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
-    motion.reset_faults(axis);
+    motion.axes[axis].reset_faults(motion.controls.cause());
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

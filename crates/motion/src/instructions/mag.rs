@@ -9,8 +9,8 @@ use super::axis_moves;
 use super::programmed::positive;
 use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
 use crate::dynamics::in_units;
+use crate::execution::Execution;
 use crate::masters::gear::Gear;
 use crate::masters::master::Master;
 use crate::motion::Motion;
@@ -69,7 +69,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             .map_or(0.0, |generator| generator.now.velocity),
         acceleration: 0.0,
     };
-    motion.end_generator(axis, GeneratorKind::Gear);
+    motion.axes[axis].end_generator(GeneratorKind::Gear, &mut motion.controls);
     let met = motion.axes.master_at(master, reference, &motion.clock);
     let read = Master::new(master, reference, &met, &motion.clock);
     let mut gear = Gear::new(read, ratio, slave, clutch, now);
@@ -83,6 +83,6 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     state.stale = true;
     motion.order.take(order);
     let accepted = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, accepted, 0, motion.clock.tick);
+    motion.controls.write(execution, accepted, 0);
     Ok(())
 }

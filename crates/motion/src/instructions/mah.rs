@@ -4,7 +4,7 @@ use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves::{not_faulted, not_homing, not_shut_down, not_stopping, ready, stoppable};
 use crate::axis::Axis;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::{HomeInputs, HomeMode, HomeSequence};
 use crate::motion::Motion;
 
@@ -32,7 +32,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);
     }
-    motion.not_in_transform(axis)?;
+    motion.axes[axis].not_in_transform()?;
     motion.begin_homing(axis, execution);
     Ok(())
 }

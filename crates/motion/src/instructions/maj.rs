@@ -5,11 +5,11 @@ use arcline_instruction_set::operands::Maj;
 use arcline_instruction_set::{Call, MotionError};
 use arcline_planner::profile::Profile;
 
-use super::axis_moves::{self, AxisMove, Beginning};
+use super::axis_moves::{self, AxisMove, MoveStart};
 use super::programmed::Programmed;
 use crate::axis::generator::Goal;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -44,7 +44,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         JogDirection::Reverse => -dynamics.speed,
     };
     axis_moves::no_overtravel(state, velocity)?;
-    let beginning = Beginning {
+    let beginning = MoveStart {
         execution,
         dynamics,
         goal: Goal::Velocity(velocity),

@@ -6,14 +6,14 @@ use arcline_instruction_set::operands::{Mam, OperandValue, Operands};
 use arcline_instruction_set::{AxisIndex, Call, MotionError};
 use arcline_planner::profile::Profile;
 
-use super::axis_moves::{self, AxisMove, Beginning};
+use super::axis_moves::{self, AxisMove, MoveStart};
 use super::programmed::{Programmed, verify_reduction};
 use super::seconds;
 use crate::axis::Axis;
 use crate::axis::generator::Goal;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
 use crate::events::{Events, Fit};
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 use crate::rotary::Turn;
@@ -26,7 +26,7 @@ struct Destination {
 }
 
 impl Destination {
-    /// What the move is one of.
+    /// The kind of generator that the move is.
     fn kind(&self) -> GeneratorKind {
         match self.move_type {
             AbsoluteMasterOffset | IncrementalMasterOffset => GeneratorKind::MasterOffset,
@@ -164,7 +164,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let present = operands.present_speed(state, kind, led);
         verify_reduction(present, &dynamics.limits(), displacement.abs())?;
     }
-    let beginning = Beginning {
+    let beginning = MoveStart {
         execution,
         dynamics,
         goal: Goal::Position(target),

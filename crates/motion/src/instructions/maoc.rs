@@ -8,10 +8,10 @@ use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::mapc::crossing;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
-use crate::output::{Arming, Program, Word};
+use crate::output::{ArmedCam, Arming, Word};
 
 /// Ranges in the order of the faceplate.
 fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
@@ -81,7 +81,7 @@ pub(super) fn execute(
     not_shut_down(&motion.axes[axis])?;
     let target = target(motion, axis, *execution_target)?;
     let (cam, [output_bits, input_bits]) = data.output_cam()?;
-    let program = Program {
+    let program = ArmedCam {
         cam,
         mode: *execution_mode,
         execution,
@@ -119,10 +119,10 @@ pub(super) fn execute(
     };
     let written = place.write(&clock);
     if let Some(ended) = ended {
-        motion.end_move(ended, 0);
+        motion.controls.end_move(ended, 0);
     }
     motion.write_word(written);
-    motion.controls.write(execution, Flag::Ip.mask(), 0, clock.tick);
+    motion.controls.write(execution, Flag::Ip.mask(), 0);
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

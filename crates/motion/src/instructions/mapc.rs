@@ -5,11 +5,11 @@ use arcline_instruction_set::operands::Mapc;
 use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves;
-use super::camming::{Beginning, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
+use super::camming::{CamStart, begin, not_stopping, on_turn, sign, verify_change, verify_reach, wait};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
-use crate::masters::cam::{Program, Source};
+use crate::execution::Execution;
+use crate::masters::cam::{CamProgram, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
@@ -74,7 +74,7 @@ pub(super) fn execute(
     let profile = profile?;
 
     let before = motion.axes[axis].cams(GeneratorKind::PositionCam).direction;
-    let program = Program {
+    let program = CamProgram {
         profile,
         source,
         slave_scale: sign(*direction, before) * *slave_scaling,
@@ -95,7 +95,7 @@ pub(super) fn execute(
         sense,
         unwind: state.unwind,
     });
-    let beginning = Beginning {
+    let beginning = CamStart {
         kind: GeneratorKind::PositionCam,
         program,
         lock,

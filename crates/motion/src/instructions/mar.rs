@@ -6,7 +6,7 @@ use arcline_instruction_set::operands::Mar;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
 use super::axis_moves::not_shut_down;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -37,7 +37,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         RegistrationTrigger::NegativeEdge => Trigger::RegistrationOff,
     };
     registration.arm(execution, state.link.arm(trigger, false), window);
-    motion.controls.write(execution, Flag::Ip.mask(), 0, motion.clock.tick);
+    motion.controls.write(execution, Flag::Ip.mask(), 0);
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

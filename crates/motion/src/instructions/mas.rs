@@ -8,8 +8,8 @@ use arcline_planner::profile::{Jerk, Limits};
 use super::axis_moves::{stoppable, switched_on};
 use super::programmed::{positive, stop_change};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
 use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 /// Deceleration and jerk of the stop of a motion at `speed`; the maxima are those of the axis.
@@ -32,7 +32,7 @@ fn limits(operands: &StopOperands, own: &Maxima, speed: f64, s_curve: bool) -> R
     Ok(limits)
 }
 
-/// What a Stop Type stops.
+/// The motion that a Stop Type stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stopped {
     /// All motion of the axis.
@@ -63,14 +63,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let state = &motion.axes[axis];
     switched_on(state)?;
     stoppable(state)?;
-    let tick = motion.clock.tick;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped, Stopped::All | Stopped::Kind(GeneratorKind::Home)) {
-        motion.end_passive_homing(axis);
+        motion.axes[axis].end_passive_homing(&mut motion.controls);
     }
     match stopped {
-        Stopped::All => motion.end_pending_cams(axis, None),
-        Stopped::Kind(kind) => motion.end_pending_cams(axis, Some(kind)),
+        Stopped::All => motion.axes[axis].end_pending_cams(None, &mut motion.controls),
+        Stopped::Kind(kind) => motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls),
         Stopped::Nothing => {}
     }
     let state = &motion.axes[axis];
@@ -87,7 +86,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                     motion.abort_system(index, |_| false);
                 }
             }
-            motion.controls.write(execution, initiated, 0, tick);
+            motion.controls.write(execution, initiated, 0);
             motion.stop_axis_at(axis, &limits, Some(execution));
             motion.unlink_slave(axis);
         }
@@ -97,8 +96,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 (generator.now.velocity.abs(), generator.s_curve)
             });
             let limits = limits(&rates, &state.dynamics, speed, s_curve)?;
-            motion.controls.write(execution, initiated, 0, tick);
-            motion.stop_generator(axis, kind, &limits, Some(execution));
+            motion.controls.write(execution, initiated, 0);
+            motion.axes[axis].stop_generator(kind, &limits, Some(execution), &mut motion.controls, &motion.clock);
         }
         // Nothing of that kind is under way; a transform that moves no axis now is cancelled all the same.
         other => {
@@ -107,7 +106,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 motion.unlink_slave(axis);
             }
             let nothing_to_stop = Flag::Dn.mask() | Flag::Pc.mask();
-            motion.controls.write(execution, nothing_to_stop, 0, tick);
+            motion.controls.write(execution, nothing_to_stop, 0);
         }
     }
     Ok(())

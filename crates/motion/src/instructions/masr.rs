@@ -2,8 +2,8 @@
 
 use arcline_instruction_set::{AxisId, Call, MotionError};
 
-use crate::axis::AxisState;
-use crate::control::Execution;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -17,7 +17,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 /// Clears faults and leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once. Returns whether no
 /// cause of a fault is left.
 pub(super) fn reset(motion: &mut Motion, axis: AxisId) -> bool {
-    let gone = motion.reset_faults(axis);
+    let gone = motion.axes[axis].reset_faults(motion.controls.cause());
     let axis = &mut motion.axes[axis];
     if axis.state == AxisState::Shutdown {
         axis.state = if axis.is_virtual {

@@ -5,18 +5,18 @@ use arcline_instruction_set::operands::{LockOperands, Matc};
 use arcline_instruction_set::{AxisId, Call, MotionError};
 
 use super::axis_moves;
-use super::camming::{Beginning, begin, not_stopping, sign, verify_change, verify_reach, wait};
+use super::camming::{CamStart, begin, not_stopping, sign, verify_change, verify_reach, wait};
 use super::programmed::{driven_by, verify_lock};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
-use crate::masters::cam::{self, Cam, Program, Source};
+use crate::execution::Execution;
+use crate::masters::cam::{self, Cam, CamProgram, Source};
 use crate::masters::displacement::{Crossing, Sense};
+use crate::masters::follower::DrivenBy;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::system::DrivenBy;
 
-/// What drives the cam; `None`: time.
+/// The master of the cam; `None`: time.
 ///
 /// # Errors
 /// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
@@ -76,7 +76,7 @@ pub(super) fn execute(
     let profile = data.cam()?;
 
     let before = motion.axes[axis].cams(GeneratorKind::TimeCam).direction;
-    let program = Program {
+    let program = CamProgram {
         entry: profile.start().0,
         profile,
         source,
@@ -96,7 +96,7 @@ pub(super) fn execute(
     let master = match led {
         None => cam::time(since, &motion.clock),
         Some((link, driven_by)) => {
-            motion.take_up_link(axis, link.id);
+            motion.axes[axis].take_up_link(link.id, &mut motion.controls);
             let state = &motion.axes[link.master.axis];
             lock = driven_by.lock.position.map(|position| Crossing {
                 position: position - state.redefined,
@@ -108,7 +108,7 @@ pub(super) fn execute(
                 .master_at(link.master.axis, link.master.reference, &motion.clock)
         }
     };
-    let beginning = Beginning {
+    let beginning = CamStart {
         kind: GeneratorKind::TimeCam,
         program,
         lock,

@@ -6,7 +6,7 @@ use arcline_instruction_set::{Call, Flag, MotionError};
 
 use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
 
@@ -32,7 +32,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let now = state.actual.position - state.redefined;
     state.watch.arm(execution, crossing, *position, now);
-    motion.controls.write(execution, Flag::Ip.mask(), 0, motion.clock.tick);
+    motion.controls.write(execution, Flag::Ip.mask(), 0);
     motion.done_next_update(execution, axis, None);
     Ok(())
 }

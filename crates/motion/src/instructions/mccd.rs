@@ -5,8 +5,8 @@ use arcline_instruction_set::operands::Mccd;
 use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 
 use super::programmed::{Change, ChangeOperands, Rates};
-use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima};
+use crate::execution::Execution;
 use crate::machine::CoordinateSystem;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
@@ -98,7 +98,7 @@ fn calculate_again(motion: &mut Motion, index: SystemId, active: Execution) {
     let tick = motion.clock.tick;
     motion.systems[index].calculated.1 = tick + 1;
     let available = Flag::CalculatedDataAvailable;
-    motion.controls.flag(active, available, false, tick);
+    motion.controls.flag(active, available, false);
 }
 
 /// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.

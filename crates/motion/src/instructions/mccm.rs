@@ -8,7 +8,7 @@ use arcline_planner::geometry::{Arc, ArcError, CirclePoint, Dimension, Direction
 use super::moves::{self, MoveOperands};
 use super::points::{self, primary, target_point, unwinds};
 use super::programmed::Programmed;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 use crate::rotary::Turn;
@@ -55,9 +55,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             let mut point = target_point(values, &start, move_type);
             if move_type == MoveType::Absolute {
                 // Of all the turns of a rotary axis the one in which the arc is.
-                for (place, unwind) in unwinds(motion, system) {
-                    let middle = 0.5 * (component(&start, place) + component(&end, place));
-                    let coordinate = &mut point[usize::from(place.0)];
+                for (member, unwind) in unwinds(motion, system) {
+                    let middle = 0.5 * (component(&start, member) + component(&end, member));
+                    let coordinate = &mut point[usize::from(member.0)];
                     *coordinate = Turn::nearest(unwind, *coordinate, middle);
                 }
             }
@@ -87,7 +87,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 fn verify_turns(motion: &Motion, system: &System, increments: &OperandValue<RealArray>) -> Result<(), MotionError> {
     let of_axes = primary(system, increments);
     let beyond =
-        |(place, unwind): (AxisIndex, f64)| of_axes.get(usize::from(place.0)).is_some_and(|by| by.abs() > unwind);
+        |(member, unwind): (AxisIndex, f64)| of_axes.get(usize::from(member.0)).is_some_and(|by| by.abs() > unwind);
     if unwinds(motion, system).any(beyond) {
         return Err(increments.out_of_range());
     }

@@ -7,10 +7,11 @@ use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
 
 use super::axis_moves;
 use super::programmed::{ChangeOperands, Rates};
-use crate::axis::generator::{Goal, Program};
+use crate::axis::generator::{Goal, ProgrammedMotion};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
+use crate::tolerance::DISTANCE_SHARE;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -64,7 +65,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let Some(generator) = state.sum.get_mut(kind) else {
         return Err(MotionError::IllegalDynamicChange);
     };
-    let Some(Program {
+    let Some(ProgrammedMotion {
         dynamics: programmed,
         goal,
     }) = running
@@ -97,7 +98,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     });
     generator.follow(profile, generator.clock(&clock).now());
     generator.keeps(&limits);
-    generator.program = Some(Program { dynamics, goal });
+    generator.program = Some(ProgrammedMotion { dynamics, goal });
     // What had been calculated is given anew at the next update.
     let calculated = generator.events.as_mut().and_then(|events| {
         events.due = Some(clock.tick + 1);
@@ -106,7 +107,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     state.stale = true;
     if let Some(changed) = calculated {
         let available = Flag::CalculatedDataAvailable;
-        motion.controls.flag(changed, available, false, clock.tick);
+        motion.controls.flag(changed, available, false);
     }
     motion.done(execution);
     Ok(())
@@ -116,13 +117,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 fn pause(from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Limits {
     let reach = |limits: &Limits| Profile::stop(from, limits).reach();
     match before {
-        Some(before) if reach(limits) > reach(before) * (1.0 + NEARLY) => Limits {
+        Some(before) if reach(limits) > reach(before) * (1.0 + DISTANCE_SHARE) => Limits {
             speed: limits.speed,
             ..*before
         },
         _ => *limits,
     }
 }
-
-/// Share of a way that is rounding.
-const NEARLY: f64 = 1e-9;

@@ -8,7 +8,7 @@ use arcline_planner::geometry::Path;
 use super::moves::{self, MoveOperands};
 use super::points::{self, primary, target_point};
 use super::programmed::Programmed;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 

@@ -15,18 +15,19 @@ use arcline_planner::geometry::{Path, Point, Rotation};
 
 use super::merging::{Master, TakenOver};
 use super::moves::{self, JointLimits, Verified};
-use super::{no_target, points, programmed};
+use super::{points, programmed};
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
-use crate::heading;
+use crate::execution::Execution;
 use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
+use crate::motion::operands::no_target;
 use crate::path_data::{DynamicsData, PathData};
 use crate::range;
 use crate::system::Termination;
+use crate::system::heading;
 use crate::verify;
 
 /// Members of the path in their ranges (13), and what is reserved (99).
@@ -107,7 +108,10 @@ pub(super) fn execute(
         tags.dynamics.profile == Some(VelocityProfile::SCurve),
     )?;
     let (start, shift) = (points::start_point(motion, index), points::queue_shift(motion, index));
-    let headings = [motion.heading(index), motion.heading_shift(index)];
+    let headings = [
+        motion.systems[index].heading(&motion.axes),
+        motion.systems[index].heading_shift(&motion.axes),
+    ];
     let path_move = PathMove::of(&tags.path, &(start + shift), headings);
     range::verify_point(
         &motion.systems[index],

@@ -6,11 +6,11 @@ use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::programmed::{positive, stop_change};
-use crate::control::Execution;
 use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
-use crate::transforms::Release;
+use crate::transforms::cancel::Release;
 use crate::transforms::transform::Transform;
 use crate::verify;
 
@@ -30,21 +30,21 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
     // A weaker stop while a stop of all is running takes over its bits only.
     let running = motion.systems[index].stop;
-    motion.end_stop(index);
+    motion.systems[index].end_stop(&mut motion.controls);
     let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
     let of_moves = *stop_type != McsStopType::CoordinatedTransform || running.is_some_and(|stop| stop.of_moves);
     if *stop_type != McsStopType::CoordinatedTransform {
-        motion.keep_stopping_link(index);
+        motion.systems[index].keep_stopping_link();
     }
     match *stop_type {
         McsStopType::All => {
-            for place in 0..motion.systems[index].description.axes.len() {
-                let axis = motion.systems[index].description.axes[place];
+            for member in 0..motion.systems[index].description.axes.len() {
+                let axis = motion.systems[index].description.axes[member];
                 braking.extend(cancel(motion, &rates.release, |transform, _| transform.has(axis)));
             }
             braking.extend(stop_all(motion, index, &operands)?);
-            for place in 0..motion.systems[index].description.axes.len() {
-                motion.unlink_slave(motion.systems[index].description.axes[place]);
+            for member in 0..motion.systems[index].description.axes.len() {
+                motion.unlink_slave(motion.systems[index].description.axes[member]);
             }
         }
         // A stop of all that is under way goes on as it is.
@@ -64,7 +64,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         braking,
     });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, initiated, 0, motion.clock.tick);
+    motion.controls.write(execution, initiated, 0);
     Ok(())
 }
 
@@ -83,14 +83,14 @@ fn verify_units(motion: &Motion, index: SystemId, operands: &StopOperands) -> Re
 }
 
 /// Deceleration and jerk that a stop is executed with.
-struct Rates {
+struct StopRates {
     deceleration: f64,
     jerk: f64,
     /// What of both the operands say: cancelled transforms have maxima of their own.
     release: Release,
 }
 
-impl Rates {
+impl StopRates {
     /// For a stop along the path of the active move.
     fn along_path(&self, motion: &Motion, index: SystemId) -> Limits {
         let system = &motion.systems[index];
@@ -99,7 +99,7 @@ impl Rates {
             .active()
             .filter(|_| system.follower.is_none())
             .map(|active| active.dynamics.limits());
-        let deceleration = motion.kept_by_turn(index, self.deceleration);
+        let deceleration = motion.systems[index].kept_by_turn(self.deceleration);
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
             // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
@@ -115,7 +115,7 @@ impl Rates {
     }
 }
 
-fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<Rates, MotionError> {
+fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<StopRates, MotionError> {
     let system = &motion.systems[index];
     let description = &system.description;
     let changed = stop_change(operands, &Maxima::from(description));
@@ -138,7 +138,7 @@ fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<Ra
     if motion.systems[index].is_s_curve() {
         positive(jerk, operands.decel_jerk.index)?;
     }
-    Ok(Rates {
+    Ok(StopRates {
         deceleration,
         jerk,
         release,
@@ -162,9 +162,9 @@ fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, Sys
 
 /// Stops the coordinated move on its path and empties the queue.
 pub(crate) fn stop_move(motion: &mut Motion, index: SystemId, limits: &Limits) {
-    motion.cancel_pending(index);
-    motion.end_active(index);
-    motion.stop_on_path(index, limits);
+    motion.systems.cancel_pending(index, &mut motion.controls);
+    motion.systems[index].end_active(&mut motion.controls);
+    motion.systems[index].stop_on_path(limits, &motion.clock);
 }
 
 /// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
@@ -177,15 +177,15 @@ fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Re
         }
         let limits = rates(motion, other, operands)?.along_path(motion, other);
         stop_move(motion, other, &limits);
-        for place in 0..motion.systems[other].taken().len() {
-            let axis = motion.systems[other].taken()[place];
+        for member in 0..motion.systems[other].taken().len() {
+            let axis = motion.systems[other].taken()[member];
             motion.axes[axis].end_on_path();
             braking.insert(axis);
         }
     }
-    for place in 0..motion.systems[index].description.axes.len() {
-        let axis = motion.systems[index].description.axes[place];
-        motion.stop_own(axis);
+    for member in 0..motion.systems[index].description.axes.len() {
+        let axis = motion.systems[index].description.axes[member];
+        motion.axes[axis].stop_own(&mut motion.controls, &motion.clock);
         braking.insert(axis);
     }
     Ok(braking)

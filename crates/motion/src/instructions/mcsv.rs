@@ -3,7 +3,7 @@
 use arcline_instruction_set::{Call, MotionError};
 
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(

@@ -7,12 +7,13 @@ use arcline_planner::geometry::{Frame, Point};
 
 use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower, Planned};
+use crate::order::{Circle, Follower, PlannedOrder};
 use crate::range;
+use crate::tolerance::CONSISTENT_UNITS;
 use crate::transforms::TransformId;
-use crate::transforms::robot::{CONSISTENT, Joints, RobotMap};
+use crate::transforms::robot::{Joints, RobotMap};
 use crate::transforms::sides::Positions;
 use crate::transforms::transform::{Map, Transform};
 use crate::verify;
@@ -45,15 +46,15 @@ pub(super) fn frame(
 ) -> Result<Frame, MotionError> {
     let angles = vector(orientation.as_slice());
     let shifts = vector(translation.as_slice());
-    for (place, angle) in angles.iter().enumerate() {
+    for (member, angle) in angles.iter().enumerate() {
         // What would turn the axes out of the space that there is: 19.3.
         let turns_out = match dimension {
             3 => false,
-            2 => place != 2,
+            2 => member != 2,
             _ => true,
         };
         if angle.abs() > LARGEST_ANGLE || (turns_out && *angle != 0.0) {
-            return Err(MotionError::InvalidOrientationAngle(Detail(place as i8)));
+            return Err(MotionError::InvalidOrientationAngle(Detail(member as i8)));
         }
     }
     if shifts.iter().skip(dimension).any(|shift| *shift != 0.0) {
@@ -121,7 +122,7 @@ pub(super) fn begin(
         .begin(TransformId::of_target(target), transform, &mut motion.axes);
     motion.order.take(order);
     let started = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, started, 0, motion.clock.tick);
+    motion.controls.write(execution, started, 0);
     Ok(())
 }
 
@@ -184,13 +185,13 @@ pub(super) fn positions(motion: &Motion, axes: &[AxisId]) -> Positions {
 pub(super) fn verify_linear(motion: &Motion, axes: &[AxisId]) -> Result<(), MotionError> {
     let rotary = axes.iter().position(|axis| motion.axes[*axis].unwind.is_some());
     match rotary {
-        Some(place) => Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(place as u8))),
+        Some(member) => Err(MotionError::AxesInTransformMustBeLinear(AxisIndex(member as u8))),
         None => Ok(()),
     }
 }
 
 /// Each target once, no circles; nothing that was cancelled still brakes.
-fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<Planned, MotionError> {
+fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<PlannedOrder, MotionError> {
     let id = TransformId::of_target(target);
     let same = motion.transforms.get(id);
     if same.is_some_and(|running| running.source_system == transform.source_system && !running.braking) {
@@ -220,8 +221,8 @@ fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionEr
             let held = |kind| matches!(kind, GeneratorKind::Transform | GeneratorKind::Gear);
             axis.transforms.controlled || axis.command.velocity != 0.0 || axis.sum.active().any(|(kind, _)| !held(kind))
         });
-        if let Some(place) = moving {
-            return Err(MotionError::AxisInMotion(AxisIndex(place as u8)));
+        if let Some(member) = moving {
+            return Err(MotionError::AxisInMotion(AxisIndex(member as u8)));
         }
     }
     Ok(())
@@ -233,12 +234,12 @@ fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
     let source = transform.source_of(&positions(motion, &transform.target))?;
     transform.verify(&source)?;
     let deviates = |axis: AxisId, position: f64| (motion.axes[axis].command.position - position).abs();
-    for (place, (axis, position)) in transform.source.iter().zip(source.iter()).enumerate() {
+    for (member, (axis, position)) in transform.source.iter().zip(source.iter()).enumerate() {
         let state = &motion.axes[*axis];
         let settable = state.is_virtual && state.sum.is_idle();
         let beyond = position.abs() > state.range;
-        if beyond || !settable && deviates(*axis, *position) > CONSISTENT {
-            return Err(MotionError::InvalidTransformPosition(Detail(place as i8)));
+        if beyond || !settable && deviates(*axis, *position) > CONSISTENT_UNITS {
+            return Err(MotionError::InvalidTransformPosition(Detail(member as i8)));
         }
     }
     for (axis, position) in transform.source.iter().zip(source.iter()) {

@@ -9,7 +9,7 @@ use arcline_planner::geometry::Point;
 use super::mct::{self, positions, refused};
 use crate::axes::share;
 use crate::call_data::{Frames, ReceivedData};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 use crate::transforms::robot::RobotMap;

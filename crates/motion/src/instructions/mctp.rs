@@ -8,7 +8,7 @@ use arcline_planner::geometry::Point;
 
 use super::mct::{frame, positions, verify_linear, verify_pair};
 use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::three;
 use crate::motion::Motion;
 use crate::transforms::robot::{Joints, refused};

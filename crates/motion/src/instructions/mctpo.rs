@@ -8,7 +8,7 @@ use arcline_kinematics::{Configuration, Pose, Turns, Wrist, end_of_arm, tool_cen
 use super::mct::verify_linear;
 use super::mcto;
 use crate::call_data::{Calculation, ReceivedData};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::motion::Motion;
 use crate::transforms::robot::refused;

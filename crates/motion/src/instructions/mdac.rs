@@ -4,7 +4,7 @@ use arcline_instruction_set::operands::Mdac;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
 use crate::axis::generator_kind::GeneratorKind;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
@@ -38,13 +38,13 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     {
         return Err(MotionError::MdscInvalidModeOrMasterChange);
     }
-    let link = motion.new_link(execution, master, reference, 0.0);
+    let link = motion
+        .link_numbers
+        .link(execution, (master, reference), 0.0, &motion.axes, &motion.clock);
     let ended = motion.axes[axis].links.of_mut(serves).make(link);
-    for execution in ended {
-        motion.end_link(execution);
-    }
+    motion.controls.end_links(ended);
     motion.order.take(order);
     let made = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, made, 0, motion.clock.tick);
+    motion.controls.write(execution, made, 0);
     Ok(())
 }

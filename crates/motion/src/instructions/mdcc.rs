@@ -4,7 +4,7 @@ use arcline_instruction_set::enumerations::Reference;
 use arcline_instruction_set::operands::Mdcc;
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
 
@@ -28,13 +28,17 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if system.is_busy() && active.is_some_and(|active| other_reference(active.axis, active.reference)) {
         return Err(MotionError::MdscInvalidModeOrMasterChange);
     }
-    let link = motion.new_link(execution, master, reference, *nominal_master_velocity);
+    let link = motion.link_numbers.link(
+        execution,
+        (master, reference),
+        *nominal_master_velocity,
+        &motion.axes,
+        &motion.clock,
+    );
     let ended = motion.systems[index].links.make(link);
-    for execution in ended {
-        motion.end_link(execution);
-    }
+    motion.controls.end_links(ended);
     motion.order.take(order);
     let made = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, made, 0, motion.clock.tick);
+    motion.controls.write(execution, made, 0);
     Ok(())
 }

@@ -5,7 +5,7 @@ use arcline_instruction_set::operands::Mdoc;
 use arcline_instruction_set::{Call, MotionError};
 
 use super::maoc;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -22,7 +22,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         DisarmType::All => 0..motion.axes[axis].outputs.len(),
     };
     for target in targets {
-        motion.disarm_output(axis, target);
+        motion.axes[axis].disarm_output(target, &mut motion.controls);
     }
     motion.done(execution);
     Ok(())

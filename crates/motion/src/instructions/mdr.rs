@@ -3,7 +3,7 @@
 use arcline_instruction_set::operands::Mdr;
 use arcline_instruction_set::{Call, MotionError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -15,7 +15,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::InstructionNotSupported);
     };
     if let Some(ended) = registration.disarm() {
-        motion.end_move(ended, 0);
+        motion.controls.end_move(ended, 0);
     }
     motion.done_next_update(execution, axis, None);
     Ok(())

@@ -2,14 +2,14 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
     motion.verify_operands(call)?;
     if let Some(ended) = motion.axes[axis].watch.disarm() {
-        motion.end_move(ended, 0);
+        motion.controls.end_move(ended, 0);
     }
     motion.done_next_update(execution, axis, None);
     Ok(())

@@ -14,11 +14,12 @@ use super::programmed;
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::axis::sum::together;
+use crate::masters::follower::DrivenBy;
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::system::{Activity, DrivenBy, Planned};
+use crate::system::{Activity, Planned};
 
-/// What the axes do of which a merge makes the start of its move: of coordinated motion, or of all motion.
+/// The motion of the axes that a merge begins its move with: of coordinated motion, or of all motion.
 fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
@@ -95,23 +96,25 @@ fn way_of_path(motion: &Motion, index: SystemId) -> Point {
 /// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
 /// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
 pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
-    motion.end_travel(index);
-    motion.part_axes(index);
+    motion.systems.end_travel(index, &mut motion.controls);
+    motion.systems[index].part_axes(&mut motion.axes);
     if merge != Merge::AllMotion {
         return;
     }
-    for place in 0..motion.systems[index].description.linear().len() {
-        let axis = motion.systems[index].description.linear()[place];
-        motion.end_single_axis(axis, None);
+    for member in 0..motion.systems[index].description.linear().len() {
+        let axis = motion.systems[index].description.linear()[member];
+        motion.axes[axis].end_single_axis(None, &mut motion.controls);
     }
     for other in motion.systems.ids() {
         if other != index && motion.systems[index].shared_axis(&motion.systems[other]).is_some() {
-            motion.abort_system_but(other, index);
+            motion
+                .systems
+                .abort_but(other, index, &mut motion.axes, &mut motion.controls, &motion.clock);
         }
     }
 }
 
-/// What a move goes on from: what a merge terminates, or rest.
+/// The motion that a move begins with: the one that a merge terminates, or rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TakenOver {
     pub(super) merge: Merge,
@@ -138,7 +141,7 @@ impl TakenOver {
             initial: terminated(motion, index, merge),
             turning: match merge {
                 Merge::Disabled => None,
-                _ => motion.turning(index),
+                _ => motion.systems[index].turning(&motion.axes),
             },
             speed: command(motion, index, |axis| axis.command.velocity).norm(),
         }
@@ -205,11 +208,11 @@ impl Master {
                 return last.parameter;
             }
         }
-        motion.new_parameter(link)
+        motion.link_numbers.parameter(link)
     }
 }
 
-/// What is under way by time, by the displacement of a master.
+/// A motion by time, as one by the displacement of a master.
 fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion {
     let mut taken = InitialMotion::default();
     for index in 0..taken.velocity.len() {

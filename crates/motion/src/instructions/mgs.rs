@@ -4,13 +4,13 @@ use arcline_instruction_set::enumerations::StopMode;
 use arcline_instruction_set::operands::Mgs;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::masd;
-use crate::axis::{AfterStop, AxisState};
-use crate::control::Execution;
+use crate::axis::AfterStop;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 use crate::machine::ProgrammedStopMode;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
-use crate::transforms::Release;
+use crate::transforms::cancel::Release;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     motion.target_group(call)?;
@@ -21,7 +21,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         StopMode::FastDisable => Some(ProgrammedStopMode::FastDisable),
     };
     if let Some(stop) = motion.group_stop.take() {
-        motion.end_move(stop.execution, 0);
+        motion.controls.end_move(stop.execution, 0);
     }
     let braking = stop_group(motion, mode);
     motion.group_stop = Some(Stop {
@@ -30,14 +30,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         braking,
     });
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
-    motion.controls.write(execution, initiated, 0, motion.clock.tick);
+    motion.controls.write(execution, initiated, 0);
     Ok(())
 }
 
 /// Stops all motion of all axes, in one mode or each axis in its own. Returns the axes that are not at rest yet.
 fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet {
     for index in motion.systems.ids() {
-        motion.end_stop(index);
+        motion.systems[index].end_stop(&mut motion.controls);
         motion.abort_system(index, |_| false);
     }
     motion.unlink_all();
@@ -46,8 +46,8 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
         motion.cancel_transform(id, &Release::default());
     }
     for axis in motion.axes.ids() {
-        motion.end_passive_homing(axis);
-        motion.end_pending_cams(axis, None);
+        motion.axes[axis].end_passive_homing(&mut motion.controls);
+        motion.axes[axis].end_pending_cams(None, &mut motion.controls);
         let state = &motion.axes[axis];
         let mode = mode.unwrap_or(state.stop_mode);
         let after = match mode {
@@ -63,7 +63,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
                 continue;
             }
             ProgrammedStopMode::HardShutdown => {
-                masd::shut_down(motion, axis);
+                motion.shut_down(axis);
                 continue;
             }
         };
@@ -72,7 +72,7 @@ fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet 
             motion.axes[axis].after_stop = after;
             braking.insert(axis);
         } else {
-            motion.act_after_stop(axis, after);
+            motion.axes[axis].act_after_stop(after);
         }
     }
     braking

@@ -3,7 +3,7 @@
 use arcline_instruction_set::{Call, MotionError};
 
 use super::masr;
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

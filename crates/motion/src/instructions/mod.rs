@@ -1,4 +1,4 @@
-//! What each instruction does, one file an instruction; here, how they are found and what they share.
+//! The instructions, one file each; here, their execution, and the queue that coordinated moves take a place in.
 
 mod axis_moves;
 mod camming;
@@ -49,15 +49,57 @@ mod seconds;
 
 use arcline_instruction_set::enumerations::Merge;
 use arcline_instruction_set::operands::{Mccm, Mclm, Operands};
-use arcline_instruction_set::{Call, Enumeration, Mnemonic, MotionError, OperandIndex};
+use arcline_instruction_set::{AxisIndex, Call, Enumeration, Mnemonic, MotionControl, MotionError, SystemId};
 
-use crate::call_data::ReceivedData;
-use crate::control::Execution;
+use crate::call_data::{CallData, ReceivedData};
+use crate::cause::Cause;
+use crate::execution::{Execution, Ticket};
 use crate::motion::Motion;
-pub(crate) use masd::shut_down;
+
+impl Motion {
+    /// Executes an instruction at the present tick and returns what its motion control tag shows then.
+    /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
+    pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
+        self.execute_with(ticket, call, None)
+    }
+
+    /// The same with what the instruction has from tags. Real-time.
+    pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
+        let execution = Execution {
+            ticket,
+            control: call.control,
+            mnemonic: call.mnemonic,
+        };
+        let refused = self.is_inhibited && call.mnemonic.begins_motion();
+        let data = ReceivedData(data);
+        self.controls.because(execution.into());
+        let result = self.controls.begin(execution).and_then(|()| match refused {
+            // All axes are: the first one is named.
+            true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
+            false => execute(self, execution, call, &data),
+        });
+        if let Err(error) = result {
+            self.controls.fail(execution, error);
+            if data.verdict() == Err(error) {
+                self.controls.set_segment(execution, data.element() as i32);
+            }
+        }
+        self.controls.because(Cause::Itself);
+        self.controls.word(call.control)
+    }
+
+    /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
+    pub fn has_room(&self, call: &Call) -> bool {
+        if !is_queued(call.mnemonic) || merges(call) {
+            return true;
+        }
+        let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
+        system.is_none_or(|system| system.room() > 0)
+    }
+}
 
 /// Whether a call is of a coordinated move that merges: it ends what is under way and takes no place in the queue.
-pub(crate) fn merges(call: &Call) -> bool {
+fn merges(call: &Call) -> bool {
     let merge = match call.mnemonic {
         Mnemonic::Mclm => Mclm::of(call).merge.index,
         Mnemonic::Mccm => Mccm::of(call).merge.index,
@@ -70,12 +112,7 @@ pub(crate) fn merges(call: &Call) -> bool {
 ///
 /// # Errors
 /// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
-pub(crate) fn execute(
-    motion: &mut Motion,
-    execution: Execution,
-    call: &Call,
-    data: &ReceivedData,
-) -> Result<(), MotionError> {
+fn execute(motion: &mut Motion, execution: Execution, call: &Call, data: &ReceivedData) -> Result<(), MotionError> {
     match call.mnemonic {
         Mnemonic::Mclm => mclm::execute(motion, execution, call),
         Mnemonic::Mccm => mccm::execute(motion, execution, call),
@@ -120,11 +157,6 @@ pub(crate) fn execute(
 }
 
 /// Whether the instruction takes a place in its coordinate system's queue.
-pub(crate) fn is_queued(mnemonic: Mnemonic) -> bool {
+fn is_queued(mnemonic: Mnemonic) -> bool {
     matches!(mnemonic, Mnemonic::Mclm | Mnemonic::Mccm | Mnemonic::Mcpm)
-}
-
-/// The error of an instruction whose target does not exist: its first operand.
-pub(crate) fn no_target() -> MotionError {
-    MotionError::ParameterOutOfRange(OperandIndex(0))
 }

@@ -1,4 +1,4 @@
-//! What MCLM and MCCM share: dynamics, termination, and the way into the queue.
+//! The common part of MCLM and MCCM: dynamics, termination, and the way into the queue.
 //!
 //! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
 
@@ -11,12 +11,12 @@ use arcline_planner::{Ending, InitialMotion, Move, Parameter, RotationResidual};
 use super::merging::{Master, TakenOver, terminate};
 use super::points::{command, queue_shift, start_point};
 use super::programmed::{self, Programmed};
-use crate::accepted::AcceptedMove;
-use crate::control::Execution;
 use crate::dynamics::{Dynamics, Maxima, PathLimits};
 use crate::events::{Events, Fit};
+use crate::execution::Execution;
 use crate::machine::{AxisLimits, CoordinateSystem, Corner};
 use crate::masters::links::MasterLink;
+use crate::motion::AcceptedMove;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
 use crate::verify;
@@ -116,11 +116,20 @@ pub(super) fn execute(
     verify::no_overtravel(system, &motion.axes, &path.end())?;
     // What queues begins with the orientation at the end of the queue, and keeps it.
     let (still, queued_heading) = match merge {
-        Merge::Disabled => (motion.still(index), motion.queued_heading(index)),
+        Merge::Disabled => (
+            motion.systems[index].keeping_heading(&motion.axes),
+            motion.systems[index].queued_heading(),
+        ),
         _ => (None, None),
     };
     let joints = JointLimits {
-        path: path_limits(motion, index, &in_positions, still.as_ref(), motion.heading(index))?,
+        path: path_limits(
+            motion,
+            index,
+            &in_positions,
+            still.as_ref(),
+            motion.systems[index].heading(&motion.axes),
+        )?,
         corner: corner_speed(motion, index, merge, &path, &shift),
     };
     let taken = TakenOver::of(motion, index, merge);
@@ -179,7 +188,7 @@ fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shi
     }
 }
 
-/// What the joints of robots permit.
+/// The limits that the joints of robots set.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointLimits {
     pub(super) path: PathLimits,
@@ -253,12 +262,12 @@ impl Verified {
             let queued = motion.systems[index].push(planned, &motion.clock);
             queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;
             if self.heading.is_some() {
-                motion.join_turned_axes(index, self.dynamics.is_s_curve());
+                motion.systems[index].join_turned_axes(&mut motion.axes, self.dynamics.is_s_curve());
             }
         }
         motion.accept(accepted);
         let bits = Flag::Dn.mask() | Flag::Ip.mask();
-        motion.controls.write(self.execution, bits, 0, motion.clock.tick);
+        motion.controls.write(self.execution, bits, 0);
         Ok(())
     }
 
@@ -286,7 +295,13 @@ fn start(
     initial: &InitialMotion,
     residual: Option<RotationResidual>,
 ) -> Result<(), MotionError> {
-    motion.lead_system(index, planned.data.driven_by, motion.clock.now())?;
+    motion.systems[index].lead(
+        planned.data.driven_by,
+        motion.clock.now(),
+        &motion.axes,
+        &mut motion.controls,
+        &motion.clock,
+    )?;
     let system = &mut motion.systems[index];
     let base = system.time_base(&motion.clock);
     let enforced = system.description.axis_limits == AxisLimits::Enforce;
@@ -295,8 +310,8 @@ fn start(
     system.activity = Activity::Moving;
     system.shown.has_moved = system.follower.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
     system.stale = true;
-    motion.activate(index);
-    motion.set_axis_commands(index);
+    motion.systems[index].activate(&mut motion.axes, &mut motion.controls, &motion.clock);
+    motion.systems[index].set_axis_commands(&mut motion.axes, &motion.clock);
     Ok(())
 }
 

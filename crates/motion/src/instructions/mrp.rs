@@ -6,7 +6,7 @@ use arcline_instruction_set::operands::Mrp;
 use arcline_instruction_set::{Call, MotionError};
 
 use super::axis_moves::{not_homing, not_shut_down};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 
@@ -26,7 +26,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if state.homing().is_some() || motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);
     }
-    motion.not_in_transform(axis)?;
+    motion.axes[axis].not_in_transform()?;
     let state = &mut motion.axes[axis];
     let (command, actual) = (state.command.position, state.actual.position);
     let offset = match (*redefine_type, *position_select) {

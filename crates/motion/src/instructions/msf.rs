@@ -3,8 +3,8 @@
 
 use arcline_instruction_set::{AxisIndex, Call, MotionError};
 
-use crate::axis::AxisState;
-use crate::control::Execution;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 use crate::motion::Motion;
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {

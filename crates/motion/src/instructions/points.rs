@@ -21,7 +21,7 @@ pub(super) fn command(motion: &Motion, index: SystemId, quantity: impl Fn(&Axis)
     point
 }
 
-/// What positions were redefined by since the queue of a coordinate system began.
+/// The offsets by which positions were redefined since the queue of a coordinate system began.
 pub(super) fn queue_shift(motion: &Motion, index: SystemId) -> Point {
     match motion.systems[index].activity {
         Activity::Moving => command(motion, index, |axis| axis.sum.shift_of(GeneratorKind::System)),
@@ -61,7 +61,7 @@ pub(super) fn primary<'a>(system: &System, operand: &'a RealArray) -> &'a [f64] 
 /// The unwinds of the axes of a coordinate system, with their indices; linear axes have none.
 pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = (AxisIndex, f64)> {
     let axes = numbered(system.description.linear());
-    axes.filter_map(|(place, axis)| Some((place, motion.axes.get(axis)?.unwind?)))
+    axes.filter_map(|(member, axis)| Some((member, motion.axes.get(axis)?.unwind?)))
 }
 
 /// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
@@ -77,10 +77,10 @@ pub(super) fn unwind(
     target: &mut Point,
     operand: OperandIndex,
 ) -> Result<(), MotionError> {
-    for (place, unwind) in unwinds(motion, system) {
-        if let Some(position) = values.get(usize::from(place.0)) {
-            let turn = Turn::at(component(start, place), unwind);
-            target[usize::from(place.0)] = turn
+    for (member, unwind) in unwinds(motion, system) {
+        if let Some(position) = values.get(usize::from(member.0)) {
+            let turn = Turn::at(component(start, member), unwind);
+            target[usize::from(member.0)] = turn
                 .signed(*position)
                 .ok_or(MotionError::ParameterOutOfRange(operand))?;
         }

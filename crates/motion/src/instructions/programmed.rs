@@ -10,11 +10,11 @@ use arcline_planner::profile::{Limits, stop_distance};
 
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
 use crate::masters::displacement::Sense;
+use crate::masters::follower::DrivenBy;
 use crate::masters::follower::{LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::rotary::Turn;
-use crate::system::DrivenBy;
 
 /// Speed, rates and jerks with their units, of a move, a jog or a change.
 #[derive(Clone, Copy, Debug)]
@@ -248,7 +248,7 @@ pub(super) fn verify_reduction(speed: f64, limits: &Limits, distance: f64) -> Re
     Ok(())
 }
 
-/// What changes how something moves: MCCD, MCD.
+/// A change of the dynamics of a motion: MCCD, MCD.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChangeOperands {
     pub(super) rates: Rates,
@@ -282,7 +282,7 @@ impl ChangeOperands {
         }
     }
 
-    /// What is changed, in position units, once for all moves.
+    /// The change in position units, once for all moves.
     pub(super) fn change(&self, maxima: &Maxima) -> Change {
         let rates = &self.rates;
         let jerks = rates.jerks(maxima);
@@ -298,7 +298,7 @@ impl ChangeOperands {
     }
 }
 
-/// What MCCD or MCD changes, in units.
+/// The operands of MCCD or MCD that change something, in units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     pub(super) speed: Option<f64>,
@@ -349,14 +349,14 @@ impl Change {
     }
 }
 
-/// What a stop changes of its maxima.
+/// The rates of a stop that differ from the maxima.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StopChange {
     pub(super) deceleration: Option<f64>,
     pub(super) jerk: Option<JerkRate>,
 }
 
-/// What MCS or MAS changes, in position units.
+/// The rates of MCS or MAS that differ from the maxima, in position units.
 pub(super) fn stop_change(operands: &StopOperands, maxima: &Maxima) -> StopChange {
     let StopOperands {
         change_decel,

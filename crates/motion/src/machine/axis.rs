@@ -2,7 +2,11 @@
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
-use super::{DynamicsBits, Home, Inputs, default_jerk};
+use arcline_planner::profile::Bounds as DynamicsBits;
+
+use super::home::Home;
+use super::inputs::Inputs;
+use super::limits::default_jerk;
 
 /// One axis (spec/axis-and-data-types.md §9.1 to §9.4).
 #[derive(Clone, PartialEq, Debug)]
@@ -33,23 +37,23 @@ pub struct Axis {
     pub start: Start,
     /// How it is homed.
     pub home: Home,
-    /// What a group stop in mode Programmed does with the axis.
+    /// The stop of the axis by a group stop in mode Programmed.
     pub programmed_stop_mode: ProgrammedStopMode,
-    /// What each fault does.
+    /// The action of each fault.
     pub exception_actions: ExceptionActions,
     /// Time over which AverageVelocity is taken, above 0, at most 1 s.
     pub average_velocity_timebase: f64,
-    /// What its set-points may ask of it.
+    /// The limits of its set-points.
     pub command_limits: CommandLimits,
     /// Its following error that is a fault; nothing on an axis without a drive.
     pub position_error: PositionErrorLimit,
     /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`](super::MAX_OUTPUT_TARGETS).
     pub output_cam_targets: usize,
-    /// What it has from tags that clients write.
+    /// Its inputs from tags that clients write.
     pub inputs: Inputs,
 }
 
-/// What a set-point may ask of an axis beyond the last one, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
+/// The largest step from one set-point to the next, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CommandLimits {
     /// Whether they are looked at. A set-point that is no number never goes out.
@@ -237,7 +241,7 @@ pub struct Start {
     pub homed: bool,
     /// Faults that have not been reset.
     pub faults: FaultSet,
-    /// What positions were shifted by since the machine was built: home sensor and encoder stand where they are.
+    /// The offset by which positions were shifted since the machine was built: home sensor and encoder stand where they are.
     pub redefined: f64,
 }
 

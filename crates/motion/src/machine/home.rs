@@ -21,7 +21,7 @@ pub struct Home {
     pub acceleration: f64,
     /// Home Deceleration, u/s². 0 is possible where the axis's Maximum Deceleration is 0: MAH errs with 54.
     pub deceleration: f64,
-    /// What its drive can latch.
+    /// The inputs that its drive can latch.
     pub inputs: HomeInputs,
 }
 

@@ -1,4 +1,4 @@
-//! What an axis has from tags that clients write.
+//! The inputs of an axis from tags that clients write.
 
 /// Tags that an axis reads, by their paths.
 #[derive(Clone, PartialEq, Debug, Default)]

@@ -2,7 +2,11 @@
 
 use arcline_instruction_set::AxisId;
 
-use super::{Deviation, DynamicsBits, Geometry, MAX_PRIMARY_AXES, Parameters, Wrist, default_jerk};
+use arcline_kinematics::{Geometry, Parameters, Wrist};
+use arcline_planner::precise::Deviation;
+use arcline_planner::profile::Bounds as DynamicsBits;
+
+use super::limits::{MAX_PRIMARY_AXES, default_jerk};
 
 /// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima are of the vector.
 #[derive(Clone, PartialEq, Debug)]
@@ -102,7 +106,7 @@ impl Orientation {
 pub struct Robot {
     /// How it is built; it has as many joints as the coordinate system has axes.
     pub build: Build,
-    /// What it is built with.
+    /// Its lengths and offsets.
     pub parameters: Parameters,
 }
 
@@ -135,7 +139,7 @@ pub enum Corner {
     Precise,
 }
 
-/// What becomes of an axis's own limits in a coordinated move.
+/// Whether a coordinated move keeps the axes' own limits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum AxisLimits {
     /// Nothing, as in Logix: only the vector's limits count.

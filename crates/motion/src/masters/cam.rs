@@ -15,7 +15,8 @@ use arcline_profile::KinematicState;
 use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Reader;
-use crate::control::Execution;
+use crate::execution::Execution;
+use crate::tolerance::CAM_LENGTH_SHARE;
 
 /// The variable of a cam's profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +29,7 @@ pub(crate) enum Source {
 
 /// The operands of a cam.
 #[derive(Clone, Debug)]
-pub(crate) struct Program {
+pub(crate) struct CamProgram {
     pub(crate) profile: Arc<Profile>,
     pub(crate) source: Source,
     /// Slave units per unit of the profile, negative when the profile is subtracted.
@@ -49,14 +50,14 @@ pub(crate) struct Program {
 /// A cam that takes over when the one under way ends.
 #[derive(Clone, Debug)]
 pub(crate) struct Pending {
-    pub(crate) program: Program,
+    pub(crate) program: CamProgram,
     pub(crate) execution: Execution,
 }
 
 /// A cam under way.
 #[derive(Clone, Debug)]
 pub(crate) struct Cam {
-    program: Program,
+    program: CamProgram,
     /// Its master, or time.
     master: Reader,
     /// How far the master has gone since the cam was locked.
@@ -84,13 +85,10 @@ struct Exit {
     slave: f64,
 }
 
-/// A master displacement that is rounding, as a share of the length of the profile.
-const ROUNDING: f64 = 1e-12;
-
 impl Cam {
     /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, without the offset that
     /// it was redefined by; without one the cam is locked at once, one that a link drives where the master turns to its direction.
-    pub(crate) fn new(program: Program, lock: Option<Crossing>, at: &MasterAt, slave: f64, clock: &Clock) -> Self {
+    pub(crate) fn new(program: CamProgram, lock: Option<Crossing>, at: &MasterAt, slave: f64, clock: &Clock) -> Self {
         let (entry, from) = (program.entry, at.point.position);
         let displacement = match lock {
             Some(crossing) => Displacement::behind(crossing, program.sense, from),
@@ -169,7 +167,7 @@ impl Cam {
     }
 
     /// Another profile goes on where this one was left.
-    fn hand_over(&mut self, mut program: Program, exit: &Exit) {
+    fn hand_over(&mut self, mut program: CamProgram, exit: &Exit) {
         let (start, end) = (program.profile.start().0, program.profile.end().0);
         program.entry = if exit.at_end { start } else { end };
         (program.source, program.link) = (self.program.source, self.program.link);
@@ -182,7 +180,7 @@ impl Cam {
 
     /// Where the master leads the slave, and where it has left the profile. `hands_over`: another cam waits for that.
     fn led(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
-        let Program {
+        let CamProgram {
             profile,
             slave_scale,
             master_scale,
@@ -196,7 +194,7 @@ impl Cam {
         let position = entry + gone / master_scale;
         let before = std::mem::replace(&mut self.position, position);
         let (start, length) = (profile.start().0, profile.length());
-        let rounding = ROUNDING * length;
+        let rounding = CAM_LENGTH_SHARE * length;
         let turn = match mode {
             ExecutionMode::Continuous => ((position - start) / length).floor(),
             ExecutionMode::Once | ExecutionMode::Persistent => 0.0,

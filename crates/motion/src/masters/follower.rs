@@ -12,6 +12,13 @@ use super::MasterAt;
 use super::displacement::{Crossing, Displacement, Going, Sense};
 use super::master::Master;
 
+/// The link by which a move is master driven, and its lock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrivenBy {
+    pub(crate) link: u32,
+    pub(crate) lock: LockTo,
+}
+
 /// The lock operands of an instruction (Lock Direction and Lock Position).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LockTo {
@@ -22,7 +29,7 @@ pub(crate) struct LockTo {
 
 /// How a follower begins.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Beginning {
+pub(crate) struct FollowerStart {
     /// The link by which it begins.
     pub(crate) link: u32,
     pub(crate) lock: LockTo,
@@ -48,8 +55,8 @@ pub(crate) struct MasterFollower {
 
 impl MasterFollower {
     /// `at`: the master at the present tick.
-    pub(crate) fn begin(beginning: Beginning, master: &Master, at: &MasterAt, clock: &Clock) -> Self {
-        let Beginning {
+    pub(crate) fn begin(beginning: FollowerStart, master: &Master, at: &MasterAt, clock: &Clock) -> Self {
+        let FollowerStart {
             link,
             lock: LockTo { sense, position },
             unwind,
@@ -199,7 +206,7 @@ mod tests {
         let first = at(positions[0]);
         let master = Master::new(AxisId(0), Reference::Command, &first, &clock);
         let mut follower = MasterFollower::begin(
-            Beginning {
+            FollowerStart {
                 link: 1,
                 lock,
                 unwind,
@@ -251,7 +258,7 @@ mod tests {
         let master = Master::new(AxisId(0), Reference::Command, &at(0.0), &clock);
         let lock = lock(Sense::Forward, None);
         let mut follower = MasterFollower::begin(
-            Beginning {
+            FollowerStart {
                 link: 1,
                 lock,
                 unwind: None,
@@ -263,12 +270,12 @@ mod tests {
         );
         let clock = Clock::at(7, PERIOD_NS);
         follower.advance(&at(4.0), &clock);
-        let place = Clock::of_displacement(1.0).now();
-        let instant = follower.instant_of(place, &clock);
+        let gone = Clock::of_displacement(1.0).now();
+        let instant = follower.instant_of(gone, &clock);
         assert!((instant.elapsed(&clock) - 0.75e-3).abs() < 1e-15);
         assert!((follower.displacement_at(instant, &clock).elapsed(&follower.clock()) - 3.0).abs() < 1e-12);
         let next = MasterFollower::begin(
-            Beginning {
+            FollowerStart {
                 link: 2,
                 lock,
                 unwind: None,

@@ -4,9 +4,12 @@
 //! A link moves nothing. A motion that begins by it has a master follower of its own, which goes on when the link is replaced. A link to
 //! another master waits behind the active one until a motion begins by it. Not here: the causes that break links (`motion::master_links`).
 
-use super::master::Master;
-use crate::control::Execution;
+use arcline_instruction_set::Flag;
 use arcline_instruction_set::enumerations::MdacMotionType;
+
+use super::master::Master;
+use crate::control::Controls;
+use crate::execution::Execution;
 
 /// A link to a master.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +24,15 @@ pub(crate) struct MasterLink {
     pub(crate) has_nominal: bool,
     /// AC, as last written.
     pub(crate) shown_active: bool,
+}
+
+impl MasterLink {
+    /// AC of the link's instruction: whether a motion that began by the link is under way.
+    pub(crate) fn show_active(&mut self, is_used: bool, controls: &mut Controls) {
+        if std::mem::replace(&mut self.shown_active, is_used) != is_used {
+            controls.flag(self.execution, Flag::Ac, is_used);
+        }
+    }
 }
 
 /// The links of one slave.

@@ -6,6 +6,7 @@ pub(crate) mod cam;
 pub(crate) mod displacement;
 pub(crate) mod follower;
 pub(crate) mod gear;
+pub(crate) mod link_numbers;
 pub(crate) mod links;
 pub(crate) mod master;
 

@@ -12,12 +12,12 @@ use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
 use super::Motion;
-use super::follow::masters_of_axis;
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, RefusedCommand};
 use crate::machine::CommandLimits;
 use crate::stop::AxisSet;
+use crate::tolerance::COMMAND_SHARE;
 
 impl Motion {
     /// Compares the new set-points with the last ones and replaces those that must not go out. To be called once a tick, when all
@@ -68,7 +68,7 @@ impl Motion {
             .allow(before, next, follows, axis, self.clock.period())
     }
 
-    /// What is reported of a set-point that does not go out.
+    /// The report of a set-point that does not go out.
     fn refusal(&mut self, id: AxisId, next: &KinematicState) -> RefusedCommand {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         let (redefined, before) = (axis.redefined, [last.position, last.velocity]);
@@ -105,7 +105,7 @@ impl Motion {
                 }
             }
             for (id, axis) in self.axes.ids().zip(self.axes.iter()) {
-                if masters_of_axis(axis).any(|master| axes.contains(master)) {
+                if axis.masters().any(|master| axes.contains(master)) {
                     axes.insert(id);
                 }
             }
@@ -121,7 +121,8 @@ impl Motion {
         let began = Clock::at(self.clock.tick.saturating_sub(1), self.clock.period_ns).now();
         for id in self.axes.ids() {
             if axes.contains(id) && self.axes[id].has_torque() {
-                self.end_all_motion(id);
+                let position = self.set_points[id.index()].position + self.axes[id].redefined;
+                self.axes[id].end_all_motion(position, &mut self.controls);
             }
         }
         for id in self.systems.ids() {
@@ -131,7 +132,7 @@ impl Motion {
                 .iter()
                 .any(|axis| axes.contains(*axis))
             {
-                self.end_stop(id);
+                self.systems[id].end_stop(&mut self.controls);
                 self.abort_system(id, |_| true);
                 self.systems[id].braking = *axes;
             }
@@ -153,21 +154,6 @@ impl Motion {
                 axis.advance(&self.clock);
             }
         }
-    }
-
-    /// Everything that moves an axis ends without PC; the axis is where its last set-point is.
-    fn end_all_motion(&mut self, id: AxisId) {
-        self.end_passive_homing(id);
-        self.end_pending_cams(id, None);
-        for kind in GeneratorKind::ALL {
-            if let Some(execution) = self.axes[id].sum.get(kind).and_then(|generator| generator.execution) {
-                self.end_move(execution, 0);
-            }
-        }
-        let position = self.set_points[id.index()].position + self.axes[id].redefined;
-        let axis = &mut self.axes[id];
-        axis.sum.set_position(position);
-        axis.command = KinematicState::at_rest(position);
     }
 }
 
@@ -192,7 +178,7 @@ impl CommandLimits {
         let speed = self.speed * axis.dynamics.speed;
         let rate = axis.dynamics.acceleration.max(axis.dynamics.deceleration);
         // Rounding of positions far from 0.
-        let rounding = 1e-12 * position.abs().max(speed * period);
+        let rounding = COMMAND_SHARE * position.abs().max(speed * period);
         step.abs() <= speed * period + rounding
             && next.velocity.abs() <= speed
             && ((next.velocity - velocity).abs() <= self.acceleration * rate * period

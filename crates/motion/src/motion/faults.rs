@@ -1,13 +1,12 @@
-//! What faults of axes do to motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
+//! The effect of faults of axes on motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
 use arcline_instruction_set::{AxisId, ExceptionAction, FaultSet};
 
 use super::Motion;
-use crate::axis::AxisState;
+use crate::axis::state::AxisState;
 use crate::cause::Cause;
-use crate::instructions::shut_down;
 
 impl Motion {
     /// Puts causes of faults on an axis, to be found at the next update, and takes those away that were put there before.
@@ -16,18 +15,6 @@ impl Motion {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.faults.inject(causes);
         }
-    }
-
-    /// Clears the faults of an axis. A faulted one is then stopped, a shut down one stays so. Returns whether no
-    /// cause is left, which would fault it again at the next update.
-    pub(crate) fn reset_faults(&mut self, axis: AxisId) -> bool {
-        let by = self.controls.cause();
-        let axis = &mut self.axes[axis];
-        let gone = axis.faults.reset(by);
-        if axis.state == AxisState::Faulted {
-            axis.state = AxisState::Stopped;
-        }
-        gone
     }
 
     /// Looks at every axis, and does what its faults ask for.
@@ -85,15 +72,24 @@ impl Motion {
                 }
                 AxisState::Aborting | AxisState::Faulted | AxisState::Shutdown => {}
             },
-            ExceptionAction::Shutdown => shut_down(self, axis),
+            ExceptionAction::Shutdown => self.shut_down(axis),
         }
+    }
+
+    /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
+    pub(crate) fn shut_down(&mut self, axis: AxisId) {
+        self.leave(axis);
+        self.axes[axis].disarm(&mut self.controls);
+        self.unlink_slave(axis);
+        self.unlink_master(axis);
+        self.axes[axis].disable(AxisState::Shutdown);
     }
 
     /// Everything that moves the axis ends; it decelerates by itself, and so do the axes that moved with it.
     fn stop_planner(&mut self, axis: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has(axis) {
-                self.end_stop(index);
+                self.systems[index].end_stop(&mut self.controls);
                 self.abort_system(index, |_| false);
             }
         }

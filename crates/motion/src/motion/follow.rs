@@ -5,10 +5,7 @@
 //! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
 
 use super::Motion;
-use crate::axis::Axis;
-use crate::order::{Circle, Follower, Planned, Step};
-use crate::system::System;
-use arcline_instruction_set::{AxisId, SystemId};
+use crate::order::{Circle, Follower, PlannedOrder, Step};
 
 impl Motion {
     /// Commands of all axes at the present tick, in order.
@@ -22,7 +19,7 @@ impl Motion {
                 Step::System(index) => {
                     if self.systems[index].follows() {
                         followers += 1;
-                        self.read_masters(index);
+                        self.systems[index].read_masters(&self.axes, &self.clock);
                         if self.systems[index].is_busy() {
                             self.advance_system(index);
                         }
@@ -33,7 +30,7 @@ impl Motion {
             if let Step::Whole(axis) = step {
                 self.axes[axis].advance_homing(&self.clock);
                 let state = &self.axes[axis];
-                followers += usize::from(state.is_transformed() || masters_of_axis(state).next().is_some());
+                followers += usize::from(state.is_transformed() || state.masters().next().is_some());
             }
         }
         if followers == 0 {
@@ -54,7 +51,7 @@ impl Motion {
         match step {
             Step::System(index) => {
                 if self.systems[index].follows() {
-                    self.read_masters(index);
+                    self.systems[index].read_masters(&self.axes, &self.clock);
                     if self.systems[index].is_busy() {
                         self.sample_system(index);
                     }
@@ -66,24 +63,6 @@ impl Motion {
             }
             Step::Transform(part) => self.transforms.compute(part, &mut self.axes, self.clock.period()),
             Step::Whole(axis) => self.transforms.compose(axis, &mut self.axes),
-        }
-    }
-
-    /// Where the masters of a coordinate system are now, and how far they lead its move.
-    fn read_masters(&mut self, index: SystemId) {
-        let Motion {
-            systems, axes, clock, ..
-        } = self;
-        let system = &mut systems[index];
-        for link in system.links.iter_mut() {
-            link.master
-                .read(&axes.master_at(link.master.axis, link.master.reference, clock), clock);
-        }
-        if let Some(follower) = &mut system.follower {
-            follower.advance(
-                &axes.master_at(follower.master.axis, follower.master.reference, clock),
-                clock,
-            );
         }
     }
 
@@ -104,7 +83,7 @@ impl Motion {
     ///
     /// # Errors
     /// When the axes would follow each other in a circle.
-    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<Planned, Circle> {
+    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<PlannedOrder, Circle> {
         let Motion {
             axes,
             systems,
@@ -118,10 +97,10 @@ impl Motion {
                     Follower::System(slave, master) if slave == index => Some(master),
                     _ => None,
                 };
-                edges.system(index, &system.description.axes, masters_of_system(system).chain(more));
+                edges.system(index, &system.description.axes, system.masters().chain(more));
             }
             for (slave, axis) in axes.ids().zip(axes.iter()) {
-                masters_of_axis(axis).for_each(|master| edges.axis(slave, master));
+                axis.masters().for_each(|master| edges.axis(slave, master));
             }
             if let Follower::Axis(slave, master) = more {
                 edges.axis(slave, master);
@@ -132,21 +111,4 @@ impl Motion {
             });
         })
     }
-}
-
-pub(super) fn masters_of_axis(axis: &Axis) -> impl Iterator<Item = AxisId> {
-    let gear = axis.gear().map(|gear| gear.master.axis);
-    let cams = Axis::CAMS.into_iter().filter_map(|slot| axis.cam_master(slot));
-    let driven = axis.sum.active().filter_map(|(_, generator)| generator.follower);
-    let links = axis.links.iter().map(|link| link.master.axis);
-    gear.into_iter()
-        .chain(cams)
-        .chain(links)
-        .chain(driven.map(|follower| follower.master.axis))
-}
-
-fn masters_of_system(system: &System) -> impl Iterator<Item = AxisId> {
-    let follower = system.follower.map(|follower| follower.master.axis);
-    let links = system.links.iter().map(|link| link.master.axis);
-    links.chain(follower)
 }

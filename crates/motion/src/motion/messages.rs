@@ -6,8 +6,8 @@
 use arcline_instruction_set::{AxisId, Detail, Flag, Mnemonic, MotionError};
 
 use super::Motion;
-use crate::axis::AxisState;
-use crate::control::Execution;
+use crate::axis::state::AxisState;
+use crate::execution::Execution;
 
 /// An instruction that is done an update later, or when the drive of its axis has answered.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Message {
     request: Option<Request>,
 }
 
-/// What a drive was asked for.
+/// A request to a drive.
 #[derive(Clone, Copy, Debug)]
 struct Request {
     /// The state of the axis until its drive has answered.
@@ -38,7 +38,7 @@ const NO_RESPONSE: MotionError = MotionError::ServoMessageFailure(Detail(2));
 impl Motion {
     /// Sets DN now.
     pub(crate) fn done(&mut self, execution: Execution) {
-        self.controls.write(execution, Flag::Dn.mask(), 0, self.clock.tick);
+        self.controls.write(execution, Flag::Dn.mask(), 0);
     }
 
     /// Sets DN at the next update; `asked`: once the drive has answered and the axis has left this state.
@@ -52,7 +52,7 @@ impl Motion {
                 request,
             });
         } else if request.is_some() {
-            self.controls.fail(execution, NO_RESPONSE, self.clock.tick);
+            self.controls.fail(execution, NO_RESPONSE);
         } else {
             self.done(execution);
         }
@@ -90,7 +90,7 @@ impl Motion {
         messages.retain(|message| {
             let fails = message.axis == axis && message.request.is_some();
             if fails {
-                self.controls.fail(message.execution, NO_RESPONSE, self.clock.tick);
+                self.controls.fail(message.execution, NO_RESPONSE);
             }
             !fails
         });

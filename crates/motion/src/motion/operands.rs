@@ -1,10 +1,9 @@
-//! What instructions read of a call: its target, its verified operands, and the objects that these name.
+//! The parts of a call that instructions read: its target, its verified operands, and the objects that these name.
 
 use arcline_instruction_set::operands::{OperandValue, Operands};
-use arcline_instruction_set::{Argument, AxisId, Call, Mnemonic, MotionError, Object, SystemId};
+use arcline_instruction_set::{Argument, AxisId, Call, Mnemonic, MotionError, Object, OperandIndex, SystemId};
 
-use crate::instructions;
-use crate::motion::Motion;
+use super::Motion;
 use crate::stop::AxisSet;
 
 impl Motion {
@@ -12,14 +11,14 @@ impl Motion {
         call.target
             .map(AxisId)
             .filter(|axis| self.axes.get(*axis).is_some())
-            .ok_or(instructions::no_target())
+            .ok_or(no_target())
     }
 
     /// There is one motion group.
     pub(crate) fn target_group(&self, call: &Call) -> Result<(), MotionError> {
         match call.target {
             Some(0) => Ok(()),
-            _ => Err(instructions::no_target()),
+            _ => Err(no_target()),
         }
     }
 
@@ -27,7 +26,7 @@ impl Motion {
         call.target
             .map(SystemId)
             .filter(|system| self.systems.get(*system).is_some())
-            .ok_or(instructions::no_target())
+            .ok_or(no_target())
     }
 
     /// The axes of the object that an instruction acts on, and of the other coordinate system of a transform. Real-time.
@@ -89,4 +88,9 @@ impl Motion {
             .filter(|system| self.systems.get(*system).is_some())
             .ok_or(operand.out_of_range())
     }
+}
+
+/// The error of an instruction whose target does not exist: its first operand.
+pub(crate) fn no_target() -> MotionError {
+    MotionError::ParameterOutOfRange(OperandIndex(0))
 }

@@ -4,7 +4,7 @@
 
 use arcline_instruction_set::{AxisId, Flag};
 
-use super::{ARRAY_WRITES, Motion};
+use super::{Motion, WORDS};
 use crate::events::{ArrayWrite, Written};
 use crate::output::Word;
 
@@ -18,7 +18,7 @@ impl Motion {
             let point = self.axes.master_at(axis, reference, &self.clock).point;
             let outcome = self.axes[axis].outputs.look(target, point, &self.clock);
             for execution in outcome.ended.into_iter().flatten() {
-                self.end_move(execution, Flag::Pc.mask());
+                self.controls.end_move(execution, Flag::Pc.mask());
             }
             self.write_word(outcome.written);
         }
@@ -29,8 +29,8 @@ impl Motion {
     pub(super) fn finish_outputs(&mut self) {
         // What comes of these is for the next tick.
         let count = self.words.len();
-        for place in 0..count {
-            let word = self.words[place];
+        for word_index in 0..count {
+            let word = self.words[word_index];
             self.share_word(&word);
         }
         self.words.drain(..count);
@@ -60,8 +60,8 @@ impl Motion {
     /// Bits leave the tick.
     pub(crate) fn write_word(&mut self, word: Option<Word>) {
         let Some(word) = word else { return };
-        if self.array_writes.len() < ARRAY_WRITES && self.words.len() < ARRAY_WRITES {
-            self.array_writes.push(ArrayWrite {
+        if self.controls.has_room_for_array() && self.words.len() < WORDS {
+            self.controls.write_array(ArrayWrite {
                 tick: self.clock.tick,
                 tag: word.tag,
                 values: Written::Bits {
@@ -70,14 +70,6 @@ impl Motion {
                 },
             });
             self.words.push(word);
-        }
-    }
-
-    /// Nothing is armed on a target any more; the bits stay as they are.
-    pub(crate) fn disarm_output(&mut self, axis: AxisId, target: usize) {
-        let ended = self.axes[axis].outputs.disarm(target);
-        for execution in ended.into_iter().flatten() {
-            self.end_move(execution, 0);
         }
     }
 }

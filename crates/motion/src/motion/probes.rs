@@ -1,10 +1,10 @@
-//! What comes into the machine from tags while it runs, and what axes look out for.
+//! Inputs of the machine from tags while it runs, and the events that axes look out for.
 //!
 //! Real-time: no allocation; bounded by the axes.
 
-use arcline_drive::{Drives, REGISTRATION_LATCHES, Trigger, WrittenInput};
+use arcline_drive::{Drives, REGISTRATION_LATCHES, WrittenInput};
+use arcline_instruction_set::AxisId;
 use arcline_instruction_set::TagAddress;
-use arcline_instruction_set::{AxisId, Flag};
 
 use super::Motion;
 use crate::axis::feed::Fed;
@@ -33,7 +33,7 @@ pub enum Input {
     Word {
         /// The tag, by what the directory calls it.
         tag: TagAddress,
-        /// What is in it now.
+        /// Its new value.
         bits: u32,
     },
 }
@@ -64,35 +64,9 @@ impl Motion {
         let written = WrittenInput { axis, input, on, armed };
         drives.write_input(&written, feedback);
         state.link.feedback.inputs = feedback.inputs;
-        let place = REGISTRATION_LATCHES[input];
-        state.link.feedback.latches[place] = feedback.latches[place].take();
-        self.take_registrations(axis);
-    }
-
-    /// Registration inputs of the drive whose latches have closed.
-    pub(super) fn take_registrations(&mut self, axis: AxisId) {
-        let (period, now) = (self.clock.period_ns, self.clock.tick.wrapping_mul(self.clock.period_ns));
-        for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
-            let state = &mut self.axes[axis];
-            let (Some(latch), Some(armed)) = (state.link.feedback.latches[place], state.registrations[input].latch())
-            else {
-                continue;
-            };
-            if latch.number != armed.number {
-                continue;
-            }
-            let before = (latch.before_end_s / self.clock.period() * period as f64) as u64;
-            let time = (now.saturating_sub(before) / 1000) as i32;
-            let position = state.shown(state.latched_at(latch.position));
-            let positive = armed.trigger == Trigger::RegistrationOn;
-            match state.registrations[input].edge(positive, position, time) {
-                Some(execution) => self.end_move(execution, Flag::Pc.mask()),
-                None => {
-                    let again = state.link.arm(armed.trigger, false);
-                    state.registrations[input].arm_again(again);
-                }
-            }
-        }
+        let latch_index = REGISTRATION_LATCHES[input];
+        state.link.feedback.latches[latch_index] = feedback.latches[latch_index].take();
+        state.take_registrations(&mut self.controls, &self.clock);
     }
 
     fn feed(&mut self, axis: AxisId, position: f64) {
@@ -109,28 +83,10 @@ impl Motion {
         }
     }
 
-    /// What axes look out for is looked at.
+    /// Looks for the events that an axis looks out for.
     pub(super) fn look_out(&mut self, axis: AxisId) {
-        let state = &mut self.axes[axis];
-        let now = state.actual.position - state.redefined;
-        if let Some(execution) = state.watch.look(now) {
-            self.end_move(execution, Flag::Pc.mask());
-        }
+        self.axes[axis].take_registrations(&mut self.controls, &self.clock);
+        self.axes[axis].look_for_watch(&mut self.controls);
         self.look_at_outputs(axis);
-    }
-
-    /// An axis does not look out for anything any more.
-    pub(crate) fn disarm(&mut self, axis: AxisId) {
-        let state = &mut self.axes[axis];
-        let [first, second] = &mut state.registrations;
-        for execution in [state.watch.disarm(), first.disarm(), second.disarm()]
-            .into_iter()
-            .flatten()
-        {
-            self.end_move(execution, 0);
-        }
-        for target in 0..self.axes[axis].outputs.len() {
-            self.disarm_output(axis, target);
-        }
     }
 }

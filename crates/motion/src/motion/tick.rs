@@ -4,7 +4,7 @@
 //! axes and coordinate systems and by a fixed number of moves.
 
 use arcline_drive::Drives;
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{Flag, SystemId};
 
 use super::Motion;
 
@@ -13,6 +13,7 @@ impl Motion {
     /// of the tick follow ([`Motion::execute`]), then [`Motion::finish`].
     pub fn begin(&mut self, tick: u64, drives: &mut dyn Drives) {
         self.clock.tick = tick;
+        self.controls.begin_tick(tick);
         self.finish_messages();
         self.compute_commands();
         self.limit_commands();
@@ -57,12 +58,13 @@ impl Motion {
         self.axes.exchanged = true;
     }
 
-    /// What the feedback of all axes says: requests to drives that are done, moves and homing that went on inside the update, what axes
+    /// Acts on the feedback of all axes: requests to drives that are done, moves and homing that went on inside the update, what axes
     /// look out for.
     fn use_feedback(&mut self, drives: &dyn Drives) {
         self.finish_requests();
         for index in self.systems.ids() {
-            self.finish_settling(index, drives);
+            self.systems
+                .finish_settling(index, drives, &mut self.axes, &mut self.controls, &self.clock);
         }
         for index in self.axes.ids() {
             if self.axes[index].dormant {
@@ -70,15 +72,14 @@ impl Motion {
             }
             let found = self.axes[index].home_was_found(&self.clock);
             if self.axes[index].in_motion() {
-                self.report_generators(index);
+                self.axes[index].report(&mut self.controls, &self.clock);
             }
             let axis = &mut self.axes[index];
             if found && let Some(ended) = axis.homing.take() {
                 axis.homed = true;
-                self.end_move(ended.execution, Flag::Pc.mask());
+                self.controls.end_move(ended.execution, Flag::Pc.mask());
             }
             if self.axes[index].awaits_events() {
-                self.take_registrations(index);
                 self.look_out(index);
             }
             self.axes[index].fold(&self.clock);
@@ -87,17 +88,36 @@ impl Motion {
 
     /// Stops that are over.
     fn finish_stops(&mut self) {
-        for index in self.systems.ids() {
-            self.finish_braking(index);
-            self.finish_stop(index);
+        for system in self.systems.iter_mut() {
+            system.finish_braking(&self.axes);
+            system.finish_stop(&self.axes, &mut self.controls);
         }
         self.finish_group_stop();
     }
 
-    /// What instructions and coordinate systems show of the present tick.
+    /// Shows the present tick in the status of instructions and coordinate systems.
     fn show_status(&mut self) {
-        self.update_tolerances();
+        for system in self.systems.iter_mut() {
+            system.update_tolerance(&self.axes);
+        }
         self.show_transforms();
         self.show_links();
+    }
+
+    /// Brings a coordinate system to the present tick.
+    pub(super) fn advance_system(&mut self, index: SystemId) {
+        let Motion {
+            systems,
+            axes,
+            controls,
+            clock,
+            ..
+        } = self;
+        systems.advance(index, axes, controls, clock);
+    }
+
+    /// The commands of a coordinate system at the present tick alone.
+    pub(super) fn sample_system(&mut self, index: SystemId) {
+        self.systems[index].sample(&mut self.axes, &mut self.controls, &self.clock);
     }
 }

@@ -12,7 +12,10 @@ use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::Cause;
 use crate::stop::AxisSet;
-use crate::transforms::{Present, Release, TransformId, Verdict};
+use crate::transforms::TransformId;
+use crate::transforms::cancel::Release;
+use crate::transforms::guard::Verdict;
+use crate::transforms::present::Present;
 
 impl Motion {
     /// Axes, coordinate systems and transforms as they are, to look ahead from.
@@ -76,7 +79,7 @@ impl Motion {
             return AxisSet::default();
         };
         if let Some(execution) = cancelled.execution {
-            self.end_move(execution, 0);
+            self.controls.end_move(execution, 0);
         }
         cancelled.braking
     }
@@ -84,7 +87,7 @@ impl Motion {
     /// The instruction shows the error; everything that leads the target, and the target itself, begins to brake.
     fn fail_transform(&mut self, id: TransformId, error: MotionError) {
         if let Some(execution) = self.transforms.begin_braking(id) {
-            self.controls.fail(execution, error, self.clock.tick);
+            self.controls.fail(execution, error);
             self.controls.because(execution.into());
         }
         if let Some(target) = self.transforms.get(id).map(|transform| transform.target) {
@@ -116,15 +119,15 @@ impl Motion {
             let system = &self.systems[index];
             if system.is_busy() && share(axes, system.taken()) {
                 let limits = system.guarded_stop();
-                self.cancel_pending(index);
-                self.end_active(index);
-                self.stop_on_path_at_once(index, &limits);
+                self.systems.cancel_pending(index, &mut self.controls);
+                self.systems[index].end_active(&mut self.controls);
+                self.systems[index].stop_on_path_at_once(&limits, &self.clock);
             }
         }
         for axis in axes {
             let limits = self.axes[*axis].guarded_stop();
             for kind in GeneratorKind::ALL.into_iter().filter(|kind| kind.is_single_axis()) {
-                self.stop_generator_soonest(*axis, kind, &limits);
+                self.axes[*axis].stop_generator_soonest(kind, &limits, &mut self.controls, &self.clock);
             }
         }
     }

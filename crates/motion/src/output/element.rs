@@ -1,4 +1,4 @@
-//! What an element of an output cam does to its bit, one event after another.
+//! The effect of an element of an output cam on its bit, one event after another.
 //!
 //! Not here: when the events come. Nothing allocates.
 
@@ -36,7 +36,7 @@ pub(super) enum Happens {
     LatchEntered,
 }
 
-/// What comes of it.
+/// Its effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     Nothing,

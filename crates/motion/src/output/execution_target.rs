@@ -8,6 +8,7 @@
 
 mod cam_state;
 mod events;
+mod piece;
 mod pieces;
 mod tail;
 
@@ -18,22 +19,15 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::program::{Compensation, OUTPUT_BITS, OutputCam};
-use crate::control::Execution;
+use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
-use arcline_instruction_set::enumerations::{ExecutionMode, Reference};
-use cam_state::{ACTIVE, CamState, PENDING, TAIL};
+use arcline_instruction_set::enumerations::Reference;
+pub(crate) use cam_state::ArmedCam;
+use cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
 use tail::Trailing;
 
-/// An output cam that an instruction has brought.
-#[derive(Clone, Debug)]
-pub(crate) struct Program {
-    pub(crate) cam: Arc<OutputCam>,
-    pub(crate) mode: ExecutionMode,
-    pub(crate) execution: Execution,
-}
-
-/// What an instruction says of a cam that does not wait for the end of another.
+/// The arming of a cam that does not wait for the end of another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arming {
     /// Where it is armed; `None`: at once.
@@ -56,7 +50,7 @@ pub(crate) struct Word {
     pub(crate) bits: u32,
 }
 
-/// What an update has brought.
+/// The result of an update.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outcome {
     /// Instructions whose cams have ended by themselves.
@@ -66,17 +60,7 @@ pub(crate) struct Outcome {
 }
 
 /// Bits of OutputCamStatus, PendingStatus, LockStatus and TransitionStatus of a target.
-pub(crate) type Shown = [bool; 4];
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
-    Free,
-    /// Until the axis crosses the arm position.
-    Waiting(Crossing),
-    Armed,
-    /// It is over, but for what goes on of it.
-    Ending,
-}
+pub(crate) type TargetStatus = [bool; 4];
 
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
@@ -152,7 +136,7 @@ impl Target {
         self.phase == Phase::Free
     }
 
-    pub(super) fn shown(&self) -> Shown {
+    pub(super) fn shown(&self) -> TargetStatus {
         [
             self.is_alive(),
             self.cams[PENDING].program.is_some(),
@@ -164,7 +148,7 @@ impl Target {
     /// A cam in place of the one that is there, whose durations run out where both have one output. Returns whose it was.
     pub(crate) fn begin(
         &mut self,
-        program: Program,
+        program: ArmedCam,
         arming: &Arming,
         at: KinematicState,
         clock: &Clock,
@@ -200,7 +184,7 @@ impl Target {
     }
 
     /// A cam that waits for the end of the armed one. Returns whose had waited.
-    pub(crate) fn wait(&mut self, program: Program, clock: &Clock) -> Option<Execution> {
+    pub(crate) fn wait(&mut self, program: ArmedCam, clock: &Clock) -> Option<Execution> {
         let before = self.cams[PENDING].program.take().map(|program| program.execution);
         self.cams[PENDING].load(program);
         self.enable(PENDING, clock.now());
@@ -224,12 +208,12 @@ impl Target {
     pub(super) fn take_word(&mut self, word: &Word, clock: &Clock) {
         let mut changed = false;
         let (own, words) = (self.written.mask, [Some(&mut self.output), self.input.as_mut()]);
-        for (place, mine) in words.into_iter().enumerate() {
+        for (word_index, mine) in words.into_iter().enumerate() {
             if let Some(mine) = mine.filter(|mine| mine.tag == word.tag) {
                 // A client that writes the whole word may write bits of the target as they were before: the target's own are newer.
-                let mask = if place == 0 { word.mask & !own } else { word.mask };
+                let mask = if word_index == 0 { word.mask & !own } else { word.mask };
                 let bits = (mine.bits & !mask) | (word.bits & mask);
-                changed |= std::mem::replace(&mut mine.bits, bits) != bits || place == 0;
+                changed |= std::mem::replace(&mut mine.bits, bits) != bits || word_index == 0;
             }
         }
         if changed && !self.is_idle() {

@@ -77,12 +77,12 @@ mod tests {
         let (period, rate, acceleration) = (0.004, 30.0, -2000.0);
         let place = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
         let end = [place(period), rate + acceleration * period];
-        let course = Interpolation::new([5.0, rate], end, period);
+        let interpolation = Interpolation::new([5.0, rate], end, period);
         for step in 0..=8 {
             let share = f64::from(step) / 8.0;
             let value = place(share * period);
-            assert!((course.at(share) - value).abs() < 1e-12, "{share}");
-            assert!((course.share_of(value) - share).abs() < 1e-9, "{share}");
+            assert!((interpolation.at(share) - value).abs() < 1e-12, "{share}");
+            assert!((interpolation.share_of(value) - share).abs() < 1e-9, "{share}");
         }
     }
 
@@ -98,9 +98,11 @@ mod tests {
             ("back",                   [1.0, -80.0], [0.5, 30.0]),
         ];
         for (why, from, to) in cases {
-            let course = Interpolation::new(from, to, 0.001);
+            let interpolation = Interpolation::new(from, to, 0.001);
             let sign = (to[0] - from[0]).signum();
-            let values: Vec<f64> = (0..=100).map(|step| course.at(f64::from(step) / 100.0)).collect();
+            let values: Vec<f64> = (0..=100)
+                .map(|step| interpolation.at(f64::from(step) / 100.0))
+                .collect();
             let falls = values.windows(2).any(|pair| sign * (pair[1] - pair[0]) < -1e-12);
             assert!(!falls, "{why}: {values:?}");
             assert_eq!((values[0], values[100]), (from[0], to[0]), "{why}");

@@ -2,7 +2,7 @@
 //!
 //! An axis has as many execution targets as it is configured with; on each there is one output cam, and one that waits for its
 //! end. Between two ticks the axis is taken to go from the one position and speed to the other without turning round
-//! ([`course`]): every edge has its exact instant there, and so durations and pulses do not show the update period. The bits
+//! ([`interpolation`]): every edge has its exact instant there, and so durations and pulses do not show the update period. The bits
 //! are those of the tick. What has become others leaves the tick as an [`crate::ArrayWrite`].
 //!
 //! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates behind [`OutputCams::new`].
@@ -16,10 +16,10 @@ mod windows;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
-pub(crate) use execution_target::{Arming, Outcome, Program, Target, Word};
+pub(crate) use execution_target::{ArmedCam, Arming, Outcome, Target, Word};
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 
-use crate::control::Execution;
+use crate::execution::Execution;
 use arcline_instruction_set::enumerations::Reference;
 use execution_target::{Edge, MOST_EDGES};
 
@@ -51,7 +51,7 @@ impl OutputCams {
         self.targets.get_mut(target)
     }
 
-    /// What a target that something is armed on, or waits on, follows of its axis.
+    /// The position of its axis, actual or command, that a target follows while a cam is armed or waits on it.
     pub(crate) fn reference(&self, target: usize) -> Option<Reference> {
         let target = self.targets.get(target)?;
         (!target.is_idle()).then_some(target.reference)
@@ -90,9 +90,9 @@ impl OutputCams {
     /// OutputCamStatus, PendingStatus, LockStatus and TransitionStatus: a bit for each target.
     pub(crate) fn status(&self) -> [u32; 4] {
         let mut words = [0; 4];
-        for (place, target) in self.targets.iter().enumerate() {
+        for (target_index, target) in self.targets.iter().enumerate() {
             for (word, shown) in words.iter_mut().zip(target.shown()) {
-                *word |= u32::from(shown) << place;
+                *word |= u32::from(shown) << target_index;
             }
         }
         words

@@ -1,4 +1,4 @@
-//! What an output cam is programmed with: elements that latch and unlatch bits, and what compensates each bit
+//! The program of an output cam: elements that latch and unlatch bits, and what compensates each bit
 //! (spec/axis-and-data-types.md §5, §8.9).
 //!
 //! A program that exists is legal: what MAOC refuses with 36 and 37 is refused here, beside the tick. Units: position units,
@@ -83,7 +83,7 @@ pub struct OutputCam {
     pub(super) mask: u32,
 }
 
-/// What latches or unlatches a bit.
+/// The condition that latches or unlatches a bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Element {
     pub(super) bit: u8,
@@ -140,7 +140,7 @@ pub(super) struct Enable {
     pub(super) bit: u8,
 }
 
-/// What compensates a bit, and how it shows.
+/// The compensation of a bit, and how the bit shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Compensation {
     pub(super) offset: f64,

@@ -50,9 +50,9 @@ impl Window {
         let last = |edge: f64| {
             let whole = ((to - edge) / self.cycle).floor();
             let turn = if to > from { whole } else { whole + 1.0 };
-            let place = edge + turn.max(self.turns.first).min(self.turns.last) * self.cycle;
+            let crossing = edge + turn.max(self.turns.first).min(self.turns.last) * self.cycle;
             let (low, high) = if to > from { (from, to) } else { (to, from) };
-            (low < place && place <= high).then_some(place)
+            (low < crossing && crossing <= high).then_some(crossing)
         };
         if from == to {
             [None, None]

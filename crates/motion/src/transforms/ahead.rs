@@ -1,4 +1,4 @@
-//! What a stop would do that began at the next update: where everything that leads a robot's joints would be on the way to rest.
+//! A stop as it would be if it began at the next update: the motions that lead a robot's joints, until they rest.
 //!
 //! It is the stop that follows if the guard decides for it (`crate::motion`): with the jerk, the accelerations and the
 //! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
@@ -10,7 +10,7 @@ use arcline_planner::profile::{Bounds, Limits, Profile};
 use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
-use super::Present;
+use super::present::Present;
 use super::sides::Side;
 use super::transform::Transform;
 use crate::axes::{AxisList, share};

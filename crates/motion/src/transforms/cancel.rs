@@ -10,13 +10,15 @@ use super::sides::{Positions, Side};
 use super::transform::Transform;
 use super::{TransformId, Transforms};
 use crate::axes::Axes;
+use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::{Axis, AxisState};
-use crate::control::Execution;
+use crate::axis::state::AxisState;
 use crate::dynamics::stop_limits;
+use crate::execution::Execution;
 use crate::machine::CoordinateSystem;
 use crate::stop::AxisSet;
 use crate::system::Systems;
+use crate::tolerance::NO_ROOM_UNITS;
 
 /// The rates at which the axes of a cancelled transform come to rest, each by itself. `None` is the maximum of the coordinate
 /// system that the transform moved the axis for.
@@ -170,13 +172,10 @@ fn within_travel(axis: &Axis, moved: &KinematicState, limits: &Limits) -> Limits
     if room.is_infinite() || Profile::stop(from, limits).end().position.abs() <= room {
         return *limits;
     }
-    let deceleration = 0.5 * moved.velocity * moved.velocity / room.max(NO_ROOM);
+    let deceleration = 0.5 * moved.velocity * moved.velocity / room.max(NO_ROOM_UNITS);
     Limits {
         deceleration: deceleration.max(limits.deceleration),
         jerk: None,
         ..*limits
     }
 }
-
-/// Position units.
-const NO_ROOM: f64 = 1e-9;

@@ -366,7 +366,7 @@ fn within_speeds(
     for (index, axis) in transform.target.iter().enumerate() {
         let (now, before) = (&now[index], &before[index]);
         if guard::too_far(before, now, axes[*axis].dynamics.speed, period) {
-            let at_once = (now.position - before.position).abs() > guard::AT_ONCE;
+            let at_once = (now.position - before.position).abs() > guard::AT_ONCE_DEG;
             return Err(if at_once {
                 MotionError::TransformAtOrigin
             } else {

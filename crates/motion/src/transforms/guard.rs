@@ -9,13 +9,15 @@
 use arcline_instruction_set::{AxisId, AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
+use super::TransformId;
 use super::ahead::Ahead;
+use super::present::Present;
 use super::robot::RobotMap;
 use super::sides::{Side, positions};
 use super::transform::{Map, Transform};
-use super::{Present, TransformId};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
+use crate::tolerance::{JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, SHORTEST_LOOK_S};
 
 /// The future of a transform.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +57,7 @@ impl Look {
 
 /// The verdict of two looks on the interval between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Between {
+enum IntervalVerdict {
     Kept,
     /// Only a look between them can decide.
     Unknown,
@@ -74,7 +76,7 @@ struct Bounds {
 }
 
 /// A stop that is looked at.
-struct Stop<'a> {
+struct StopAhead<'a> {
     present: Present<'a>,
     transform: &'a Transform,
     ahead: &'a mut Ahead,
@@ -127,7 +129,7 @@ impl Present<'_> {
         self.plan_ahead(transform, ahead);
         let duration = ahead.duration();
         let now = self.joints_now(transform);
-        let mut stop = Stop {
+        let mut stop = StopAhead {
             present: *self,
             transform,
             ahead,
@@ -212,7 +214,7 @@ impl Present<'_> {
             let led = robot.target_of(&there)?;
             robot.follow_joints(&led);
             for (index, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
-                if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + ROUNDING) {
+                if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + JOINT_SPEED_SHARE) {
                     return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
                 }
             }
@@ -248,7 +250,7 @@ impl Present<'_> {
     }
 }
 
-impl Stop<'_> {
+impl StopAhead<'_> {
     /// From one instant to a later one, as closely as need be.
     ///
     /// # Errors
@@ -262,18 +264,18 @@ impl Stop<'_> {
                 next.led = self.robot.near(next.led);
             }
             match self.between(&before, &next) {
-                Between::Exceeded(error) => return Err(error),
+                IntervalVerdict::Exceeded(error) => return Err(error),
                 // Before the next update nothing is planned.
-                Between::Unknown
-                    if self.left > 0 && count < DEPTH && before.at >= 0.0 && next.at - before.at > FINEST =>
+                IntervalVerdict::Unknown
+                    if self.left > 0 && count < DEPTH && before.at >= 0.0 && next.at - before.at > SHORTEST_LOOK_S =>
                 {
                     self.left -= 1;
                     self.goals[count] = self.look(0.5 * (before.at + next.at))?;
                     count += 1;
                     continue;
                 }
-                Between::Unknown => self.judge(&before, &next)?,
-                Between::Kept => {}
+                IntervalVerdict::Unknown => self.judge(&before, &next)?,
+                IntervalVerdict::Kept => {}
             }
             if self.transform.source_moves {
                 self.robot.follow_joints(&next.led);
@@ -299,18 +301,18 @@ impl Stop<'_> {
         Ok(look)
     }
 
-    fn between(&self, before: &Look, next: &Look) -> Between {
+    fn between(&self, before: &Look, next: &Look) -> IntervalVerdict {
         let width = next.at - before.at;
-        let mut verdict = Between::Kept;
+        let mut verdict = IntervalVerdict::Kept;
         for index in 0..self.transform.target.len() {
             let bounds = &self.bounds[index];
             let (from, to) = (before.joint(index), next.joint(index));
-            if to.velocity.abs() > bounds.speed * (1.0 + ROUNDING) {
-                return Between::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
+            if to.velocity.abs() > bounds.speed * (1.0 + JOINT_SPEED_SHARE) {
+                return IntervalVerdict::Exceeded(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
             }
             let [least, most] = bounds.room;
-            if to.position < least - SMALL || to.position > most + SMALL {
-                return Between::Exceeded(bounds.beyond);
+            if to.position < least - JOINT_UNITS || to.position > most + JOINT_UNITS {
+                return IntervalVerdict::Exceeded(bounds.beyond);
             }
             if width <= 0.0 {
                 continue;
@@ -324,11 +326,11 @@ impl Stop<'_> {
             let out = 0.25 * width * from.velocity.abs().max(to.velocity.abs());
             let near_an_end =
                 from.position.min(to.position) - out < least || from.position.max(to.position) + out > most;
-            if fastest > bounds.speed * (1.0 + NEAR)
-                || (middle - ends).abs() > ODD * bounds.speed
+            if fastest > bounds.speed * (1.0 + JOINT_DISTANCE_SHARE)
+                || (middle - ends).abs() > ODD_SPEED_SHARE * bounds.speed
                 || (turns && near_an_end)
             {
-                verdict = Between::Unknown;
+                verdict = IntervalVerdict::Unknown;
             }
         }
         verdict
@@ -340,8 +342,8 @@ impl Stop<'_> {
         let mut verdict = Ok(());
         for index in 0..self.transform.target.len() {
             let distance = (next.joint(index).position - before.joint(index).position).abs();
-            if distance > self.bounds[index].speed * width * (1.0 + NEAR) + SMALL {
-                if distance > AT_ONCE {
+            if distance > self.bounds[index].speed * width * (1.0 + JOINT_DISTANCE_SHARE) + JOINT_UNITS {
+                if distance > AT_ONCE_DEG {
                     return Err(MotionError::TransformAtOrigin);
                 }
                 verdict = verdict.and(Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8))));
@@ -353,29 +355,21 @@ impl Stop<'_> {
 
 /// Whether a joint got further in an update than its speed lets it.
 pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64, period: f64) -> bool {
-    now.velocity.abs() > speed * (1.0 + SLACK)
-        || (now.position - before.position).abs() > speed * period * (1.0 + SLACK) + SMALL
+    now.velocity.abs() > speed * (1.0 + LOOK_ERROR_SHARE)
+        || (now.position - before.position).abs() > speed * period * (1.0 + LOOK_ERROR_SHARE) + JOINT_UNITS
 }
 
 /// The share by which a joint may be faster than its Maximum Speed before the source leads it no more: the error between two looks at
 /// a stop.
-const SLACK: f64 = 0.02;
+const LOOK_ERROR_SHARE: f64 = 0.02;
 /// A joint that gets further, in degrees, between two looks that cannot be nearer turns at once.
-pub(super) const AT_ONCE: f64 = 10.0;
+pub(super) const AT_ONCE_DEG: f64 = 10.0;
 /// Looks at a stop, evenly spaced in time.
 const LOOKS: u8 = 4;
 /// Looks between these, at most.
 const CLOSER: u8 = 32;
 /// Nested intervals.
 const DEPTH: usize = 14;
-/// Seconds between two looks, at least.
-const FINEST: f64 = 2e-5;
 /// Share of its Maximum Speed by which the speed of a joint in the middle of an interval may be off the mean of those at the
 /// ends.
-const ODD: f64 = 0.25;
-/// A joint this little too fast, as a share, is as fast as it may be.
-const ROUNDING: f64 = 1e-9;
-/// The same share for a distance between two looks.
-const NEAR: f64 = 1e-3;
-/// Position units or degrees.
-const SMALL: f64 = 1e-9;
+const ODD_SPEED_SHARE: f64 = 0.25;

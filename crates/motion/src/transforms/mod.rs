@@ -2,14 +2,15 @@
 //!
 //! [`Transforms`] owns those under way and their rules: the map of positions ([`robot`], [`transform`]), set-points and feedback
 //! within a tick ([`compute`]), and the end ([`cancel`]). Whether a robot can follow is looked at from a
-//! [`Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). `Motion` orders the
+//! [`present::Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). `Motion` orders the
 //! reaction (`crate::motion`). Nothing allocates after [`Transforms::new`].
 
 pub(crate) mod ahead;
-mod cancel;
+pub(crate) mod cancel;
 pub(crate) mod compute;
-mod guard;
+pub(crate) mod guard;
 pub(crate) mod id;
+pub(crate) mod present;
 mod reach;
 pub(crate) mod robot;
 pub(crate) mod shown;
@@ -17,14 +18,11 @@ pub(crate) mod sides;
 pub(crate) mod transform;
 
 use arcline_instruction_set::{AxisId, SystemId};
-use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
 use crate::axes::{Axes, share};
-use crate::control::Execution;
-use crate::system::{System, Systems};
-pub(crate) use cancel::Release;
-pub(crate) use guard::Verdict;
+use crate::execution::Execution;
+use crate::system::System;
 pub(crate) use id::TransformId;
 use sides::{Side, add};
 use transform::Transform;
@@ -34,15 +32,6 @@ use transform::Transform;
 pub(crate) struct Transforms {
     /// At the index of their target system.
     active: Vec<Option<Transform>>,
-}
-
-/// Axes, coordinate systems and transforms at the present tick, to look ahead from.
-#[derive(Clone, Copy)]
-pub(crate) struct Present<'a> {
-    pub(crate) axes: &'a Axes,
-    pub(crate) systems: &'a Systems,
-    pub(crate) transforms: &'a Transforms,
-    pub(crate) clock: &'a Clock,
 }
 
 impl Transforms {

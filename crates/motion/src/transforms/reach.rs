@@ -9,11 +9,12 @@ use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point as Vector, Rotation, angle_rates, angles};
 use arcline_profile::KinematicState;
 
-use super::Present;
+use super::present::Present;
 use super::robot::RobotMap;
 use super::sides::Side;
 use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
+use crate::tolerance::{NO_MOTION_UNITS, ORIGIN_STEP_SHARE};
 
 /// What a coordinate system does on a way.
 struct MovedPath<'a> {
@@ -28,7 +29,8 @@ impl PathLimits {
     /// acceleration is left for each of the two.
     fn slow(&mut self, joint: &KinematicState, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
-        let [speed, acceleration, deceleration] = [speed, acceleration, deceleration].map(|limit| SHARE * limit);
+        let [speed, acceleration, deceleration] =
+            [speed, acceleration, deceleration].map(|limit| LOOKED_AT_SHARE * limit);
         self.speed = self.speed.min(speed / slope);
         let least = 0.5 * acceleration.min(deceleration);
         self.speed = self.speed.min((least / bend).sqrt());
@@ -175,7 +177,7 @@ impl Present<'_> {
                 let there = robot.target_of(&source(next))?;
                 looks -= 1;
                 if looks > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
-                    if next - here < FINEST {
+                    if next - here < ORIGIN_STEP_SHARE {
                         return Err(MotionError::TransformAtOrigin);
                     }
                     next = 0.5 * (here + next);
@@ -183,7 +185,7 @@ impl Present<'_> {
                 }
                 self.verify_joints(transform, &there, limits)?;
                 for index in 0..transform.target.len() {
-                    let span = Between {
+                    let span = JointsBetween {
                         index,
                         ends: [here, next],
                         joints: [&joints, &there],
@@ -208,7 +210,7 @@ impl Present<'_> {
         &self,
         transform: &Transform,
         robot: &RobotMap,
-        span: &Between<'_>,
+        span: &JointsBetween<'_>,
         source: &mut impl FnMut(f64) -> Side,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
@@ -242,18 +244,18 @@ impl Present<'_> {
 }
 
 /// The way of a joint between two looks at a path, at shares of it.
-struct Between<'a> {
+struct JointsBetween<'a> {
     index: usize,
     ends: [f64; 2],
     joints: [&'a Side; 2],
 }
 
-impl Between<'_> {
+impl JointsBetween<'_> {
     /// Whether it goes one way at the beginning and the other way at the end.
     fn turns_round(&self, length: f64) -> bool {
         let [before, after] = self.joints.map(|joints| joints[self.index].velocity);
         let reached = (self.ends[1] - self.ends[0]) * length;
-        before * after < 0.0 && before.abs().max(after.abs()) * reached > ROUNDING
+        before * after < 0.0 && before.abs().max(after.abs()) * reached > NO_MOTION_UNITS
     }
 }
 
@@ -264,7 +266,7 @@ fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool
         let gone = after.position - before.position;
         // Of the cubic through both, in the middle: how far from where the straight way between the velocities would be.
         let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * length);
-        robot.turns(index) && (gone.abs() > FAR || bent.abs() > FAR)
+        robot.turns(index) && (gone.abs() > FAR_DEG || bent.abs() > FAR_DEG)
     })
 }
 
@@ -275,11 +277,7 @@ const LOOKS: u16 = 400;
 /// Places at which a joint turns round that are looked for, and how often a step is halved for one.
 const EXTREMES: u16 = 24;
 const HALVES: u16 = 18;
-/// Degrees or position units that are none.
-const ROUNDING: f64 = 1e-6;
-/// What joints do between two looks at a path is within this share of what they do at one of them.
-const SHARE: f64 = 0.98;
+/// JointsBetween two looks at a path, speeds and rates of joints are within this share of those at one of them.
+const LOOKED_AT_SHARE: f64 = 0.98;
 /// Degrees.
-const FAR: f64 = 5.0;
-/// A joint that turns far in a step of this share of the path turns at once: it is at the origin.
-const FINEST: f64 = 1.0 / (1 << 20) as f64;
+const FAR_DEG: f64 = 5.0;

@@ -14,6 +14,7 @@ use arcline_profile::KinematicState;
 use super::sides::{Positions, Side, positions, side, vectors, wide};
 use crate::call_data::Frames;
 use crate::machine::{MAX_SYSTEM_AXES, three};
+use crate::tolerance::CONSISTENT_UNITS;
 
 /// How the two sides of a transform lie to each other.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +108,7 @@ impl RobotMap {
             };
             let near = angles(point.coordinates_near(wrist.angles));
             let apart = near.iter().zip(wrist.angles).map(|(near, now)| (near - now).abs());
-            if apart.fold(0.0, f64::max) > CONSISTENT {
+            if apart.fold(0.0, f64::max) > CONSISTENT_UNITS {
                 wrist.angles = angles(point.coordinates());
             }
         }
@@ -277,7 +278,7 @@ impl RobotMap {
     /// In the turns in which they were last.
     pub(super) fn near(&self, mut joints: Side) -> Side {
         for (index, joint) in joints.iter_mut().enumerate().filter(|(index, _)| self.turns(*index)) {
-            joint.position += TURN * ((self.last[index] - joint.position) / TURN).round();
+            joint.position += TURN_DEG * ((self.last[index] - joint.position) / TURN_DEG).round();
         }
         joints
     }
@@ -304,7 +305,5 @@ pub(crate) fn refused(error: KinematicsError) -> MotionError {
     }
 }
 
-/// A source axis this near, units, stands where the target says.
-pub(crate) const CONSISTENT: f64 = 1e-3;
 /// Degrees.
-const TURN: f64 = 360.0;
+const TURN_DEG: f64 = 360.0;

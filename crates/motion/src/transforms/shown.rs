@@ -8,8 +8,9 @@ use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::geometry::Point as Vector;
 
 use super::compute::Part;
+use super::present::Present;
 use super::sides::Positions;
-use super::{Present, TransformId, Transforms};
+use super::{TransformId, Transforms};
 use crate::axes::Axes;
 
 /// A coordinate system's part in transforms under way.

@@ -8,7 +8,7 @@ use arcline_instruction_set::{AxisId, MotionError, SystemId};
 pub(crate) use super::robot::Map;
 use super::robot::RobotMap;
 use super::sides::{Positions, Side, SideAxes, add, at_rest, positions, side, vectors};
-use crate::control::Execution;
+use crate::execution::Execution;
 
 /// A transform under way.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,8 @@
 //!
 //! Real-time: nothing allocates, bounded.
 
-use super::{ContourQueue, Course};
+use super::ContourQueue;
+use super::run::RunState;
 use crate::{Clock, EventTime};
 
 impl<T: Copy> ContourQueue<T> {
@@ -32,7 +33,7 @@ impl<T: Copy> ContourQueue<T> {
     /// Seconds, or as [`ContourQueue::reaches`], until the next move becomes active, or the contour is at its end; `None` where it is
     /// paused or stops.
     pub fn time_left(&self, clock: &Clock) -> Option<f64> {
-        let run = self.run.as_ref().filter(|run| run.course != Course::Stopping)?;
+        let run = self.run.as_ref().filter(|run| run.state != RunState::Stopping)?;
         let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
         run.pace.until(end, clock).map(|left| left.max(0.0))
     }
@@ -42,7 +43,7 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &self.run else {
             return true;
         };
-        run.course == Course::Stopping || run.pace.target() == 0.0
+        run.state == RunState::Stopping || run.pace.target() == 0.0
     }
 
     /// A number that changes whenever the active move is another one, or comes to its end at another instant.

@@ -13,11 +13,12 @@
 //! nothing is looked at; elsewhere the sums above are, knot by knot and in steps so short that what lies between is bounded.
 //! Position units, seconds. Nothing allocates; the work is bounded by [`WORK`].
 
+use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
 use arcline_contour::{AxisLimits, Peaks, Piece, Rates, State as Axes, Trajectory};
 use arcline_geometry::Point;
 use arcline_profile::Profile;
 
-/// What a trajectory is to keep at another pace.
+/// The limits that a trajectory is to keep at another pace.
 pub(super) struct Guard<'a> {
     trajectory: &'a Trajectory,
     /// Vector deceleration and jerk that are allowed in any case: those of a stop.
@@ -81,14 +82,14 @@ impl<'a> Guard<'a> {
     pub(super) fn allows(&self, ramp: &Profile, since: f64) -> bool {
         let times = ramp.segment_times();
         // Between the ends of its segments the pace is monotone.
-        let inside = |pace: f64| (-NONE..=1.0 + NONE).contains(&pace);
+        let inside = |pace: f64| (-PACE_SHARE..=1.0 + PACE_SHARE).contains(&pace);
         if !inside(ramp.end().velocity) || !times.iter().all(|&t| t < since || inside(ramp.at(t).velocity)) {
             return false;
         }
         let mut left = WORK;
-        for (place, &from) in times.iter().enumerate() {
+        for (time_index, &from) in times.iter().enumerate() {
             let from = from.max(since);
-            let until = times.get(place + 1).copied().unwrap_or(ramp.duration());
+            let until = times.get(time_index + 1).copied().unwrap_or(ramp.duration());
             if until <= from {
                 continue;
             }
@@ -141,7 +142,7 @@ impl<'a> Guard<'a> {
         let steps = ((end - begin) / STEP).ceil().max(1.0);
         let width = (end - begin) / steps;
         let (mut before, _) = segment.at(begin);
-        let mut place = self.trajectory.piece_at(before);
+        let mut time_index = self.trajectory.piece_at(before);
         for step in 0..steps as usize {
             let (from, until) = (begin + width * step as f64, begin + width * (step + 1) as f64);
             let (behind, _) = segment.at(until);
@@ -152,7 +153,7 @@ impl<'a> Guard<'a> {
                     return false;
                 };
                 *left = less;
-                let Some(piece) = self.trajectory.piece(place) else {
+                let Some(piece) = self.trajectory.piece(time_index) else {
                     return true;
                 };
                 let leaves = piece.until < behind;
@@ -169,7 +170,7 @@ impl<'a> Guard<'a> {
                     break;
                 }
                 at = next;
-                place += 1;
+                time_index += 1;
             }
             before = behind;
         }
@@ -192,7 +193,7 @@ impl<'a> Guard<'a> {
         let own_jerk = piece.jerk();
         let within = |value: f64, limit: f64, own: f64, hidden: f64| {
             let most = limit.max(own.abs());
-            value.abs() + hidden <= most * (1.0 + ROUNDING)
+            value.abs() + hidden <= most * (1.0 + ROUNDING_SHARE)
         };
         let bent = |axis: usize| bend * (own_jerk[axis].abs() * first.abs() + axes.acceleration[axis].abs() * hidden);
         let kept = (0..3).all(|axis| {
@@ -226,7 +227,7 @@ impl<'a> Guard<'a> {
         let down = rates.deceleration.max(self.extra[0]);
         let up = rates.acceleration;
         let most = up.max(down).max(axes.acceleration.norm());
-        if acceleration.norm() + hidden > most * (1.0 + ROUNDING) {
+        if acceleration.norm() + hidden > most * (1.0 + ROUNDING_SHARE) {
             return false;
         }
         let speed = axes.velocity.norm();
@@ -235,7 +236,8 @@ impl<'a> Guard<'a> {
         }
         let along = axes.velocity.dot(acceleration) / speed;
         let own = axes.velocity.dot(&axes.acceleration) / speed;
-        along + hidden <= up.max(own) * (1.0 + ROUNDING) && hidden - along <= down.max(-own) * (1.0 + ROUNDING)
+        along + hidden <= up.max(own) * (1.0 + ROUNDING_SHARE)
+            && hidden - along <= down.max(-own) * (1.0 + ROUNDING_SHARE)
     }
 }
 
@@ -291,7 +293,3 @@ const WORK: usize = 1500;
 /// Seconds of a ramp that are looked at as a whole, and one by one.
 const CELL: f64 = 0.004;
 const STEP: f64 = 0.000_5;
-/// A difference of the pace that is none.
-const NONE: f64 = 1e-12;
-/// Share of a limit that is rounding.
-const ROUNDING: f64 = 1e-9;

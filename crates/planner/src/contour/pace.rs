@@ -2,13 +2,14 @@
 //!
 //! A ramp begins at once where the limits leave room for it. Where they do not, a gentler one, or one to a nearer pace, is
 //! looked for, and at every tick a better one than that which is under way, until the ramp is the one that was asked for.
-//! What is under way has always been proved to its end ([`Guard`]), so at no instant a limit is exceeded.
+//! A ramp that is under way has always been proved to its end ([`Guard`]), so at no instant a limit is exceeded.
 //! Own seconds per second; its derivatives per second. Nothing allocates; a few ramps are tried in a tick.
 
 use arcline_contour::Trajectory;
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
+use crate::tolerance::REACHED_PACE_SHARE;
 use crate::{Clock, Instant};
 
 /// A pace that is asked for, and how fast it may be come to at most.
@@ -101,7 +102,7 @@ impl Pace {
         self.ramp.at(self.start.elapsed(clock))
     }
 
-    /// What is asked for.
+    /// The pace that is asked for.
     pub(super) fn target(&self) -> f64 {
         self.wanted.target
     }
@@ -126,7 +127,7 @@ impl Pace {
         let now = self.at(clock);
         let over = self.start.elapsed(clock) >= self.ramp.duration();
         let gap = self.wanted.target - now.velocity;
-        if over && gap.abs() <= ROUNDING {
+        if over && gap.abs() <= REACHED_PACE_SHARE {
             self.take(0, self.constant_from(now), clock);
             return true;
         }
@@ -138,10 +139,10 @@ impl Pace {
             if self.next >= self.under_way.min(RAMPS) {
                 self.next = 0;
             }
-            let place = self.next;
-            let ramp = self.ramp(place, now, gap);
+            let ramp_index = self.next;
+            let ramp = self.ramp(ramp_index, now, gap);
             if guard.allows(&ramp, 0.0) {
-                self.take(place, ramp, clock);
+                self.take(ramp_index, ramp, clock);
                 return true;
             }
             self.next += 1;
@@ -155,10 +156,10 @@ impl Pace {
         elapsed >= self.ramp.duration() || Guard::new(trajectory, self.wanted.extra).allows(&self.ramp, elapsed)
     }
 
-    fn take(&mut self, place: usize, ramp: Profile, clock: &Clock) {
+    fn take(&mut self, ramp_index: usize, ramp: Profile, clock: &Clock) {
         self.ramp = ramp;
         self.start = clock.now();
-        (self.under_way, self.next) = (place, 0);
+        (self.under_way, self.next) = (ramp_index, 0);
     }
 
     fn constant_from(&self, now: KinematicState) -> Profile {
@@ -171,8 +172,8 @@ impl Pace {
     }
 
     /// Ramps by how good they are: to the end and, at the same rates, less far; then the same with gentler rates.
-    fn ramp(&self, place: usize, now: KinematicState, gap: f64) -> Profile {
-        let (reach, gentler) = (place % REACHES.len(), place / REACHES.len());
+    fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64) -> Profile {
+        let (reach, gentler) = (ramp_index % REACHES.len(), ramp_index / REACHES.len());
         let target = self.wanted.target - gap * REACHES[reach];
         // Twice the time, half of the rate, a quarter of its change.
         let time = f64::powi(2.0, gentler as i32);
@@ -201,5 +202,3 @@ const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
 const RAMPS: usize = 14 * REACHES.len();
 /// Ramps that are tried in a tick.
 const TRIES: usize = 3;
-/// A difference of the pace that is none.
-const ROUNDING: f64 = 1e-10;

@@ -7,7 +7,13 @@ use std::sync::Arc;
 use arcline_contour::{AxisLimits, ContourMove, Rates, Trajectory, extend, replan};
 use arcline_profile::stop_distance;
 
-use super::{Asked, ContourQueue, Course, Pace, Run};
+use super::ContourQueue;
+use super::pace::Pace;
+use super::run::{Asked, Run, RunState, least};
+use super::tuning::{
+    AMPLE_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S, LEAST_PACE_SHARE, LONG_MOVE_S,
+    LONGEST_GATHER_S, MOST_PLANNING_S, NEAR_S, PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, UNCHANGED_S,
+};
 use crate::{Clock, Ending, Move};
 
 /// A plan that is asked for.
@@ -99,8 +105,8 @@ impl<T: Copy> ContourQueue<T> {
         let Some(waited) = self.gathering.map(|first| first.elapsed(time)) else {
             return false;
         };
-        let longer = self.is_late && waited < LONGEST_GATHER;
-        waited < GATHER || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN))
+        let longer = self.is_late && waited < LONGEST_GATHER_S;
+        waited < GATHER_S || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN_S))
     }
 
     /// Whether the moves last for so many seconds at their programmed speeds.
@@ -114,7 +120,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Whether the next move may be about to come.
     fn is_growing(&self, time: &Clock) -> bool {
-        self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER)
+        self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER_S)
     }
 
     /// What is to be planned anew, since its moves are to have other speeds or rates and its pace is within them, or what is to
@@ -124,7 +130,7 @@ impl<T: Copy> ContourQueue<T> {
         let state = run.pace.at(clock);
         let now = state.position;
         let left = run.trajectory.duration() - now;
-        if run.course != Course::Travelling || now < run.retry || left <= 0.0 {
+        if run.state != RunState::Travelling || now < run.retry || left <= 0.0 {
             return None;
         }
         let ask = |anew: Option<f64>| Extension {
@@ -135,17 +141,17 @@ impl<T: Copy> ContourQueue<T> {
             anew,
         };
         let pace = state.velocity;
-        let calm = run.changed.elapsed(clock) >= CALM && run.pace.is_settled(clock);
-        if run.stale && calm && pace >= LEAST_PACE && left >= LEAST_LEFT * pace {
+        let calm = run.changed.elapsed(clock) >= UNCHANGED_S && run.pace.is_settled(clock);
+        if run.stale && calm && pace >= LEAST_PACE_SHARE && left >= LEAST_LEFT_S * pace {
             return Some(ask(Some(pace)));
         }
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
         let next = self.moves.get(planned)?;
         // The more of it is left, the more are planned at once: each extension plans the end of what runs anew.
-        let few = if left > AMPLE { MANY } else { FEW };
+        let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
         let many = waiting * few >= planned;
-        let near = left <= NEAR && !self.is_growing(time);
+        let near = left <= NEAR_S && !self.is_growing(time);
         let goes_on = last.ending != Ending::Stop && last.parameter == next.parameter;
         (goes_on && (many || near)).then(|| ask(None))
     }
@@ -153,8 +159,8 @@ impl<T: Copy> ContourQueue<T> {
     /// The share of the programmed speeds that is planned with: all of them where a move is too long to be planned anew when the
     /// override rises again.
     pub(super) fn planned_rate(&self) -> f64 {
-        let slowest = self.rate.max(LEAST_PACE);
-        let long = |motion: &Move<T>| motion.path.length() > LONG * motion.limits.speed * slowest;
+        let slowest = self.rate.max(LEAST_PACE_SHARE);
+        let long = |motion: &Move<T>| motion.path.length() > LONG_MOVE_S * motion.limits.speed * slowest;
         if self.rate < 1.0 && self.moves.iter().any(long) {
             1.0
         } else {
@@ -172,22 +178,24 @@ impl<T: Copy> ContourQueue<T> {
             (last.limits.speed > 0.0).then_some(planned.speed / last.limits.speed)
         });
         let rate = like.unwrap_or_else(|| self.planned_rate());
-        for (place, motion) in self.moves.iter().enumerate() {
+        for (move_index, motion) in self.moves.iter().enumerate() {
             let (tolerance, last) = match motion.ending {
                 Ending::Stop => (0.0, true),
                 Ending::Blend { tolerance } if tolerance.is_finite() => (tolerance, false),
                 Ending::Blend { .. } => (
-                    self.moves.get(place + 1).map_or(0.0, |next| no_decel(motion, next)),
+                    self.moves
+                        .get(move_index + 1)
+                        .map_or(0.0, |next| no_decel(motion, next)),
                     false,
                 ),
                 Ending::Contour { .. } => (0.0, false),
             };
-            let planned = running.and_then(|run| run.trajectory.rates(run.passed + place));
+            let planned = running.and_then(|run| run.trajectory.rates(run.passed + move_index));
             let own = planned.copied().unwrap_or(Rates {
                 speed: planned_speed(motion.limits.speed, rate),
                 acceleration: motion.limits.acceleration,
                 deceleration: motion.limits.deceleration,
-                jerk: motion.limits.jerk.map(super::least),
+                jerk: motion.limits.jerk.map(least),
             });
             take(ContourMove {
                 path: motion.path,
@@ -198,7 +206,7 @@ impl<T: Copy> ContourQueue<T> {
                 tolerance,
                 deviation: self.deviation,
             });
-            let next = self.moves.get(place + 1);
+            let next = self.moves.get(move_index + 1);
             if last || next.is_some_and(|next| next.parameter != motion.parameter) {
                 break;
             }
@@ -246,8 +254,8 @@ impl<T: Copy> ContourQueue<T> {
             rounded: 0.0,
             stale: false,
             changed: clock.now(),
-            course: Course::Travelling,
-            lead: LEAD,
+            state: RunState::Travelling,
+            lead: PLANNING_S,
             asked: 0.0,
             retry: 0.0,
             nominal,
@@ -275,7 +283,7 @@ impl<T: Copy> ContourQueue<T> {
         let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
         // The next one has time for as much again.
-        let took = MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
+        let took = PLANNING_MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
             in_time && (pace.is_some() || run.pace.suits(plan, clock))
@@ -286,7 +294,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.rounded /= pace.unwrap_or(1.0);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.lead = took.clamp(LEAD, MOST_LEAD);
+                run.lead = took.clamp(PLANNING_S, MOST_PLANNING_S);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
                     run.begun.1 /= pace.unwrap_or(1.0);
@@ -297,9 +305,9 @@ impl<T: Copy> ContourQueue<T> {
             }
             late => {
                 // Too late: the next one has more time. No plan: a later one begins later by itself.
-                let lead = if late.is_some() { 2.0 * run.lead } else { LEAD };
-                run.lead = lead.max(took).min(MOST_LEAD);
-                let share = if pace.is_some() { RETRY_ANEW } else { RETRY };
+                let lead = if late.is_some() { 2.0 * run.lead } else { PLANNING_S };
+                run.lead = lead.max(took).min(MOST_PLANNING_S);
+                let share = if pace.is_some() { RETRY_ANEW_SHARE } else { RETRY_SHARE };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
             }
@@ -309,11 +317,11 @@ impl<T: Copy> ContourQueue<T> {
 
 /// The speed that a move is planned with: one that is held is planned all the same, and its pace is 0.
 pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
-    let rate = if rate > 0.0 { rate.max(LEAST_PACE) } else { 1.0 };
+    let rate = if rate > 0.0 { rate.max(LEAST_PACE_SHARE) } else { 1.0 };
     if speed > 0.0 { speed * rate } else { 1.0 }
 }
 
-/// What has become of a plan.
+/// The use that is made of a plan.
 #[derive(Debug)]
 pub enum Installed {
     /// Its first move is active.
@@ -321,34 +329,6 @@ pub enum Installed {
     /// The trajectory goes on with it; this is the one before, to be freed elsewhere.
     Extended(Arc<Trajectory>),
 }
-
-/// How long the first move of a contour without an end waits for others, and the end of one that runs for another move, seconds: clients
-/// send them one by one.
-const GATHER: f64 = 0.01;
-/// The same behind a contour for which moves came too slowly, while they do not last for so long, seconds.
-const LONGEST_GATHER: f64 = 0.1;
-const LEAST_BEGUN: f64 = 0.1;
-/// A trajectory is extended when one move waits for so many that are planned, or
-const FEW: usize = 4;
-/// with that many seconds left for so many that are planned, or
-const AMPLE: f64 = 0.5;
-const MANY: usize = 2;
-/// when this is left of it, seconds.
-const NEAR: f64 = 0.5;
-/// Seconds that an extension may take to be planned, at first and at most; then what the last one took, times a margin.
-const LEAD: f64 = 0.03;
-const MOST_LEAD: f64 = 3.0;
-const MARGIN: f64 = 1.5;
-/// Share of what is left of a trajectory before which an extension that failed is not tried again.
-const RETRY: f64 = 0.3;
-const RETRY_ANEW: f64 = 0.1;
-/// Seconds without a change after which what has changed is planned anew.
-const CALM: f64 = 0.1;
-/// Seconds from which on a move is long.
-const LONG: f64 = 0.7;
-/// What is slower, or shorter (seconds), is not planned anew.
-const LEAST_PACE: f64 = 0.2;
-const LEAST_LEFT: f64 = 0.1;
 
 /// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
 /// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).

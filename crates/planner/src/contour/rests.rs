@@ -2,7 +2,8 @@
 //!
 //! Real-time: nothing allocates.
 
-use super::{ContourQueue, Course};
+use super::ContourQueue;
+use super::run::RunState;
 use crate::{Clock, Ending, Move};
 
 /// How often contours have come to rest between moves that go on, since the start.
@@ -22,7 +23,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// A trajectory is at its end, with its last move.
     pub(super) fn count_end(&mut self, last: Option<&Move<T>>, time: &Clock) {
-        let travelling = self.run.as_ref().is_some_and(|run| run.course == Course::Travelling);
+        let travelling = self.run.as_ref().is_some_and(|run| run.state == RunState::Travelling);
         let Some(last) = last.filter(|last| travelling && last.ending != Ending::Stop) else {
             return;
         };

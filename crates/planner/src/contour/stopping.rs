@@ -5,8 +5,10 @@
 
 use arcline_profile::{KinematicState, Limits};
 
+use super::ContourQueue;
 use super::pace::Pace;
-use super::{ContourQueue, Course, Run};
+use super::run::{Run, RunState};
+use crate::tolerance::CREEPING_SHARE;
 use crate::{Clock, Sample};
 
 /// A stop at once that has not begun.
@@ -21,7 +23,7 @@ impl ContourStopping {
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// What [`ContourQueue::stop_at_once`] would do at `clock`, which may lie ahead of the present tick. `way`: how what
+    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `way`: how what
     /// `clock` shows goes on, where a master leads; `time` then shows time. Real-time.
     pub fn stopping(
         &self,
@@ -46,7 +48,7 @@ impl<T: Copy> ContourQueue<T> {
         self.asked = None;
         if let Some(run) = &mut self.run {
             run.pace = run.stopping(limits, None, clock, clock);
-            run.course = Course::Stopping;
+            run.state = RunState::Stopping;
         }
     }
 }
@@ -60,7 +62,7 @@ impl Run {
             .at(now.position)
             .velocity
             .norm()
-            .max(1e-3 * limits.speed);
+            .max(CREEPING_SHARE * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
         Pace::stopping(now, limits.deceleration / speed, jerk, time)
     }

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use arcline_profile::entry_speed;
 
 use super::{MoveNumber, Queue};
-use crate::junction::Link;
+use crate::junction::JunctionDemand;
 
 /// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub(crate) struct Bound {
     pub(crate) next: MoveNumber,
     /// Where on the run before it.
     pub(crate) at: f64,
-    pub(crate) link: Link,
+    pub(crate) demand: JunctionDemand,
     /// The speed, with the rate it was computed for.
     pub(super) speed: f64,
     /// The speed from which the corners behind it can be met, whatever is programmed: infinite where there is none before
@@ -97,12 +97,12 @@ impl<T: Copy> Queue<T> {
 
     /// The speed of a bound, at most what the present rate leaves of the programmed ones.
     pub(crate) fn speed(&self, bound: &Bound) -> f64 {
-        bound.speed.min(bound.link.programmed() * self.rate)
+        bound.speed.min(bound.demand.programmed() * self.rate)
     }
 
     /// The speed that must be kept at a bound whatever is programmed.
     pub(crate) fn must(&self, bound: &Bound) -> f64 {
-        self.bounded(bound, bound.link.corner(), &self.following(bound.next))
+        self.bounded(bound, bound.demand.corner(), &self.following(bound.next))
     }
 
     /// The speed at a bound from which every corner up to the next rest can be met.
@@ -129,7 +129,7 @@ impl<T: Copy> Queue<T> {
     fn before(&self, next: MoveNumber) -> Option<Bound> {
         let last = |bounds: &VecDeque<Bound>| {
             let count = bounds.partition_point(|bound| bound.next <= next);
-            count.checked_sub(1).map(|place| bounds[place])
+            count.checked_sub(1).map(|bound_index| bounds[bound_index])
         };
         match (last(&self.slower), last(&self.ends)) {
             (Some(slower), Some(end)) => Some(if slower.next > end.next { slower } else { end }),
@@ -153,7 +153,7 @@ impl<T: Copy> Queue<T> {
     }
 
     pub(super) fn speed_at(&self, bound: &Bound, following: &Following) -> f64 {
-        let most = (bound.link.programmed() * self.rate).min(bound.link.corner());
+        let most = (bound.demand.programmed() * self.rate).min(bound.demand.corner());
         self.bounded(bound, most, following)
     }
 
@@ -163,7 +163,7 @@ impl<T: Copy> Queue<T> {
         if most == 0.0 {
             return most;
         }
-        if bound.link.is_constrained() {
+        if bound.demand.is_constrained() {
             most.min(self.entry(bound, following.at, following.speed))
         } else {
             most.min(self.entry(bound, following.at, following.corners))
@@ -173,9 +173,9 @@ impl<T: Copy> Queue<T> {
     /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: what is too fast
     /// for it goes beyond it and comes back.
     pub(super) fn corners_from(&self, bound: &Bound, following: &Following) -> f64 {
-        match bound.link {
-            Link::Rest => f64::INFINITY,
-            link => link.corner().min(self.entry(bound, following.at, following.corners)),
+        match bound.demand {
+            JunctionDemand::Rest => f64::INFINITY,
+            demand => demand.corner().min(self.entry(bound, following.at, following.corners)),
         }
     }
 
@@ -192,12 +192,12 @@ impl<T: Copy> Queue<T> {
 
     /// Puts a bound in place of the one before the same move.
     fn replace(&mut self, bound: &Bound) {
-        let bounds = match bound.link {
-            Link::Slower { .. } => &mut self.slower,
+        let bounds = match bound.demand {
+            JunctionDemand::Slower { .. } => &mut self.slower,
             _ => &mut self.ends,
         };
-        let place = bounds.partition_point(|other| other.next < bound.next);
-        if let Some(old) = bounds.get_mut(place) {
+        let bound_index = bounds.partition_point(|other| other.next < bound.next);
+        if let Some(old) = bounds.get_mut(bound_index) {
             *old = *bound;
         }
     }

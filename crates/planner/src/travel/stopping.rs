@@ -51,7 +51,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// What [`Travel::stop_soonest`], or [`Travel::stop`] of a driven move, would do at the instant of `base`, which may lie ahead.
+    /// The stop of [`Travel::stop_soonest`], or of [`Travel::stop`] of a driven move, at the instant of `base`, which may lie ahead.
     pub fn stopping(&self, limits: &Limits, base: &TimeBase) -> Option<PathStopping> {
         let time = &base.time;
         match (self.contour_in_force(), &base.master) {

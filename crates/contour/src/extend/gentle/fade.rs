@@ -1,6 +1,6 @@
-//! An offset from the course that fades out. Position units and seconds.
+//! An offset from the speed curve that fades out. Position units and seconds.
 
-use crate::extend::gentle::course::Course;
+use crate::extend::gentle::speed_curve::SpeedCurve;
 use crate::section::Section;
 use crate::tuning::TUNING;
 use crate::{Point, State};
@@ -14,16 +14,16 @@ pub(super) struct Fade {
 }
 
 impl Fade {
-    /// From the state of a motion to the course, travelled by a profile: within the shortest time that leaves most of the limits to other things and stays inside
+    /// From the state of a motion to the speed curve, travelled by a profile: within the shortest time that leaves most of the limits to other things and stays inside
     /// the tolerance, else the time that comes nearest to both. With the share of what is allowed that it needs.
-    pub(super) fn new(course: &Course<'_>, from: &State, profile: &Profile) -> (Fade, f64) {
-        let to = course.moving(&profile.at(0.0));
+    pub(super) fn new(speed_curve: &SpeedCurve<'_>, from: &State, profile: &Profile) -> (Fade, f64) {
+        let to = speed_curve.moving(&profile.at(0.0));
         let offset = [
             from.position - to.position,
             from.velocity - to.velocity,
             from.acceleration - to.acceleration,
         ];
-        let bound = &course.section.bounds[0];
+        let bound = &speed_curve.section.bounds[0];
         let rate = TUNING.gentle.fade_share * bound.axes.acceleration.min().min(bound.norm_acceleration());
         let jerk = TUNING.gentle.fade_share * bound.least_jerk();
         let [mut duration, most] = TUNING.gentle.fade_s;
@@ -33,7 +33,7 @@ impl Fade {
             let (acceleration, most_jerk) = fade.peaks();
             let used = (acceleration / rate)
                 .max(most_jerk / jerk)
-                .max(fade.off(course, profile));
+                .max(fade.off(speed_curve, profile));
             let is_inside = used <= 1.0;
             if best.as_ref().is_none_or(|(_, least)| used < *least) {
                 best = Some((fade, used));
@@ -47,18 +47,18 @@ impl Fade {
     }
 
     /// The largest share of the tolerance that is used until it has faded out.
-    fn off(&self, course: &Course<'_>, profile: &Profile) -> f64 {
+    fn off(&self, speed_curve: &SpeedCurve<'_>, profile: &Profile) -> f64 {
         let Section {
             reference, allowance, ..
-        } = course.section;
+        } = speed_curve.section;
         let used = |k: u32| {
-            let u = f64::from(k) / f64::from(MEASURED);
+            let u = f64::from(k) / f64::from(TUNING.gentle.fade_samples);
             let along = profile.at(u * self.duration);
-            let place = course.moving(&along).position + self.at(u)[0];
+            let place = speed_curve.moving(&along).position + self.at(u)[0];
             let progress = along.position.min(reference.length());
             allowance.used(reference, &place, reference.piece_at(progress), progress)
         };
-        (0..=MEASURED).map(used).fold(0.0, f64::max)
+        (0..=TUNING.gentle.fade_samples).map(used).fold(0.0, f64::max)
     }
 
     fn within(duration: f64, [p, v, a]: [Point; 3]) -> Fade {
@@ -90,8 +90,8 @@ impl Fade {
 
     /// Largest acceleration and jerk.
     fn peaks(&self) -> (f64, f64) {
-        (0..=MEASURED).fold((0.0, 0.0), |(acceleration, jerk): (f64, f64), k| {
-            let [_, _, a, j] = self.at(f64::from(k) / f64::from(MEASURED));
+        (0..=TUNING.gentle.fade_samples).fold((0.0, 0.0), |(acceleration, jerk): (f64, f64), k| {
+            let [_, _, a, j] = self.at(f64::from(k) / f64::from(TUNING.gentle.fade_samples));
             (acceleration.max(a.norm()), jerk.max(j.norm()))
         })
     }
@@ -108,6 +108,3 @@ impl Fade {
         }
     }
 }
-
-/// Points of it that are measured.
-const MEASURED: u32 = 16;

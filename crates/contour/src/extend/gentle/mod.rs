@@ -1,33 +1,33 @@
-//! A continuation that is within all limits from the first guess on: the running motion until it is left, then a course at speeds so low that nothing there comes
+//! A continuation that is within all limits from the first guess on: the running motion until it is left, then a speed curve at speeds so low that nothing there comes
 //! near to a limit. Position units and seconds.
 //!
-//! The course is the programmed path with every corner rounded evenly; the offset from it at the instant at which the running motion is left fades out in position,
+//! The speed curve is the programmed path with every corner rounded evenly; the offset from it at the instant at which the running motion is left fades out in position,
 //! velocity and acceleration. Of dense chords it is the smooth curve that goes on from the running motion, so that there is no offset.
 
-mod course;
 mod fade;
 mod smoothed;
+mod speed_curve;
 
 use crate::State;
 use crate::extend::warm_start::{Running, followed, knots};
 use crate::section::Section;
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
-pub(crate) use course::Course;
-use course::CourseTiming;
 use fade::Fade;
 use smoothed::Smoothed;
+pub(crate) use speed_curve::SpeedCurve;
+use speed_curve::SpeedCurveTiming;
 
-/// Control points of a motion that follows the running one until it is left and then the course, with shares of what is possible there (of the limits along the
+/// Control points of a motion that follows the running one until it is left and then the speed curve, with shares of what is possible there (of the limits along the
 /// path, and of the speed). `None`: it is too fast for what comes.
-pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]) -> Option<ControlPoints> {
-    let section = course.section;
+pub(crate) fn gentle(speed_curve: &SpeedCurve<'_>, running: Running<'_>, shares: [f64; 2]) -> Option<ControlPoints> {
+    let section = speed_curve.section;
     let left = running.leave - running.splice;
     let from = running.trajectory.at(running.leave);
     let route = followed(section, running);
-    let state = course.state(&from, route.last()?.progress);
-    let timing = course.timing(state, &course.ends(shares), shares)?;
-    let (fade, _) = Fade::new(course, &from, timing.first().1);
+    let state = speed_curve.state(&from, route.last()?.progress);
+    let timing = speed_curve.timing(state, &speed_curve.ends(shares), shares)?;
+    let (fade, _) = Fade::new(speed_curve, &from, timing.first().1);
     let mut i = 0;
     let before = |time: f64| {
         while i + 2 < route.len() && route[i + 1].time < time {
@@ -37,12 +37,12 @@ pub(crate) fn gentle(course: &Course<'_>, running: Running<'_>, shares: [f64; 2]
     };
     let behind = |time: f64| {
         let along = timing.at(time);
-        (fade.added_to(&course.moving(&along), time), along.position)
+        (fade.added_to(&speed_curve.moving(&along), time), along.position)
     };
     let mut grid = knots(section, running);
     let followed = grid.len();
     grid.extend(
-        marched(&steps(course, &timing, fade.duration))
+        marched(&steps(speed_curve, &timing, fade.duration))
             .into_iter()
             .map(|time| left + time),
     );
@@ -60,20 +60,20 @@ pub(crate) fn gentle_and_smooth(
     let initial = running.trajectory.at(running.splice);
     let (state, followed) = (curve.begin(), curve.followed().to_vec());
     let left = *followed.last()?;
-    let course = Course::smooth(section, curve);
+    let speed_curve = SpeedCurve::smooth(section, curve);
     let timing = shares
         .iter()
-        .find_map(|&shares| course.timing(state, &course.ends(shares), shares))?;
-    let curve = course.smoothed()?;
+        .find_map(|&shares| speed_curve.timing(state, &speed_curve.ends(shares), shares))?;
+    let curve = speed_curve.smoothed()?;
     let before = |time: f64| (curve.motion(time), curve.progress(time));
     let behind = |time: f64| {
         let along = timing.at(time);
-        (course.moving(&along), curve.progress_at(along.position))
+        (speed_curve.moving(&along), curve.progress_at(along.position))
     };
     let count = followed.len();
     let mut grid = followed;
     grid.extend(
-        marched(&steps(&course, &timing, 0.0))
+        marched(&steps(&speed_curve, &timing, 0.0))
             .into_iter()
             .map(|time| left + time),
     );
@@ -105,22 +105,22 @@ fn control(
     Some(control.completed(&section.reference))
 }
 
-/// Where the nodes of a motion along the course are; there is one at a cut.
-fn steps(course: &Course<'_>, timing: &CourseTiming, cut: f64) -> Vec<Span> {
+/// Where the nodes of a motion along the speed curve are; there is one at a cut.
+fn steps(speed_curve: &SpeedCurve<'_>, timing: &SpeedCurveTiming, cut: f64) -> Vec<Span> {
     // The first profile may pass several stretches.
     let (first, profile) = timing.first();
     let mut spans: Vec<Span> = Vec::new();
     let mut from = 0.0;
-    let behind = course.parts.len() + 1 - timing.count();
-    let passed = &course.parts[first..behind];
+    let behind = speed_curve.parts.len() + 1 - timing.count();
+    let passed = &speed_curve.parts[first..behind];
     let ends = passed.iter().enumerate().map(|(k, part)| {
         let is_last = k + 1 == passed.len();
         let passes = profile.time_at_position(part.to).filter(|_| !is_last);
         (part, passes.unwrap_or(profile.duration()))
     });
-    for (part, end) in ends.chain(course.parts[behind..].iter().zip(timing.ends().skip(1))) {
+    for (part, end) in ends.chain(speed_curve.parts[behind..].iter().zip(timing.ends().skip(1))) {
         if end > from {
-            let step = course.step(part, end - from);
+            let step = speed_curve.step(part, end - from);
             spans.push(Span { end, step, knot: false });
             from = end;
         }

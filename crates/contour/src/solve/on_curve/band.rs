@@ -1,5 +1,7 @@
 //! Symmetric positive definite systems with four entries to either side of the diagonal.
 
+use crate::tolerance::{LEAST_DIAGONAL, PIVOT_SHARE};
+
 /// The lower half of the matrix row by row: the diagonal, then the entries to its left, the nearest first.
 #[derive(Clone, Debug)]
 pub(crate) struct Band {
@@ -59,7 +61,7 @@ impl Band {
             let t1 = b1 - t4 * l[0][3] - t3 * l[0][2] - t2 * l[0][1];
             let (l1, l2, l3, l4) = (t1 * p[0], t2 * p[1], t3 * p[2], t4 * p[3]);
             let pivot = diagonal - (t1 * l1 + t2 * l2) - (t3 * l3 + t4 * l4);
-            let pivot = pivot.max(1e-14 * diagonal.abs().max(1e-200));
+            let pivot = pivot.max(PIVOT_SHARE * diagonal.abs().max(LEAST_DIAGONAL));
             let inverse = 1.0 / pivot;
             *row = [pivot, l1, l2, l3, l4];
             self.inverse[i] = inverse;

@@ -3,6 +3,7 @@
 use super::Here;
 use crate::Point;
 use crate::solve::problem::{Limits, Problem};
+use crate::tuning::TUNING;
 
 /// The logarithm of a product of many factors, taken as seldom as the range of numbers permits.
 struct LogSum {
@@ -14,7 +15,7 @@ impl LogSum {
     #[inline(always)]
     fn add(&mut self, factor: f64) {
         self.product *= factor;
-        if !(SMALL..=LARGE).contains(&self.product) {
+        if !(TUNING.barrier.least_product..=TUNING.barrier.most_product).contains(&self.product) {
             self.sum += libm::log(self.product);
             self.product = 1.0;
         }
@@ -163,7 +164,3 @@ impl Problem<'_> {
         });
     }
 }
-
-/// Between these a product can take the factors of another node.
-const SMALL: f64 = 1e-100;
-const LARGE: f64 = 1e100;

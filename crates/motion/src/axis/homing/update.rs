@@ -11,11 +11,10 @@ use super::{Sought, Stage};
 use crate::axis::Axis;
 use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
+use crate::tolerance::SHORTEST_STEP_S;
 
 /// Legs within one update; what is left then is done in the next one.
 const MOST_LEGS: usize = 64;
-/// A leg that ends this little, seconds, behind an update ends with it.
-const SHORTEST_STEP: f64 = 1e-9;
 
 impl Axis {
     /// The command of an axis that homing moves, at the present tick: legs that end before it, and the one that is under way.
@@ -34,7 +33,7 @@ impl Axis {
             let Some(leg) = self.present_leg(&began) else {
                 return;
             };
-            if self.seeks() || leg.end() > clock.period() + SHORTEST_STEP {
+            if self.seeks() || leg.end() > clock.period() + SHORTEST_STEP_S {
                 self.set_home_command(leg.at(clock.period()));
                 return;
             }

@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
-use crate::control::Ticket;
+use crate::execution::Ticket;
 use crate::machine::{Axis, AxisKind, CommandLimits, CoordinateSystem, ExceptionActions, MotionGroup};
 use crate::motion::Motion;
 
@@ -78,26 +78,33 @@ const fn number(value: f64) -> Argument {
     Argument::Number(value)
 }
 
-/// A machine in motion: a line of X and Y at 100 units/s, a jog of A at 200, all at their speed.
-fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
-    let mut motion = Motion::new(&machine(limits, action));
-    let rates = [
-        ("Accel Rate", number(1000.0)),
-        ("Decel Rate", number(1000.0)),
-        ("Accel Jerk", number(100.0)),
-        ("Decel Jerk", number(100.0)),
-        ("Jerk Units", number(2.0)),
-    ];
+/// Rates of 1000 units/s², and jerks of 100 % of time.
+const RATES: [(&str, Argument); 5] = [
+    ("Accel Rate", number(1000.0)),
+    ("Decel Rate", number(1000.0)),
+    ("Accel Jerk", number(100.0)),
+    ("Decel Jerk", number(100.0)),
+    ("Jerk Units", number(2.0)),
+];
+
+/// X and Y begin a line at 100 units/s, to 6000 and 8000.
+fn begin_line(motion: &mut Motion, ticket: Ticket) {
     let line = [
         ("Position", Argument::Array(RealArray::from_slice(&[6000.0, 8000.0]))),
         ("Speed", number(100.0)),
         ("Termination Type", number(1.0)),
     ];
-    motion.begin(1, &mut AtSetPoints);
-    let line: Vec<_> = line.into_iter().chain(rates).collect();
-    let shown = motion.execute(Ticket(1), &call(Mnemonic::Mclm, 0, 0, &line));
+    let line: Vec<_> = line.into_iter().chain(RATES).collect();
+    let shown = motion.execute(ticket, &call(Mnemonic::Mclm, 0, 0, &line));
     assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
-    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(rates).collect();
+}
+
+/// A machine in motion: a line of X and Y at 100 units/s, a jog of A at 200, all at their speed.
+fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
+    let mut motion = Motion::new(&machine(limits, action));
+    motion.begin(1, &mut AtSetPoints);
+    begin_line(&mut motion, Ticket(1));
+    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
     let shown = motion.execute(Ticket(2), &call(Mnemonic::Maj, 2, 1, &jog));
     assert_eq!((shown.err, shown.exerr), (0, 0), "MAJ");
     motion.finish(|_| ());
@@ -303,4 +310,63 @@ fn a_slave_stops_with_its_master() {
     run.assert_smooth("master and slave");
     assert_eq!(run.refused(), [(0, "MAG"), (2, "MAJ")]);
     assert_eq!(run.sent.last().expect("ticks").map(|[_, velocity]| velocity), [0.0; 3]);
+}
+
+#[test]
+fn a_defect_behind_a_transform_stops_both_of_its_sides() {
+    // A displacement of the target leads back to the source, so both sides would jump.
+    for (why, axis) in [
+        ("the target 5 units further on", 2),
+        ("the source 5 units further on", 0),
+    ] {
+        let mut machine = machine(CommandLimits::default(), ExceptionAction::StopPlanner);
+        let second = Axis {
+            name: "B".to_owned(),
+            ..machine.axes[2].clone()
+        };
+        machine.axes.push(second);
+        let target = CoordinateSystem {
+            name: "CS2".to_owned(),
+            axes: vec![AxisId(2), AxisId(3)],
+            ..machine.systems[0].clone()
+        };
+        machine.systems.push(target);
+        let mut motion = Motion::new(&machine);
+        for tick in 1..3 {
+            motion.begin(tick, &mut AtSetPoints);
+            motion.finish(|_| ());
+        }
+        let zeros = Argument::Array(RealArray::from_slice(&[0.0; 3]));
+        let pair = [
+            ("Target System", Argument::Object(1)),
+            ("Orientation", zeros),
+            ("Translation", zeros),
+        ];
+        let shown = motion.execute(Ticket(1), &call(Mnemonic::Mct, 0, 1, &pair));
+        assert_eq!((shown.err, shown.exerr), (0, 0), "MCT");
+        begin_line(&mut motion, Ticket(2));
+        motion.finish(|_| ());
+        for tick in 3..400 {
+            motion.begin(tick, &mut AtSetPoints);
+            motion.finish(|_| ());
+        }
+        let [x, y, a] = sent(&motion).map(|[_, velocity]| velocity);
+        assert!((x - 60.0).abs() < 1e-9 && (y - 80.0).abs() < 1e-9, "{why}: {x} {y}");
+        assert!((a - x).abs() < 1e-9, "{why}: the target follows, {a}");
+        motion.axes[AxisId(axis)].sum.redefine(5.0);
+        let run = run(&mut motion, 400);
+        run.assert_smooth(why);
+        assert_eq!(run.refused(), [(0, "coordinated motion"), (2, "a transform")], "{why}");
+        assert_eq!(
+            run.sent.last().expect("ticks").map(|[_, velocity]| velocity),
+            [0.0; 3],
+            "{why}"
+        );
+        assert_eq!(motion.axes[AxisId(3)].command.velocity, 0.0, "{why}: B");
+        assert!(
+            motion.transforms.iter().next().is_none(),
+            "{why}: the transform is over"
+        );
+        assert!(!motion.systems[SystemId(0)].is_busy(), "{why}");
+    }
 }

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::super::element::State;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OutputCam};
-use super::Program;
-use crate::control::Execution;
+use crate::execution::Execution;
+use crate::masters::displacement::Crossing;
+use arcline_instruction_set::enumerations::ExecutionMode;
 
 /// Place of the cam that is armed.
 pub(super) const ACTIVE: usize = 0;
@@ -16,9 +17,28 @@ pub(super) const PENDING: usize = 1;
 /// Place of the one before, of which some elements go on.
 pub(super) const TAIL: usize = 2;
 
+/// An output cam that an instruction arms.
+#[derive(Clone, Debug)]
+pub(crate) struct ArmedCam {
+    pub(crate) cam: Arc<OutputCam>,
+    pub(crate) mode: ExecutionMode,
+    pub(crate) execution: Execution,
+}
+
+/// The phase of the cam of an execution target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Phase {
+    Free,
+    /// Until the axis crosses the arm position.
+    Waiting(Crossing),
+    Armed,
+    /// It is over, but for what goes on of it.
+    Ending,
+}
+
 #[derive(Clone, Debug)]
 pub(super) struct CamState {
-    pub(super) program: Option<Program>,
+    pub(super) program: Option<ArmedCam>,
     pub(super) states: Vec<State>,
 }
 
@@ -30,7 +50,7 @@ impl CamState {
         }
     }
 
-    pub(super) fn load(&mut self, program: Program) {
+    pub(super) fn load(&mut self, program: ArmedCam) {
         self.states.clear();
         self.states.resize(program.cam.elements.len(), State::default());
         self.program = Some(program);

@@ -8,8 +8,9 @@ use super::super::element::{Effect, Happens, State};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
-use super::pieces::Piece;
-use super::{ACTIVE, CamState, PENDING, Phase, TAIL, Target};
+use super::Target;
+use super::cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
+use super::piece::{Piece, instant};
 
 /// An event within an update.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +36,8 @@ impl Target {
                     continue;
                 }
                 for latch in [true, false] {
-                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
-                    let crossed = window.crossed(course.from, course.to);
+                    let (interpolation, window) = self.signal(piece, cam_index, element_index, latch);
+                    let crossed = window.crossed(interpolation.from, interpolation.to);
                     let [entered, left] = if latch {
                         [Happens::LatchEntered, Happens::LatchLeft]
                     } else {
@@ -44,11 +45,11 @@ impl Target {
                     };
                     for (value, what) in crossed.into_iter().zip([entered, left]) {
                         let Some(value) = value else { continue };
-                        let share = course.share_of(value);
+                        let share = interpolation.share_of(value);
                         if share >= from && share <= until && edges.len() < MOST_EDGES {
                             edges.push(Edge {
                                 share,
-                                along: (value - course.from).abs(),
+                                along: (value - interpolation.from).abs(),
                                 what,
                                 cam_index,
                                 element: element_index,
@@ -79,8 +80,8 @@ impl Target {
                 }
                 let at = instant(piece, until, clock);
                 let inside = [true, false].map(|latch| {
-                    let (course, window) = self.signal(piece, cam_index, element_index, latch);
-                    window.contains(course.at(until))
+                    let (interpolation, window) = self.signal(piece, cam_index, element_index, latch);
+                    window.contains(interpolation.at(until))
                 });
                 self.correct(cam_index, element_index, inside, at);
             }
@@ -102,7 +103,10 @@ impl Target {
             return (Interpolation::step(0.0, 0.0), Window::NONE);
         };
         let delay = compensation.delay(latch);
-        (piece.course(delay), self.window(cam_index, element, compensation))
+        (
+            piece.interpolation(delay),
+            self.window(cam_index, element, compensation),
+        )
     }
 
     /// Where an element's range is, as a position of the axis.
@@ -162,7 +166,7 @@ impl Target {
         self.take(cam_index, element_index, effect, at);
     }
 
-    /// What has come of an event.
+    /// Takes the effect of an event.
     pub(super) fn take(&mut self, cam_index: usize, element_index: usize, effect: Effect, at: Instant) {
         let Some((element, _)) = self.cams[cam_index].element(element_index) else {
             return;
@@ -255,16 +259,4 @@ impl Target {
             .copied()
             .unwrap_or_default()
     }
-}
-
-/// When a share of an update is reached.
-pub(super) fn instant(piece: &Piece, share: f64, clock: &Clock) -> Instant {
-    let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
-    if piece.jumps {
-        return began.now();
-    }
-    if share >= 1.0 {
-        return clock.now();
-    }
-    began.now().after(share * piece.period, &began)
 }

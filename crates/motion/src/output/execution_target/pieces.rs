@@ -10,37 +10,15 @@ use arcline_profile::KinematicState;
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, OUTPUT_BITS};
 use super::super::windows::Turns;
-use super::events::instant;
-use super::{ACTIVE, Edge, PENDING, Phase, Target};
-use crate::control::Execution;
+use super::Target;
+use super::cam_state::{ACTIVE, PENDING, Phase};
+use super::events::Edge;
+use super::piece::{Piece, instant};
+use crate::execution::Execution;
+use crate::tolerance::OUTPUT_CAM_SHARE;
 
 /// Most a piece of an update is cut into: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
-/// What of a cam's position is rounding: a share of its length.
-const ROUNDING: f64 = 1e-12;
-
-/// A motion of the axis within an update, or a change of its speed at the beginning of one.
-pub(super) struct Piece {
-    pub(super) from: KinematicState,
-    pub(super) to: KinematicState,
-    pub(super) jumps: bool,
-    pub(super) period: f64,
-}
-
-impl Piece {
-    /// The position of the axis, `delay` ahead.
-    pub(super) fn course(&self, delay: f64) -> Interpolation {
-        let [from, to] = [&self.from, &self.to].map(|point| {
-            let rate = point.velocity + delay * point.acceleration;
-            [point.position + delay * point.velocity, rate]
-        });
-        if self.jumps {
-            Interpolation::step(from[0], to[0])
-        } else {
-            Interpolation::new(from, to, self.period)
-        }
-    }
-}
 
 impl Target {
     /// The axis goes from where it was to where it is now. `ended`: whose cams end meanwhile.
@@ -102,7 +80,7 @@ impl Target {
     }
 
     fn walk(&mut self, piece: &Piece, clock: &Clock, edges: &mut Vec<Edge>, ended: &mut [Option<Execution>; 2]) {
-        let interval = piece.course(0.0);
+        let interval = piece.interpolation(0.0);
         if interval.to != interval.from {
             self.forward = interval.to > interval.from;
         }
@@ -123,7 +101,7 @@ impl Target {
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
-                    self.arm(crossed, |delay| piece.course(delay).at(share), at);
+                    self.arm(crossed, |delay| piece.interpolation(delay).at(share), at);
                     self.phase = Phase::Armed;
                 }
                 Phase::Armed => {
@@ -150,7 +128,7 @@ impl Target {
             return None;
         }
         let zero = self.zero();
-        let rounding = ROUNDING * (program.cam.end - program.cam.start);
+        let rounding = OUTPUT_CAM_SHARE * (program.cam.end - program.cam.start);
         let (start, end) = (zero + program.cam.start, zero + program.cam.end);
         let beyond = |position: f64| position > end + rounding || position < start - rounding;
         let here = interval.at(share);
@@ -179,7 +157,7 @@ impl Target {
         self.arm_enabled(at);
     }
 
-    /// What is true at the present tick: durations, whole turns, what is shown.
+    /// Brings durations, whole turns and the bits that are shown to the present tick.
     pub(super) fn settle(&mut self, clock: &Clock) {
         let now = clock.now();
         self.expire(now, clock);

@@ -1,4 +1,4 @@
-//! What goes on of an output cam that is over: edges that lag behind its axis, and durations.
+//! The parts of an output cam that go on when it is over: edges that lag behind its axis, and durations.
 //!
 //! An offset or a delay below 0 can put edges behind where the axis is. When it leaves the cam these are still to come: the elements
 //! stay until each of them has come past the end of the cam, or until the axis comes back to where it left. Durations run out in
@@ -9,8 +9,9 @@ use arcline_planner::Instant;
 use super::super::element::Happens;
 use super::super::program::OUTPUT_BITS;
 use super::super::windows::Turns;
-use super::{ACTIVE, PENDING, Phase, TAIL, Target};
-use crate::control::Execution;
+use super::Target;
+use super::cam_state::{ACTIVE, PENDING, Phase, TAIL};
+use crate::execution::Execution;
 
 /// How a cam was left.
 #[derive(Clone, Copy, Debug)]

@@ -1,21 +1,21 @@
-//! The orientation of a coordinate system with Rx, Ry, Rz: where a path move turns it to, and its axes on the way
+//! The orientation of a coordinate system with Rx, Ry, Rz: the goal of a path move that turns it, and its axes until then
 //! (spec/coordinated-instructions.md §22.8, §23.3).
 //!
 //! The axes show fixed X-Y-Z angles: Ry within a quarter turn of 0, Rx and Rz in the turn that goes on. Beyond a quarter turn of Ry
 //! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
 
-use arcline_instruction_set::SystemId;
 use arcline_planner::geometry::{
     Path, Point, Rotation, angle_rates, angles, angular_rates, continued, nearest, rotation,
 };
 use arcline_planner::profile::{KinematicState, Limits};
 use arcline_planner::{AngularState, Sample};
 
+use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_PRIMARY_AXES;
-use crate::motion::Motion;
-use crate::system::{Activity, component, numbered};
+use crate::system::{Activity, System, component, numbered};
+use crate::tolerance::{AT_ONCE_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
 
 /// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
@@ -31,7 +31,7 @@ pub(crate) fn normal(given: &Point) -> Point {
 
 /// -180 and what rounds to it is 180.
 fn above_half_turn(angle: f64) -> f64 {
-    if angle <= -180.0 + ROUNDING {
+    if angle <= -180.0 + HALF_TURN_DEG {
         angle + 360.0
     } else {
         angle
@@ -50,7 +50,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     }
     let missing = (to.z - passed.z) / 360.0;
     // Half a turn is what the mirror rule leaves.
-    let turns = if missing.abs() <= 0.5 + ROUNDING {
+    let turns = if missing.abs() <= 0.5 + HALF_ROTATION_SHARE {
         0.0
     } else {
         missing.round()
@@ -60,7 +60,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     if mirrored {
         // Half a turn of Rx is what the mirror rule leaves.
         let beside = (to.x - passed.x) / 360.0;
-        shown.x -= if beside.abs() <= 0.5 + ROUNDING {
+        shown.x -= if beside.abs() <= 0.5 + HALF_ROTATION_SHARE {
             0.0
         } else {
             360.0 * beside.round()
@@ -91,8 +91,8 @@ fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     for _ in 0..MOST_LOOKS {
         let share = f64::min(here + step, 1.0);
         let there = angles(&rotation.at(share).orientation, &at);
-        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR {
-            if step * rotation.angle() > FINEST {
+        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR_DEG {
+            if step * rotation.angle() > AT_ONCE_DEG {
                 step *= 0.5;
                 continue;
             }
@@ -106,49 +106,48 @@ fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     (at, mirrored)
 }
 
-impl Motion {
+impl System {
     /// Rx, Ry, Rz at the end of the last move in the queue where one of its moves turns, in the frame in which the queue began.
-    pub(crate) fn queued_heading(&self, index: SystemId) -> Option<Point> {
-        let system = &self.systems[index];
-        if system.activity != Activity::Moving {
+    pub(crate) fn queued_heading(&self) -> Option<Point> {
+        if self.activity != Activity::Moving {
             return None;
         }
-        system.travel.last()?.data.heading
+        self.travel.last()?.data.heading
     }
 
     /// The same, or where the axes are commanded to be.
-    pub(crate) fn heading(&self, index: SystemId) -> Point {
-        self.queued_heading(index).unwrap_or_else(|| self.angles_of(index))
+    pub(crate) fn heading(&self, axes: &Axes) -> Point {
+        self.queued_heading().unwrap_or_else(|| self.angles(axes))
     }
 
     /// The rotation of a move behind the queue that keeps the orientation; none where there is no orientation.
-    pub(crate) fn still(&self, index: SystemId) -> Option<Rotation> {
-        self.systems[index].description.orientation?;
-        Some(Rotation::keeping(&self.heading(index)))
+    pub(crate) fn keeping_heading(&self, axes: &Axes) -> Option<Rotation> {
+        self.description.orientation?;
+        Some(Rotation::keeping(&self.heading(axes)))
     }
 
-    /// What Rx, Ry, Rz were redefined by since the queue took them.
-    pub(crate) fn heading_shift(&self, index: SystemId) -> Point {
-        match self.queued_heading(index) {
-            Some(_) => self.oriented(index, |axis| axis.sum.shift_of(GeneratorKind::System)),
+    /// The offsets by which Rx, Ry, Rz were redefined since the queue took them.
+    pub(crate) fn heading_shift(&self, axes: &Axes) -> Point {
+        match self.queued_heading() {
+            Some(_) => self.oriented(axes, |axis| axis.sum.shift_of(GeneratorKind::System)),
             None => Point::zeros(),
         }
     }
 
     /// How the coordinated motion of a system turns at the present.
-    pub(crate) fn turning(&self, index: SystemId) -> Option<AngularState> {
-        let limits = self.systems[index].travel.turn_limits()?;
+    pub(crate) fn turning(&self, axes: &Axes) -> Option<AngularState> {
+        let limits = self.travel.turn_limits()?;
         let moves = |axis: &Axis| {
             axis.sum
                 .get(GeneratorKind::System)
                 .map(|generator| generator.now)
                 .unwrap_or_default()
         };
-        let angles = self.angles_of(index);
+        let angles = self.angles(axes);
         let [rate, change] = angular_rates(
             &angles,
-            &self.oriented(index, |axis| moves(axis).velocity),
-            &self.oriented(index, |axis| moves(axis).acceleration),
+            &self.oriented(axes, |axis| moves(axis).velocity),
+            &self.oriented(axes, |axis| moves(axis).acceleration),
         );
         Some(AngularState {
             angles,
@@ -158,34 +157,33 @@ impl Motion {
         })
     }
 
-    fn oriented(&self, index: SystemId, quantity: impl Fn(&Axis) -> f64) -> Point {
-        let mut of = Point::zeros();
-        for (axis, of) in self.systems[index].description.oriented().iter().zip(of.iter_mut()) {
-            *of = self.axes.get(*axis).map_or(0.0, &quantity);
+    fn oriented(&self, axes: &Axes, quantity: impl Fn(&Axis) -> f64) -> Point {
+        let mut point = Point::zeros();
+        for (axis, component) in self.description.oriented().iter().zip(point.iter_mut()) {
+            *component = axes.get(*axis).map_or(0.0, &quantity);
         }
-        of
+        point
     }
 
     /// Where the axes Rx, Ry, Rz are commanded to be.
-    fn angles_of(&self, index: SystemId) -> Point {
-        self.oriented(index, |axis| axis.command.position)
+    fn angles(&self, axes: &Axes) -> Point {
+        self.oriented(axes, |axis| axis.command.position)
     }
 
     /// A deceleration along the path, of a share of the Maximum Deceleration, with which the rotation of the active move keeps to that
     /// share of its own maximum too. What only turns has that as its own.
-    pub(crate) fn kept_by_turn(&self, index: SystemId, deceleration: f64) -> f64 {
-        let active = self.systems[index].travel.active();
+    pub(crate) fn kept_by_turn(&self, deceleration: f64) -> f64 {
+        let active = self.travel.active();
         active.map_or(deceleration, |active| {
-            self.kept_by(index, deceleration, &active.path, active.rotation.as_ref())
+            self.kept_by(deceleration, &active.path, active.rotation.as_ref())
         })
     }
 
-    fn kept_by(&self, index: SystemId, deceleration: f64, path: &Path, rotation: Option<&Rotation>) -> f64 {
-        let description = &self.systems[index].description;
-        let (Some(turns), Some(rotation)) = (description.orientation, rotation) else {
+    fn kept_by(&self, deceleration: f64, path: &Path, rotation: Option<&Rotation>) -> f64 {
+        let (Some(turns), Some(rotation)) = (self.description.orientation, rotation) else {
             return deceleration;
         };
-        let own = deceleration / description.max_deceleration * turns.max_deceleration;
+        let own = deceleration / self.description.max_deceleration * turns.max_deceleration;
         if path.stands() {
             own
         } else if rotation.angle() > 0.0 {
@@ -197,39 +195,38 @@ impl Motion {
 
     /// The limits of a stop of the active move as such of the move that it blends with, where one of them turns: the way of each may be
     /// angles or positions.
-    pub(crate) fn of_tail(&self, index: SystemId, limits: &Limits) -> Option<Limits> {
-        let system = &self.systems[index];
-        system.description.orientation?;
-        let (path, rotation) = system.travel.tail()?;
+    pub(super) fn of_tail(&self, limits: &Limits) -> Option<Limits> {
+        self.description.orientation?;
+        let (path, rotation) = self.travel.tail()?;
         // The share of the maxima that the active move brakes with: what its own rotation takes away is not taken from both.
-        let most = system.description.max_deceleration;
-        let deceleration = (limits.deceleration / self.kept_by_turn(index, most) * most).min(most);
+        let most = self.description.max_deceleration;
+        let deceleration = (limits.deceleration / self.kept_by_turn(most) * most).min(most);
         Some(Limits {
-            deceleration: self.kept_by(index, deceleration, path, rotation),
+            deceleration: self.kept_by(deceleration, path, rotation),
             ..*limits
         })
     }
 
     /// The axes' part of a rotation at the present tick.
-    pub(crate) fn set_turned_commands(&mut self, index: SystemId, sample: &Sample) {
+    pub(super) fn set_turned_commands(&self, axes: &mut Axes, sample: &Sample) {
         let Some(rotation_state) = &sample.rotation_state else {
             return;
         };
         let shown = rotation_state.angles();
         let [velocity, acceleration] = angle_rates(&shown, &rotation_state.rate, &rotation_state.change);
-        self.set_angle_commands(index, [shown, velocity, acceleration]);
+        self.set_angle_commands(axes, [shown, velocity, acceleration]);
     }
 
     /// The axes stand exactly at the end of the active move's rotation.
-    pub(crate) fn hold_heading(&mut self, index: SystemId) {
-        if let Some(end) = self.systems[index].active().and_then(|active| active.heading) {
-            self.set_angle_commands(index, [end, Point::zeros(), Point::zeros()]);
+    pub(super) fn hold_heading(&self, axes: &mut Axes) {
+        if let Some(end) = self.active().and_then(|active| active.heading) {
+            self.set_angle_commands(axes, [end, Point::zeros(), Point::zeros()]);
         }
     }
 
-    fn set_angle_commands(&mut self, index: SystemId, [position, velocity, acceleration]: [Point; 3]) {
-        for (member, axis) in numbered(self.systems[index].description.oriented()).take(MAX_PRIMARY_AXES) {
-            if let Some(axis) = self.axes.get_mut(axis) {
+    fn set_angle_commands(&self, axes: &mut Axes, [position, velocity, acceleration]: [Point; 3]) {
+        for (member, axis) in numbered(self.description.oriented()).take(MAX_PRIMARY_AXES) {
+            if let Some(axis) = axes.get_mut(axis) {
                 axis.set_coordinated(KinematicState {
                     position: component(&position, member),
                     velocity: component(&velocity, member),
@@ -245,8 +242,4 @@ const LOOKS: u32 = 16;
 /// The same with steps that are halved beside straight up.
 const MOST_LOOKS: u32 = 200;
 /// Degrees of Rx or Rz in a step.
-const FAR: f64 = 60.0;
-/// Degrees: the angles of a rotation that passes straight up nearer than this change at once.
-const FINEST: f64 = 0.05;
-/// Of a share of a rotation.
-const ROUNDING: f64 = 1e-9;
+const FAR_DEG: f64 = 60.0;

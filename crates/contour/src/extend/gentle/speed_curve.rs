@@ -7,12 +7,13 @@ use crate::limits::Bounds;
 use crate::path::reference::along;
 use crate::path::rounding::{Corners, Shape, Stretch, round};
 use crate::section::Section;
+use crate::tolerance::RATE_SHARE;
 use crate::tuning::TUNING;
 use crate::{Point, State};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
 
 /// A curve with the speeds at which it can be travelled.
-pub(crate) struct Course<'a> {
+pub(crate) struct SpeedCurve<'a> {
     pub(super) section: &'a Section<'a>,
     curve: Curve,
     pub(super) parts: Vec<Part>,
@@ -26,7 +27,7 @@ enum Curve {
     Smooth(Box<Smoothed>),
 }
 
-/// A part of a course.
+/// A part of a speed curve.
 pub(super) struct Part {
     pub(super) from: f64,
     pub(super) to: f64,
@@ -40,14 +41,14 @@ pub(super) struct Part {
     piece: usize,
 }
 
-/// How a motion goes on along a course: one profile for each stretch, with the instant at which it begins. The acceleration along the path is 0 between them.
-pub(super) struct CourseTiming {
+/// How a motion goes on along a speed curve: one profile for each stretch, with the instant at which it begins. The acceleration along the path is 0 between them.
+pub(super) struct SpeedCurveTiming {
     /// The part that it begins on.
     first: usize,
     parts: Vec<(f64, Profile)>,
 }
 
-impl CourseTiming {
+impl SpeedCurveTiming {
     pub(super) fn at(&self, time: f64) -> KinematicState {
         let part = self.parts.partition_point(|(from, _)| *from <= time).saturating_sub(1);
         let (from, profile) = &self.parts[part];
@@ -70,7 +71,7 @@ impl CourseTiming {
     }
 }
 
-impl<'a> Course<'a> {
+impl<'a> SpeedCurve<'a> {
     pub(crate) fn new(section: &'a Section<'a>) -> Self {
         let reference = &section.reference;
         let stretches = round(reference, &section.allowance, Corners::Even);
@@ -80,7 +81,7 @@ impl<'a> Course<'a> {
                 let piece = reference.piece_at(0.5 * (stretch.from + stretch.to));
                 let is_kept = section.allowance.keeps_at(reference, piece, stretch.from);
                 let is_rounding = matches!(stretch.shape, Shape::Bezier(..));
-                let measured = if is_rounding { MEASURED } else { 1 };
+                let measured = if is_rounding { TUNING.gentle.rounding_samples } else { 1 };
                 let step = (stretch.to - stretch.from) / f64::from(measured);
                 let sites = (0..=measured).map(|k| stretch.derivatives(reference, stretch.from + step * f64::from(k)));
                 Part {
@@ -101,11 +102,11 @@ impl<'a> Course<'a> {
         for (k, pair) in pairs {
             let [_, end, _] = pair[0].derivatives(reference, pair[0].to);
             let [_, start, _] = pair[1].derivatives(reference, pair[1].from);
-            if (end - start).norm() > SHARP {
+            if (end - start).norm() > TUNING.gentle.corner {
                 parts[k + 1].speed = 0.0;
             }
         }
-        Course {
+        SpeedCurve {
             section,
             curve: Curve::Rounded(stretches),
             parts,
@@ -144,7 +145,7 @@ impl<'a> Course<'a> {
         for part in &mut parts {
             part.nodes = 0.0;
         }
-        Course {
+        SpeedCurve {
             section,
             curve: Curve::Smooth(Box::new(curve)),
             parts,
@@ -181,7 +182,7 @@ impl<'a> Course<'a> {
         ends
     }
 
-    /// Whether a motion that is left goes on gently; `ends` as [`Course::ends`]. The share of what is allowed that its offset needs to fade out.
+    /// Whether a motion that is left goes on gently; `ends` as [`SpeedCurve::ends`]. The share of what is allowed that its offset needs to fade out.
     pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
         let from = running.trajectory.at(running.leave);
         let at = followed(self.section, running).last()?.progress;
@@ -189,7 +190,7 @@ impl<'a> Course<'a> {
         Some(Fade::new(self, &from, &profile).1)
     }
 
-    /// How a motion that is left comes to the course at its speed: the stretch at whose end it has done so, and the profile until there. `None`: it is too fast for
+    /// How a motion that is left comes to the speed curve at its speed: the stretch at whose end it has done so, and the profile until there. `None`: it is too fast for
     /// what comes.
     fn first(&self, state: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<(usize, Profile)> {
         let first = self.place(state.position);
@@ -212,8 +213,8 @@ impl<'a> Course<'a> {
                 let most = exit_speed(state, target - state.position, &limits);
                 let profile = Profile::to_position(state, target, ends[last + 1].min(most), &limits);
                 let end = profile.end();
-                let is_met = end.velocity <= ends[last + 1] * (1.0 + ROUNDING) + ROUNDING
-                    && end.acceleration.abs() <= ROUNDING * limits.acceleration;
+                let is_met = end.velocity <= ends[last + 1] * (1.0 + RATE_SHARE) + RATE_SHARE
+                    && end.acceleration.abs() <= RATE_SHARE * limits.acceleration;
                 let is_forward = |&t: &f64| profile.at(t).velocity >= 0.0;
                 let within = |k: usize| {
                     let time = profile.time_at_position(self.parts[k].from);
@@ -227,8 +228,8 @@ impl<'a> Course<'a> {
             })
     }
 
-    /// How a motion that begins on the course goes on along it to rest at its end; `ends` as [`Course::ends`]. `None`: it is too fast for what comes.
-    pub(super) fn timing(&self, begin: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<CourseTiming> {
+    /// How a motion that begins on the speed curve goes on along it to rest at its end; `ends` as [`SpeedCurve::ends`]. `None`: it is too fast for what comes.
+    pub(super) fn timing(&self, begin: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<SpeedCurveTiming> {
         let first = self.place(begin.position);
         let (last, profile) = self.first(begin, ends, shares)?;
         let (mut time, mut state) = (profile.duration(), profile.end());
@@ -245,7 +246,7 @@ impl<'a> Course<'a> {
             time += profile.duration();
             state = profile.end();
         }
-        (state.velocity == 0.0 && time.is_finite()).then_some(CourseTiming { first, parts })
+        (state.velocity == 0.0 && time.is_finite()).then_some(SpeedCurveTiming { first, parts })
     }
 
     /// Which stretch is at a progress.
@@ -338,10 +339,3 @@ fn most_speed(bound: &Bounds, sites: impl Iterator<Item = [Point; 3]>, step: f64
     }
     most
 }
-
-/// Points of a rounding that are measured.
-const MEASURED: u32 = 16;
-/// Tangents that differ by more are a corner.
-const SHARP: f64 = 1e-3;
-/// Share of a speed or rate that is rounding.
-const ROUNDING: f64 = 1e-9;

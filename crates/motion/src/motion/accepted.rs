@@ -3,8 +3,8 @@
 use arcline_instruction_set::{ControlSlot, Mnemonic, SystemId};
 use arcline_planner::geometry::Path;
 
-use crate::control::Ticket;
-use crate::motion::Motion;
+use super::Motion;
+use crate::execution::Ticket;
 
 /// A coordinated move that was verified and queued.
 #[derive(Clone, Copy, Debug, PartialEq)]

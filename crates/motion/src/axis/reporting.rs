@@ -1,0 +1,135 @@
+//! The reports of the instructions of one axis: ACCEL, DECEL and PC of its motion, its cams, registrations and watch position.
+//!
+//! Real-time: nothing allocates; bounded by the kinds of generators.
+
+use arcline_drive::{REGISTRATION_LATCHES, Trigger};
+use arcline_instruction_set::Flag;
+use arcline_planner::Clock;
+
+use super::Axis;
+use super::generator::Equation;
+use super::generator_kind::GeneratorKind;
+use crate::control::{Controls, phase_flags};
+use crate::events::MoveEvents;
+use crate::masters::cam::Cam;
+
+impl Axis {
+    /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
+    pub(crate) fn report(&mut self, controls: &mut Controls, clock: &Clock) {
+        let is_driven_home = self.is_driven_home();
+        let mut last = None;
+        while let Some(kind) = self.next_to_report(last) {
+            last = Some(kind);
+            if Axis::CAMS.contains(&kind) {
+                self.report_cam(kind, controls);
+            }
+            if !self.sum.is_active(kind) || kind == GeneratorKind::Home && is_driven_home {
+                continue;
+            }
+            if kind == GeneratorKind::MasterOffset && self.cam(GeneratorKind::PositionCam).is_none() {
+                // What it is an offset of is over.
+                self.end_generator(kind, controls);
+                continue;
+            }
+            let Some(generator) = self.sum.get_mut(kind) else {
+                continue;
+            };
+            let phase = generator.phase(clock);
+            let tracking = generator.is_tracking(clock) && !generator.stopping;
+            let tracks = std::mem::replace(&mut generator.shown_tracking, tracking) != tracking;
+            let changed = std::mem::replace(&mut generator.shown_phase, phase) != phase;
+            let (execution, stopping, over) = (generator.execution, generator.stopping, generator.over);
+            if over {
+                self.end(kind);
+                if let Some(execution) = execution {
+                    controls.end_move(execution, Flag::Pc.mask());
+                }
+                if kind == GeneratorKind::Stop {
+                    let after = std::mem::take(&mut self.after_stop);
+                    self.act_after_stop(after);
+                }
+            } else if let Some(execution) = execution
+                && !stopping
+            {
+                if tracks {
+                    controls.flag(execution, Flag::TrackingMaster, tracking);
+                }
+                self.calculate_move(kind, controls, clock);
+                if !changed {
+                    continue;
+                }
+                let (set, clear) = phase_flags(phase);
+                controls.write(execution, set, clear);
+            }
+        }
+    }
+
+    /// PC of a cam that another one has taken over from, and SEGMENT.
+    fn report_cam(&mut self, kind: GeneratorKind, controls: &mut Controls) {
+        if let Some(ended) = self.cams_mut(kind).ended.take() {
+            controls.end_move(ended, Flag::Pc.mask());
+        }
+        let Some(segment) = self.cam(kind).map(Cam::segment) else {
+            return;
+        };
+        if let Some(generator) = self.sum.get_mut(kind)
+            && std::mem::replace(&mut generator.shown_segment, segment) != segment
+            && let Some(execution) = generator.execution
+        {
+            controls.set_segment(execution, segment as i32);
+        }
+    }
+
+    /// Calculated Data of a move, when it is due.
+    pub(crate) fn calculate_move(&mut self, kind: GeneratorKind, controls: &mut Controls, clock: &Clock) {
+        let Some(generator) = self.sum.get_mut(kind) else {
+            return;
+        };
+        let own = generator.clock(clock);
+        let due = |events: &MoveEvents| events.due.is_some_and(|due| due <= clock.tick);
+        let (Some(execution), Equation::Planned { profile, start }) = (generator.execution, &generator.equation) else {
+            return;
+        };
+        let Some(events) = generator.events.as_mut().filter(|events| due(events)) else {
+            return;
+        };
+        events.due = None;
+        if events.answer(profile, *start, &own) {
+            let events = events.events;
+            controls.give(execution, &events);
+        }
+    }
+
+    /// Registration inputs of the drive whose latches have closed.
+    pub(crate) fn take_registrations(&mut self, controls: &mut Controls, clock: &Clock) {
+        let (period, now) = (clock.period_ns, clock.tick.wrapping_mul(clock.period_ns));
+        for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
+            let (Some(latch), Some(armed)) = (self.link.feedback.latches[place], self.registrations[input].latch())
+            else {
+                continue;
+            };
+            if latch.number != armed.number {
+                continue;
+            }
+            let before = (latch.before_end_s / clock.period() * period as f64) as u64;
+            let time = (now.saturating_sub(before) / 1000) as i32;
+            let position = self.shown(self.latched_at(latch.position));
+            let positive = armed.trigger == Trigger::RegistrationOn;
+            match self.registrations[input].edge(positive, position, time) {
+                Some(execution) => controls.end_move(execution, Flag::Pc.mask()),
+                None => {
+                    let again = self.link.arm(armed.trigger, false);
+                    self.registrations[input].arm_again(again);
+                }
+            }
+        }
+    }
+
+    /// The watch position is looked for.
+    pub(crate) fn look_for_watch(&mut self, controls: &mut Controls) {
+        let now = self.actual.position - self.redefined;
+        if let Some(execution) = self.watch.look(now) {
+            controls.end_move(execution, Flag::Pc.mask());
+        }
+    }
+}

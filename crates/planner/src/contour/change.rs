@@ -1,0 +1,132 @@
+//! Changes of a contour in execution: an override, new speeds or rates of its moves, a stop.
+//!
+//! Not here: the pace itself ([`super::pace`]). Nothing allocates.
+
+use arcline_profile::Limits;
+
+use super::pace::{Pace, Wanted};
+use super::run::{Asked, RunState, least};
+use super::{ContourQueue, requests};
+use crate::tolerance::{CREEPING_SHARE, SAME_SHARE};
+use crate::{Clock, MasterRate};
+
+impl<T: Copy> ContourQueue<T> {
+    /// Takes an override: a share of the programmed speeds, 0 holds.
+    pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
+        self.rate = rate;
+        if matches!(self.asked, Some(Asked::Anew { .. })) {
+            self.asked = None;
+        }
+        self.change(clock);
+    }
+
+    /// Speeds or rates of moves have changed, or the override has. A trajectory in execution is slowed down to a pace that is
+    /// within all of them, or comes back to its own; then what is left of it is planned anew.
+    pub fn change(&mut self, clock: &Clock) {
+        self.change_pace(clock);
+    }
+
+    /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
+    pub fn steer(&mut self, clock: &Clock) {
+        if let Some(run) = &mut self.run
+            && run.pace.steer(&run.trajectory, clock)
+        {
+            self.plans = self.plans.wrapping_add(1);
+        }
+    }
+
+    /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
+    pub(super) fn change_pace(&mut self, clock: &Clock) {
+        let rate = self.planned_rate();
+        let Some(run) = self.run.as_mut().filter(|run| run.state == RunState::Travelling) else {
+            return;
+        };
+        let left = run.trajectory.moves() - run.passed;
+        let (mut target, mut stale) = (1.0_f64, false);
+        for (move_index, motion) in self.moves.iter().take(left).enumerate() {
+            let Some(planned) = run.trajectory.rates(run.passed + move_index) else {
+                break;
+            };
+            let wanted = motion.limits;
+            let own = wanted.jerk.map(least);
+            let own_speed = requests::planned_speed(wanted.speed, rate);
+            stale |= (own_speed / planned.speed - 1.0).abs() > SAME_SHARE;
+            target = share_of(target, self.rate * wanted.speed / planned.speed);
+            let shares = [
+                (wanted.acceleration / planned.acceleration).sqrt(),
+                (wanted.deceleration / planned.deceleration).sqrt(),
+                own.zip(planned.jerk)
+                    .map_or(1.0, |(own, planned)| libm::cbrt(own / planned)),
+            ];
+            for share in shares {
+                stale |= (share - 1.0).abs() > SAME_SHARE;
+                target = share_of(target, share);
+            }
+        }
+        run.stale = stale;
+        run.changed = clock.now();
+        let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
+        let rates = run.trajectory.least_rates();
+        let wanted = Wanted {
+            target,
+            rate: rates.acceleration.min(rates.deceleration) / speed,
+            jerk: rates.jerk.map(|jerk| jerk / speed),
+            extra: [0.0; 2],
+        };
+        run.pace.ask(wanted, &run.trajectory, clock);
+        self.plans = self.plans.wrapping_add(1);
+    }
+
+    /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
+    /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
+    /// are looked at.
+    pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
+        self.asked = None;
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let now = rate.in_time(run.pace.at(clock));
+        let speed = run
+            .trajectory
+            .at(now.position)
+            .velocity
+            .norm()
+            .max(CREEPING_SHARE * limits.speed);
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
+        run.state = RunState::Stopping;
+        run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
+    }
+
+    /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.
+    pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
+        self.asked = None;
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let now = run.pace.at(clock);
+        let speed = run
+            .trajectory
+            .at(now.position)
+            .velocity
+            .norm()
+            .max(CREEPING_SHARE * limits.speed);
+        let jerk = limits.jerk.map(|jerk| jerk.deceleration);
+        let wanted = Wanted {
+            target: 0.0,
+            rate: limits.deceleration / speed,
+            jerk: jerk.map(|jerk| jerk / speed),
+            extra: [limits.deceleration, jerk.unwrap_or(0.0)],
+        };
+        run.state = RunState::Stopping;
+        run.pace.ask(wanted, &run.trajectory, clock);
+    }
+}
+
+/// The lesser of two shares; what is 1 but for rounding is 1.
+fn share_of(target: f64, share: f64) -> f64 {
+    if share < 1.0 - SAME_SHARE {
+        target.min(share)
+    } else {
+        target
+    }
+}
