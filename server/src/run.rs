@@ -11,7 +11,7 @@ use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
 use arcline_realtime::Clock;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{self, SignalKind};
 use tokio::sync::oneshot;
 
 use crate::audit::{self, Audit, What};
@@ -142,65 +142,11 @@ async fn serve(
     start: Start<'_>,
     mut configured: Project,
 ) -> Result<(Plant, arcline_realtime::Handle), Failure> {
-    let Start {
-        hmi,
-        retained,
-        audit,
-        config,
-        clock,
-        end_with_stdin,
-        program,
-    } = start;
-    let failed = |what: &str, error: &dyn std::fmt::Display| Failure::new(1, format!("{what}: {error}"));
-    let mut terminate = signal(SignalKind::terminate()).map_err(|error| failed("SIGTERM", &error))?;
-    let mut interrupt = signal(SignalKind::interrupt()).map_err(|error| failed("SIGINT", &error))?;
-    let mut hangup = signal(SignalKind::hangup()).map_err(|error| failed("SIGHUP", &error))?;
-    let (mut image, watch) = match retained {
-        None => (project.image(), None),
-        Some((image, watch)) => (image, Some(watch)),
-    };
-    if clock == Clock::Step {
-        image.add_clock_step();
-    }
-    let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
-    let program = program.transpose()?;
-    let started = Plant::start_with(project, image, watch, clock);
-    let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
-    if let Some(audit) = audit {
-        plant.set_audit(audit);
-        plant.record(
-            Principal::Server,
-            What::Start,
-            env!("CARGO_PKG_VERSION").to_owned(),
-            "done",
-        );
-    }
-    let listen = project.server.listen;
-    let mut settings = Settings::new(&project.server);
-    let security = &project.server.security;
-    let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
-    if security.tls.or(security.hmi_tls).is_some() {
-        let tls = Tls::new(security, folder);
-        settings.tls = Some(tls.map_err(|error| Failure::usage(error.to_string()))?);
-    }
-    let sessions = Sessions::open(security, folder).map_err(|error| {
-        let hint = "`arcline-server users add FILE NAME --role ROLE` makes the file";
-        Failure::usage(format!("{error}; {hint}"))
-    })?;
-    let tls = settings.tls.clone();
-    let listener = bind(listen, plant.clone(), settings).await?;
-    if let Some(address) = listener.io_addr() {
-        tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
-    }
-    let doors = Doors {
-        plain: None,
-        tls: security.hmi_tls.zip(tls.clone()),
-        sessions: Some(Arc::new(sessions)),
-    };
-    let hmi = match (hmi, security.hmi_tls) {
-        (None, None) => None,
-        (at, _) => Some(bind_hmi(at, doors, plant.clone()).await?),
-    };
+    let mut signals = Signals::new()?;
+    let end_with_stdin = start.end_with_stdin;
+    let (hmi, config) = (start.hmi, start.config);
+    let (plant, handle, program) = start_plant(project, start)?;
+    let Sockets { listener, hmi, tls } = open(project, hmi, config, &plant).await?;
     let live = program.map(|program| program.spawn(&plant)).transpose();
     let live = live.map_err(|error| failed("no thread for the program", &error))?;
     ready(&Bound {
@@ -218,14 +164,20 @@ async fn serve(
         });
     };
     tokio::pin!(served);
-    let mut parent = end_with_stdin
-        .then(end_of_input)
-        .transpose()
-        .map_err(|error| failed("standard input", &error))?;
+    if end_with_stdin {
+        signals.watch_input()?;
+    }
     loop {
-        tokio::select! {
+        let signal = tokio::select! {
             () = &mut served => break,
-            _ = hangup.recv() => {
+            signal = signals.next() => signal,
+        };
+        match signal {
+            Signal::End(why) => {
+                tracing::info!("{why}: stopping");
+                break;
+            }
+            Signal::Reload => {
                 if let Some(tls) = &tls {
                     tls.reload(&plant);
                 }
@@ -236,24 +188,128 @@ async fn serve(
                     reload_program(&plant, live);
                 }
             }
-            _ = terminate.recv() => {
-                tracing::info!("SIGTERM: stopping");
-                break;
-            }
-            () = ended(&mut parent) => {
-                tracing::info!("standard input has closed: stopping");
-                break;
-            }
-            _ = interrupt.recv() => {
-                tracing::info!("SIGINT: stopping");
-                break;
-            }
         }
     }
     if let Some(live) = live {
         live.stop();
     }
     Ok((plant, handle))
+}
+
+fn failed(what: &str, error: &dyn std::fmt::Display) -> Failure {
+    Failure::new(1, format!("{what}: {error}"))
+}
+
+/// Starts the controller with the tags that it begins with, and its audit; the program is loaded and does not run yet.
+fn start_plant(
+    project: &Project,
+    start: Start<'_>,
+) -> Result<(Plant, arcline_realtime::Handle, Option<live::Prepared>), Failure> {
+    let (mut image, watch) = match start.retained {
+        None => (project.image(), None),
+        Some((image, watch)) => (image, Some(watch)),
+    };
+    if start.clock == Clock::Step {
+        image.add_clock_step();
+    }
+    let program = start.program;
+    let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
+    let program = program.transpose()?;
+    let started = Plant::start_with(project, image, watch, start.clock);
+    let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
+    if let Some(audit) = start.audit {
+        plant.set_audit(audit);
+        plant.record(
+            Principal::Server,
+            What::Start,
+            env!("CARGO_PKG_VERSION").to_owned(),
+            "done",
+        );
+    }
+    Ok((plant, handle, program))
+}
+
+/// The open sockets of a server.
+struct Sockets {
+    listener: Listener,
+    hmi: Option<Hmi>,
+    tls: Option<Arc<Tls>>,
+}
+
+/// Opens the sockets of EtherNet/IP and of the page.
+async fn open(project: &Project, hmi: Option<HmiAt>, config: Option<&Path>, plant: &Plant) -> Result<Sockets, Failure> {
+    let mut settings = Settings::new(&project.server);
+    let security = &project.server.security;
+    let folder = config.and_then(Path::parent).unwrap_or(Path::new(""));
+    if security.tls.or(security.hmi_tls).is_some() {
+        let tls = Tls::new(security, folder);
+        settings.tls = Some(tls.map_err(|error| Failure::usage(error.to_string()))?);
+    }
+    let sessions = Sessions::open(security, folder).map_err(|error| {
+        let hint = "`arcline-server users add FILE NAME --role ROLE` makes the file";
+        Failure::usage(format!("{error}; {hint}"))
+    })?;
+    let tls = settings.tls.clone();
+    let listener = bind(project.server.listen, plant.clone(), settings).await?;
+    if let Some(address) = listener.io_addr() {
+        tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
+    }
+    let doors = Doors {
+        plain: None,
+        tls: security.hmi_tls.zip(tls.clone()),
+        sessions: Some(Arc::new(sessions)),
+    };
+    let hmi = match (hmi, security.hmi_tls) {
+        (None, None) => None,
+        (at, _) => Some(bind_hmi(at, doors, plant.clone()).await?),
+    };
+    Ok(Sockets { listener, hmi, tls })
+}
+
+/// The signals of the system, and the end of standard input.
+struct Signals {
+    terminate: unix::Signal,
+    interrupt: unix::Signal,
+    hangup: unix::Signal,
+    /// `None`: it does not matter.
+    input: Option<oneshot::Receiver<()>>,
+}
+
+/// What a signal asks.
+enum Signal {
+    /// To read the configuration, certificates and program again.
+    Reload,
+    /// To end, and the reason.
+    End(&'static str),
+}
+
+impl Signals {
+    fn new() -> Result<Self, Failure> {
+        let of = |kind, name| unix::signal(kind).map_err(|error| failed(name, &error));
+        Ok(Self {
+            terminate: of(SignalKind::terminate(), "SIGTERM")?,
+            interrupt: of(SignalKind::interrupt(), "SIGINT")?,
+            hangup: of(SignalKind::hangup(), "SIGHUP")?,
+            input: None,
+        })
+    }
+
+    /// The end of standard input is a signal from now on.
+    fn watch_input(&mut self) -> Result<(), Failure> {
+        let input = end_of_input().map_err(|error| failed("standard input", &error))?;
+        self.input = Some(input);
+        Ok(())
+    }
+
+    /// The next one.
+    async fn next(&mut self) -> Signal {
+        tokio::select! {
+            _ = self.hangup.recv() => Signal::Reload,
+            _ = self.terminate.recv() => Signal::End("SIGTERM"),
+            () = ended(&mut self.input) => Signal::End("standard input has closed"),
+            _ = self.interrupt.recv() => Signal::End("SIGINT"),
+        }
+    }
 }
 
 /// Is ready when standard input has closed. A thread reads it, as nothing else does.

@@ -1,7 +1,8 @@
 //! Tests of the controller, tick by tick on the virtual clock: what no single crate can test.
 //!
 //! This library is their common ground. It runs Structured Text on a controller ([`mod@bench`]), makes machines ([`follow`],
-//! [`robots`]), random programs ([`random`], [`robot_programs`]) and toolpaths ([`streams`]). It holds no tests; they are in `tests/tests`. The programs as users
+//! [`robots`]), random programs ([`random`], [`robot_programs`]) and toolpaths ([`streams`]), and says what a machine cannot test
+//! ([`mod@not_run`]). It holds no tests; they are in `tests/tests`. The programs as users
 //! start them, with sockets and files, are tested by the package `arcline-system-tests` in `tests/system`.
 #![forbid(unsafe_code)]
 
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 pub mod bench;
 pub mod follow;
+pub mod not_run;
 pub mod random;
 pub mod robot_programs;
 pub mod robots;

@@ -27,6 +27,8 @@ pub(super) struct ObjectStatus {
     pub(super) name: String,
     pub(super) row: Vec<String>,
     pub(super) object: Json,
+    /// What moves it: a client, a page or a program.
+    pub(super) mover: Option<String>,
     /// Actual position of an axis, or of each axis of a coordinate system, position units.
     pub(super) position: Vec<f64>,
 }
@@ -43,10 +45,17 @@ impl ObjectStatus {
             });
             object.insert("moved_by".to_owned(), moved_by.unwrap_or_default());
         }
-        if let (Some(mover), Some(state)) = (mover, self.row.last_mut()) {
+        self.mover = mover.map(ToString::to_string);
+        self
+    }
+
+    /// The row, with the mover behind the state.
+    pub(super) fn row_with_mover(&self) -> Vec<String> {
+        let mut row = self.row.clone();
+        if let (Some(mover), Some(state)) = (&self.mover, row.last_mut()) {
             state.push_str(&format!(", moved by {mover}"));
         }
-        self
+        row
     }
 
     /// With the rests of planned contours on the way, on a server that counts them.
@@ -141,7 +150,7 @@ pub(super) fn tables(shown: &[ObjectStatus]) -> String {
     let mut tables = Vec::new();
     for kind in Kind::ALL {
         let rows = shown.iter().filter(|shown| shown.kind == kind);
-        let rows: Vec<Vec<String>> = rows.map(|shown| shown.row.clone()).collect();
+        let rows: Vec<Vec<String>> = rows.map(ObjectStatus::row_with_mover).collect();
         if !rows.is_empty() {
             tables.push(table(kind.header(), &rows));
         }
@@ -285,7 +294,7 @@ impl StatusQuery {
     }
 
     /// Whether STOP inhibits motion; never on a server that cannot.
-    async fn is_inhibited(&self, client: &Client) -> Result<bool, Failure> {
+    pub(super) async fn is_inhibited(&self, client: &Client) -> Result<bool, Failure> {
         match client.is_motion_inhibited().await {
             Err(error) if error.is_connection() => Err(error.into()),
             inhibited => Ok(inhibited.unwrap_or(false)),
@@ -404,6 +413,7 @@ fn axis(tag: &Tag, reading: &TagValue, kinds: Vec<&str>) -> ObjectStatus {
         name: tag.name.clone(),
         row,
         object,
+        mover: None,
         position: vec![position],
     }
 }
@@ -461,6 +471,7 @@ fn system(
         name: tag.name.clone(),
         row: vec![tag.name.clone(), shown.join(", "), told(progress), state],
         object,
+        mover: None,
         position,
     }
 }
@@ -507,6 +518,7 @@ fn group(tag: &Tag, reading: &TagValue, inhibited: bool) -> ObjectStatus {
         name: tag.name.clone(),
         row,
         object,
+        mover: None,
         position: Vec::new(),
     }
 }
@@ -543,6 +555,7 @@ fn real_time(tag: &Tag, reading: &TagValue) -> ObjectStatus {
         name: tag.name.clone(),
         row,
         object,
+        mover: None,
         position: Vec::new(),
     }
 }

@@ -21,7 +21,7 @@ pub(crate) async fn explain(server: &Server, command: &Explain, output: &Output)
         Subject::Fault(kind) => {
             let fault = kind.fault();
             let text = format!(
-                "{}\ncause   {}\nremedy  Take the cause away, then `arcline fault clear AXIS` and `arcline servo on AXIS`.\n        \
+                "{}\ncause   {}\nremedy  Remove the cause, then `arcline fault clear AXIS` and `arcline servo on AXIS`.\n        \
                  Default action: {}; see docs/FAULTS.md.",
                 fault.word,
                 fault.meaning,

@@ -13,6 +13,7 @@ mod read;
 mod schema;
 mod section;
 mod security;
+mod words;
 mod write;
 
 use std::net::SocketAddr;
@@ -21,6 +22,8 @@ use std::sync::Arc;
 use arcline_controller::image::{Configured, Image};
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
+
+use words::word_of;
 
 pub use arcline_controller::image::MAX_PLAIN_TAGS as MAX_TAGS;
 pub use arcline_controller::image::{InstructionTag, PlainTag};
@@ -153,11 +156,7 @@ impl IoListen {
     pub fn address(self, listen: SocketAddr) -> Option<SocketAddr> {
         match self {
             Self::BesideListen => {
-                let port = if listen.port() == read::DEFAULT_LISTEN.port() {
-                    IO_PORT
-                } else {
-                    0
-                };
+                let port = if listen.port() == EIP_PORT { IO_PORT } else { 0 };
                 Some(SocketAddr::new(listen.ip(), port))
             }
             Self::At(address) => Some(address),
@@ -166,14 +165,15 @@ impl IoListen {
     }
 }
 
+/// EtherNet/IP's own port.
+const EIP_PORT: u16 = 44_818;
 /// The UDP port of implicit I/O.
 const IO_PORT: u16 = 2222;
 
 /// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum IoLoss {
     /// Everything that moves is stopped, every axis by itself at its maximum deceleration.
-    #[default]
     Stop,
     /// Every coordinate system is held: a feed override of 0.
     Hold,
@@ -187,25 +187,15 @@ impl IoLoss {
 
     /// The word in a configuration.
     pub fn word(self) -> &'static str {
-        Self::WORDS
-            .iter()
-            .find(|(_, loss)| *loss == self)
-            .map_or("", |(word, _)| word)
-    }
-
-    /// That of a word; the default for a word that is none.
-    pub(crate) fn of_word(word: &str) -> Self {
-        let known = Self::WORDS.iter().find(|(known, _)| *known == word);
-        known.map_or(Self::default(), |(_, loss)| *loss)
+        word_of(words::IO_LOSS, &self)
     }
 }
 
 /// What becomes of motion when the class 3 connection or the session over which it was begun is lost: ends without a Forward
 /// Close or UnRegisterSession. What others began is not touched.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConnectionLoss {
     /// Jogs are stopped; everything else goes on to its end.
-    #[default]
     Jogs,
     /// All of it is stopped.
     Stop,
@@ -227,38 +217,14 @@ impl ConnectionLoss {
 
     /// The word in a configuration.
     pub fn word(self) -> &'static str {
-        Self::WORDS
-            .iter()
-            .find(|(_, loss)| *loss == self)
-            .map_or("", |(word, _)| word)
-    }
-
-    /// That of a word; the default for a word that is none.
-    pub(crate) fn of_word(word: &str) -> Self {
-        let known = Self::WORDS.iter().find(|(known, _)| *known == word);
-        known.map_or(Self::default(), |(_, loss)| *loss)
+        word_of(words::CONNECTION_LOSS, &self)
     }
 }
 
 impl Default for ServerConfig {
+    /// Of a file without the table.
     fn default() -> Self {
-        Self {
-            name: "Arcline".to_owned(),
-            listen: read::DEFAULT_LISTEN,
-            listen_also: Vec::new(),
-            max_clients: 2048,
-            max_clients_per_address: 2048,
-            max_connections: 4096,
-            max_connections_per_address: 4096,
-            inactivity_timeout: 120,
-            hmi: Some(read::DEFAULT_HMI),
-            io: IoListen::default(),
-            io_loss: IoLoss::default(),
-            connection_loss: ConnectionLoss::default(),
-            jog_silence: 2000,
-            security: Security::default(),
-            controller: ControllerConfig::default(),
-        }
+        read::default_server()
     }
 }
 

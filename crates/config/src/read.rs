@@ -31,13 +31,12 @@ use self::server::server;
 use self::system::{coordinate_system, transform};
 use self::tags::{instruction_tags, plain_tags};
 use self::types::Types;
-use crate::Project;
 use crate::error::{ConfigError, Problem};
 use crate::keys::ROOT;
 use crate::section::{Placed, Section, Source};
+use crate::{Project, ServerConfig};
 
 pub use self::names::is_name;
-pub(crate) use self::server::{DEFAULT_HMI, DEFAULT_LISTEN};
 pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, tag_type};
 pub(crate) use self::types::{member_types, tag_types};
 
@@ -60,6 +59,17 @@ pub(crate) fn project(text: &str, file: &str) -> Result<Project, Vec<ConfigError
         Some(project) if errors.is_empty() => Ok(project),
         _ => Err(errors),
     }
+}
+
+/// The server of a file without keys: each has the default of the table of keys.
+pub(crate) fn default_server() -> ServerConfig {
+    let errors = RefCell::new(Vec::new());
+    let source = Source {
+        file: "",
+        text: "",
+        errors: &errors,
+    };
+    server(&Section::root(source, &DeTable::default(), &ROOT))
 }
 
 fn parse(source: Source<'_>) -> Option<Project> {

@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::cell::RefCell;
+use std::net::SocketAddr;
 use std::ops::Range;
 
 use arcline_tag::nearest;
@@ -13,6 +14,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::{ConfigError, Problem};
 use crate::keys::{Default, Key, Keys, Kind};
+use crate::words::Words;
 
 /// The file, for turning offsets into lines, and what was found wrong with it.
 #[derive(Clone, Copy)]
@@ -228,6 +230,14 @@ impl<'t> Section<'t> {
         }
     }
 
+    /// The address that is the default of a key.
+    pub(crate) fn default_address(&self, key: &str) -> Option<SocketAddr> {
+        match self.default(key) {
+            Some(Default::Text(text)) => text.parse().ok(),
+            _ => None,
+        }
+    }
+
     /// A list of texts, or a single one; absent: none.
     pub(crate) fn texts(&self, key: &'static str) -> Vec<Placed<String>> {
         let Some(kind) = self.kind(key) else { return Vec::new() };
@@ -281,6 +291,30 @@ impl<'t> Section<'t> {
     /// A number that is there: a required one, or one with a default. 1 stands for a missing one, which is reported.
     pub(crate) fn required(&self, key: &'static str) -> f64 {
         self.number(key).unwrap_or(1.0)
+    }
+
+    /// What the word of a key stands for, or its default. The first stands for a missing one, which is reported.
+    pub(crate) fn one_of<T: Copy>(&self, key: &'static str, words: Words<T>) -> T {
+        let word = self.word(key);
+        let given = words.iter().find(|(known, _)| Some(*known) == word);
+        let (_, meaning) = given.or(words.first()).expect("a key has words");
+        *meaning
+    }
+
+    /// A whole number that is there, of a type that holds all that the key takes. 0 stands for a missing one, which is reported.
+    pub(crate) fn whole<T: TryFrom<usize> + std::default::Default>(&self, key: &'static str) -> T {
+        let number = self.integer(key).map(T::try_from);
+        number.and_then(Result::ok).unwrap_or_default()
+    }
+
+    /// `true` or `false`, with a default.
+    pub(crate) fn flag(&self, key: &'static str) -> bool {
+        self.boolean(key) == Some(true)
+    }
+
+    /// The address that stands under a key, or its default; `None`: `off`.
+    pub(crate) fn address(&self, key: &'static str) -> Option<SocketAddr> {
+        self.text_or_default(key).parse().ok()
     }
 
     /// A list of as many numbers as there is room for; an absent one leaves them as they are.

@@ -4,6 +4,9 @@ use std::net::{IpAddr, SocketAddr};
 
 use ipnet::IpNet;
 
+use crate::ServerConfig;
+use crate::words::{self, word_of};
+
 /// A role. Each may do all that those before it may.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Role {
@@ -40,10 +43,9 @@ impl Role {
 }
 
 /// EtherNet/IP without TLS.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum PlainAccess {
     /// As with TLS.
-    #[default]
     On,
     /// Answers the List commands, and refuses sessions.
     Discovery,
@@ -57,8 +59,7 @@ impl PlainAccess {
 
     /// The word in a configuration.
     pub fn word(self) -> &'static str {
-        let known = Self::WORDS.iter().find(|(_, access)| *access == self);
-        known.map_or("", |(word, _)| word)
+        word_of(words::PLAIN, &self)
     }
 }
 
@@ -164,31 +165,8 @@ impl Security {
 }
 
 impl Default for Security {
+    /// Of a file without the table.
     fn default() -> Self {
-        Self {
-            is_given: false,
-            tls: None,
-            certificate: "server.pem".to_owned(),
-            key: "server.key".to_owned(),
-            clients: "ca.pem".to_owned(),
-            revoked: None,
-            check_expiration: true,
-            plain: PlainAccess::On,
-            refuses_io_over_tls: true,
-            default_role: Role::Viewer,
-            certificates: Vec::new(),
-            loopback: Role::Engineer,
-            remote_plain: Role::Viewer,
-            hmi_tls: None,
-            hmi_names: Vec::new(),
-            login_notice: None,
-            users: None,
-            idle: 1800,
-            session: 43_200,
-            plain_allow: AllowList::default(),
-            tls_allow: AllowList::default(),
-            hmi_allow: AllowList::default(),
-            max_requests: [0; 4],
-        }
+        ServerConfig::default().security
     }
 }

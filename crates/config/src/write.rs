@@ -3,21 +3,21 @@
 
 use std::net::SocketAddr;
 
-use arcline_controller::image::{Access, Writers};
+use arcline_controller::image::Writers;
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, Build, CoordinateSystem, Corner, Deviation, DynamicsBits, Feed, Geometry, Home,
-    HomeDirection, HomeMode, HomeSequence, Inputs, Machine, Orientation, ProgrammedStopMode, Robot, Sensor,
+    Axis, Build, CoordinateSystem, DynamicsBits, Feed, Geometry, Home, Inputs, Machine, Orientation, Robot, Sensor,
     SimulatedDrive, Travel,
 };
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultSet, SystemId};
+use arcline_instruction_set::{FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
 use toml::{Table, Value};
 
 use crate::keys::{Keys, Kind, ROOT};
 use crate::read::WRISTS;
-use crate::{AllowList, IoListen, MessageAnswer, PlainTag, Project, Security};
+use crate::words::{self, word_of};
+use crate::{AllowList, ControllerConfig, IoListen, MessageAnswer, PlainTag, Project, Security};
 
-/// The tables of a project with every key, those at their default too.
+/// The tables of a project with its keys, most of those at their default too.
 pub fn table(project: &Project) -> Table {
     let Project {
         server,
@@ -59,13 +59,15 @@ pub fn table(project: &Project) -> Table {
         root.insert("security".into(), keys(security(&project.server.security)));
     }
     let controller = &project.server.controller;
-    if let Some(program) = &controller.program {
-        let mode = if controller.begins_stopped { "program" } else { "run" };
+    if *controller != ControllerConfig::default() {
         let mut all = vec![
-            ("program", text(program)),
-            ("mode", text(mode)),
+            (
+                "mode",
+                text(word_of(words::CONTROLLER_MODES, &controller.begins_stopped)),
+            ),
             ("allow_missing", Value::Boolean(controller.allow_missing)),
         ];
+        all.extend(controller.program.as_deref().map(|file| ("program", text(file))));
         if !controller.messages.is_empty() {
             let rows = controller.messages.iter().map(message);
             all.push(("messages", Value::Array(rows.collect())));
@@ -123,11 +125,7 @@ fn security(security: &Security) -> Vec<(&'static str, Value)> {
         ("plain", text(security.plain.word())),
         (
             "io_over_tls",
-            text(if security.refuses_io_over_tls {
-                "refuse"
-            } else {
-                "plain"
-            }),
+            text(word_of(words::IO_OVER_TLS, &security.refuses_io_over_tls)),
         ),
         ("default_role", text(security.default_role.word())),
     ]);
@@ -228,11 +226,6 @@ fn axis((axis, drive): (&Axis, &Option<SimulatedDrive>)) -> Value {
         axis.max_deceleration_jerk,
     ]);
     table.extend(bits(axis.dynamics_bits));
-    let kind = match axis.kind {
-        AxisKind::Servo => "servo",
-        AxisKind::Virtual => "virtual",
-        AxisKind::Feedback => "feedback",
-    };
     let travel = |travel: Travel| keys([("min", Value::Float(travel.min)), ("max", Value::Float(travel.max))]);
     let start = [
         ("position", Value::Float(axis.start.position)),
@@ -244,13 +237,10 @@ fn axis((axis, drive): (&Axis, &Option<SimulatedDrive>)) -> Value {
         ("speed", Value::Float(axis.command_limits.speed)),
         ("acceleration", Value::Float(axis.command_limits.acceleration)),
     ];
-    let mode = ProgrammedStopMode::ALL
-        .iter()
-        .find(|(_, mode)| *mode == axis.programmed_stop_mode);
     let sensor = drive.map(|drive| drive.sensor).unwrap_or_default();
     let members = [
         ("name", Some(text(&axis.name))),
-        ("type", Some(text(kind))),
+        ("type", Some(text(word_of(words::AXIS_KINDS, &axis.kind)))),
         ("units", Some(text(&axis.units))),
         ("travel", axis.travel.map(travel)),
         ("unwind", axis.unwind.map(Value::Float)),
@@ -261,7 +251,7 @@ fn axis((axis, drive): (&Axis, &Option<SimulatedDrive>)) -> Value {
         ("home", Some(home(&axis.home, sensor))),
         (
             "programmed_stop_mode",
-            Some(text(mode.map_or("fast_stop", |(word, _)| word))),
+            Some(text(word_of(words::STOP_MODES, &axis.programmed_stop_mode))),
         ),
         ("exception_actions", Some(exception_actions(axis))),
         (
@@ -320,38 +310,19 @@ fn registration(inputs: &Inputs) -> Option<Value> {
 fn exception_actions(axis: &Axis) -> Value {
     let possible = FaultSet::possible(!axis.is_virtual());
     let faults = FAULTS.iter().filter(|fault| possible.contains(fault.kind));
-    let actions = faults.filter_map(|fault| {
+    let actions = faults.map(|fault| {
         let action = axis.exception_actions.of(fault.kind);
-        let (word, _) = ExceptionAction::ALL.iter().find(|(_, other)| *other == action)?;
-        Some((fault.word, text(word)))
+        (fault.word, text(word_of(words::ACTIONS, &action)))
     });
     keys(actions)
 }
 
 fn home(home: &Home, sensor: Sensor) -> Value {
-    let mode = match home.mode {
-        HomeMode::Passive => "passive",
-        HomeMode::Active => "active",
-    };
-    let sequence = match home.sequence {
-        HomeSequence::Immediate => "immediate",
-        HomeSequence::Switch => "switch",
-        HomeSequence::Marker => "marker",
-        HomeSequence::SwitchMarker => "switch-marker",
-        HomeSequence::Torque => "torque",
-        HomeSequence::TorqueMarker => "torque-marker",
-    };
-    let direction = match home.direction {
-        HomeDirection::UnidirectionalForward => "unidirectional-forward",
-        HomeDirection::BidirectionalForward => "bidirectional-forward",
-        HomeDirection::UnidirectionalReverse => "unidirectional-reverse",
-        HomeDirection::BidirectionalReverse => "bidirectional-reverse",
-    };
     let mut table = Table::new();
     let mut put = |key: &str, value: Value| table.insert(key.to_owned(), value);
-    put("mode", text(mode));
-    put("sequence", text(sequence));
-    put("direction", text(direction));
+    put("mode", text(word_of(words::HOME_MODES, &home.mode)));
+    put("sequence", text(word_of(words::HOME_SEQUENCES, &home.sequence)));
+    put("direction", text(word_of(words::HOME_DIRECTIONS, &home.direction)));
     put("position", Value::Float(home.position));
     put("offset", Value::Float(home.offset));
     // 0 stands for a speed that is not given, which no key can say.
@@ -393,18 +364,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         .axes
         .iter()
         .filter_map(|place| machine.axes.get(usize::from(*place)));
-    let corner = match system.corner {
-        Corner::Logix => "logix",
-        Corner::Precise => "precise",
-    };
-    let deviation = match system.deviation {
-        Deviation::Corners => "corners",
-        Deviation::Anywhere => "anywhere",
-    };
-    let limits = |limits: AxisLimits| match limits {
-        AxisLimits::Ignore => text("ignore"),
-        AxisLimits::Enforce => text("enforce"),
-    };
+    let limits = |limits| text(word_of(words::LIMITS, &limits));
     if let Some(Robot { parameters, build }) = &system.robot {
         let numbers = |numbers: &[f64]| Value::Array(numbers.iter().copied().map(Value::Float).collect());
         for (key, value) in [
@@ -435,8 +395,8 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         ("actual_tolerance", Value::Float(system.actual_tolerance)),
         ("command_tolerance", Value::Float(system.command_tolerance)),
         ("queue_depth", Value::Integer(system.queue_depth as i64)),
-        ("corner", text(corner)),
-        ("deviation", text(deviation)),
+        ("corner", text(word_of(words::CORNERS, &system.corner))),
+        ("deviation", text(word_of(words::DEVIATIONS, &system.deviation))),
         ("axis_limits", limits(system.axis_limits)),
         ("joint_limits", limits(system.joint_limits)),
     ] {
@@ -502,18 +462,10 @@ fn tag(tag: &PlainTag) -> Value {
     if let Some(program) = &tag.program {
         put("program", text(program));
     }
-    let access = match tag.access {
-        Access::ReadOnly => "read_only",
-        _ => "read_write",
-    };
-    put("access", text(access));
-    let role = match tag.rule.writers {
-        Writers::Operators => None,
-        Writers::Engineers => Some("engineer"),
-        Writers::Administrators => Some("administrator"),
-    };
-    if let Some(role) = role {
-        put("write_role", text(role));
+    put("access", text(word_of(words::ACCESS, &tag.access)));
+    // Not of a tag that no client writes, or that has the rules of another.
+    if tag.rule.writers != Writers::Operators {
+        put("write_role", text(word_of(words::WRITERS, &tag.rule.writers)));
     }
     let range = tag.rule.range.map(|range| [("min", range.least), ("max", range.most)]);
     for (key, bound) in range.into_iter().flatten().filter(|(_, bound)| bound.is_finite()) {

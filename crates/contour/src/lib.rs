@@ -68,7 +68,8 @@ impl ContourMove {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Deviation {
     /// At its corners: outside the rounding of its corners a move longer than 50 tolerances deviates by at most a hundredth of
-    /// the tolerance. A rounding reaches at most ten tolerances from its corner.
+    /// the tolerance. A rounding reaches at most ten tolerances from its corner. Lines of at most 250 tolerances that are chords of a
+    /// curve may deviate anywhere, as shorter moves do (spec/motion-core.md §6.4).
     #[default]
     Corners,
     /// Anywhere.

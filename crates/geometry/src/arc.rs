@@ -299,18 +299,11 @@ impl Arc {
         }
     }
 
-    /// True arc length in position units. For differing radii this is the length of the spiral,
-    /// along which the programmed speed is kept; see [`Arc::reported_length`].
+    /// True arc length in position units. For differing radii this is the length of the spiral, along which the move keeps its
+    /// programmed speed; it differs from the `sweep * (R1 + R2) / 2` of spec/coordinated-instructions.md §13.4.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length
-    }
-
-    /// `sweep * (R1 + R2) / 2`, the length that spec/coordinated-instructions.md §13.4 names; equal to
-    /// [`Arc::length`] for a true circle.
-    #[must_use]
-    pub fn reported_length(&self) -> f64 {
-        self.sweep * (self.radius + 0.5 * self.slope * self.sweep)
     }
 
     /// First point.

@@ -119,25 +119,24 @@ fn stop_instructions_wait_for_no_others() {
         page: server.page(),
     };
     #[rustfmt::skip]
-    let loads: [(&str, Begin<'_>); 6] = [
-        ("nothing",                      &|_| {}),
-        ("32 pipelined packets of 0xF6", &|load| load.client(&server, 32, vec![packet_of_attributes(0xF6)])),
-        ("200 clients toggle EnableIn",  &|load| (0..200).for_each(|_| load.client(&server, 1, toggle("Move1")))),
-        ("200 that toggle 4 ahead",      &|load| (0..200).for_each(|_| load.client(&server, 4, toggle("Move1")))),
-        ("200 that toggle a stop",       &|load| (0..200).for_each(|_| load.client(&server, 1, toggle("Stop1")))),
-        ("200 clients read 0xF6",        &|load| (0..200).for_each(|_| load.client(&server, 1, vec![packet_of_attributes(0xF6)]))),
+    let loads: [(&str, Begin); 6] = [
+        ("nothing",                      |_, _| {}),
+        ("32 pipelined packets of 0xF6", |load, server| load.client(server, 32, vec![packet_of_attributes(0xF6)])),
+        ("200 clients toggle EnableIn",  |load, server| (0..200).for_each(|_| load.client(server, 1, toggle("Move1")))),
+        ("200 that toggle 4 ahead",      |load, server| (0..200).for_each(|_| load.client(server, 4, toggle("Move1")))),
+        ("200 that toggle a stop",       |load, server| (0..200).for_each(|_| load.client(server, 1, toggle("Stop1")))),
+        ("200 clients read 0xF6",        |load, server| (0..200).for_each(|_| load.client(server, 1, vec![packet_of_attributes(0xF6)]))),
     ];
     let mut late = Vec::new();
     for (why, begin) in loads {
-        let mut load = Load::new();
-        begin(&mut load);
-        std::thread::sleep(WARM);
+        let mut load = Load::new(begin);
+        load.begin(&server);
         for (stop, by) in stops() {
-            let took: Vec<Duration> = (0..3).map(|_| clients.stop(stop, &by)).collect();
+            let took: Vec<Duration> = (0..TRIES).map(|_| clients.stop(stop, &by)).collect();
             let answers = load.done.load(Ordering::Relaxed);
             println!("{why}: {stop} after {took:?}, {answers} answers");
-            // On a machine that is busy with other tests, one try may be late.
-            if took.iter().all(|took| *took > BOUND_OF_INSTRUCTIONS) {
+            // On a machine that is busy with other programs, one try may be late.
+            if took.iter().all(|took| *took > BOUND) {
                 late.push((why, stop, took));
             }
         }

@@ -13,7 +13,7 @@ const LONGEST: Duration = Duration::from_millis(10);
 /// Bytes of the requests of a packet, with their offsets.
 const PACKET: usize = 5280;
 /// How often each request is asked; the best counts, since pushes to pages come in between.
-const TRIES: usize = 4;
+const TIMES: usize = 4;
 
 /// Looks again and again at the clock of the network's only thread: what lies between two looks is one turn of others.
 struct Turns {
@@ -87,7 +87,7 @@ impl Session {
         session
     }
 
-    async fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
+    pub(super) async fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
         self.send(command, data).await;
         self.reply().await
     }
@@ -241,7 +241,7 @@ fn no_request_keeps_the_thread_of_others_for_long() {
     let turns = Turns::of(&server);
     let mut session = server.clients.block_on(Session::open(server.eip));
     for (why, message) in messages() {
-        let tries = (0..TRIES).map(|_| {
+        let tries = (0..TIMES).map(|_| {
             turns.during(|| {
                 server.clients.block_on(session.ask(message.clone()));
             })
@@ -252,7 +252,7 @@ fn no_request_keeps_the_thread_of_others_for_long() {
     for (why, mut ask) in asks() {
         ask["id"] = 7.into();
         let text = ask.to_string();
-        let tries = (0..TRIES).map(|_| {
+        let tries = (0..TIMES).map(|_| {
             turns.during(|| {
                 server.clients.block_on(async {
                     page.send(Message::text(text.clone())).await.expect("it is open");

@@ -7,6 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use arcline_tests::not_run::profile_directory;
+pub use arcline_tests::not_run::target_directory;
+
 /// `arcline-server`.
 #[must_use]
 pub fn arcline_server() -> &'static Path {
@@ -23,22 +26,6 @@ pub fn arcline() -> &'static Path {
         let _ = arcline_server();
         linked("arcline")
     })
-}
-
-/// The target folder, for what tests fetch or leave behind.
-#[must_use]
-pub fn target_directory() -> PathBuf {
-    profile_directory()
-        .parent()
-        .expect("a profile's folder stands in the target folder")
-        .to_owned()
-}
-
-/// `target/debug` or `target/release`: the folder that holds the running test.
-fn profile_directory() -> PathBuf {
-    let test = std::env::current_exe().expect("a running program has a file");
-    let deps = test.parent().expect("a file has a folder");
-    deps.parent().expect("tests stand in target/PROFILE/deps").to_owned()
 }
 
 /// A link with the name that users know to the program that cargo has built. Test processes that run at the same time replace it by

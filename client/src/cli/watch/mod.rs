@@ -1,5 +1,5 @@
-//! `watch`: the state of the machine again and again. On a terminal a full screen with the path of a coordinate system;
-//! otherwise, or with `--json`, a line for each object whenever something of it has changed.
+//! `watch`: the state of the machine again and again, with the mover of each object and a STOP that holds. On a terminal a full screen with
+//! the path of a coordinate system; otherwise, or with `--json`, a line for each object whenever something of it has changed.
 //!
 //! `status` reads the objects and has their words; `screen` draws the screen.
 
@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use serde_json::json;
 use tokio::time::Instant;
 
 use arcline_client::{Client, Object};
@@ -20,6 +21,8 @@ use super::wait::{self, StopCommand};
 use super::{Failure, Output};
 use view::View;
 
+/// Said while STOP holds.
+const INHIBITED: &str = "STOP holds: motion is inhibited until `arcline release`";
 /// Time between two looks at the keyboard.
 const KEYS: Duration = Duration::from_millis(20);
 
@@ -50,17 +53,32 @@ async fn lines(
 ) -> Result<(), Failure> {
     let began = Instant::now();
     let mut last: Vec<ObjectStatus> = Vec::new();
+    // The row of the motion group shows it too, where that is watched.
+    let mut was_inhibited = query.of(Kind::Group).next().is_none().then_some(false);
     loop {
         let next = Instant::now() + interval;
         let shown = query.read(client).await?;
         let seconds = began.elapsed().as_secs_f64();
+        if let Some(was) = &mut was_inhibited {
+            let is_inhibited = query.is_inhibited(client).await?;
+            if is_inhibited != *was {
+                let text = if is_inhibited { INHIBITED } else { "motion is released" };
+                output.result(
+                    format!("{seconds:.3}  {text}"),
+                    || json!({"kind": "machine", "motion_inhibited": is_inhibited, "time_s": seconds}),
+                );
+            }
+            *was = is_inhibited;
+        }
         for (index, one) in shown.iter().enumerate() {
             // The counters of the thread change always.
-            let same = last.get(index).is_some_and(|last| last.row == one.row);
+            let same = last
+                .get(index)
+                .is_some_and(|last| last.row_with_mover() == one.row_with_mover());
             if same || one.kind == Kind::RealTime && !last.is_empty() {
                 continue;
             }
-            output.result(format!("{seconds:.3}  {}", one.row.join("  ")), || {
+            output.result(format!("{seconds:.3}  {}", one.row_with_mover().join("  ")), || {
                 let mut object = one.object.clone();
                 object["time_s"] = seconds.into();
                 object
@@ -89,7 +107,9 @@ async fn full_screen(
     loop {
         let next = Instant::now() + interval;
         if !view.paused {
-            view.take(query.read(client).await?, began.elapsed().as_secs_f64());
+            let shown = query.read(client).await?;
+            view.is_inhibited = query.is_inhibited(client).await?;
+            view.take(shown, began.elapsed().as_secs_f64());
         }
         loop {
             terminal

@@ -10,6 +10,7 @@ use ratatui::widgets::{Block, Cell, Paragraph, Row, Sparkline, Table};
 
 use crate::cli::status::{Kind, ObjectStatus};
 
+use super::INHIBITED;
 use super::view::View;
 
 /// A path is drawn beside the tables on screens at least so wide, columns.
@@ -23,7 +24,12 @@ const ASPECT: f64 = 2.0;
 
 /// Draws everything.
 pub(super) fn draw(view: &View, frame: &mut Frame<'_>) {
-    let [body, foot] = Layout::vertical([Constraint::Min(0), Constraint::Length(1)]).areas(frame.area());
+    let (above, movers) = (held(view), movers(view));
+    let [first, last] = [above.len(), movers.len()].map(|lines| Constraint::Length(lines as u16));
+    let areas = Layout::vertical([first, Constraint::Min(0), last, Constraint::Length(1)]);
+    let [head, body, below, foot] = areas.areas(frame.area());
+    frame.render_widget(Paragraph::new(above), head);
+    frame.render_widget(Paragraph::new(movers), below);
     frame.render_widget(keys(view), foot);
     if body.width >= WIDE {
         let [left, right] = Layout::horizontal([Constraint::Length(TABLES), Constraint::Min(0)]).areas(body);
@@ -41,6 +47,22 @@ pub(super) fn draw(view: &View, frame: &mut Frame<'_>) {
     let [above, below] = Layout::vertical([Constraint::Length(of_tables), Constraint::Min(0)]).areas(body);
     tables(view, frame, above);
     path(view, frame, below);
+}
+
+/// A line while STOP holds.
+fn held(view: &View) -> Vec<Line<'_>> {
+    let style = Style::new()
+        .fg(Color::White)
+        .bg(Color::Red)
+        .add_modifier(Modifier::BOLD);
+    let line = view.is_inhibited.then(|| Line::styled(INHIBITED, style));
+    line.into_iter().collect()
+}
+
+/// A line for each mover.
+fn movers(view: &View) -> Vec<Line<'_>> {
+    let line = |(mover, names): (&str, String)| Line::from(format!("{names}: moved by {mover}"));
+    view.movers().into_iter().map(line).collect()
 }
 
 fn keys(view: &View) -> Line<'_> {
@@ -208,6 +230,7 @@ mod tests {
                 state.to_owned(),
             ],
             object: json!({"faults": []}),
+            mover: None,
             position: position.to_vec(),
         }
     }
@@ -227,6 +250,7 @@ mod tests {
             name: name.to_owned(),
             row: row.map(str::to_owned).to_vec(),
             object: json!({"faults": []}),
+            mover: None,
             position: vec![position],
         }
     }
@@ -280,6 +304,36 @@ mod tests {
         }
         view.clear();
         assert!(!drawn(&view, 160, 30).contains('●'));
+    }
+
+    #[test]
+    fn the_screen_shows_a_stop_that_holds_and_each_mover() {
+        let moved = |name, mover: &str| ObjectStatus {
+            mover: Some(mover.to_owned()),
+            ..axis(name, 0.0)
+        };
+        let mut view = View::new();
+        let shown = vec![
+            moved("X", "10.0.0.5:50123 (pycomm3)"),
+            axis("Y", 0.0),
+            moved("Z", "10.0.0.5:50123 (pycomm3)"),
+            moved("A", "the program of 10.0.0.7 #3 (Firefox 128), line 7"),
+        ];
+        view.take(shown, 0.0);
+        for (width, height) in [(80, 24), (160, 30)] {
+            view.is_inhibited = false;
+            let text = drawn(&view, width, height);
+            assert!(!text.contains("STOP holds"), "{text}");
+            for line in [
+                "X Z: moved by 10.0.0.5:50123 (pycomm3)",
+                "A: moved by the program of 10.0.0.7 #3 (Firefox 128), line 7",
+            ] {
+                assert!(text.lines().any(|found| found.trim_end() == line), "{line}:\n{text}");
+            }
+            view.is_inhibited = true;
+            let text = drawn(&view, width, height);
+            assert!(text.starts_with("STOP holds: motion is inhibited"), "{text}");
+        }
     }
 
     #[test]

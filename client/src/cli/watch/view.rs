@@ -16,6 +16,8 @@ pub(super) struct View {
     pub(super) shown: Vec<ObjectStatus>,
     /// Seconds since the first look.
     pub(super) time: f64,
+    /// STOP holds.
+    pub(super) is_inhibited: bool,
     /// Nothing new is taken.
     pub(super) paused: bool,
     /// The answer to the last key.
@@ -55,6 +57,19 @@ impl View {
         }
         self.shown = shown;
         self.time = time;
+    }
+
+    /// The movers, each with the names of what it moves.
+    pub(super) fn movers(&self) -> Vec<(&str, String)> {
+        let mut movers: Vec<(&str, String)> = Vec::new();
+        for one in &self.shown {
+            let Some(mover) = one.mover.as_deref() else { continue };
+            match movers.iter_mut().find(|(known, _)| *known == mover) {
+                Some((_, names)) => names.push_str(&format!(" {}", one.name)),
+                None => movers.push((mover, one.name.clone())),
+            }
+        }
+        movers
     }
 
     /// Forgets trails and speeds.

@@ -1083,7 +1083,7 @@ pub(crate) static COORDINATE_SYSTEM: Keys = Keys {
             name: "deviation",
             kind: Kind::Word(&["corners", "anywhere"]),
             default: Default::Text("corners"),
-            meaning: r#"of `corner = "precise"`: `"corners"` keeps a move longer than 50 tolerances to its path between the roundings of its corners (at most a hundredth of the tolerance off it; a rounding reaches at most 10 tolerances), `"anywhere"` may deviate from it anywhere inside the tolerance, which is a little faster"#,
+            meaning: r#"of `corner = "precise"`: `"corners"` keeps a move longer than 50 tolerances to its path between the roundings of its corners (at most a hundredth of the tolerance off it; a rounding reaches at most 10 tolerances); shorter moves and the chords of a curve (lines of at most 250 tolerances that turn little at their ends, [motion core, section 6.4](spec/motion-core.md#64-optional-precise-corner-geometric-blending)) may deviate anywhere inside the tolerance. With `"anywhere"` all moves may, which is a little faster"#,
         },
         Key {
             name: "axis_limits",

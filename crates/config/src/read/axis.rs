@@ -1,22 +1,23 @@
 //! An `[[axis]]` table.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, ProgrammedStopMode, Sensor, Settings,
-    SimulatedDrive, Start, Travel,
+    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start,
+    Travel,
 };
-use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
+use arcline_instruction_set::{FAULTS, FaultKind, FaultSet};
 
 use super::dynamics::Dynamics;
 use super::home::{home, marker, switch};
 use super::inputs::inputs;
 use super::names::Taken;
 use crate::section::Section;
+use crate::words;
 
 /// The axis, and the drive of a servo.
 pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> (Axis, Option<SimulatedDrive>) {
     let name = names.take_name(section, "name");
-    let kind = section.word("type").unwrap_or_default();
-    let (servo, feedback) = (kind != "virtual" && kind != "feedback", kind == "feedback");
+    let kind = section.one_of("type", words::AXIS_KINDS);
+    let (servo, feedback) = (kind == AxisKind::Servo, kind == AxisKind::Feedback);
     let dynamics = Dynamics::read(section);
     let unwind = section.number("unwind");
     let travel = travel(section);
@@ -32,11 +33,6 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> (Axis, Option<Si
         sensor: sensor(section, travel, unwind),
     });
     home.inputs = drive.map(|drive| drive.home_inputs()).unwrap_or_default();
-    let kind = match (servo, feedback) {
-        (true, _) => AxisKind::Servo,
-        (false, true) => AxisKind::Feedback,
-        (false, false) => AxisKind::Virtual,
-    };
     let axis = Axis {
         name,
         kind,
@@ -51,7 +47,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> (Axis, Option<Si
         unwind,
         start: start(section, unwind),
         home,
-        programmed_stop_mode: stop_mode(section),
+        programmed_stop_mode: section.one_of("programmed_stop_mode", words::STOP_MODES),
         exception_actions: exception_actions(section, servo || feedback),
         average_velocity_timebase: section.required("average_velocity_timebase"),
         command_limits: command_limits(section, CommandLimits::of_kind(&kind)),
@@ -60,7 +56,7 @@ pub(super) fn axis(section: &Section<'_>, names: &mut Taken) -> (Axis, Option<Si
         } else {
             PositionErrorLimit::OFF
         },
-        output_cam_targets: section.integer("output_cam_execution_targets").unwrap_or_default(),
+        output_cam_targets: section.whole("output_cam_execution_targets"),
         inputs: inputs(section, feedback),
     };
     (axis, drive)
@@ -105,29 +101,20 @@ fn sensor(axis: &Section<'_>, travel: Option<Travel>, turn: Option<f64>) -> Sens
     }
 }
 
-fn stop_mode(axis: &Section<'_>) -> ProgrammedStopMode {
-    let word = axis.word("programmed_stop_mode");
-    let mode = ProgrammedStopMode::ALL.iter().find(|(known, _)| Some(*known) == word);
-    mode.map(|(_, mode)| *mode).unwrap_or_default()
-}
-
 /// A key for each kind of fault of the catalogue.
 fn exception_actions(axis: &Section<'_>, servo: bool) -> ExceptionActions {
     let (section, _) = axis.table("exception_actions");
     let possible = FaultSet::possible(servo);
     let mut actions = ExceptionActions::default();
-    for fault in FAULTS.iter().filter(|fault| section.has(fault.word)) {
-        let word = section.word(fault.word);
-        let Some((_, action)) = ExceptionAction::ALL.iter().find(|(known, _)| Some(*known) == word) else {
-            continue;
-        };
-        if !possible.contains(fault.kind) {
+    for fault in &FAULTS {
+        let action = section.one_of(fault.word, words::ACTIONS);
+        if section.has(fault.word) && !possible.contains(fault.kind) {
             section.conflict(fault.word, "type = \"virtual\"", "only a servo has faults of a drive");
         } else if fault.kind == FaultKind::CommandLimit && !action.stops() {
             let reason = "the axis has stopped: \"stop_planner\", \"stop_drive\" or \"shutdown\"";
             section.conflict(fault.word, "a command that did not go out", reason);
         }
-        actions = actions.with(fault.kind, *action);
+        actions = actions.with(fault.kind, action);
     }
     actions
 }
@@ -143,15 +130,14 @@ fn command_limits(axis: &Section<'_>, default: CommandLimits) -> CommandLimits {
 
 fn start(axis: &Section<'_>, unwind: Option<f64>) -> Start {
     let (section, _) = axis.table("start");
-    let default = Start::default();
     let position = section.required("position");
     if unwind.is_some_and(|turn| !(0.0..turn).contains(&position)) {
         section.refuse_value("position", "a number from 0 to below `unwind`");
     }
     Start {
         position,
-        servo_on: section.boolean("servo_on").unwrap_or(default.servo_on),
-        homed: section.boolean("homed").unwrap_or(default.homed),
-        ..default
+        servo_on: section.flag("servo_on"),
+        homed: section.flag("homed"),
+        ..Start::default()
     }
 }

@@ -20,14 +20,13 @@ impl Dynamics {
         let acceleration = section.required("max_acceleration");
         let deceleration = section.number("max_deceleration").unwrap_or(acceleration);
         let jerk = |key, rate| section.number(key).unwrap_or_else(|| default_jerk(speed, rate));
-        let bits = section.integer("dynamics_configuration_bits");
         Self {
             speed,
             acceleration,
             deceleration,
             acceleration_jerk: jerk("max_acceleration_jerk", acceleration),
             deceleration_jerk: jerk("max_deceleration_jerk", deceleration),
-            bits: bits.map_or(DynamicsBits::ALL, |bits| DynamicsBits::from_bits(bits as u32)),
+            bits: DynamicsBits::from_bits(section.whole("dynamics_configuration_bits")),
         }
     }
 }

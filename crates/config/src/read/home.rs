@@ -1,31 +1,16 @@
 //! `home` of an `[[axis]]` table: how MAH homes it, and the sensor of its simulated drive (spec/axis-and-data-types.md §9.4, §11).
 
-use arcline_controller::machine::{Home, HomeDirection, HomeInputs, HomeMode, HomeSequence};
+use arcline_controller::machine::{Home, HomeInputs, HomeMode, HomeSequence};
 
 use super::dynamics::Dynamics;
 use crate::section::Section;
+use crate::words;
 
 /// `turn`: the axis's `unwind`. Only a servo has inputs for a sensor; which ones, its drive says.
 pub(super) fn home(axis: &Section<'_>, dynamics: &Dynamics, turn: Option<f64>, servo: bool) -> Home {
     let (section, _) = axis.table("home");
-    let mode = match section.word("mode") {
-        Some("passive") => HomeMode::Passive,
-        _ => HomeMode::Active,
-    };
-    let sequence = match section.word("sequence") {
-        Some("switch") => HomeSequence::Switch,
-        Some("marker") => HomeSequence::Marker,
-        Some("switch-marker") => HomeSequence::SwitchMarker,
-        Some("torque") => HomeSequence::Torque,
-        Some("torque-marker") => HomeSequence::TorqueMarker,
-        _ => HomeSequence::Immediate,
-    };
-    let direction = match section.word("direction") {
-        Some("unidirectional-forward") => HomeDirection::UnidirectionalForward,
-        Some("unidirectional-reverse") => HomeDirection::UnidirectionalReverse,
-        Some("bidirectional-reverse") => HomeDirection::BidirectionalReverse,
-        _ => HomeDirection::BidirectionalForward,
-    };
+    let mode = section.one_of("mode", words::HOME_MODES);
+    let sequence = section.one_of("sequence", words::HOME_SEQUENCES);
     let position = section.required("position");
     if turn.is_some_and(|turn| !(0.0..turn).contains(&position)) {
         section.refuse_value("position", "a number from 0 to below `unwind`");
@@ -43,7 +28,7 @@ pub(super) fn home(axis: &Section<'_>, dynamics: &Dynamics, turn: Option<f64>, s
     Home {
         mode,
         sequence,
-        direction,
+        direction: section.one_of("direction", words::HOME_DIRECTIONS),
         position,
         offset: section.required("offset"),
         speed,

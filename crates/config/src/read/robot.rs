@@ -14,7 +14,7 @@ pub(super) struct Kind {
 
 impl Kind {
     pub(super) fn read(section: &Section<'_>) -> Kind {
-        let build = section.word("type").unwrap_or(CARTESIAN);
+        let build = section.word("type").unwrap_or_default();
         let definition = section.word("definition");
         let kind = Kind { build, definition };
         if definition.is_some() && !kind.is_oriented() && kind.wrist().is_none() {

@@ -2,51 +2,37 @@
 
 use crate::keys::NETWORKS;
 use crate::section::Section;
-use crate::{AllowList, CertificateRole, PlainAccess, Role, Security};
+use crate::{AllowList, CertificateRole, PlainAccess, Security, words};
 
 pub(super) fn security(root: &Section<'_>) -> Security {
     let (section, is_given) = root.table("security");
-    let default = Security::default();
-    let role = |key, default| section.word(key).and_then(Role::of_word).unwrap_or(default);
-    let rate = |key| {
-        section
-            .integer(key)
-            .and_then(|rate| u32::try_from(rate).ok())
-            .unwrap_or(0)
-    };
-    let seconds = |key, default| {
-        let seconds = section.integer(key).and_then(|seconds| u32::try_from(seconds).ok());
-        seconds.unwrap_or(default)
-    };
-    let engineers = rate("max_requests_per_s_engineer");
-    let plain = section.word("plain").unwrap_or_default();
-    let plain = PlainAccess::WORDS.iter().find(|(word, _)| *word == plain);
+    let engineers = section.whole("max_requests_per_s_engineer");
     let security = Security {
         is_given,
-        tls: section.text_or_default("tls").parse().ok(),
+        tls: section.address("tls"),
         certificate: section.text_or_default("certificate"),
         key: section.text_or_default("key"),
         clients: section.text_or_default("clients"),
         revoked: section.text("revoked").map(|file| file.value),
-        check_expiration: section.boolean("check_expiration").unwrap_or(true),
-        plain: plain.map_or(default.plain, |(_, plain)| *plain),
-        refuses_io_over_tls: section.word("io_over_tls") != Some("plain"),
-        default_role: role("default_role", default.default_role),
+        check_expiration: section.flag("check_expiration"),
+        plain: section.one_of("plain", words::PLAIN),
+        refuses_io_over_tls: section.one_of("io_over_tls", words::IO_OVER_TLS),
+        default_role: section.one_of("default_role", words::ROLES),
         certificates: section.tables("certificates").iter().map(certificate).collect(),
-        loopback: role("loopback", default.loopback),
-        remote_plain: role("remote_plain", default.remote_plain),
-        hmi_tls: section.text_or_default("hmi_tls").parse().ok(),
+        loopback: section.one_of("loopback", words::ROLES),
+        remote_plain: section.one_of("remote_plain", words::ROLES),
+        hmi_tls: section.address("hmi_tls"),
         hmi_names: section.texts("hmi_names").into_iter().map(|name| name.value).collect(),
         login_notice: section.text("login_notice").map(|text| text.value),
         users: section.text("users").map(|file| file.value),
-        idle: seconds("idle_s", default.idle),
-        session: seconds("session_s", default.session),
+        idle: section.whole("idle_s"),
+        session: section.whole("session_s"),
         plain_allow: allow_list(&section, "plain_allow"),
         tls_allow: allow_list(&section, "tls_allow"),
         hmi_allow: allow_list(&section, "hmi_allow"),
         max_requests: [
-            rate("max_requests_per_s_viewer"),
-            rate("max_requests_per_s_operator"),
+            section.whole("max_requests_per_s_viewer"),
+            section.whole("max_requests_per_s_operator"),
             engineers,
             engineers,
         ],
@@ -84,7 +70,7 @@ fn certificate(row: &Section<'_>) -> CertificateRole {
         cn: text("cn"),
         issuer: text("issuer"),
         sha256: text("sha256"),
-        role: row.word("role").and_then(Role::of_word).unwrap_or(Role::Viewer),
+        role: row.one_of("role", words::ROLES),
     };
     match ["cn", "issuer", "sha256"].map(|key| row.has(key)) {
         [true, true, false] | [false, false, true] => {}

@@ -1,14 +1,13 @@
 //! The `[server]` table.
 
-use std::net::{Ipv4Addr, SocketAddr};
+use std::net::SocketAddr;
 
 use super::security;
 use crate::section::Section;
-use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, MessageAnswer, ServerConfig};
+use crate::{ControllerConfig, IoListen, MessageAnswer, ServerConfig, words};
 
 pub(super) fn server(root: &Section<'_>) -> ServerConfig {
     let (section, _) = root.table("server");
-    let default = ServerConfig::default();
     let mut listen = Vec::new();
     for given in section.texts("listen") {
         let Ok(address) = given.value.parse::<SocketAddr>() else {
@@ -19,33 +18,32 @@ pub(super) fn server(root: &Section<'_>) -> ServerConfig {
         }
         listen.push(address);
     }
-    let (first, also) = listen.split_first().unwrap_or((&default.listen, &[]));
-    let max_clients = section.integer("max_clients").unwrap_or(default.max_clients);
-    let max_connections = section.integer("max_connections").unwrap_or(default.max_connections);
-    let io_loss = section.word("io_loss");
-    let connection_loss = section.word("connection_loss");
-    // Both fit: the table of keys bounds them.
-    let short = |key| section.integer(key).unwrap_or_default() as u16;
+    if listen.is_empty() {
+        listen.extend(section.default_address("listen"));
+    }
+    let mut listen = listen.into_iter();
+    let max_clients = section.whole("max_clients");
+    let max_connections = section.whole("max_connections");
     ServerConfig {
         name: section.text_or_default("name"),
-        listen: *first,
-        listen_also: also.to_vec(),
+        listen: listen.next().expect("its default is an address"),
+        listen_also: listen.collect(),
         max_clients,
         max_clients_per_address: section.integer("max_clients_per_address").unwrap_or(max_clients),
         max_connections,
         max_connections_per_address: section
             .integer("max_connections_per_address")
             .unwrap_or(max_connections),
-        inactivity_timeout: short("inactivity_timeout_s"),
-        hmi: section.text_or_default("hmi").parse().ok(),
+        inactivity_timeout: section.whole("inactivity_timeout_s"),
+        hmi: section.address("hmi"),
         io: match section.text("io").map(|io| io.value.parse()) {
             None => IoListen::BesideListen,
             Some(Ok(address)) => IoListen::At(address),
             Some(Err(_)) => IoListen::Off,
         },
-        io_loss: IoLoss::of_word(io_loss.unwrap_or_default()),
-        connection_loss: ConnectionLoss::of_word(connection_loss.unwrap_or_default()),
-        jog_silence: short("jog_silence_ms"),
+        io_loss: section.one_of("io_loss", words::IO_LOSS),
+        connection_loss: section.one_of("connection_loss", words::CONNECTION_LOSS),
+        jog_silence: section.whole("jog_silence_ms"),
         security: security(root),
         controller: controller(root),
     }
@@ -55,27 +53,22 @@ fn controller(root: &Section<'_>) -> ControllerConfig {
     let (section, _) = root.table("controller");
     ControllerConfig {
         program: section.text("program").map(|file| file.value),
-        begins_stopped: section.word("mode") == Some("program"),
-        allow_missing: section.boolean("allow_missing").unwrap_or_default(),
+        begins_stopped: section.one_of("mode", words::CONTROLLER_MODES),
+        allow_missing: section.flag("allow_missing"),
         messages: section.tables("messages").iter().map(message).collect(),
     }
 }
 
 fn message(row: &Section<'_>) -> MessageAnswer {
-    let small = |key| row.integer(key).and_then(|number| u16::try_from(number).ok());
-    let large = |key| row.integer(key).and_then(|number| u32::try_from(number).ok());
     let answer = row.text("answer").and_then(|text| hex_bytes(&text.value));
     MessageAnswer {
-        service: row
-            .integer("service")
-            .and_then(|code| u8::try_from(code).ok())
-            .unwrap_or_default(),
-        class: small("class").unwrap_or_default(),
-        instance: large("instance"),
-        attribute: small("attribute"),
+        service: row.whole("service"),
+        class: row.whole("class"),
+        instance: row.integer("instance").and_then(|number| u32::try_from(number).ok()),
+        attribute: row.integer("attribute").and_then(|number| u16::try_from(number).ok()),
         answer: answer.unwrap_or_default(),
-        delay_ms: large("delay_ms").unwrap_or_default(),
-        error: (small("err").unwrap_or_default(), large("exerr").unwrap_or_default()),
+        delay_ms: row.whole("delay_ms"),
+        error: (row.whole("err"), row.whole("exerr")),
     }
 }
 
@@ -89,8 +82,3 @@ pub(crate) fn hex_bytes(text: &str) -> Option<Vec<u8>> {
     });
     pairs.collect()
 }
-
-/// EtherNet/IP's own port.
-pub(crate) const DEFAULT_LISTEN: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 44_818);
-/// The pages' port.
-pub(crate) const DEFAULT_HMI: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::LOCALHOST), 8080);

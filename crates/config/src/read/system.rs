@@ -1,6 +1,6 @@
 //! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
 
-use arcline_controller::machine::{AxisKind, AxisLimits, CoordinateSystem, Corner, Deviation, Machine, Transform};
+use arcline_controller::machine::{AxisKind, CoordinateSystem, Machine, Transform};
 
 use arcline_instruction_set::AxisId;
 
@@ -8,6 +8,7 @@ use super::dynamics::Dynamics;
 use super::names::{Taken, unknown_name};
 use super::robot::Kind;
 use crate::section::Section;
+use crate::words;
 
 pub(super) fn coordinate_system(section: &Section<'_>, machine: &Machine, names: &mut Taken) -> CoordinateSystem {
     let name = names.take_name(section, "name");
@@ -17,10 +18,6 @@ pub(super) fn coordinate_system(section: &Section<'_>, machine: &Machine, names:
     let own = axes.iter().filter_map(|place| machine.axes.get(usize::from(*place)));
     let orientation = kind.orientation(section, own);
     let dynamics = Dynamics::read(section);
-    let limits = |key| match section.word(key) {
-        Some("enforce") => AxisLimits::Enforce,
-        _ => AxisLimits::Ignore,
-    };
     CoordinateSystem {
         name,
         max_speed: dynamics.speed,
@@ -31,17 +28,11 @@ pub(super) fn coordinate_system(section: &Section<'_>, machine: &Machine, names:
         dynamics_bits: dynamics.bits,
         actual_tolerance: section.required("actual_tolerance"),
         command_tolerance: section.required("command_tolerance"),
-        queue_depth: section.integer("queue_depth").unwrap_or(1),
-        corner: match section.word("corner") {
-            Some("precise") => Corner::Precise,
-            _ => Corner::Logix,
-        },
-        deviation: match section.word("deviation") {
-            Some("anywhere") => Deviation::Anywhere,
-            _ => Deviation::Corners,
-        },
-        axis_limits: limits("axis_limits"),
-        joint_limits: limits("joint_limits"),
+        queue_depth: section.whole("queue_depth"),
+        corner: section.one_of("corner", words::CORNERS),
+        deviation: section.one_of("deviation", words::DEVIATIONS),
+        axis_limits: section.one_of("axis_limits", words::LIMITS),
+        joint_limits: section.one_of("joint_limits", words::LIMITS),
         axes,
         robot,
         orientation,

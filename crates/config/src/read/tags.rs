@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use arcline_controller::image::{Access, MAX_PLAIN_BYTES, NumberRange, WriteRule, Writers};
+use arcline_controller::image::{Access, MAX_PLAIN_BYTES, NumberRange, WriteRule};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Mnemonic, Object, predefined};
 use arcline_tag::{DataType, Elementary, PathSegment, TagPath, TagType, Value, nearest};
@@ -12,7 +12,7 @@ use super::types::Types;
 use super::value::encode;
 use crate::error::Problem;
 use crate::section::{Placed, Section};
-use crate::{InstructionTag, PlainTag};
+use crate::{InstructionTag, PlainTag, words};
 
 pub(super) fn instruction_tags(root: &Section<'_>, machine: &Machine, names: &mut Taken) -> Vec<InstructionTag> {
     let tables = root.tables("instruction");
@@ -87,13 +87,13 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
         let mut tag = PlainTag {
             name,
             program,
-            access: Access::ReadWrite,
+            access: section.one_of("access", words::ACCESS),
             rule: rule(&section, &tag_type),
             first: first(&section, &tag_type),
             tag_type,
             alias: alias.map(|alias| alias.path),
         };
-        if section.word("access") == Some("read_only") || tag.is_control() {
+        if tag.is_control() {
             tag.access = Access::ReadOnly;
         }
         tags.push(tag);
@@ -110,11 +110,7 @@ fn rule(section: &Section<'_>, tag_type: &TagType) -> WriteRule {
             section.conflict(key, "access", "no client writes a read-only tag");
         }
     }
-    let writers = match section.word("write_role") {
-        Some("engineer") => Writers::Engineers,
-        Some("administrator") => Writers::Administrators,
-        _ => Writers::Operators,
-    };
+    let writers = section.one_of("write_role", words::WRITERS);
     let bounds = ["min", "max"].map(|key| section.number(key).map(|number| (key, number)));
     if bounds == [None; 2] {
         return WriteRule { writers, range: None };

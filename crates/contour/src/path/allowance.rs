@@ -1,5 +1,6 @@
-//! How far from the reference path the curve may be, by arc length: all of the tolerance about corners, a hundredth of it on a long piece
-//! between the roundings of its corners ([`Deviation::Corners`]). Lengths in position units.
+//! How far from the reference path the curve may be, by arc length: all of the tolerance about corners and on the chords of a curve, a
+//! hundredth of it on other long pieces between the roundings of their corners ([`Deviation::Corners`], spec/motion-core.md §6.4).
+//! Lengths in position units.
 
 use crate::limits::Smoothness;
 use crate::path::reach::{MOST_REACH_TOLERANCES, most_reach};
@@ -287,7 +288,7 @@ fn opened(distance: f64, reach: f64) -> f64 {
     }
 }
 
-/// A piece longer than so many tolerances is kept to ([`Deviation::Corners`]).
+/// A piece longer than so many tolerances is kept to, unless it is a chord of a curve ([`Deviation::Corners`]).
 const LONG: f64 = 50.0;
 /// A longer one is no chord of a curve, tolerances: between flat corners, and among others that turn little.
 const LONGEST_FLAT_CHORD: f64 = 100.0;

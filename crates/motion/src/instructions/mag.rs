@@ -45,7 +45,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
     let running = motion.axes[axis].gear().map(|gear| gear.ratio);
-    // Slave units per master unit. A count of a simulated axis is a position unit: its conversion constant is 1.
+    // Slave units per master unit. The conversion constant of every axis is 1: a count is a position unit.
     let magnitude = match *ratio_format {
         RatioFormat::Real => *ratio,
         RatioFormat::Fraction => f64::from(*slave_counts) / f64::from(*master_counts),

@@ -241,7 +241,7 @@ pub struct Start {
     pub homed: bool,
     /// Faults that have not been reset.
     pub faults: FaultSet,
-    /// The offset by which positions were shifted since the machine was built: home sensor and encoder stand where they are.
+    /// Sum of the shifts of the position by homing and MRP: the axis's position minus the position of its drive, u.
     pub redefined: f64,
 }
 

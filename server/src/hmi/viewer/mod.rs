@@ -1,11 +1,17 @@
 //! One viewer. The thread of stops (`guard`) reads its requests and answers `stop`, `keep` and `jog_end` at once, whatever else the
-//! server does ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order, and another one sends answers
+//! server does ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order ([`driving`], [`programs`], [`mod@tags`],
+//! [`logic`], [`records`]), and another one sends answers
 //! and pushes. Long computations run on threads of their own. Simulations are answered when they are done. A viewer that
 //! does not read loses its connection, and delays no other one.
 
+mod driving;
 mod hearing;
+mod logic;
+mod programs;
+mod records;
 mod requests;
 mod sending;
+mod tags;
 mod watched;
 
 use std::io;
@@ -26,15 +32,13 @@ use tracing::debug;
 use self::hearing::{Heard, Hearing};
 use self::requests::{audited, moves, right};
 use self::sending::{Outgoing, Sight, send};
-use super::protocol::{
-    self, Answer, Asks as _, Done, HistoryPiece, Jog, Push, Refusal, Request, Run, Signals, Simulated, text_of,
-};
+use super::protocol::{self, Answer, Asks as _, Done, Push, Refusal, Request, text_of};
 use super::sessions::{Joined, Key};
 use super::socket::Socket;
-use super::{Shared, controller, drive, events, frames, line, program, tags};
+use super::{Shared, controller, drive};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{ClientIdentity, Command, Mode, Plant, Principal};
+use crate::plant::{ClientIdentity, Command, Plant, Principal};
 use crate::trace::history;
 
 /// The page of a viewer, or the script.
@@ -149,18 +153,6 @@ struct Viewer {
     session: Option<Key>,
 }
 
-impl Shared {
-    /// Reads a program from a text beside, and simulates it when those before have ended.
-    async fn simulate(
-        &self,
-        read: impl FnOnce(&Plant) -> Result<arcline_structured_text::Program, Refusal> + Send + 'static,
-    ) -> Result<Simulated, Refusal> {
-        let plant = self.plant.clone();
-        let program = self.workers.compute(move || read(&plant)).await??;
-        self.previews.simulate(&self.plant, program).await
-    }
-}
-
 impl Viewer {
     /// Answers until the viewer goes, or does not read.
     async fn listen(&self, mut asked: mpsc::Receiver<Heard>) {
@@ -228,6 +220,7 @@ impl Viewer {
         answer
     }
 
+    /// Answers a request by its subject. `None`: a simulation, which is answered when it is done.
     async fn answer(
         &self,
         id: &Value,
@@ -235,169 +228,44 @@ impl Viewer {
         heard: &Heard,
         simulations: &mut JoinSet<()>,
     ) -> Option<Result<Answer, Refusal>> {
-        let (shared, viewer) = (&self.shared, self.id);
-        let answer = match request {
-            Request::Preview(request) => {
-                let text = request.text.clone();
-                let work = async move |shared: Arc<Shared>| {
-                    request.answer(shared.simulate(move |plant| drive::checked_call(plant, &text)).await)
-                };
-                return self.simulate(id, simulations, work);
-            }
-            Request::DryRun(request) => {
-                let text = request.text.clone();
-                let work = async move |shared: Arc<Shared>| {
-                    request.answer(shared.simulate(move |plant| program::checked(plant, &text)).await)
-                };
-                return self.simulate(id, simulations, work);
-            }
+        Some(match request {
+            Request::Preview(request) => return self.preview(id, request, simulations),
+            Request::DryRun(request) => return self.dry_run(id, request, simulations),
             Request::Ping(request) => request.answer(Ok(Done {})),
-            Request::Active(request) => {
-                if let Some(session) = &self.session {
-                    shared.sessions.active(session);
-                }
-                request.answer(Ok(Done {}))
-            }
-            Request::Take(request) => request.answer(self.take(&request.object, request.force)),
-            Request::Release(request) => request.answer(self.release(&request.object)),
-            Request::Execute(request) => {
-                let executed = drive::execute(&shared.plant, &shared.workers, viewer, &request.text);
-                request.answer(executed.await)
-            }
-            Request::Line(request) => {
-                self.computed(heard.is_long(), move |plant| {
-                    request.answer(line::line(plant, &request.instruction, &request.operands))
-                })
-                .await
-            }
+            Request::Active(request) => request.answer(Ok(self.active())),
+            Request::Take(request) => request.answer(self.take(&request)),
+            Request::Release(request) => request.answer(self.release(&request)),
+            Request::Execute(request) => request.answer(self.execute(&request).await),
+            Request::Line(request) => self.line(request, heard).await,
             Request::Jog(request) => request.answer(self.jog(&request, heard).await),
-            Request::Keep(request) => request.answer(shared.jogs.keep(&shared.plant, viewer, &request.axis)),
-            Request::JogEnd(request) => request.answer(shared.jogs.end(&shared.plant, viewer, &request.axis).await),
-            Request::Stop(request) => request.answer(shared.stop(viewer, request.object.as_deref()).await),
-            Request::ReleaseStop(request) => {
-                request.answer(shared.apply(Principal::Viewer(viewer), Command::Release).await)
-            }
-            Request::Override(request) => {
-                let done = shared.set_override(viewer, &request.coordinate_system, request.percent);
-                request.answer(done.await)
-            }
-            Request::Hold(request) => request.answer(shared.hold(viewer, &request.coordinate_system).await),
-            Request::Resume(request) => request.answer(shared.resume(viewer, &request.coordinate_system).await),
-            Request::Check(request) => {
-                self.computed(heard.is_long(), move |plant| {
-                    request.answer(Ok(program::check(plant, &request.text)))
-                })
-                .await
-            }
+            Request::Keep(request) => request.answer(self.keep(&request)),
+            Request::JogEnd(request) => request.answer(self.jog_end(&request).await),
+            Request::Stop(request) => request.answer(self.stop(&request).await),
+            Request::ReleaseStop(request) => request.answer(self.apply(Command::Release).await),
+            Request::Override(request) => request.answer(self.set_override(&request).await),
+            Request::Hold(request) => request.answer(self.hold(&request).await),
+            Request::Resume(request) => request.answer(self.resume(&request).await),
+            Request::Check(request) => self.check(request, heard).await,
             Request::Run(request) => request.answer(self.run(&request, heard).await),
-            Request::Step(request) => request.answer(shared.program.step(&shared.plant, viewer)),
-            Request::Pause(request) => request.answer(shared.program.pause(&shared.plant, viewer)),
-            Request::Continue(request) => request.answer(shared.program.go_on(&shared.plant, viewer)),
-            Request::End(request) => {
-                shared.program.end();
-                request.answer(Ok(Done {}))
-            }
-            Request::Tags(request) => {
-                self.computed(true, move |plant| {
-                    request.answer(tags::list(plant, &request.pattern, request.after.as_deref()))
-                })
-                .await
-            }
-            Request::Read(request) => {
-                self.computed(tags::are_many(&shared.plant, &request.names), move |plant| {
-                    request.answer(tags::values(plant, &request.names))
-                })
-                .await
-            }
-            Request::Watch(request) => {
-                let names = request.names.clone();
-                let values = self.computed(tags::are_many(&shared.plant, &names), move |plant| {
-                    request.answer(tags::values(plant, &request.names))
-                });
-                match values.await {
-                    Ok(values) => self.send(Outgoing::Watch(names)).map(|()| values),
-                    refused => refused,
-                }
-            }
-            Request::Write(request) => {
-                let by = Principal::Viewer(viewer);
-                request.answer(tags::write(&shared.plant, by, &request.tag, &request.value).await)
-            }
-            Request::Routines(request) => {
-                self.computed(true, move |plant| request.answer(controller::routines(plant)))
-                    .await
-            }
-            Request::Rungs(request) => {
-                self.computed(true, move |plant| {
-                    request.answer(controller::rungs(plant, request.routine, request.from, request.count))
-                })
-                .await
-            }
-            Request::Look(request) => {
-                let (outbox, viewer) = (self.outbox.clone(), self.id);
-                self.computed(true, move |plant| {
-                    let looking = controller::look(plant, viewer, &request);
-                    let sent = looking.and_then(|looking| {
-                        let full = |_| Refusal::new("the page does not read the messages of the server");
-                        outbox.try_send(Outgoing::Look(looking)).map_err(full)
-                    });
-                    request.answer(sent.map(|()| Done {}))
-                })
-                .await
-            }
-            Request::Uses(request) => {
-                self.computed(true, move |plant| {
-                    request.answer(controller::uses(plant, &request.tag, request.program.as_deref()))
-                })
-                .await
-            }
-            Request::Mode(request) => {
-                let mode = if request.run { Mode::Run } else { Mode::Program };
-                request.answer(shared.apply(Principal::Viewer(viewer), Command::SetMode(mode)).await)
-            }
-            Request::Force(request) => {
-                let by = Principal::Viewer(viewer);
-                let forced = controller::force(&shared.plant, by, &request.tag, &request.value).await;
-                request.answer(forced.map(|()| Done {}))
-            }
-            Request::RemoveForces(request) => {
-                let by = Principal::Viewer(viewer);
-                request.answer(shared.apply(by, Command::RemoveForce(None)).await)
-            }
+            Request::Step(request) => request.answer(self.step()),
+            Request::Pause(request) => request.answer(self.pause()),
+            Request::Continue(request) => request.answer(self.go_on()),
+            Request::End(request) => request.answer(Ok(self.end())),
+            Request::Tags(request) => self.list_tags(request).await,
+            Request::Read(request) => self.read_tags(request).await,
+            Request::Watch(request) => self.watch_tags(request).await,
+            Request::Write(request) => request.answer(self.write_tag(&request).await),
+            Request::Routines(request) => self.routines(request).await,
+            Request::Rungs(request) => self.rungs(request).await,
+            Request::Look(request) => self.look(request).await,
+            Request::Uses(request) => self.uses(request).await,
+            Request::Mode(request) => request.answer(self.set_mode(&request).await),
+            Request::Force(request) => request.answer(self.force(&request).await),
+            Request::RemoveForces(request) => request.answer(self.apply(Command::RemoveForce(None)).await),
             Request::Trace(request) => request.answer(self.trace(request.on)),
             Request::History(request) => request.answer(self.history(request.before)),
-            Request::Events(request) => {
-                self.computed(true, move |plant| {
-                    request.answer(Ok(events::since(plant, request.since)))
-                })
-                .await
-            }
-        };
-        Some(answer)
-    }
-
-    /// Begins a simulation, which is answered when it is done; a refusal if too many of this viewer wait.
-    fn simulate<W>(
-        &self,
-        id: &Value,
-        simulations: &mut JoinSet<()>,
-        work: impl FnOnce(Arc<Shared>) -> W,
-    ) -> Option<Result<Answer, Refusal>>
-    where
-        W: Future<Output = Result<Answer, Refusal>> + Send + 'static,
-    {
-        if simulations.len() >= SIMULATIONS {
-            return Some(Err(Refusal::new(format!(
-                "{SIMULATIONS} simulations wait already: let one of them end"
-            ))));
-        }
-        let (id, outbox, work) = (id.clone(), self.outbox.clone(), work(self.shared.clone()));
-        simulations.spawn(async move {
-            let reply = protocol::reply(&id, work.await);
-            // The viewer may just have gone, or read nothing.
-            let _ = outbox.try_send(Outgoing::Text(reply.into()));
-        });
-        None
+            Request::Events(request) => self.events(request).await,
+        })
     }
 
     /// An answer that a thread beside makes if it is long.
@@ -410,55 +278,8 @@ impl Viewer {
         self.shared.workers.compute_if(is_long, move || work(&plant)).await?
     }
 
-    fn take(&self, object: &str, force: bool) -> Result<Done, Refusal> {
-        let object = self.object(object)?;
-        let machine = self.shared.plant.machine();
-        let taken = self.shared.plant.control().take(machine, self.id, object, force);
-        taken.map_err(|held| Refusal::control(held.object.name(machine), Some(&held.by)))?;
-        Ok(Done {})
-    }
-
-    fn release(&self, object: &str) -> Result<Done, Refusal> {
-        self.shared.plant.control().release(self.id, self.object(object)?);
-        Ok(Done {})
-    }
-
-    async fn jog(&self, request: &Jog, heard: &Heard) -> Result<Done, Refusal> {
-        let index = usize::from(drive::axis_of(&self.shared.plant, &request.axis)?);
-        let is_held = || {
-            let releases = self.releases.get(index);
-            let now = releases.map(|releases| releases.load(Ordering::Acquire));
-            now == heard.releases.get(index).copied()
-        };
-        let shared = &self.shared;
-        shared.jogs.begin(&shared.plant, self.id, request, is_held).await
-    }
-
-    async fn run(&self, request: &Run, heard: &Heard) -> Result<Done, Refusal> {
-        let shared = &self.shared;
-        let (text, plant) = (request.text.clone(), shared.plant.clone());
-        let checked = shared
-            .workers
-            .compute_if(heard.is_long(), move || program::checked(&plant, &text));
-        let program = checked.await??;
-        shared.program.run(&shared.plant, self.id, program, request)
-    }
-
-    fn trace(&self, on: bool) -> Result<Signals, Refusal> {
-        self.send(Outgoing::Samples(on))?;
-        let machine = self.shared.plant.machine();
-        Ok(Signals {
-            signals: history::signals(machine),
-            period_s: machine.period(),
-        })
-    }
-
-    fn history(&self, before: u64) -> Result<HistoryPiece, Refusal> {
-        let permit = self.pieces.clone().try_acquire_owned();
-        let permit = permit.map_err(|_| Refusal::new("the page must read earlier frames of the history first"))?;
-        let (frame, piece) = frames::history_before(&self.shared.plant, before);
-        self.send(Outgoing::Piece(frame, permit))?;
-        Ok(piece)
+    async fn apply(&self, command: Command<'_>) -> Result<Done, Refusal> {
+        self.shared.apply(Principal::Viewer(self.id), command).await
     }
 
     fn object(&self, name: &str) -> Result<MotionObject, Refusal> {

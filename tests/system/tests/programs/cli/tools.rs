@@ -214,6 +214,68 @@ fn piped_watching_gives_a_line_for_each_change() {
 }
 
 #[test]
+fn status_and_watch_name_the_mover_and_tell_that_stop_holds() {
+    let server = Server::start();
+    let at = server.address();
+    let mover = |name: &str| arcline(at, &["--json", "status", name]).expect(0).objects()[0]["moved_by"].clone();
+    assert!(mover("CS1").is_null() && mover("X").is_null());
+    let resting = arcline(at, &["status", "X", "CS1"]).expect(0).stdout;
+    assert!(!resting.contains("moved by"), "{resting}");
+
+    let _ = arcline(at, &["move", "CS1", "100000,0,0", "--speed", "10", "--no-wait"]).expect(0);
+    // Its coordinate system moves X; Y is an axis of it too.
+    for name in ["CS1", "X"] {
+        let mover = mover(name);
+        assert!(
+            mover["product"]
+                .as_str()
+                .is_some_and(|product| product.starts_with("arcline ")),
+            "{name}: {mover}"
+        );
+        assert!(
+            mover["address"]
+                .as_str()
+                .is_some_and(|from| from.starts_with("127.0.0.1")),
+            "{mover}"
+        );
+    }
+    let text = mover("CS1")["text"].as_str().expect("a text").to_owned();
+    let status = arcline(at, &["status", "X", "CS1", "S"]).expect(0).stdout;
+    let lines: Vec<&str> = status
+        .lines()
+        .filter(|line| line.contains(&format!("moved by {text}")))
+        .collect();
+    assert!(
+        lines.len() == 2
+            && !status
+                .lines()
+                .any(|line| line.starts_with("S ") && line.contains("moved by")),
+        "{status}"
+    );
+
+    let watched = arcline(at, &["watch", "X", "--for", "0.05"]).expect(0).stdout;
+    assert!(
+        watched.contains(&format!("moved by {text}")) && !watched.contains("STOP holds"),
+        "{watched}"
+    );
+    let shown = at_a_terminal(&command(at, &["watch"]), &[("moved", "q")]);
+    assert_eq!(shown.code, Some(0), "{shown:?}");
+
+    let _ = arcline(at, &["stop", "--hold"]).expect(0);
+    let watched = arcline(at, &["watch", "X", "--for", "0.05"]).expect(0).stdout;
+    assert!(watched.contains("STOP holds: motion is inhibited"), "{watched}");
+    let objects = arcline(at, &["--json", "watch", "X", "--for", "0.05"])
+        .expect(0)
+        .objects();
+    assert!(
+        objects.iter().any(|object| object["motion_inhibited"] == true),
+        "{objects:?}"
+    );
+    let shown = at_a_terminal(&command(at, &["watch"]), &[("holds:", "q")]);
+    assert_eq!(shown.code, Some(0), "{shown:?}");
+}
+
+#[test]
 fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
     let server = Server::start();
     let at = server.address();
