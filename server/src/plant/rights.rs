@@ -75,6 +75,38 @@ impl Right {
         role >= self.least()
     }
 
+    /// Whether a client changes something with it that is no command of the plant: the face that grants it records that in the audit.
+    pub(crate) const fn is_of_face(self) -> bool {
+        match self {
+            Self::OwnOutputs
+            | Self::TakeControl
+            | Self::SetLoss
+            | Self::TakeByForce
+            | Self::RunProgram
+            | Self::SetUpTrace
+            | Self::SetClock
+            | Self::SetInactivity
+            | Self::Administer => true,
+            // It changes nothing.
+            Self::Look => false,
+            Self::Stop
+            | Self::WriteTag
+            | Self::Move
+            | Self::EngineersTag
+            | Self::AdministratorsTag
+            | Self::Override
+            | Self::StepClock
+            | Self::ReleaseStop
+            | Self::OverrideAbove
+            | Self::ChangeMode
+            | Self::Force
+            | Self::ChangeTags
+            | Self::SetAttribute
+            | Self::InjectFaults
+            | Self::Serve => false,
+        }
+    }
+
     /// The right that a command needs, on the tags as they are.
     pub(super) fn of_command(command: &Command<'_>, image: &Image) -> Right {
         match command {

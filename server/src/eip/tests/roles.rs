@@ -35,7 +35,7 @@ impl Bench {
     }
 }
 
-fn set(class: u16, attribute: u16, data: &[u8]) -> Request {
+pub(super) fn set(class: u16, attribute: u16, data: &[u8]) -> Request {
     let mut path = Epath::object(class, 1);
     path.0.push(Segment::Attribute(attribute.into()));
     Request::new(service::SET_ATTRIBUTE_SINGLE, path, Bytes::copy_from_slice(data))
