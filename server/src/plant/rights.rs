@@ -65,7 +65,7 @@ rights! {
     SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
     SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";
     SetInactivity:     Engineer,      "set inactivity",      "set the inactivity time-out of all connections (attribute 13 of class 0xF5)";
-    Administer:        Administrator, "administer",          "users, certificates, and sessions of others; the services of the security objects 0x5D, 0x5E and 0x5F";
+    Administer:        Administrator, "administer",          "ask for the services of the security objects 0x5D, 0x5E and 0x5F, none of which is built";
     Serve:             Administrator, "serve",               "reload the configuration, stop the motion of lost clients: the server itself does it, no client";
 }
 

@@ -373,5 +373,5 @@ mod login;
 mod looking;
 mod previews;
 mod programs;
-mod roles;
+pub(crate) mod roles;
 mod secured;
