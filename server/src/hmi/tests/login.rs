@@ -220,10 +220,9 @@ async fn a_change_of_the_users_reaches_open_sessions() {
         let lines = text
             .lines()
             .filter(|line| line.contains("\"what\":\"reload\",\"object\":\"the users of the page\""));
-        let results = lines
+        lines
             .map(|line| line.contains("\"result\":\"done\""))
-            .collect::<Vec<_>>();
-        results
+            .collect::<Vec<_>>()
     };
     let began = std::time::Instant::now();
     while reloads() != [true, true, true, false] {

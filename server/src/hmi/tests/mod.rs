@@ -246,7 +246,7 @@ async fn a_request_that_can_be_read_in_two_ways_is_refused() {
     // hyper takes a bare LF for the end of a line: the same request as with CRLF, and the one behind it.
     for end in ["\r\n", "\n"] {
         let bytes = format!("GET /assets/none.js HTTP/1.1{end}Host: localhost{end}{end}{behind}");
-        let bytes = bytes.replace("\r\n\r\n", &format!("\r\nConnection: close\r\n\r\n"));
+        let bytes = bytes.replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n");
         let answer = exchange(&bench, &bytes).await;
         let statuses: Vec<&str> = answer.lines().filter(|line| line.starts_with("HTTP/1.1 ")).collect();
         let expected: &[&str] = match end {
