@@ -178,11 +178,17 @@ async fn serve(
                 break;
             }
             Signal::Reload => {
+                let new = config.map(|file| self::project(Some(file)));
                 if let Some(tls) = &tls {
+                    if let Some(Ok(new)) = &new {
+                        tls.set_roles(&new.server.security, &plant);
+                    }
                     tls.reload(&plant);
                 }
-                if config.is_some() || live.is_none() {
-                    reload(&plant, config, &mut configured).await;
+                match (config.zip(new), &live) {
+                    (Some((file, new)), _) => reload(&plant, file, new, &mut configured).await,
+                    (None, None) => tracing::warn!("SIGHUP: nothing was reloaded, since the server runs without --config"),
+                    (None, Some(_)) => {}
                 }
                 if let Some(live) = &live {
                     reload_program(&plant, live);
@@ -406,12 +412,8 @@ pub(crate) const SPARE_DESCRIPTORS: u64 = 512;
 
 /// SIGHUP: takes over the tags and types of the configuration file as it is now, or logs the reason. The result is a
 /// warning, so that the default log level shows it.
-async fn reload(plant: &Plant, config: Option<&Path>, configured: &mut Project) {
-    let Some(file) = config else {
-        tracing::warn!("SIGHUP: nothing was reloaded, since the server runs without --config");
-        return;
-    };
-    let new = match project(Some(file)) {
+async fn reload(plant: &Plant, file: &Path, new: Result<Project, Failure>, configured: &mut Project) {
+    let new = match new {
         Ok(new) => new,
         Err(failure) => {
             tracing::error!("Reload refused: {failure}");

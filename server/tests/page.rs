@@ -260,3 +260,37 @@ fn the_page_is_not_opened_by_accident() {
         "{text}"
     );
 }
+
+/// A proxy makes all of its clients clients on this computer: the log says so, unless these may only look.
+#[test]
+fn a_proxy_on_this_computer_is_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("machine.toml");
+    for (more, is_warned) in [("", true), ("[security]\nloopback = \"viewer\"\n", false)] {
+        let text =
+            format!("{more}[[axis]]\nname = \"X\"\ntype = \"virtual\"\nmax_speed = 100\nmax_acceleration = 1000\n");
+        fs::write(&file, text).expect("a writable folder");
+        let mut server = Command::new(SERVER)
+            .args(["--listen", "127.0.0.1:0", "--hmi", "127.0.0.1:0", "--config"])
+            .arg(&file)
+            .env("RUST_LOG", "warn")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map(Killed)
+            .expect("it starts");
+        let mut line = String::new();
+        BufReader::new(server.0.stdout.take().expect("piped"))
+            .read_line(&mut line)
+            .expect("it says ready");
+        let page = line.split_whitespace().find_map(|word| word.strip_prefix("hmi="));
+        let page: SocketAddr = page.and_then(|page| page.parse().ok()).expect("it listens");
+        let answer = post(page, "/logout", "X-Forwarded-For: 10.1.2.3\r\n", "");
+        assert!(answer.starts_with("HTTP/1.1 "), "{answer}");
+        server.0.kill().expect("it runs");
+        let mut text = String::new();
+        let mut said = server.0.stderr.take().expect("piped");
+        said.read_to_string(&mut text).expect("text");
+        assert_eq!(text.contains("X-Forwarded-For"), is_warned, "{more}: {text}");
+    }
+}

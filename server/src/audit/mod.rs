@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
+use arc_swap::ArcSwap;
 use serde::Serialize;
 use tracing::{error, info, warn};
 
@@ -102,6 +103,7 @@ struct Shared {
     /// `None` ends the thread.
     sender: SyncSender<Option<Event>>,
     lost: Arc<Lost>,
+    head: Arc<ArcSwap<String>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -131,12 +133,15 @@ impl Audit {
         let (sender, events) = sync_channel(WAITING);
         let lost = Arc::new(Lost::default());
         let counted = lost.clone();
+        let head = Arc::new(ArcSwap::from_pointee(files.head().to_owned()));
+        let told = head.clone();
         let thread = std::thread::Builder::new()
             .name("arcline-audit".to_owned())
-            .spawn(move || drop(write(files, &events, &counted)))?;
+            .spawn(move || drop(write(files, &events, &counted, &told)))?;
         Ok(Self(Arc::new(Shared {
             sender,
             lost,
+            head,
             thread: Mutex::new(Some(thread)),
         })))
     }
@@ -147,6 +152,7 @@ impl Audit {
         let audit = Self(Arc::new(Shared {
             sender,
             lost: Arc::default(),
+            head: Arc::default(),
             thread: Mutex::default(),
         }));
         (audit, events)
@@ -162,6 +168,11 @@ impl Audit {
     /// Events since the start that are in no line, since there was no room for them or the disk failed.
     pub(crate) fn lost(&self) -> u64 {
         self.0.lost.total.load(Ordering::Relaxed)
+    }
+
+    /// The hash of the newest line as the log has it: that of the last minute, before that of the first line of this run.
+    pub(crate) fn told_head(&self) -> String {
+        self.0.head.load().as_ref().clone()
     }
 
     /// Writes what waits, and ends.
@@ -194,7 +205,7 @@ fn wait(merge: &Merge, files: &Files, head_told: Instant) -> Duration {
 }
 
 /// Runs on the thread: writes until the last sender has gone.
-fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost) -> Files {
+fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: &ArcSwap<String>) -> Files {
     let mut merge = Merge::default();
     let mut head_told = Instant::now();
     let mut is_failing = false;
@@ -236,6 +247,7 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost) -> Fil
         }
         if head_told.elapsed() >= HEAD_EVERY || is_over {
             info!(head = files.head(), "the newest line of the audit");
+            head.store(Arc::new(files.head().to_owned()));
             head_told = Instant::now();
         }
         if is_over {

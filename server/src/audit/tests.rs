@@ -216,6 +216,6 @@ fn lines_are_synchronised_without_further_lines() {
     for event in [Some(event(2, false)), None] {
         sender.send(event).expect("there is room");
     }
-    let files = write(files, &events, &Lost::default());
+    let files = write(files, &events, &Lost::default(), &ArcSwap::default());
     assert!(!files.is_dirty(), "at the end");
 }

@@ -131,13 +131,9 @@ where
         None => peer.to_string(),
     };
     let is_encrypted = tls.is_some();
-    // Held as long as the certificate holds.
-    let certified = tls.map(|(tls, client)| {
+    if let Some((_, client)) = &tls {
         name.push_str(&format!(" {}", client.name()));
-        let close = tls.enter(number, client);
-        (tls, close)
-    });
-    let revoked = certified.as_ref().map(|(_, close)| close.clone()).unwrap_or_default();
+    }
     let session_settings = match is_encrypted {
         true => &device.session_settings,
         false => &device.plain_settings,
@@ -146,6 +142,12 @@ where
     let signs = device
         .plant
         .enter(number, ClientIdentity::of_address(&name, Some(peer)), role, face);
+    // Held as long as the certificate holds.
+    let certified = tls.map(|(tls, client)| {
+        let close = tls.enter(number, client, &device.plant);
+        (tls, close)
+    });
+    let revoked = certified.as_ref().map(|(_, close)| close.clone()).unwrap_or_default();
     let rate = device.settings.config.security.max_requests_of(role);
     let mut connection = Connection {
         stream,

@@ -29,7 +29,7 @@ mod tags;
 mod turns;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use device::Settings;
 pub use io::Datagrams;

@@ -14,6 +14,7 @@ use arcline_state::planted::is_planted;
 use super::device::Device;
 use super::originator;
 use super::status::refusal;
+use crate::audit::What;
 use crate::plant::{Principal, Right};
 
 /// The device, for the session of one TCP connection.
@@ -111,6 +112,8 @@ impl Host for SessionHost {
                 if owns {
                     // The owner sends nothing before it has the reply.
                     device.plant.roles().set_io(device.plant.roles().of(principal));
+                    let what = "the outputs of implicit I/O".to_owned();
+                    device.plant.record(principal, What::Take, what, "done");
                 }
                 Ok(opened)
             }

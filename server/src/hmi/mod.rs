@@ -26,7 +26,7 @@ mod socket;
 mod status;
 mod tags;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod viewer;
 mod workers;
 

@@ -5,6 +5,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
+use arcline_config::Role;
 use arcline_proto::arcline::machine::Identification;
 use axum::Router;
 use axum::body::Body;
@@ -31,7 +32,7 @@ use super::viewer::{self, Page};
 use super::{Door, Shared, access};
 use crate::limits::Place;
 use crate::metrics;
-use crate::plant::roles::{role_of_address, role_of_page};
+use crate::plant::roles::{is_local, role_of_address, role_of_page};
 use crate::tls::Tls;
 
 /// How long the head of a request may take to come, and how long a connection may be idle.
@@ -176,8 +177,23 @@ async fn guard(
     request: Request,
     next: Next,
 ) -> Response {
+    if is_ambiguous(request.headers()) {
+        let refused = (
+            StatusCode::BAD_REQUEST,
+            [(header::CONNECTION, "close")],
+            "One Host, and no Transfer-Encoding.\n",
+        );
+        return with_headers(refused.into_response());
+    }
     let names = shared.names();
     let ours = host(request.headers()).is_some_and(|host| access::is_host(host, near.listen, &names));
+    let is_proxied = request.headers().contains_key("x-forwarded-for");
+    if is_proxied && is_local(near.peer) && shared.plant.server().security.loopback > Role::Viewer {
+        let text = || {
+            "a proxy on this computer passes on requests of others (X-Forwarded-For): all of them have the role `loopback`".to_owned()
+        };
+        shared.plant.log_limit().warn("forwarded", Some(near.peer), text);
+    }
     let is_private = request.method() == Method::POST;
     let mut response = if ours {
         next.run(request).await
@@ -188,12 +204,22 @@ async fn guard(
         )
             .into_response()
     };
-    for (name, value) in HEADERS {
-        response.headers_mut().insert(name, HeaderValue::from_static(value));
-    }
+    response = with_headers(response);
     if is_private {
         let value = HeaderValue::from_static("no-store");
         response.headers_mut().insert(header::CACHE_CONTROL, value);
+    }
+    response
+}
+
+/// Whether two servers may read a request as two different ones: with several hosts, or with a body of pieces, which no page sends (RFC 9112, 11.2).
+fn is_ambiguous(headers: &HeaderMap) -> bool {
+    headers.get_all(header::HOST).iter().nth(1).is_some() || headers.contains_key(header::TRANSFER_ENCODING)
+}
+
+fn with_headers(mut response: Response) -> Response {
+    for (name, value) in HEADERS {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
     response
 }

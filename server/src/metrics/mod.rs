@@ -57,6 +57,14 @@ pub(crate) fn metrics(plant: &Plant) -> String {
             lost as f64,
         );
     }
+    if let Some(head) = plant.audit_head() {
+        text.family(
+            "arcline_audit_head",
+            "gauge",
+            "The hash of the newest line of the audit that the log has, 1; it changes once a minute.",
+        );
+        text.value(&[("sha256", &head)], 1.0);
+    }
     text.family("arcline_build_info", "gauge", "The version, 1.");
     text.value(&[("version", env!("CARGO_PKG_VERSION"))], 1.0);
     of_process(&mut text);

@@ -8,6 +8,7 @@ use arcline_controller::image::{Image, TagId, TagKind};
 
 use super::command::{Command, Outcome, Refused};
 use super::principal::Principal;
+use super::rights::Right;
 use super::{Plant, Shared};
 use crate::audit::{Audit, Event, What};
 
@@ -39,6 +40,23 @@ impl Plant {
         if let Some(audit) = self.0.audit.get() {
             audit.record(self.0.bare(principal, role, what, object, result));
         }
+    }
+
+    /// Records that a client set an attribute that is no command of the plant, with its bytes before and after. Outputs that
+    /// are set in a row are merged as plain writes are.
+    pub(crate) fn record_set(&self, principal: Principal, right: Right, object: String, before: &[u8], after: &[u8]) {
+        let role = self.0.roles.of(principal);
+        if let Some(audit) = self.0.audit.get() {
+            let mut event = self.0.bare(principal, role, What::Config, object, "done");
+            event.values = Some((shown(before), shown(after)));
+            event.is_plain_write = right == Right::OwnOutputs;
+            audit.record(event);
+        }
+    }
+
+    /// The hash of the newest line of the audit that the log has; `None`: there is no audit.
+    pub(crate) fn audit_head(&self) -> Option<String> {
+        self.0.audit.get().map(Audit::told_head)
     }
 
     /// Records what a session of the page did or what became of it; `from` is its address and its user.

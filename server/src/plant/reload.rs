@@ -67,7 +67,11 @@ impl Plant {
 /// What of a configuration has changed that is read at the start only.
 fn needs_restart(old: &Project, new: &Project) -> Vec<String> {
     let mut parts = Vec::new();
-    if old.server != new.server {
+    let mut server = new.server.clone();
+    // The side of TLS takes the roles of certificates over.
+    let (was, is) = (&old.server.security, &mut server.security);
+    (is.certificates, is.default_role) = (was.certificates.clone(), was.default_role);
+    if old.server != server {
         parts.push("[server]".to_owned());
     }
     parts.extend(machine_changes(&old.machine, &new.machine));

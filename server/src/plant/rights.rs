@@ -65,7 +65,7 @@ rights! {
     SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
     SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";
     SetInactivity:     Engineer,      "set inactivity",      "set the inactivity time-out of all connections (attribute 13 of class 0xF5)";
-    Administer:        Administrator, "administer",          "users, certificates, and sessions of others; the services of the security objects 0x5D, 0x5E and 0x5F";
+    Administer:        Administrator, "administer",          "ask for the services of the security objects 0x5D, 0x5E and 0x5F, none of which is built";
     Serve:             Administrator, "serve",               "reload the configuration, stop the motion of lost clients: the server itself does it, no client";
 }
 
@@ -73,6 +73,38 @@ impl Right {
     /// Whether a role has it.
     pub fn is_of(self, role: Role) -> bool {
         role >= self.least()
+    }
+
+    /// Whether a client changes something with it that is no command of the plant: the face that grants it records that in the audit.
+    pub(crate) const fn is_of_face(self) -> bool {
+        match self {
+            Self::OwnOutputs
+            | Self::TakeControl
+            | Self::SetLoss
+            | Self::TakeByForce
+            | Self::RunProgram
+            | Self::SetUpTrace
+            | Self::SetClock
+            | Self::SetInactivity
+            | Self::Administer => true,
+            // It changes nothing.
+            Self::Look => false,
+            Self::Stop
+            | Self::WriteTag
+            | Self::Move
+            | Self::EngineersTag
+            | Self::AdministratorsTag
+            | Self::Override
+            | Self::StepClock
+            | Self::ReleaseStop
+            | Self::OverrideAbove
+            | Self::ChangeMode
+            | Self::Force
+            | Self::ChangeTags
+            | Self::SetAttribute
+            | Self::InjectFaults
+            | Self::Serve => false,
+        }
     }
 
     /// The right that a command needs, on the tags as they are.

@@ -2,11 +2,12 @@
 
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::PlainTag;
-use arcline_instruction_set::{AxisId, Given, Mnemonic, SystemId};
+use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, Object as MotionObject, SystemId};
 
 use super::*;
 use crate::guard::VIEWERS;
 use crate::pages::compare_or_write_part;
+use crate::{eip, hmi};
 
 /// What writes a part of a tag, by its path.
 fn write<'a>(plant: &Plant, path: &str, data: &'a [u8]) -> Command<'a> {
@@ -33,6 +34,16 @@ fn call(mnemonic: Mnemonic, given: &[Given]) -> Command<'_> {
     })
 }
 
+/// Sets the Dynamics Configuration Bits of the first object of a kind.
+fn attribute(object: MotionObject) -> Command<'static> {
+    let attribute = Attribute::named(object, "DynamicsConfigurationBits").expect("it is there");
+    Command::SetAttribute {
+        attribute,
+        index: 0,
+        value: 0.0,
+    }
+}
+
 fn plain_tag() -> PlainTag {
     let text = format!(
         "{}\n[[tag]]\nname = \"Fresh\"\ntype = \"DINT\"\n",
@@ -56,7 +67,7 @@ async fn every_command_for_every_role_of_every_principal() {
     let (half, double, zero) = (50_f32.to_le_bytes(), 150_f32.to_le_bytes(), [0; 4]);
     let stop_all = [Given::Word("All".into())];
     #[rustfmt::skip]
-    let cases = [
+    let mut cases = vec![
         ("a plain tag",              Right::WriteTag,      write(&plant, "Move1.Speed", &half)),
         ("a tag of engineers",       Right::EngineersTag,  write(&plant, "Recipe", &half)),
         ("a bit of it",              Right::EngineersTag,  write(&plant, "Recipe.3", &[1])),
@@ -73,13 +84,13 @@ async fn every_command_for_every_role_of_every_principal() {
         ("SetFeedOverride above",    Right::OverrideAbove, Command::SetFeedOverride { system: SystemId(0), percent: 100.1 }),
         ("Hold",                     Right::Stop,          Command::Hold(Systems::All)),
         ("Resume",                   Right::Override,      Command::Resume(Systems::All)),
-        ("MSF",                      Right::Move,          call(Mnemonic::Msf, &[])),
-        ("MSO",                      Right::Move,          call(Mnemonic::Mso, &[])),
-        ("MAFR",                     Right::Move,          call(Mnemonic::Mafr, &[])),
+        ("an attribute of an axis",  Right::SetAttribute,  attribute(MotionObject::Axis)),
+        ("an attribute of a system", Right::SetAttribute,  attribute(MotionObject::CoordinateSystem)),
         ("MCS",                      Right::Stop,          call(Mnemonic::Mcs, &stop_all)),
         ("MAS",                      Right::Stop,          call(Mnemonic::Mas, &stop_all)),
         ("a mode",                   Right::ChangeMode,    Command::SetMode(Mode::Run)),
-        ("a force",                  Right::Force,         Command::RemoveForce(None)),
+        ("a force that goes",        Right::Force,         Command::RemoveForce(Some("Local:1:I.Data.0"))),
+        ("all forces",               Right::Force,         Command::RemoveForce(None)),
         ("a new tag",                Right::ChangeTags,    Command::CreateTag(&fresh)),
         ("an administrators' tag that goes", Right::AdministratorsTag, Command::DeleteTag(tag_of(&plant, "Serial"))),
         ("a tag that goes",          Right::ChangeTags,    Command::DeleteTag(tag_of(&plant, "Move1"))),
@@ -90,11 +101,19 @@ async fn every_command_for_every_role_of_every_principal() {
         ("Release",                  Right::ReleaseStop,   Command::Release),
         ("Step",                     Right::StepClock,     Command::Step { ticks: 0, until: None }),
     ];
+    for mnemonic in Mnemonic::ALL {
+        let right = match mnemonic {
+            Mnemonic::Mas | Mnemonic::Mcs | Mnemonic::Mgs => Right::Stop,
+            _ => Right::Move,
+        };
+        cases.push((mnemonic.name(), right, call(*mnemonic, &[])));
+    }
     let client = Principal::Client {
         session: 1,
         connection: 0,
     };
     let principals = [
+        Principal::Controller,
         client,
         Principal::Viewer(1),
         Principal::Button(1),
@@ -109,6 +128,11 @@ async fn every_command_for_every_role_of_every_principal() {
         for principal in principals {
             for (why, right, command) in &cases {
                 let is_program = matches!(principal, Principal::Program { .. });
+                // The controller's own program is an engineer's, whatever the roles of clients.
+                let role = match principal {
+                    Principal::Controller => Role::Engineer,
+                    _ => role,
+                };
                 let may = right.is_of(role) && (!is_program || Right::RunProgram.is_of(role));
                 let done = plant
                     .transact(principal, |transaction| transaction.apply(command.clone()))
@@ -119,7 +143,7 @@ async fn every_command_for_every_role_of_every_principal() {
             }
         }
     }
-    assert_eq!(checked, 4 * 5 * cases.len());
+    assert_eq!(checked, 4 * 6 * cases.len());
     // A client that the door does not know, or that has gone, only looks.
     let unknown = Principal::Client {
         session: 2,
@@ -128,24 +152,16 @@ async fn every_command_for_every_role_of_every_principal() {
     assert_eq!(plant.roles().of(unknown), Role::Viewer);
     plant.leave(1);
     assert_eq!(plant.roles().of(client), Role::Viewer);
-    // Every right that is judged by commands is in the matrix.
-    let elsewhere = [
-        Right::Look,
-        Right::WriteTag,
-        Right::OwnOutputs,
-        Right::TakeControl,
-        Right::SetLoss,
-        Right::TakeByForce,
-        Right::RunProgram,
-        Right::SetAttribute,
-        Right::SetUpTrace,
-        Right::SetClock,
-        Right::SetInactivity,
-        Right::Administer,
-    ];
+    // Every right is judged by one of the three matrices at least.
+    let page = hmi::tests::roles::cases();
+    let mut judged: Vec<Right> = cases.iter().map(|(_, right, _)| *right).collect();
+    judged.extend(page.iter().map(|(right, _)| *right));
+    judged.extend(eip::tests::roles::rights());
     for right in Right::ALL {
+        assert!(judged.contains(right), "{right:?} is in no matrix");
         let is_here = cases.iter().any(|(_, of, _)| of == right);
-        assert!(is_here || elsewhere.contains(right), "{right:?} is in no matrix");
+        let is_command = !right.is_of_face() && *right != Right::Look;
+        assert_eq!(is_here, is_command, "{right:?} is a command's right, or a face's");
     }
     handle.stop();
 }

@@ -56,6 +56,20 @@ impl Leaf {
     }
 }
 
+/// The second at which a list of revoked certificates is to have been followed by another one, Unix time (RFC 5280, 5.1); `None`: it does not say.
+pub(crate) fn next_list(der: &[u8]) -> Option<i64> {
+    let mut list = Der(der).enter(SEQUENCE)?;
+    let mut body = list.enter(SEQUENCE)?;
+    if body.peek() == Some(INTEGER) {
+        body.next()?;
+    }
+    // The algorithm and the issuer.
+    body.take(SEQUENCE)?;
+    body.take(SEQUENCE)?;
+    moment(body.next()?)?;
+    moment(body.next()?)
+}
+
 /// The host names and addresses of a certificate's extensions (RFC 5280, 4.2.1.6).
 fn alternative_names(extensions: &[u8]) -> Option<Vec<String>> {
     let mut extensions = Der(extensions).enter(SEQUENCE)?;
@@ -232,6 +246,7 @@ mod tests {
             leaf.sha256,
             hex(digest(&SHA256, &rcgen::PublicKeyData::subject_public_key_info(&key)).as_ref())
         );
+        assert_eq!(next_list(&der), None, "it is no list");
         for end in 0..der.len() {
             assert_eq!(Leaf::read(&der[..end]), None, "cut at {end}");
         }

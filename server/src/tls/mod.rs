@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use arc_swap::ArcSwap;
-use arcline_config::{Role, Security};
+use arcline_config::{CertificateRole, Role, Security};
 use rustls::ServerConfig;
 use rustls::pki_types::{CertificateDer, UnixTime};
 use tokio::net::TcpStream;
@@ -42,6 +42,8 @@ const HANDSHAKES_OF_ONE: usize = 8;
 const LOOK: Duration = Duration::from_secs(1);
 /// How often the files are looked at for a change, in looks.
 const FILES_EVERY: u32 = 60;
+/// How often certificates and lists that end are warned of, in looks: once a day.
+const WARN_EVERY: u32 = 86_400;
 /// A certificate of the server that ends within this time is warned of.
 const ENDS_SOON: i64 = 30 * 86_400;
 
@@ -49,12 +51,30 @@ const ENDS_SOON: i64 = 30 * 86_400;
 #[derive(Debug)]
 pub(crate) struct Tls {
     files: Files,
-    security: Security,
+    check_expiration: bool,
+    roles: ArcSwap<Table>,
     trust: ArcSwap<Trust>,
     handshakes: Arc<Places>,
     page_handshakes: Arc<Places>,
     lockouts: Lockouts,
     live: Mutex<HashMap<u64, Live>>,
+}
+
+/// The role of each certificate.
+#[derive(PartialEq, Eq, Debug)]
+struct Table {
+    rows: Vec<CertificateRole>,
+    /// Of a certificate without a row.
+    default: Role,
+}
+
+impl Table {
+    fn of(security: &Security) -> Self {
+        Self {
+            rows: security.certificates.clone(),
+            default: security.default_role,
+        }
+    }
 }
 
 /// An open connection with a certificate.
@@ -121,7 +141,8 @@ impl Tls {
         let trust = files.read()?;
         let this = Self {
             files,
-            security: security.clone(),
+            check_expiration: security.check_expiration,
+            roles: ArcSwap::from_pointee(Table::of(security)),
             trust: ArcSwap::from_pointee(trust),
             handshakes: places(),
             page_handshakes: places(),
@@ -180,7 +201,8 @@ impl Tls {
 
     /// The role of a certificate: that of its row, by the key or by subject and issuer, else `default_role`.
     pub(crate) fn role_of(&self, client: &TlsClient) -> Role {
-        let row = self.security.certificates.iter().find(|row| {
+        let table = self.roles.load();
+        let row = table.rows.iter().find(|row| {
             let by_key = row
                 .sha256
                 .as_ref()
@@ -190,12 +212,25 @@ impl Tls {
                     && row.issuer.as_deref() == Some(client.leaf.issuer.as_str())
             })
         });
-        row.map_or(self.security.default_role, |row| row.role)
+        row.map_or(table.default, |row| row.role)
     }
 
-    /// A connection lives by a certificate from now on; the token closes it. It is cancelled already when the certificate was revoked
-    /// while the handshake ran: what a reload has not judged is judged here, both under one lock.
-    pub(crate) fn enter(&self, session: u64, client: TlsClient) -> CancellationToken {
+    /// Takes over the rows of certificates and `default_role` of a configuration that was read again. [`Tls::reload`] gives open connections
+    /// their roles by them.
+    pub(crate) fn set_roles(&self, security: &Security, plant: &Plant) {
+        let table = Table::of(security);
+        if *self.roles.load_full() != table {
+            self.roles.store(Arc::new(table));
+            warn!("the roles of certificates were read again");
+            let what = "the roles of certificates".to_owned();
+            plant.record(Principal::Server, What::Reload, what, "done");
+        }
+    }
+
+    /// A connection whose session the plant knows lives by a certificate from now on; the token closes it. It is cancelled already when the
+    /// certificate was revoked while the handshake ran: what a reload has not judged is judged here, certificate and role, both under
+    /// one lock.
+    pub(crate) fn enter(&self, session: u64, client: TlsClient, plant: &Plant) -> CancellationToken {
         let close = CancellationToken::new();
         let live = Live {
             client,
@@ -203,7 +238,10 @@ impl Tls {
         };
         let mut all = self.live();
         match self.trust.load().judge(&live.client, now()) {
-            Ok(()) => drop(all.insert(session, live)),
+            Ok(()) => {
+                plant.roles().set(session, self.role_of(&live.client));
+                all.insert(session, live);
+            }
             Err(reason) => live.close(&reason),
         }
         close
@@ -231,7 +269,11 @@ impl Tls {
                 self.warn_of_end();
                 self.judge(plant);
             }
-            Err(error) => error!(%error, "the certificates of TLS stay as they were"),
+            Err(error) => {
+                error!(%error, "the certificates of TLS stay as they were");
+                // The rows may be others.
+                self.judge(plant);
+            }
         }
     }
 
@@ -246,13 +288,16 @@ impl Tls {
                     self.reload(plant);
                 }
             }
+            if look % WARN_EVERY == 0 {
+                self.warn_of_end();
+            }
             self.end_expired(plant);
         }
     }
 
     fn end_expired(&self, plant: &Plant) {
         let now = unix_seconds();
-        let expired = self.security.check_expiration && self.live().values().any(|live| live.client.leaf.valid.1 < now);
+        let expired = self.check_expiration && self.live().values().any(|live| live.client.leaf.valid.1 < now);
         if expired {
             self.judge(plant);
         }
@@ -276,11 +321,21 @@ impl Tls {
     }
 
     fn warn_of_end(&self) {
-        let left = self.trust.load().ends - unix_seconds();
+        let trust = self.trust.load();
+        let left = trust.ends - unix_seconds();
         if left < ENDS_SOON {
             warn!(days = left / 86_400, "the certificate of the server ends soon");
         } else {
             debug!(days = left / 86_400, "the certificate of the server holds");
+        }
+        if let Some(next) = trust.next_list
+            && next < unix_seconds()
+        {
+            let days = (unix_seconds() - next) / 86_400;
+            warn!(
+                days,
+                "the list of revoked certificates is old: its authority has made another one, which `revoked` is to have"
+            );
         }
     }
 

@@ -61,7 +61,7 @@ fn shown(folder: &Path, name: &str) -> TlsClient {
 async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     let (folder, tls) = bench();
     let (plant, _thread) = plant();
-    let close = tls.enter(1, shown(folder.path(), "hmi.pem"));
+    let close = tls.enter(1, shown(folder.path(), "hmi.pem"), &plant);
     assert!(!close.is_cancelled(), "it holds");
     let revoke = CertsCommand::Revoke {
         folder: folder.path().to_owned(),
@@ -71,10 +71,45 @@ async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     tls.reload(&plant);
     assert!(close.is_cancelled(), "an open connection");
     assert!(
-        tls.enter(2, shown(folder.path(), "hmi.pem")).is_cancelled(),
+        tls.enter(2, shown(folder.path(), "hmi.pem"), &plant).is_cancelled(),
         "one whose handshake is done"
     );
     assert!(tls.live().is_empty());
+}
+
+/// The rows of a configuration that is read again hold for open connections, and for one whose handshake was done by the rows of before.
+#[tokio::test]
+async fn other_rows_give_open_connections_other_roles() {
+    let (folder, tls) = bench();
+    let (plant, _thread) = plant();
+    let client = shown(folder.path(), "hmi.pem");
+    let role_of = |session| plant.roles().of(Principal::Client { session, connection: 0 });
+    let close = tls.enter(1, client.clone(), &plant);
+    assert_eq!(role_of(1), Role::Operator, "without a row");
+    let row = |role| Security {
+        certificates: vec![CertificateRole {
+            cn: None,
+            issuer: None,
+            sha256: Some(client.leaf.sha256.to_uppercase()),
+            role,
+        }],
+        ..Security::default()
+    };
+    for role in [Role::Administrator, Role::Viewer, Role::Engineer] {
+        tls.set_roles(&row(role), &plant);
+        // The role that the handshake found is not that of now.
+        plant.roles().set(2, Role::Administrator);
+        let _ = tls.enter(2, client.clone(), &plant);
+        assert_eq!(role_of(2), role, "the one that comes in");
+        tls.reload(&plant);
+        assert_eq!(role_of(1), role, "the open one");
+    }
+    // A file of certificates that is of no use does not keep the rows back.
+    fs::write(folder.path().join("server.pem"), "no certificate").expect("a writable folder");
+    tls.set_roles(&Security::default(), &plant);
+    tls.reload(&plant);
+    assert_eq!(role_of(1), Role::Viewer);
+    assert!(!close.is_cancelled(), "its certificate holds");
 }
 
 #[tokio::test]
@@ -94,6 +129,15 @@ async fn the_audit_tells_a_reload_that_failed() {
         .map(|line| line.contains("\"result\":\"done\""))
         .collect();
     assert_eq!(results, [true, false], "{text}");
+}
+
+/// The end of the list of `certs revoke`, in ten years: the warning of an old list rests on it.
+#[test]
+fn a_list_of_revoked_certificates_says_until_when_it_holds() {
+    let (_folder, tls) = bench();
+    let next = tls.trust.load().next_list.expect("it says so");
+    let days = (next - unix_seconds()) / 86_400;
+    assert!((3649..=3650).contains(&days), "{days}");
 }
 
 /// What is in a file can be revoked: the list has it, even if the file could not be written to its end.

@@ -21,7 +21,7 @@ use rustls::{
     CertificateError, DigitallySignedStruct, DistinguishedName, Error, RootCertStore, ServerConfig, SignatureScheme,
 };
 
-use super::leaf::Leaf;
+use super::leaf::{self, Leaf};
 
 /// The files.
 #[derive(Clone, Debug)]
@@ -45,6 +45,8 @@ pub(crate) struct Trust {
     pub(crate) names: Vec<String>,
     /// The end of the server's own certificate, Unix time.
     pub(crate) ends: i64,
+    /// When the first of the lists of revoked certificates is to be followed by another one, Unix time.
+    pub(crate) next_list: Option<i64>,
 }
 
 /// The side of EtherNet/IP: a client needs a certificate.
@@ -112,10 +114,12 @@ impl Files {
         let key = PrivateKeyDer::from_pem_file(&self.key).map_err(|error| wrong(&self.key, error))?;
         let mut page = server_config(&provider, None, &chain, &key)?;
         page.alpn_protocols = vec![b"http/1.1".to_vec()];
+        let lists = self.lists()?;
+        let next_list = lists.iter().filter_map(|list| leaf::next_list(list)).min();
         let eip = match &self.clients {
             None => None,
             Some(clients) => {
-                let verifier = self.verifier(clients, &provider)?;
+                let verifier = self.verifier(clients, lists, &provider)?;
                 let config = Arc::new(server_config(&provider, Some(&verifier), &chain, &key)?);
                 Some(Eip { config, verifier })
             }
@@ -125,30 +129,35 @@ impl Files {
             page: Arc::new(page),
             names: own.names,
             ends: own.valid.1,
+            next_list,
         })
+    }
+
+    /// The lists of revoked certificates.
+    fn lists(&self) -> Result<Vec<CertificateRevocationListDer<'static>>, TrustError> {
+        let Some(file) = &self.revoked else {
+            return Ok(Vec::new());
+        };
+        let lists = CertificateRevocationListDer::pem_file_iter(file).map_err(|error| wrong(file, error))?;
+        lists.collect::<Result<Vec<_>, _>>().map_err(|error| wrong(file, error))
     }
 
     /// Judges the certificates of clients by the authorities of a file.
     fn verifier(
         &self,
         clients: &Path,
+        lists: Vec<CertificateRevocationListDer<'static>>,
         provider: &Arc<CryptoProvider>,
     ) -> Result<Arc<dyn ClientCertVerifier>, TrustError> {
         let mut roots = RootCertStore::empty();
         for authority in certificates(clients)? {
             roots.add(authority).map_err(|error| wrong(clients, error))?;
         }
-        let mut crls = Vec::new();
-        if let Some(file) = &self.revoked {
-            for crl in CertificateRevocationListDer::pem_file_iter(file).map_err(|error| wrong(file, error))? {
-                crls.push(crl.map_err(|error| wrong(file, error))?);
-            }
-        }
         let mut builder = WebPkiClientVerifier::builder_with_provider(Arc::new(roots), provider.clone());
-        if !crls.is_empty() {
+        if !lists.is_empty() {
             // An authority without a list, and a list that is old, do not stop the plant.
             builder = builder
-                .with_crls(crls)
+                .with_crls(lists)
                 .only_check_end_entity_revocation()
                 .allow_unknown_revocation_status();
         }

@@ -4,6 +4,7 @@ use arcline_proto::cip::{self, AttributeListReader, AttributeListReply, CipStatu
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::object::{Object, ObjectContext, On};
+use crate::audit::What;
 
 /// Answers a request for a class (instance 0 or none) or for one of its instances.
 pub(crate) fn serve(object: &dyn Object, mut cx: ObjectContext<'_, '_>) -> Reply {
@@ -26,7 +27,16 @@ fn answer(object: &dyn Object, cx: &mut ObjectContext<'_, '_>) -> Result<Reply, 
     }
     if let Some(own) = own {
         cx.check(own.right)?;
-        return object.serve(cx, instance);
+        let reply = object.serve(cx, instance)?;
+        if own.right.is_of_face() && reply.status.is_success() {
+            let what = match instance {
+                0 => format!("{} of {}", own.name, object.name()),
+                instance => format!("{} of {} {instance}", own.name, object.name()),
+            };
+            let plant = &cx.device().plant;
+            plant.record(cx.context.principal, What::Config, what, "done");
+        }
+        return Ok(reply);
     }
     let mut attributes = Attributes { object, instance, cx };
     let data = match code {
@@ -107,8 +117,17 @@ impl Attributes<'_, '_, '_> {
     }
 
     fn set(&mut self, id: u16, value: &[u8]) -> Result<(), CipStatus> {
-        self.cx.check(self.object.right_to_set())?;
-        self.object.set(self.cx, self.instance, id, value)
+        let right = self.object.right_to_set();
+        self.cx.check(right)?;
+        if !right.is_of_face() {
+            return self.object.set(self.cx, self.instance, id, value);
+        }
+        let before = self.value(id).unwrap_or_default();
+        self.object.set(self.cx, self.instance, id, value)?;
+        let what = format!("attribute {id} of {} {}", self.object.name(), self.instance);
+        let plant = &self.cx.device().plant;
+        plant.record_set(self.cx.context.principal, right, what, &before, value);
+        Ok(())
     }
 
     /// Bytes of an attribute, if it can be set.

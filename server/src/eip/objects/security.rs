@@ -37,14 +37,14 @@ const VERIFIED: u8 = 3;
 const PEM: u8 = 0;
 const PEM_BIT: u32 = 1;
 
-/// A service that is refused to every role.
+/// A service that is refused to every role; the audit has those who asked without the right.
 const fn refused(code: u8, name: &'static str, on: On) -> OwnService {
     OwnService {
         code,
         name,
         on,
         access: Access::Read,
-        right: Right::Look,
+        right: Right::Administer,
     }
 }
 

@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 
+use arcline_config::{PlainAccess, ServerConfig};
 use arcline_proto::cip::{CipStatus, class};
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::object::{Extent, Object, ObjectContext};
-use super::values::{long_string, no_attribute, u8_value, u16_value, u32_value};
+use super::values::{long_string, no_attribute, short_string, u8_value, u16_value, u32_value};
 use crate::eip::adapter::Adapter;
 use crate::plant::Right;
 
@@ -15,6 +16,8 @@ use crate::plant::Right;
 const CONFIGURED: u32 = 2;
 /// Encapsulation inactivity time-out, s, can be set.
 const INACTIVITY: u16 = 13;
+/// The ports of EtherNet/IP, and which of them are open.
+const PORT_ADMIN: u16 = 14;
 /// The longest of it, s.
 const MAX_INACTIVITY: u16 = 3600;
 /// Attribute 11: no address conflict has been seen.
@@ -43,7 +46,7 @@ impl Object for TcpIpInterface {
     }
 
     fn extent(&self, _cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
-        Extent::dense(1, INACTIVITY)
+        Extent::dense(1, PORT_ADMIN)
     }
 
     fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
@@ -63,6 +66,10 @@ impl Object for TcpIpInterface {
                 let seconds = cx.device().inactivity().map_or(0, |time| time.as_secs());
                 u16_value(u16::try_from(seconds).unwrap_or(u16::MAX))
             }
+            PORT_ADMIN => Ok(ports(
+                &cx.device().settings.config,
+                cx.device().io().map(|io| io.local().port()),
+            )),
             _ => no_attribute(),
         }
     }
@@ -91,6 +98,35 @@ impl Object for TcpIpInterface {
     }
 }
 
+/// The ports that the standard names: `count u8`, then each port's name, number, protocol, whether it is open, and no capability: the configuration
+/// alone opens and closes them (spec/security.md §4).
+fn ports(server: &ServerConfig, io: Option<u16>) -> Bytes {
+    let security = &server.security;
+    let tls = security.tls.map_or(TLS, |address| address.port());
+    let explicit = server.listen.port();
+    let rows = [
+        ("EtherNet/IP TCP", explicit, TCP, security.plain != PlainAccess::Off),
+        ("EtherNet/IP UDP", explicit, UDP, true),
+        ("EtherNet/IP I/O", io.unwrap_or(IO), UDP, io.is_some()),
+        ("EtherNet/IP TLS", tls, TCP, security.tls.is_some()),
+    ];
+    let mut out = BytesMut::new();
+    out.put_u8(rows.len() as u8);
+    for (name, port, protocol, is_open) in rows {
+        out.put_slice(&short_string(name));
+        out.put_u16_le(port);
+        out.put_slice(&[protocol, is_open.into(), 0]);
+    }
+    out.freeze()
+}
+
+/// Protocols of IANA.
+const TCP: u8 = 6;
+const UDP: u8 = 17;
+/// The ports of implicit I/O and of TLS where the configuration has none.
+const IO: u16 = 2222;
+const TLS: u16 = 2221;
+
 /// Address, mask, gateway and name servers as little-endian numbers; no domain.
 fn configuration(adapter: &Adapter) -> Bytes {
     let mut out = BytesMut::with_capacity(22);
@@ -118,4 +154,49 @@ fn padded_string(text: &str) -> Bytes {
         out.put_u8(0);
     }
     out.freeze()
+}
+
+#[cfg(test)]
+mod tests {
+    use arcline_config::Security;
+
+    use super::*;
+
+    /// Protocol 6 is TCP, 17 UDP; then whether the port is open.
+    #[test]
+    fn each_port_is_open_as_the_configuration_says() {
+        let tls = Some(([127, 0, 0, 1], 2221).into());
+        #[rustfmt::skip]
+        let cases = [
+            ("the default",    PlainAccess::On,        None, Some(2222),   [1, 1, 1, 0]),
+            ("without I/O",    PlainAccess::On,        None, None,         [1, 1, 0, 0]),
+            ("beside TLS",     PlainAccess::On,        tls,  Some(50_000), [1, 1, 1, 1]),
+            ("discovery only", PlainAccess::Discovery, tls,  None,         [1, 1, 0, 1]),
+            ("hardened",       PlainAccess::Off,       tls,  None,         [0, 1, 0, 1]),
+        ];
+        for (why, plain, tls, io, open) in cases {
+            let server = ServerConfig {
+                security: Security {
+                    plain,
+                    tls,
+                    ..Security::default()
+                },
+                ..ServerConfig::default()
+            };
+            let rows = [
+                (b"EtherNet/IP TCP", 44818, 6),
+                (b"EtherNet/IP UDP", 44818, 17),
+                (b"EtherNet/IP I/O", io.unwrap_or(2222), 17),
+                (b"EtherNet/IP TLS", 2221, 6),
+            ];
+            let mut expected = vec![4];
+            for ((name, port, protocol), open) in rows.into_iter().zip(open) {
+                expected.push(15);
+                expected.extend_from_slice(name);
+                expected.extend_from_slice(&u16::to_le_bytes(port));
+                expected.extend_from_slice(&[protocol, open, 0]);
+            }
+            assert_eq!(ports(&server, io)[..], expected, "{why}");
+        }
+    }
 }

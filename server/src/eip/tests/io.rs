@@ -22,7 +22,7 @@ const INPUT_SIZE: u16 = 12 + 4 * 24 + 7 * 20;
 const OUTPUT_SIZE: u16 = 4 + 4 * 4;
 
 /// A device with I/O.
-fn bench(reaction: IoLoss) -> Bench {
+pub(super) fn bench(reaction: IoLoss) -> Bench {
     Bench::with(|settings| {
         settings.config.io = IoListen::At("127.0.0.1:0".parse().expect("an address"));
         settings.config.io_loss = reaction;
@@ -38,7 +38,7 @@ fn key(serial: u16) -> ConnectionKey {
 }
 
 /// A Forward Open at 5 ms, with a timeout of 16 intervals.
-fn open(serial: u16, output: u32) -> ForwardOpen {
+pub(super) fn open(serial: u16, output: u32) -> ForwardOpen {
     let parameters = |size| NetworkParameters {
         variable: false,
         priority: 2,
@@ -93,7 +93,7 @@ impl Input {
 
 impl Client {
     /// Sends a Forward Open with the port of a scanner; the reply and where the target listens.
-    async fn open_io(&mut self, open: &ForwardOpen, port: u16) -> (Reply, Option<SocketAddrV4>) {
+    pub(super) async fn open_io(&mut self, open: &ForwardOpen, port: u16) -> (Reply, Option<SocketAddrV4>) {
         let (reply, items) = self.open_items(open, port).await;
         let listens = items.iter().find_map(|item| match item {
             Item::SockaddrOToT(address) => Some(*address),
@@ -136,7 +136,7 @@ impl Client {
         }
     }
 
-    async fn assembly(&mut self, code: u8, instance: u32, attribute: u16, data: &[u8]) -> Reply {
+    pub(super) async fn assembly(&mut self, code: u8, instance: u32, attribute: u16, data: &[u8]) -> Reply {
         self.ask(&Request::new(
             code,
             Epath::attribute(4, instance, attribute),
@@ -145,7 +145,7 @@ impl Client {
         .await
     }
 
-    async fn close_io(&mut self, serial: u16) -> CipStatus {
+    pub(super) async fn close_io(&mut self, serial: u16) -> CipStatus {
         let connected = Connected {
             id: ConnectionId(0),
             sequence: 0,
@@ -155,7 +155,7 @@ impl Client {
     }
 }
 
-fn output(word: u32, overrides: [f32; 4]) -> Vec<u8> {
+pub(super) fn output(word: u32, overrides: [f32; 4]) -> Vec<u8> {
     let mut data = word.to_le_bytes().to_vec();
     overrides.iter().for_each(|percent| data.extend(percent.to_le_bytes()));
     data

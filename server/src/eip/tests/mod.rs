@@ -2,6 +2,7 @@
 
 mod allow;
 mod attributes;
+mod audited;
 mod browse;
 mod costs;
 mod counts;
@@ -15,7 +16,7 @@ mod objects;
 mod pitfalls;
 mod published;
 mod race;
-mod roles;
+pub(crate) mod roles;
 mod rules;
 mod security;
 mod series;

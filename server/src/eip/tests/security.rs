@@ -6,6 +6,7 @@ use arcline_config::{PlainAccess, Role};
 use arcline_proto::cpf::{Item, decode_items, item_type};
 use arcline_proto::encap::Command;
 use arcline_proto::epath::Epath;
+use arcline_proto::security::{CONFIDENTIALITY, FACTORY_DEFAULT, SecurityInformation, port};
 
 use super::*;
 use crate::eip::objects::{Objects, On};
@@ -102,6 +103,74 @@ async fn every_attribute_has_its_bytes() {
             );
         }
     }
+}
+
+/// Class, instance, attribute, the bytes of OpENer's branch `CIPSecurity_develop` 155d6cf as it runs (2026-11-26), and why ours are others.
+type Theirs = (u16, u32, u16, &'static [u8], Option<&'static str>);
+
+#[rustfmt::skip]
+const OPENER: &[Theirs] = &[
+    (0x5D, 0, 1, &[3, 0], None), (0x5D, 0, 2, &[1, 0], None), (0x5D, 0, 3, &[1, 0], None), (0x5D, 0, 6, &[7, 0], None),
+    (0x5D, 0, 7, &[3, 0], None), (0x5D, 1, 1, &[0], None), (0x5D, 1, 2, &[2, 0], None),
+    (0x5D, 1, 3, &[2, 0], Some("no profile is in use without TLS")),
+    (0x5E, 0, 1, &[7, 0], None), (0x5E, 0, 2, &[1, 0], None), (0x5E, 0, 3, &[1, 0], None), (0x5E, 0, 6, &[9, 0], None),
+    (0x5E, 0, 7, &[0x10, 0], None), (0x5E, 0, 8, &[0, 0], None),
+    (0x5E, 0, 9, &[4], Some("no key is shared, so none has a use")),
+    (0x5E, 1, 1, &[0], None), (0x5E, 1, 2, &[0, 0, 0, 0], None),
+    (0x5E, 1, 3, &[8, 0, 0x3B, 0, 0x3C, 0, 0x3D, 0xC0, 6, 0xC0, 0x23, 0xC0, 0x24, 0xC0, 0x3A, 0xC0, 0x37], Some("those of the first edition")),
+    (0x5E, 1, 4, &[2, 0xC0, 0x23, 0xC0, 0x24], Some("those of the first edition")),
+    (0x5E, 1, 5, &[0], None),
+    (0x5E, 1, 6, &[1, 2, 0x20, 0x5F, 0x24, 1], Some("no certificate is in use without TLS")),
+    (0x5E, 1, 7, &[0], None), (0x5E, 1, 8, &[0], None),
+    (0x5E, 1, 9, &[0], Some("a client is always verified")), (0x5E, 1, 10, &[0], Some("the chain is always sent")),
+    (0x5E, 1, 11, &[0], Some("the expiration is checked")),
+    (0x5E, 1, 12, &[0], None),
+    (0x5E, 1, 13, &[1], Some("there is no pull model")), (0x5E, 1, 14, &[0, 0], Some("there is no pull model")),
+    (0x5E, 1, 15, &[12, 0], None), (0x5E, 1, 16, &[0], None),
+    (0x5F, 0, 1, &[2, 0], None), (0x5F, 0, 2, &[1, 0], None), (0x5F, 0, 3, &[1, 0], None), (0x5F, 0, 6, &[10, 0], None),
+    (0x5F, 0, 7, &[5, 0], None),
+    (0x5F, 0, 8, &[1, 0, 0, 0], Some("no certificate is pushed")),
+    (0x5F, 0, 9, b"\x01\x1aDefault Device Certificate\x02\x20\x5F\x24\x01", None),
+    (0x5F, 0, 10, &[3, 0, 0, 0], Some("PEM alone")),
+    (0x5F, 1, 1, b"\x1aDefault Device Certificate", None),
+    (0x5F, 1, 2, &[3], Some("that of the factory does not exist")),
+    (0x5F, 1, 3, &[1, 2, 0x20, 0x37, 0x24, 1], Some("a certificate is no File object")),
+    (0x5F, 1, 4, &[1, 2, 0x20, 0x37, 0x24, 2], Some("an authority is no File object")),
+    (0x5F, 1, 5, &[0], None),
+];
+
+/// As OpENer from the factory, without TLS: the same bytes, but where a value is another one on purpose.
+#[tokio::test]
+async fn attributes_have_the_bytes_of_opener() {
+    let bench = Bench::new();
+    let mut client = bench.client().await;
+    for (class, instance, id, theirs, why) in OPENER {
+        let reply = get(&mut client, *class, *instance, *id).await;
+        let place = format!("class {class:#x} instance {instance} attribute {id}: {why:?}");
+        assert_eq!(codes(reply.status), (0, 0), "{place}");
+        assert_eq!(
+            reply.data[..] == **theirs,
+            why.is_none(),
+            "{place}: {:02x?}",
+            &reply.data[..]
+        );
+    }
+}
+
+/// The item of OpENer's ListIdentity, where it stands behind the identity too.
+#[test]
+fn the_item_of_opener_reads() {
+    let theirs = SecurityInformation::decode(&[2, 0, 0, 0, 3, 2, 0]).expect("whole");
+    assert_eq!(
+        (theirs.profiles, theirs.profiles_configured),
+        (CONFIDENTIALITY, CONFIDENTIALITY)
+    );
+    assert_eq!(
+        (theirs.state, theirs.ethernet_ip_state),
+        (FACTORY_DEFAULT, FACTORY_DEFAULT)
+    );
+    assert_eq!(theirs.ports, port::EXPLICIT_TCP | port::EXPLICIT_UDP);
+    assert_eq!(theirs.encode(), [2, 0, 0, 0, 3, 2, 0]);
 }
 
 #[tokio::test]

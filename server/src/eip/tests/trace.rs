@@ -9,7 +9,7 @@ const LIST: u8 = 0x32;
 const READ: u8 = 0x33;
 const COMPLETE: u8 = 2;
 
-fn of(service: u8, instance: u32, data: impl Into<Bytes>) -> Request {
+pub(super) fn of(service: u8, instance: u32, data: impl Into<Bytes>) -> Request {
     Request::new(service, Epath::object(CLASS, instance), data.into())
 }
 
@@ -19,7 +19,7 @@ fn named(out: &mut BytesMut, name: &str) {
 }
 
 /// A configuration: ticks before and from the trigger on, every nth, the trigger's bytes, signals.
-fn config(before: u32, length: u32, every: u16, trigger: &[u8], signals: &[&str]) -> BytesMut {
+pub(super) fn config(before: u32, length: u32, every: u16, trigger: &[u8], signals: &[&str]) -> BytesMut {
     let mut out = BytesMut::new();
     out.put_u32_le(before);
     out.put_u32_le(length);
@@ -56,7 +56,7 @@ struct Rows {
 }
 
 impl Client {
-    async fn create(&mut self, config: BytesMut) -> u32 {
+    pub(super) async fn create(&mut self, config: BytesMut) -> u32 {
         let reply = self.ask(&of(service::CREATE, 0, config)).await;
         assert!(reply.status.is_success(), "Create: {}", reply.status);
         u32::from_le_bytes(*reply.data.first_chunk().expect("an instance"))

@@ -24,8 +24,8 @@ pub(super) use self::session::State;
 use self::session::{Session, Subject};
 use crate::audit::{What, sha256};
 use crate::limits::Lockouts;
-use crate::plant::Plant;
 use crate::plant::control::ViewerId;
+use crate::plant::{Plant, Principal};
 use crate::users::command::random_text;
 use crate::users::{Users, UsersError, password};
 
@@ -300,7 +300,7 @@ impl Sessions {
             tokio::time::sleep(LOOK).await;
             let now = self.changed();
             if std::mem::replace(&mut changed, now) != now {
-                self.reload();
+                self.reload(plant);
             }
             self.judge(plant, Instant::now());
         }
@@ -312,9 +312,13 @@ impl Sessions {
         Some((metadata.ino(), metadata.mtime(), metadata.mtime_nsec(), metadata.size()))
     }
 
-    fn reload(&self) {
+    fn reload(&self, plant: &Plant) {
         let Some(file) = &self.file else { return };
-        match Users::read(file) {
+        let read = Users::read(file);
+        let result = if read.is_ok() { "done" } else { "refused" };
+        let what = "the users of the page".to_owned();
+        plant.record(Principal::Server, What::Reload, what, result);
+        match read {
             Ok(users) => {
                 warn!("the users of the page were read again");
                 self.users.store(Arc::new(users));

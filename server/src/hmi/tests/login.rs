@@ -195,6 +195,9 @@ async fn a_session_without_a_person_is_locked_and_ends() {
 #[tokio::test]
 async fn a_change_of_the_users_reaches_open_sessions() {
     let page = Secured::start().await;
+    let audit = page.folder.path().join("audit");
+    let opened = crate::audit::Audit::open(&audit).expect("a writable folder");
+    page.bench.plant.set_audit(opened);
     let (anna, bert) = (page.log_in("anna", ANNA).await, page.log_in("bert", BERT).await);
     let mut anna = page.page(&anna.expect("it is her password")).await;
     let mut bert = page.page(&bert.expect("it is his password")).await;
@@ -211,6 +214,21 @@ async fn a_change_of_the_users_reaches_open_sessions() {
     // A file that is of no use changes nothing.
     fs::write(page.folder.path().join("users.toml"), "nonsense = = 1").expect("a writable folder");
     assert!(page.log_in("bert", "another long password").await.is_ok());
+    // The audit has each time that the file was read.
+    let reloads = || {
+        let text = fs::read_to_string(audit.join("000001.jsonl")).expect("it is there");
+        let lines = text
+            .lines()
+            .filter(|line| line.contains("\"what\":\"reload\",\"object\":\"the users of the page\""));
+        lines
+            .map(|line| line.contains("\"result\":\"done\""))
+            .collect::<Vec<_>>()
+    };
+    let began = std::time::Instant::now();
+    while reloads() != [true, true, true, false] {
+        assert!(began.elapsed() < SOON, "{:?}", reloads());
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
 }
 
 #[tokio::test]

@@ -210,6 +210,64 @@ async fn a_name_of_a_stranger_is_refused() {
     }
 }
 
+/// Requests that two servers may read differently: one answer at most, and the bytes behind are no request (RFC 9112, 11.2).
+#[tokio::test]
+async fn a_request_that_can_be_read_in_two_ways_is_refused() {
+    let bench = Bench::start().await;
+    let behind = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    let length = behind.len();
+    let post = "POST /login HTTP/1.1\r\nHost: localhost\r\n";
+    let get = "GET / HTTP/1.1\r\n";
+    #[rustfmt::skip]
+    let cases = [
+        ("a length and pieces",    format!("{post}Content-Length: {length}\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n{behind}")),
+        ("pieces and a length",    format!("{post}Transfer-Encoding: chunked\r\nContent-Length: 3\r\n\r\n0\r\n\r\n{behind}")),
+        ("pieces",                 format!("{post}Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n{behind}")),
+        ("pieces in disguise",     format!("{post}Transfer-Encoding: xchunked\r\nContent-Length: 0\r\n\r\n{behind}")),
+        ("a header with a space",  format!("{post}Transfer-Encoding : chunked\r\nContent-Length: 0\r\n\r\n{behind}")),
+        ("two lengths",            format!("{post}Content-Length: 0\r\nContent-Length: {length}\r\n\r\n{behind}")),
+        ("a length with a sign",   format!("{post}Content-Length: +0\r\n\r\n{behind}")),
+        ("a list of lengths",      format!("{post}Content-Length: 0, {length}\r\n\r\n{behind}")),
+        ("two hosts",              format!("{get}Host: localhost\r\nHost: evil.example\r\n\r\n{behind}")),
+        ("two equal hosts",        format!("{get}Host: localhost\r\nHost: localhost\r\n\r\n{behind}")),
+        ("a line that goes on",    format!("{get}Host: localhost\r\nX-A: 1\r\n Host: evil.example\r\n\r\n{behind}")),
+        ("a bare CR in a value",   format!("{get}Host: localhost\r\nX-A: 1\rHost: evil.example\r\n\r\n{behind}")),
+        ("a NUL in a value",       format!("{get}Host: localhost\r\nX-A: 1\0\r\n\r\n{behind}")),
+    ];
+    for (why, bytes) in &cases {
+        let answer = exchange(&bench, bytes).await;
+        assert!(answer.starts_with("HTTP/1.1 400"), "{why}: {answer}");
+        assert_eq!(
+            answer.matches("HTTP/1.1 ").count(),
+            1,
+            "{why}: the connection ends: {answer}"
+        );
+    }
+    // hyper takes a bare LF for the end of a line: the same request as with CRLF, and the one behind it.
+    for end in ["\r\n", "\n"] {
+        let bytes = format!("GET /assets/none.js HTTP/1.1{end}Host: localhost{end}{end}{behind}");
+        let bytes = bytes.replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n");
+        let answer = exchange(&bench, &bytes).await;
+        let statuses: Vec<&str> = answer.lines().filter(|line| line.starts_with("HTTP/1.1 ")).collect();
+        let expected: &[&str] = match end {
+            "\n" => &["HTTP/1.1 404 Not Found", "HTTP/1.1 200 OK"],
+            // The first one closes here.
+            _ => &["HTTP/1.1 404 Not Found"],
+        };
+        assert_eq!(statuses, expected, "{end:?}: {answer}");
+    }
+}
+
+/// All that comes until the server closes.
+async fn exchange(bench: &Bench, bytes: &str) -> String {
+    let mut stream = TcpStream::connect(bench.address).await.expect("it accepts");
+    stream.write_all(bytes.as_bytes()).await.expect("it reads");
+    let mut answer = Vec::new();
+    // A reset behind the answer is an end too: not all of the request was read.
+    let _ = timeout(SOON, stream.read_to_end(&mut answer)).await.expect("in time");
+    String::from_utf8_lossy(&answer).into_owned()
+}
+
 #[tokio::test]
 async fn the_machine_is_as_configured() {
     let bench = Bench::start().await;
@@ -373,5 +431,5 @@ mod login;
 mod looking;
 mod previews;
 mod programs;
-mod roles;
+pub(crate) mod roles;
 mod secured;

@@ -4,21 +4,37 @@ use arcline_config::Role;
 
 use super::*;
 use crate::guard::VIEWERS;
+use crate::hmi::protocol::Request;
 use crate::plant::Right;
 
-#[tokio::test]
-async fn every_request_for_every_role() {
-    let bench = Bench::start().await;
+/// Requests of the page with the right that each needs, in their order: every kind of request at least once.
+pub(crate) fn cases() -> Vec<(Right, Value)> {
+    let mas = "MAS(X, Weak, All, Yes, 1000, Unitspersec2);";
     #[rustfmt::skip]
-    let cases = [
+    let cases = vec![
         (Right::Look,          json!({"do": "ping"})),
+        (Right::Look,          json!({"do": "active"})),
         (Right::Look,          json!({"do": "read", "names": ["Move1.Speed"]})),
+        (Right::Look,          json!({"do": "tags"})),
+        (Right::Look,          json!({"do": "watch", "names": ["Move1.Speed"]})),
         (Right::Look,          json!({"do": "check", "text": "MSO(X, C);"})),
+        (Right::Look,          json!({"do": "line", "instruction": "MSO"})),
+        (Right::Look,          json!({"do": "preview", "text": "MSO(X, C);"})),
+        (Right::Look,          json!({"do": "dry_run", "text": "MSO(X, C);"})),
+        (Right::Look,          json!({"do": "routines"})),
+        (Right::Look,          json!({"do": "rungs", "routine": 0, "from": 0, "count": 1})),
+        (Right::Look,          json!({"do": "look", "routine": null})),
+        (Right::Look,          json!({"do": "uses", "tag": "Move1"})),
+        (Right::Look,          json!({"do": "trace", "on": true})),
+        (Right::Look,          json!({"do": "history", "before": 1})),
+        (Right::Look,          json!({"do": "events"})),
         (Right::TakeControl,   json!({"do": "take", "object": "CS1"})),
         (Right::TakeByForce,   json!({"do": "take", "object": "CS1", "force": true})),
         (Right::Move,          json!({"do": "execute", "text": "MSO(X, C);"})),
-        (Right::Stop,          json!({"do": "execute", "text": "MAS(X, Weak, All, Yes, 1000, Unitspersec2);"})),
+        (Right::Stop,          json!({"do": "execute", "text": mas})),
         (Right::Move,          json!({"do": "jog", "axis": "X", "speed": 1})),
+        (Right::Stop,          json!({"do": "keep", "axis": "X"})),
+        (Right::Stop,          json!({"do": "jog_end", "axis": "X"})),
         (Right::WriteTag,      json!({"do": "write", "tag": "Move1.Speed", "value": 5})),
         (Right::InjectFaults,  json!({"do": "write", "tag": "FaultInject[0]", "value": 0})),
         (Right::Override,      json!({"do": "override", "coordinate_system": "CS1", "percent": 50})),
@@ -30,8 +46,20 @@ async fn every_request_for_every_role() {
         (Right::RunProgram,    json!({"do": "run", "text": "DELAY(0.001);"})),
         (Right::RunProgram,    json!({"do": "continue"})),
         (Right::RunProgram,    json!({"do": "step"})),
+        (Right::Stop,          json!({"do": "pause"})),
         (Right::Stop,          json!({"do": "end"})),
+        (Right::ChangeMode,    json!({"do": "mode", "run": false})),
+        (Right::Force,         json!({"do": "force", "tag": "Local:1:I.Data.0", "value": true})),
+        (Right::Force,         json!({"do": "remove_forces"})),
+        (Right::TakeControl,   json!({"do": "release", "object": "CS1"})),
     ];
+    cases
+}
+
+#[tokio::test]
+async fn every_request_for_every_role() {
+    let bench = Bench::start().await;
+    let cases = cases();
     for (number, role) in (1_u64..).zip(Role::ALL) {
         let mut viewer = bench.viewer().await;
         bench.plant.roles().set(VIEWERS | number, role);
@@ -45,6 +73,23 @@ async fn every_request_for_every_role() {
             let refused = text.starts_with(&format!("the role {} may not", role.word()));
             assert_eq!(refused, !right.is_of(role), "{request} as {}: {answer:?}", role.word());
         }
+    }
+}
+
+/// A request that the page learns has a row above. The error of a request that there is not lists those that there are.
+#[test]
+fn every_kind_of_request_has_a_row() {
+    let cases = cases();
+    let error = serde_json::from_value::<Request>(json!({"do": "?"})).expect_err("it is none");
+    let error = error.to_string();
+    // The odd pieces stand between the quotes; the first one is the request itself.
+    let kinds: Vec<&str> = error.split('`').skip(1).step_by(2).skip(1).collect();
+    assert!(kinds.len() > 30, "{error}");
+    for kind in &kinds {
+        assert!(
+            cases.iter().any(|(_, request)| request["do"] == *kind),
+            "{kind} has no row"
+        );
     }
 }
 
