@@ -8,7 +8,7 @@ use std::process::Command;
 pub(crate) struct Campaign {
     pub(crate) first_seed: u64,
     pub(crate) scenarios: u64,
-    /// Virtual seconds of all scenarios.
+    /// Virtual seconds of all runs: every 50th scenario is run four times.
     pub(crate) simulated_s: u64,
     /// States of the list, all of them reached.
     pub(crate) states: usize,
