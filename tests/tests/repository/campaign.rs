@@ -46,6 +46,14 @@ impl Simulation {
         self.number("simulated_s") / self.number("processor_s")
     }
 
+    /// How many runs they were, where the file says so: some scenarios are run several times.
+    fn runs(&self) -> String {
+        match self.0.get("runs") {
+            Some(runs) => format!(" in {runs} runs"),
+            None => String::new(),
+        }
+    }
+
     fn hours(&self) -> f64 {
         self.number("simulated_s") as f64 / 3600.0
     }
@@ -84,7 +92,7 @@ fn table() -> String {
     let (kills, campaign) = dated("kills.txt");
     format!(
         "| campaign | figures |\n|---|---|\n\
-         | scenarios, commit {} of {} | {} of 20 s from seed {}, every 50th of them four times: {:.1} hours simulated, {} times real time on one core; all {} states reached, no \
+         | scenarios, commit {} of {} | {} of 20 s from seed {}{}: {:.1} hours simulated, {} times real time on one core; all {} states reached, no \
          invariant broken |\n\
          | planted bugs, {} | {} of {} found, the last by seed {} |\n\
          | kills, {} | {} |\n",
@@ -92,6 +100,7 @@ fn table() -> String {
         simulation.text("date"),
         simulation.number("scenarios"),
         simulation.number("first_seed"),
+        simulation.runs(),
         simulation.hours(),
         simulation.speed(),
         simulation.number("states"),

@@ -139,6 +139,7 @@ fn scenarios() {
         let campaign = Campaign {
             first_seed: seeds.start,
             scenarios: count,
+            runs,
             simulated_s: simulated,
             states: SOMETIMES.len(),
         };

@@ -105,6 +105,8 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     let address = SocketAddr::new(stage.ip().into(), IO_PORT);
     let random = arcline_tests::random::Random(stage.random.bits());
     let mailbox = stage.common.post.open(address, stage.weather, random);
+    // Before the connection is open: its time-out does not wait for many answers.
+    client.ask(&instruction(Mnemonic::Mafr, C, "", &[])).await?;
     let Some(opened) = client.open_io(&open, IO_PORT).await? else {
         stage.note("the outputs have another owner still");
         return Ok(());
@@ -125,7 +127,6 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     };
     stage.sometimes("the outputs have an owner");
     owned.produce();
-    client.ask(&instruction(Mnemonic::Mafr, C, "", &[])).await?;
     client.ask(&instruction(Mnemonic::Mso, C, "", &[])).await?;
     stage.order(Order::Moves(C as usize - 1));
     // By 200 units at 20 units/s: longer than the owner lives.
