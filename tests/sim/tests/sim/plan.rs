@@ -127,9 +127,9 @@ impl Scenario {
         };
         if self.has("small rings", 25) {
             conditions.room = Room {
-                commands: 3,
+                commands: 2,
                 stops: 2,
-                events: 4,
+                events: 2,
                 samples_ns: 200_000_000,
             };
         }

@@ -3,7 +3,7 @@
 use super::Stage;
 use crate::client::{Answer, Client, DINT, dint, read, write};
 
-/// The axes whose faults are injected: S, a servo, and A, B, C and P, which are virtual. Lines of X, Y and Z are held to their path.
+/// The axes whose faults are injected: S and P, which are servos, and A, B and C, which are virtual. Lines of X, Y and Z are held to their path.
 const AXES: [u32; 5] = [3, 4, 5, 6, 7];
 /// Bits of causes: soft travel, position error, the drive, overcurrent, a limit switch, feedback, a command limit, communication.
 const CAUSES: [i32; 8] = [0, 2, 3, 4, 6, 8, 9, 10];

@@ -12,7 +12,7 @@ type = "MAM"
 target = "A"
 [[axis]]
 name = "P"
-type = "virtual"
+type = "servo"
 units = "mm"
 max_speed = 1000.0
 max_acceleration = 10000.0
