@@ -1,5 +1,5 @@
 //! The server without threads: the tick, the contour planner, the writer of the retained state and the trace are steps that the caller
-//! makes, and the listener and the tasks beside the plant run on the runtime of the caller, whose clock may be paused. A simulation
+//! makes, and the listener, the page and the tasks beside the plant run on the runtime of the caller, whose clock may be paused. A simulation
 //! (`tests/sim`) drives the server so, from a seed.
 //!
 //! Nothing here decides anything: each step is the one that a thread of the program makes in its loop.
@@ -7,10 +7,11 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use arcline_config::Project;
 use arcline_controller::{Controller, Snapshot};
+pub use arcline_realtime::{FullRings, Room};
 use arcline_realtime::{Planning, Rings};
 use arcline_state::{Disk, Ended, LockedFile, Pace, Task};
 
@@ -19,7 +20,9 @@ pub use crate::eip::Datagrams;
 use crate::eip::Settings;
 use crate::eip::stepped::SteppedFace;
 pub use crate::eip::stepped::{Duplex, Held};
+use crate::hmi::stepped::SteppedPage;
 use crate::plant::Plant;
+use crate::plant::wall::Wall;
 use crate::retained::{Job, Keeper, SteppedState, Turn};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
@@ -31,7 +34,41 @@ pub struct Stepped<D: Disk> {
     planning: Option<Planning>,
     keeper: Option<Keeper<D>>,
     face: SteppedFace,
+    page: SteppedPage,
     audit: Receiver<Option<Event>>,
+    /// Changes of instructions and faults that the ticks have reported.
+    reported: u64,
+}
+
+/// Changes of instructions and faults.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Changes {
+    /// As the ticks have reported them.
+    pub reported: u64,
+    /// As the plant has logged them.
+    pub logged: u64,
+}
+
+/// What the caller chooses for a server beside its project.
+#[derive(Clone, Copy, Debug)]
+pub struct Conditions {
+    /// The room in the rings to and from the tick.
+    pub room: Room,
+    /// The number of the first tick.
+    pub first_tick: u64,
+    /// The clock on the wall.
+    pub wall: fn() -> SystemTime,
+}
+
+/// Those of the program.
+impl Default for Conditions {
+    fn default() -> Self {
+        Conditions {
+            room: Room::default(),
+            first_tick: 0,
+            wall: Wall::default().0,
+        }
+    }
 }
 
 /// An event that the audit makes a line of (spec/security.md §9).
@@ -66,6 +103,7 @@ impl<D: Disk> Stepped<D> {
         mut project: Project,
         disk: Option<(D, PathBuf, Pace)>,
         settings: Settings,
+        conditions: Conditions,
     ) -> Result<Self, StartError> {
         let failed = |error: &dyn std::fmt::Display| StartError(error.to_string());
         let state = match disk {
@@ -79,20 +117,23 @@ impl<D: Disk> Stepped<D> {
             Some(SteppedState { image, watch, keeper }) => (image, Some(watch), Some(keeper)),
             None => (project.image(), None, None),
         };
-        let (rings, mut link) = arcline_realtime::link(&project.machine);
+        let (rings, mut link) = arcline_realtime::link_with(&project.machine, conditions.room);
         let planning = link.planning.take();
-        let plant = Plant::start_stepped(&project, link, image, watch);
+        let plant = Plant::start_stepped(&project, link, image, watch, Wall(conditions.wall));
         let (audit, events) = Audit::stepped();
         plant.set_audit(audit);
         let face = SteppedFace::start(plant.clone(), settings).map_err(|error| failed(&error))?;
+        let page = SteppedPage::start(plant.clone());
         Ok(Stepped {
             plant,
-            controller: Controller::new(&project.machine),
-            rings,
+            controller: Controller::new(&project.machine).starting_at(conditions.first_tick),
+            rings: rings.starting_at(conditions.first_tick),
             planning,
             keeper,
             face,
+            page,
             audit: events,
+            reported: 0,
         })
     }
 
@@ -103,7 +144,21 @@ impl<D: Disk> Stepped<D> {
 
     /// One tick. `see` gets its snapshot.
     pub fn tick(&mut self, see: &mut dyn FnMut(&Snapshot)) {
-        arcline_realtime::step_seen(&mut self.controller, &mut self.rings, see);
+        self.reported += arcline_realtime::step_seen(&mut self.controller, &mut self.rings, see);
+    }
+
+    /// The rings that have no more room.
+    pub fn full_rings(&self) -> FullRings {
+        self.rings.full()
+    }
+
+    /// Changes of instructions and faults that the ticks have reported, and those of them that the plant has logged.
+    pub fn changes(&self) -> Changes {
+        let newest = |_: &_, _: &_, events: Vec<crate::plant::Logged>| events.last().map_or(0, |logged| logged.number);
+        Changes {
+            reported: self.reported,
+            logged: self.plant.events_since(0, newest),
+        }
     }
 
     /// One turn of the contour planner. Whether there was a request.
@@ -159,8 +214,16 @@ impl<D: Disk> Stepped<D> {
         self.face.connect(Err(error));
     }
 
+    /// A browser comes in from an address, to the page.
+    pub fn browse(&self, stream: Box<dyn Duplex>, peer: SocketAddr) {
+        self.page.connect((stream, peer));
+    }
+
     /// What the server holds of its clients.
     pub fn held(&self) -> Held {
-        self.face.held()
+        Held {
+            browsers: self.page.browsers(),
+            ..self.face.held()
+        }
     }
 }

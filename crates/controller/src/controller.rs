@@ -176,6 +176,13 @@ impl Controller {
         }
     }
 
+    /// The same before another tick: counters of ticks are near their end after weeks.
+    #[must_use]
+    pub fn starting_at(mut self, tick: u64) -> Self {
+        self.next_tick = tick;
+        self
+    }
+
     /// One coarse update: what a real-time thread does, in the order in which things happen.
     ///
     /// Real-time: no allocation, lock, I/O, log or clock; bounded by the machine and [`MAX_COMMANDS_PER_TICK`].

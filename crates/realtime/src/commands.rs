@@ -41,10 +41,10 @@ pub(crate) struct CommandReceiver {
     taken: u64,
 }
 
-/// Both ends. The only allocation.
-pub(crate) fn link() -> (CommandSender, CommandReceiver) {
-    let (command_sender, commands) = rtrb::RingBuffer::new(COMMANDS);
-    let (stop_sender, stops) = rtrb::RingBuffer::new(STOPS);
+/// Both ends, for so many commands and stops. The only allocation.
+pub(crate) fn link(commands: usize, stops: usize) -> (CommandSender, CommandReceiver) {
+    let (command_sender, commands) = rtrb::RingBuffer::new(commands);
+    let (stop_sender, stops) = rtrb::RingBuffer::new(stops);
     let sender = CommandSender {
         commands: command_sender,
         stops: stop_sender,
@@ -93,6 +93,11 @@ impl CommandSender {
 }
 
 impl CommandReceiver {
+    /// Whether there is room for no command more.
+    pub(crate) fn is_full(&self) -> bool {
+        self.commands.slots() == self.commands.buffer().capacity()
+    }
+
     /// Commands that wait, stops aside. Real-time.
     pub(crate) fn waiting(&self) -> usize {
         self.commands.slots()
@@ -147,7 +152,7 @@ mod tests {
 
     #[test]
     fn while_the_controller_keeps_up_the_order_is_that_of_sending() {
-        let (mut sender, mut receiver) = link();
+        let (mut sender, mut receiver) = link(COMMANDS, STOPS);
         for number in 0..MAX_COMMANDS_PER_TICK as u32 {
             sender.push(command(number)).expect("room");
             sender.push_stop(command(1000 + number)).expect("room");
@@ -162,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_stop_overtakes_more_commands_than_a_tick_takes() {
-        let (mut sender, mut receiver) = link();
+        let (mut sender, mut receiver) = link(COMMANDS, STOPS);
         for number in 0..COMMANDS as u32 {
             sender.push(command(number)).expect("room");
         }

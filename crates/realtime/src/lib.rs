@@ -22,7 +22,7 @@ pub use clock::{Clock, Stepper, Steps};
 pub use commands::{COMMANDS, CommandSender, Full, STOPS};
 pub use contour::Planning;
 pub use meter::Meter;
-pub use rings::{ACCEPTED, Answer, EVENTS, Link, Rings, link};
+pub use rings::{ACCEPTED, Answer, EVENTS, FullRings, Link, Rings, Room, link, link_with};
 pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use stops::Stops;

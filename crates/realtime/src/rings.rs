@@ -108,16 +108,57 @@ enum Stop {
     Under,
 }
 
+/// Rings that have no more room. That of answers always has some: a call that could not be answered is not sent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FullRings {
+    /// That of commands.
+    pub commands: bool,
+    /// That of changes of instructions.
+    pub events: bool,
+    /// That of samples.
+    pub samples: bool,
+}
+
+/// The room in rings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Room {
+    /// Commands.
+    pub commands: usize,
+    /// Stops besides.
+    pub stops: usize,
+    /// Changes of instructions.
+    pub events: usize,
+    /// Samples, as time, ns.
+    pub samples_ns: u64,
+}
+
+/// That of the program.
+impl Default for Room {
+    fn default() -> Self {
+        Room {
+            commands: COMMANDS,
+            stops: STOPS,
+            events: EVENTS,
+            samples_ns: samples::WAITING_NS,
+        }
+    }
+}
+
 /// Rings for the controller of a machine. The only allocation.
 pub fn link(machine: &Machine) -> (Rings, Link) {
-    let (command_sender, commands) = commands::link();
+    link_with(machine, Room::default())
+}
+
+/// The same with other room: a simulation lets rings be full.
+pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
+    let (command_sender, commands) = commands::link(room.commands, room.stops);
     // Every command in the ring may be answered before anybody looks.
-    let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (COMMANDS + STOPS));
-    let (events, event_receiver) = rtrb::RingBuffer::new(EVENTS);
+    let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (room.commands + room.stops));
+    let (events, event_receiver) = rtrb::RingBuffer::new(room.events);
     let (fault_changes, fault_change_receiver) = rtrb::RingBuffer::new(FAULT_CHANGES);
     let (array_writes, array_write_receiver) = rtrb::RingBuffer::new(ARRAY_WRITES);
     let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
-    let (samples, sample_receiver) = samples::link(machine);
+    let (samples, sample_receiver) = samples::link(machine, room.samples_ns);
     let (stop_receiver, stops) = stops::link(machine.axes.len());
     let (snapshots, snapshot_output) = triple_buffer::triple_buffer(&Snapshot::new(machine));
     let meter = Arc::new(Meter::default());
@@ -159,6 +200,22 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
 }
 
 impl Rings {
+    /// The first tick is this one, as that of the controller ([`Controller::starting_at`](arcline_controller::Controller::starting_at)).
+    #[must_use]
+    pub fn starting_at(mut self, tick: u64) -> Self {
+        self.tick = tick;
+        self
+    }
+
+    /// The rings that have no more room.
+    pub fn full(&self) -> FullRings {
+        FullRings {
+            commands: self.commands.is_full(),
+            events: self.events.is_full(),
+            samples: !self.samples.has_room(),
+        }
+    }
+
     /// From now on the controller takes one command, to stop everything, and no other.
     pub fn stop(&mut self) {
         if self.stop == Stop::No {

@@ -4,7 +4,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, samples};
 
 /// Rows that can wait to be taken, as time, ns, and as memory, bytes.
-const WAITING_NS: u64 = 4_000_000_000;
+pub(crate) const WAITING_NS: u64 = 4_000_000_000;
 const WAITING_BYTES: usize = 32 << 20;
 
 /// The thread's end.
@@ -21,10 +21,10 @@ pub struct Samples {
     width: usize,
 }
 
-/// Both ends. The only allocation.
-pub(crate) fn link(machine: &Machine) -> (SampleSender, Samples) {
+/// Both ends, for that time, ns. The only allocation.
+pub(crate) fn link(machine: &Machine, waiting_ns: u64) -> (SampleSender, Samples) {
     let width = samples::width(machine);
-    let rows = (WAITING_NS / machine.period_ns.max(1)) as usize;
+    let rows = (waiting_ns / machine.period_ns.max(1)) as usize;
     let rows = rows.min(WAITING_BYTES / (width * size_of::<f64>())).max(LEAST);
     let (mut sender, mut receiver) = rtrb::RingBuffer::new(rows * width);
     // Touched, so that no tick meets a page fault.

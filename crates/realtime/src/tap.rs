@@ -10,16 +10,25 @@ use arcline_instruction_set::MotionControl;
 
 use crate::rings::Rings;
 
-/// As [`step`](crate::step); `see` gets the snapshot of the tick before it is published.
-pub fn step_seen(controller: &mut Controller, rings: &mut Rings, see: &mut dyn FnMut(&Snapshot)) {
-    controller.tick(&mut Tap { rings, see });
+/// As [`step`](crate::step); `see` gets the snapshot of the tick before it is published. Returns how many changes of instructions and faults
+/// the tick has reported, whether or not the rings had room for them.
+pub fn step_seen(controller: &mut Controller, rings: &mut Rings, see: &mut dyn FnMut(&Snapshot)) -> u64 {
+    let mut tap = Tap {
+        rings,
+        see,
+        reported: 0,
+    };
+    controller.tick(&mut tap);
+    let reported = tap.reported;
     rings.tick += 1;
+    reported
 }
 
 /// The rings, with a look at each snapshot.
 struct Tap<'r> {
     rings: &'r mut Rings,
     see: &'r mut dyn FnMut(&Snapshot),
+    reported: u64,
 }
 
 impl Port for Tap<'_> {
@@ -52,10 +61,12 @@ impl Port for Tap<'_> {
     }
 
     fn event(&mut self, event: &Event) {
+        self.reported += 1;
         self.rings.event(event);
     }
 
     fn fault_change(&mut self, change: &FaultChange) {
+        self.reported += 1;
         self.rings.fault_change(change);
     }
 

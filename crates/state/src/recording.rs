@@ -103,6 +103,11 @@ impl Recording {
         self.lock_recorded().calls.clone()
     }
 
+    /// Looks at the calls so far, without a copy of them.
+    pub fn with_calls<T>(&self, look: impl FnOnce(&[Call]) -> T) -> T {
+        look(&self.lock_recorded().calls)
+    }
+
     /// The newest call.
     pub fn last(&self) -> Option<Call> {
         self.lock_recorded().calls.last().cloned()

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, UNIX_EPOCH};
 
 use arcline_config::{ConnectionLoss, PlainAccess, Security, ServerConfig};
 use arcline_proto::connection::{Count, Counters};
@@ -270,13 +270,18 @@ impl Device {
     /// µs since 1970-01-01 UTC, as clients have set it.
     pub(crate) fn clock(&self) -> u64 {
         let offset = self.clock_offset.load(Ordering::Relaxed);
-        host_clock().checked_add_signed(offset).unwrap_or_default()
+        self.host_clock().checked_add_signed(offset).unwrap_or_default()
     }
 
     /// Sets the clock that clients see.
     pub(crate) fn set_clock(&self, micros: u64) {
-        let offset = micros.wrapping_sub(host_clock()).cast_signed();
+        let offset = micros.wrapping_sub(self.host_clock()).cast_signed();
         self.clock_offset.store(offset, Ordering::Relaxed);
+    }
+
+    fn host_clock(&self) -> u64 {
+        let since = self.plant.wall().now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
     }
 
     /// Daylight saving, as a client has set it; nothing depends on it.
@@ -306,11 +311,6 @@ impl Face for Device {
     fn lost(&self, session: u64) {
         self.end_session(session, false);
     }
-}
-
-fn host_clock() -> u64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    u64::try_from(since.as_micros()).unwrap_or(u64::MAX)
 }
 
 /// The device as a session sees it.

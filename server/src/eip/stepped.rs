@@ -44,6 +44,8 @@ pub struct Held {
     pub connections: usize,
     /// Class 0 and 1 connections that are open.
     pub io: usize,
+    /// Connections of browsers, and viewers.
+    pub browsers: usize,
 }
 
 impl SteppedFace {
@@ -82,6 +84,7 @@ impl SteppedFace {
             clients: self.device.limiter.clients(),
             connections: self.device.open_connections(),
             io: self.device.io().map_or(0, |io| io.open_connections()),
+            browsers: 0,
         }
     }
 }

@@ -24,6 +24,7 @@ mod serve;
 mod sessions;
 mod socket;
 mod status;
+pub(crate) mod stepped;
 mod tags;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -47,9 +48,10 @@ use jog::Jogs;
 use preview::Previews;
 use program::Programs;
 use protocol::text_of;
+use serve::Entrance;
 pub(crate) use sessions::Sessions;
 use status::Status;
-use workers::Workers;
+use workers::{Beside, Workers};
 
 /// The bound HMI.
 #[derive(Debug)]
@@ -61,7 +63,7 @@ pub struct Hmi {
 /// A socket that listens.
 #[derive(Debug)]
 struct Door {
-    listener: TcpListener,
+    entrance: Entrance,
     /// Its address.
     listen: SocketAddr,
     /// `None`: what travels there is not encrypted.
@@ -142,8 +144,14 @@ impl Hmi {
             let failed = |error| BindError { address, error };
             let listener = TcpListener::bind(address).await.map_err(failed)?;
             let listen = listener.local_addr().map_err(failed)?;
-            bound.push(Door { listener, listen, tls });
+            let entrance = Entrance::System(listener);
+            bound.push(Door { entrance, listen, tls });
         }
+        Ok(Self::of(bound, doors, plant, Beside::Threads))
+    }
+
+    /// With doors that are bound.
+    fn of(bound: Vec<Door>, doors: Doors, plant: Plant, beside: Beside) -> Self {
         let shared = Shared {
             assets: Assets::from_environment(),
             tls: doors.tls.map(|(_, tls)| tls),
@@ -157,16 +165,16 @@ impl Hmi {
             frames: broadcast::Sender::new(frames::WAITING),
             jogs: Jogs::default(),
             stops: AtomicU64::new(0),
-            workers: Workers::default(),
-            program: Arc::default(),
+            workers: Workers::new(beside),
+            program: Arc::new(Programs::new(beside)),
             previews: Previews::default(),
             events: broadcast::Sender::new(events::WAITING),
             plant,
         };
-        Ok(Self {
+        Self {
             doors: bound,
             shared: Arc::new(shared),
-        })
+        }
     }
 
     /// The address without encryption that was really bound, if there is one.

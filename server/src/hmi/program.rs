@@ -16,6 +16,7 @@ use tokio::sync::watch;
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
 use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
 use super::tags;
+use super::workers::Beside;
 use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
 use arcline_simulation::ImageNames;
@@ -30,6 +31,7 @@ const LEAST_TICK: Duration = Duration::from_millis(1);
 pub(super) struct Programs {
     shown: watch::Sender<Shown>,
     mode: Mutex<Option<Running>>,
+    beside: Beside,
 }
 
 #[derive(Debug)]
@@ -101,8 +103,9 @@ impl Shown {
     }
 }
 
-impl Default for Programs {
-    fn default() -> Self {
+impl Programs {
+    /// None has run yet; they will run `beside`.
+    pub(super) fn new(beside: Beside) -> Self {
         Self {
             shown: watch::Sender::new(Shown {
                 state: State::Idle,
@@ -113,11 +116,10 @@ impl Default for Programs {
                 text: Arc::default(),
             }),
             mode: Mutex::default(),
+            beside,
         }
     }
-}
 
-impl Programs {
     pub(super) fn watch(&self) -> watch::Receiver<Shown> {
         let mut watch = self.shown.subscribe();
         watch.mark_changed();
@@ -217,9 +219,8 @@ impl Programs {
             };
         });
         let (programs, plant) = (self.clone(), plant.clone());
-        let runtime = tokio::runtime::Handle::current();
         // A thread of its own: a program that computes without end delays no other work.
-        tokio::task::spawn_blocking(move || {
+        self.beside.run(async move {
             let mut live = Live {
                 programs: &programs,
                 plant: &plant,
@@ -229,10 +230,11 @@ impl Programs {
                 line: 1,
             };
             let mut run = ProgramRun::new(Interpreter::new(program), Policy::default());
-            let end = runtime.block_on(async {
-                run.run(&mut live).await?;
-                Ok(run.finish(&mut live).await?)
-            });
+            let end = match run.run(&mut live).await {
+                Ok(()) => run.finish(&mut live).await,
+                failed => failed,
+            };
+            let end = end.map_err(Break::from);
             *programs.running() = None;
             programs.shown.send_modify(|shown| match end {
                 Ok(()) | Err(Break::Ended) => shown.state = State::Ended,
@@ -421,6 +423,8 @@ impl Driver for Live<'_> {
         tokio::pin!(over);
         loop {
             tokio::select! {
+                // In order, so that a run can be repeated.
+                biased;
                 () = &mut over => return Ok(()),
                 changed = self.mode.changed() => {
                     changed.map_err(|_| Break::Ended)?;

@@ -20,7 +20,8 @@ use hyper::upgrade::Upgraded;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::TcpStream;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{Mutex, mpsc};
 use tokio::task::JoinSet;
 use tokio_rustls::server::TlsStream;
 use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
@@ -30,6 +31,7 @@ use super::login::{self, session_of};
 use super::socket::Socket;
 use super::viewer::{self, Page};
 use super::{Door, Shared, access};
+use crate::eip::stepped::Duplex;
 use crate::limits::Place;
 use crate::metrics;
 use crate::plant::roles::{is_local, role_of_address, role_of_page};
@@ -59,12 +61,47 @@ const HEADERS: [(HeaderName, &str); 7] = [
     (header::CACHE_CONTROL,                                          "no-cache"),
 ];
 
+/// Where browsers come in.
+#[derive(Debug)]
+pub(super) enum Entrance {
+    /// A socket of the system.
+    System(TcpListener),
+    /// The network of a simulation (`stepped`).
+    Stepped(Mutex<mpsc::UnboundedReceiver<Browser>>),
+}
+
+/// A browser of a simulation: its stream and its address.
+pub(super) type Browser = (Box<dyn Duplex>, SocketAddr);
+
+/// The connection of a browser.
+enum Stream {
+    System(TcpStream),
+    Stepped(Box<dyn Duplex>),
+}
+
+impl Entrance {
+    async fn accept(&self) -> std::io::Result<(Stream, SocketAddr)> {
+        match self {
+            Self::System(listener) => {
+                let (stream, peer) = listener.accept().await?;
+                // A frame of samples is not to wait for the next one.
+                let _ = stream.set_nodelay(true);
+                Ok((Stream::System(stream), peer))
+            }
+            Self::Stepped(browsers) => match browsers.lock().await.recv().await {
+                Some((stream, peer)) => Ok((Stream::Stepped(stream), peer)),
+                None => std::future::pending().await,
+            },
+        }
+    }
+}
+
 /// Accepts connections until the future is dropped; that closes them.
 pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
     let router = router(shared.clone());
     let mut connections = JoinSet::new();
     loop {
-        match door.listener.accept().await {
+        match door.entrance.accept().await {
             Ok((_, peer)) if !shared.plant.server().security.hmi_allow.allows(peer.ip()) => {
                 shared.plant.log_limit().warn("allow", Some(peer.ip()), || {
                     format!("a browser was closed: {} is in no network of hmi_allow", peer.ip())
@@ -99,22 +136,21 @@ pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
 }
 
 async fn serve_one(
-    stream: TcpStream,
+    stream: Stream,
     near: Near,
     tls: Option<Arc<Tls>>,
     router: Router,
     place: Place,
     shared: Arc<Shared>,
 ) {
-    // A frame of samples is not to wait for the next one.
-    let _ = stream.set_nodelay(true);
     let close = place.close();
     let peer = near.peer;
     let router = router.layer(Extension(near));
     let served = async {
-        match tls {
-            None => serve_http(stream, router).await,
-            Some(tls) => match tls.accept_page(stream, peer).await {
+        match (stream, tls) {
+            (Stream::Stepped(stream), _) => serve_http(stream, router).await,
+            (Stream::System(stream), None) => serve_http(stream, router).await,
+            (Stream::System(stream), Some(tls)) => match tls.accept_page(stream, peer).await {
                 Ok(stream) => serve_http(stream, router).await,
                 Err(failed) => tls.log_failed(shared.plant.log_limit(), peer, &failed),
             },
@@ -317,8 +353,13 @@ fn upgraded_socket(upgraded: Upgraded, is_tls: bool) -> Option<(Socket, Bytes)> 
         let parts = upgraded.downcast::<TokioIo<TlsStream<TcpStream>>>().ok()?;
         return Some((Socket::Tls(Box::new(parts.io.into_inner())), parts.read_buf));
     }
-    let parts = upgraded.downcast::<TokioIo<TcpStream>>().ok()?;
-    Some((Socket::Plain(parts.io.into_inner()), parts.read_buf))
+    match upgraded.downcast::<TokioIo<TcpStream>>() {
+        Ok(parts) => Some((Socket::Plain(parts.io.into_inner()), parts.read_buf)),
+        Err(upgraded) => {
+            let parts = upgraded.downcast::<TokioIo<Box<dyn Duplex>>>().ok()?;
+            Some((Socket::Stepped(parts.io.into_inner()), parts.read_buf))
+        }
+    }
 }
 
 /// The browser of a page as the product of its client.

@@ -9,14 +9,18 @@ use std::task::{Context, Poll, ready};
 
 use bytes::{Buf as _, BytesMut};
 use rustls::ServerConnection;
-use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf, ReadHalf};
 use tokio::net::TcpStream;
 use tokio_rustls::server::TlsStream;
+
+use crate::eip::stepped::Duplex;
 
 /// The socket of a viewer.
 pub(super) enum Socket {
     Plain(TcpStream),
     Tls(Box<TlsStream<TcpStream>>),
+    /// On the network of a simulation.
+    Stepped(Box<dyn Duplex>),
 }
 
 impl Socket {
@@ -31,18 +35,31 @@ impl Socket {
                 let (socket, tls) = stream.into_inner();
                 (socket, Some(Shared(Arc::new(Mutex::new(tls)))))
             }
+            Self::Stepped(stream) => {
+                let (reading, writing) = tokio::io::split(stream);
+                let unread = Unread {
+                    socket: Near::Stepped(reading),
+                    tls: None,
+                };
+                let writing = Writing {
+                    socket: Box::new(writing),
+                    tls: None,
+                    out: BytesMut::new(),
+                };
+                return Ok((unread, writing));
+            }
         };
         let reading = socket.into_std()?;
         let writing = TcpStream::from_std(reading.try_clone()?)?;
         let unread = Unread {
-            socket: reading,
+            socket: Near::System(reading),
             tls: tls.clone(),
         };
         let out = BytesMut::new();
         Ok((
             unread,
             Writing {
-                socket: writing,
+                socket: Box::new(writing),
                 tls,
                 out,
             },
@@ -62,8 +79,14 @@ impl Shared {
 
 /// The half that reads, before it is on the thread that reads.
 pub(super) struct Unread {
-    socket: StdTcpStream,
+    socket: Near,
     tls: Option<Shared>,
+}
+
+/// The near end of what comes.
+enum Near {
+    System(StdTcpStream),
+    Stepped(ReadHalf<Box<dyn Duplex>>),
 }
 
 impl Unread {
@@ -73,7 +96,10 @@ impl Unread {
     /// The runtime cannot take it.
     pub(super) fn here(self) -> io::Result<Reading> {
         Ok(Reading {
-            socket: TcpStream::from_std(self.socket)?,
+            socket: match self.socket {
+                Near::System(socket) => Box::new(TcpStream::from_std(socket)?),
+                Near::Stepped(stream) => Box::new(stream),
+            },
             tls: self.tls,
             coming: BytesMut::new(),
         })
@@ -82,7 +108,7 @@ impl Unread {
 
 /// The half that reads; writes are left out.
 pub(super) struct Reading {
-    socket: TcpStream,
+    socket: Box<dyn AsyncRead + Unpin + Send>,
     tls: Option<Shared>,
     /// What came and is not decrypted.
     coming: BytesMut,
@@ -146,7 +172,7 @@ impl AsyncWrite for Reading {
 
 /// The half that writes; nothing comes to it.
 pub(super) struct Writing {
-    socket: TcpStream,
+    socket: Box<dyn AsyncWrite + Unpin + Send>,
     tls: Option<Shared>,
     /// What is encrypted and not sent.
     out: BytesMut,

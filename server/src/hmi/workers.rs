@@ -3,20 +3,45 @@
 use std::sync::Arc;
 
 use tokio::sync::Semaphore;
+use tokio::task::spawn_blocking;
 
 use super::protocol::Refusal;
 
-/// The threads that compute for all viewers, but for simulations and programs.
-#[derive(Debug)]
-pub(super) struct Workers(Arc<Semaphore>);
+/// Where long work is done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Beside {
+    /// On threads beside.
+    Threads,
+    /// On the thread of the caller, in order: a simulation has no other one.
+    Nowhere,
+}
 
-impl Default for Workers {
-    fn default() -> Self {
-        Workers(Arc::new(Semaphore::new(THREADS)))
+impl Beside {
+    /// Does the work of a future that may compute for long.
+    pub(super) fn run(self, work: impl Future<Output = ()> + Send + 'static) {
+        let runtime = tokio::runtime::Handle::current();
+        match self {
+            Self::Threads => drop(spawn_blocking(move || runtime.block_on(work))),
+            Self::Nowhere => drop(runtime.spawn(work)),
+        }
     }
 }
 
+/// The threads that compute for all viewers, but for simulations and programs.
+#[derive(Debug)]
+pub(super) struct Workers {
+    turns: Arc<Semaphore>,
+    beside: Beside,
+}
+
 impl Workers {
+    pub(super) fn new(beside: Beside) -> Self {
+        Workers {
+            turns: Arc::new(Semaphore::new(THREADS)),
+            beside,
+        }
+    }
+
     /// Computes on a thread that nothing else waits for.
     ///
     /// # Errors
@@ -25,9 +50,12 @@ impl Workers {
         &self,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Refusal> {
+        if self.beside == Beside::Nowhere {
+            return Ok(work());
+        }
         // At most one request of each viewer and its watched values wait here.
-        let turn = self.0.clone().acquire_owned().await;
-        let computed = tokio::task::spawn_blocking(move || {
+        let turn = self.turns.clone().acquire_owned().await;
+        let computed = spawn_blocking(move || {
             let result = work();
             drop(turn);
             result

@@ -89,6 +89,11 @@ impl Places {
         })
     }
 
+    /// Places that are taken.
+    pub(crate) fn taken(&self) -> usize {
+        self.lock().places.len()
+    }
+
     fn lock(&self) -> MutexGuard<'_, Taken> {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,7 +1,6 @@
 //! The events of the audit that the door records: each command that changes the machine, and each that was refused.
 
 use std::sync::Arc;
-use std::time::SystemTime;
 
 use arcline_config::Role;
 use arcline_controller::image::{Image, TagId, TagKind};
@@ -63,7 +62,7 @@ impl Plant {
     pub(crate) fn record_session(&self, from: String, role: Role, what: What, object: String, result: &'static str) {
         if let Some(audit) = self.0.audit.get() {
             audit.record(Event {
-                at: SystemTime::now(),
+                at: self.0.wall.now(),
                 what,
                 door: "page",
                 from: from.into(),
@@ -218,7 +217,7 @@ impl Shared {
             Principal::Program { .. } => "program",
         };
         Event {
-            at: SystemTime::now(),
+            at: self.wall.now(),
             what,
             door,
             from,

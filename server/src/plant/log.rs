@@ -6,12 +6,15 @@ use std::time::{Duration, SystemTime};
 use arcline_controller::{Event, FaultChange};
 use arcline_instruction_set::SystemId;
 
+use super::wall::Wall;
+
 /// The newest changes.
 #[derive(Debug)]
 pub(super) struct Log {
     events: VecDeque<Logged>,
     next: u64,
     period: Duration,
+    wall: Wall,
 }
 
 /// A change with its number.
@@ -75,19 +78,20 @@ impl Change {
 }
 
 impl Log {
-    /// For a machine with this coarse update period.
-    pub(super) fn new(period: Duration) -> Self {
+    /// For a machine with this coarse update period, with the dates of a clock.
+    pub(super) fn new(period: Duration, wall: Wall) -> Self {
         Log {
             events: VecDeque::new(),
             next: 0,
             period,
+            wall,
         }
     }
 
     /// The time of a tick by the system's clock, which shows now when the newest tick is `newest`.
     pub(super) fn time_of(&self, tick: u64, newest: u64) -> SystemTime {
         let ticks = u32::try_from(newest.saturating_sub(tick)).unwrap_or(u32::MAX);
-        let now = SystemTime::now();
+        let now = self.wall.now();
         now.checked_sub(self.period.saturating_mul(ticks)).unwrap_or(now)
     }
 

@@ -35,6 +35,7 @@ pub(crate) mod roles;
 mod series;
 mod state;
 mod steps;
+pub(crate) mod wall;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -84,6 +85,7 @@ pub(crate) use rights::page as rights_page;
 use roles::Roles;
 pub use series::{LONGEST_SERIES, SeriesEnd, SeriesOutcome};
 use state::{OUTSTANDING, Observers, Published, State, may_run};
+use wall::Wall;
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -155,6 +157,7 @@ pub(crate) struct Shared {
     /// The role of each client.
     roles: Roles,
     audit: OnceLock<Audit>,
+    wall: Wall,
     /// The controller's own program, where it has one.
     program: OnceLock<Arc<Program>>,
     /// Something was sent: the pump looks sooner.
@@ -197,8 +200,14 @@ impl Plant {
     }
 
     /// A plant on rings whose other ends the caller serves; the tasks beside it run on the caller's runtime, not on threads of their own.
-    pub(crate) fn start_stepped(project: &Project, link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
-        let plant = Plant::with(project, link, image, watch);
+    pub(crate) fn start_stepped(
+        project: &Project,
+        link: Link,
+        image: Image,
+        watch: Option<ChangeTracker>,
+        wall: Wall,
+    ) -> Plant {
+        let plant = Plant::beside(project, link, image, watch, wall);
         let (guard, shared) = (plant.guard().clone(), Arc::downgrade(&plant.0));
         tokio::spawn(async move { guard.run(&shared).await });
         tokio::spawn(pump(Arc::downgrade(&plant.0)));
@@ -210,7 +219,11 @@ impl Plant {
         Plant::with(project, link, project.image(), None)
     }
 
-    pub(crate) fn with(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
+    pub(crate) fn with(project: &Project, link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
+        Plant::beside(project, link, image, watch, Wall::default())
+    }
+
+    fn beside(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>, wall: Wall) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
@@ -227,6 +240,7 @@ impl Plant {
             watch,
             trace: trace.clone(),
             guard: guard.clone(),
+            wall,
         };
         let state = State::new(&project.machine, image, link, observers);
         Plant(Arc::new(Shared {
@@ -246,6 +260,7 @@ impl Plant {
             log_limit: LogLimit::default(),
             roles: Roles::default(),
             audit: OnceLock::new(),
+            wall,
             program: OnceLock::new(),
             sent: Notify::new(),
         }))
@@ -254,6 +269,11 @@ impl Plant {
     /// The plant, as long as there is another handle of it.
     pub(crate) fn upgrade(shared: &Weak<Shared>) -> Option<Plant> {
         shared.upgrade().map(Plant)
+    }
+
+    /// The clock on the wall.
+    pub(crate) fn wall(&self) -> Wall {
+        self.0.wall
     }
 
     /// The machine as configured.

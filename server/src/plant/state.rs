@@ -27,6 +27,7 @@ use super::moves::LiveMoves;
 use super::owned::Owned;
 use super::principal::Principal;
 use super::records::Executions;
+use super::wall::Wall;
 use crate::guard::Guard;
 use crate::retained::{ChangeTracker, WhenPersisted};
 use crate::trace::Trace;
@@ -100,6 +101,8 @@ pub(super) struct Observers {
     pub(super) trace: Trace,
     /// Sees jogs.
     pub(super) guard: Guard,
+    /// The dates of what they see.
+    pub(super) wall: Wall,
 }
 
 impl State {
@@ -108,7 +111,12 @@ impl State {
         machine: &Machine,
         image: Image,
         link: Link,
-        Observers { watch, trace, guard }: Observers,
+        Observers {
+            watch,
+            trace,
+            guard,
+            wall,
+        }: Observers,
     ) -> Self {
         let moves = LiveMoves::new(link.snapshots.output_buffer().systems.len());
         State {
@@ -127,7 +135,7 @@ impl State {
             guard,
             staged: BTreeMap::new(),
             records: Executions::default(),
-            log: Log::new(Duration::from_nanos(machine.period_ns)),
+            log: Log::new(Duration::from_nanos(machine.period_ns), wall),
             moves,
             owned: Owned::default(),
             motion_tickets: MotionTickets::new(machine),

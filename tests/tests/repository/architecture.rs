@@ -1,6 +1,7 @@
 //! The dependency rule of ARCHITECTURE.md, held against what Cargo really links.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
 
@@ -81,6 +82,26 @@ const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
     "rayon",
 ];
 
+/// The files of `server/src` in which each source of chance stands: what a simulation must not meet is behind a seam there, or is of a program
+/// that is not simulated (spec/reliability.md §4). `Instant::now` of tokio is no such source: its clock may be paused.
+#[rustfmt::skip]
+const CHANCE: &[(&str, &[&str], &[&str])] = &[
+    ("a clock that is not the runtime's", &["std::time::Instant::now", "Instant::now"],
+     &["audit/file.rs", "audit/merge.rs", "audit/mod.rs", "eip/adapter.rs", "eip/datagram.rs", "health.rs", "hmi/preview.rs",
+       "hmi/sessions/mod.rs", "limits/log_limit.rs", "live/host.rs", "live/scanner.rs", "retained/state_writer.rs", "simulate/cell.rs",
+       "simulate/mod.rs", "tls/mod.rs", "trace/mod.rs"]),
+    ("the clock on the wall", &["SystemTime::now"],
+     &["audit/file.rs", "audit/mod.rs", "live/host.rs", "plant/wall.rs", "tls/mod.rs"]),
+    ("random numbers", &["getrandom::"],
+     &["audit/file.rs", "eip/datagram.rs", "eip/device.rs", "tls/certs.rs", "users/command.rs"]),
+    ("threads", &["thread::Builder", "thread::spawn", "thread::scope", "thread::sleep"],
+     &["audit/mod.rs", "doctor/real_time.rs", "eip/io/thread.rs", "guard/mod.rs", "live/mod.rs", "retained/state_writer.rs", "run.rs",
+       "simulate/cell.rs", "trace/mod.rs"]),
+    ("sockets", &["tokio::net"],
+     &["eip/connection.rs", "eip/datagram.rs", "eip/listener.rs", "guard/watch.rs", "hmi/mod.rs", "hmi/serve.rs", "hmi/socket.rs",
+       "tls/mod.rs"]),
+];
+
 fn metadata() -> Metadata {
     MetadataCommand::new()
         .manifest_path(arcline_tests::workspace().join("Cargo.toml"))
@@ -151,6 +172,67 @@ fn arrows_run_one_way() {
                 "{package_name} must not use {dependency}: the table allows it {allowed:?}"
             );
         }
+    }
+}
+
+/// The Rust files below a folder but those of tests, by their path in it, and their code without comments and test modules.
+fn sources(folder: &Path) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    let mut todo = vec![folder.to_owned()];
+    while let Some(next) = todo.pop() {
+        for entry in std::fs::read_dir(&next).expect("a folder of sources") {
+            let path = entry.expect("an entry").path();
+            let name = path
+                .strip_prefix(folder)
+                .expect("it is below")
+                .to_string_lossy()
+                .into_owned();
+            let is_test = name.ends_with("tests.rs") || name.split('/').any(|part| part == "tests");
+            if is_test {
+                continue;
+            }
+            if path.is_dir() {
+                todo.push(path);
+            } else if name.ends_with(".rs") {
+                let text = std::fs::read_to_string(&path).expect("it is text");
+                let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+                let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+                found.insert(name, lines.collect::<Vec<_>>().join("\n"));
+            }
+        }
+    }
+    found
+}
+
+/// Whether `Instant` is tokio's in a file.
+fn has_instant_of_tokio(code: &str) -> bool {
+    let uses = code
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("use tokio::time::"));
+    uses.flat_map(|names| names.split(|letter: char| !letter.is_alphanumeric()))
+        .any(|name| name == "Instant")
+}
+
+#[test]
+fn sources_of_chance_stand_behind_the_seams_of_the_simulation() {
+    let sources = sources(&arcline_tests::workspace().join("server/src"));
+    for (what, words, files) in CHANCE {
+        let has = |code: &str| {
+            words.iter().any(|word| {
+                let is_of_runtime = *word == "Instant::now" && has_instant_of_tokio(code);
+                code.contains(word) && !is_of_runtime
+            })
+        };
+        let found: BTreeSet<&str> = sources
+            .iter()
+            .filter(|(_, code)| has(code))
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let named: BTreeSet<&str> = files.iter().copied().collect();
+        assert_eq!(
+            found, named,
+            "{what}: the files with {words:?}, and those that the table names"
+        );
     }
 }
 

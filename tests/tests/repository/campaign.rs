@@ -46,20 +46,41 @@ impl Simulation {
         self.number("simulated_s") / self.number("processor_s")
     }
 
+    /// How many runs they were, where the file says so: some scenarios are run several times.
+    fn runs(&self) -> String {
+        match self.0.get("runs") {
+            Some(runs) => format!(" in {runs} runs"),
+            None => String::new(),
+        }
+    }
+
     fn hours(&self) -> f64 {
         self.number("simulated_s") as f64 / 3600.0
     }
 }
 
+/// The lines of a file whose first one tells the commit and the date of its campaign, and that first one.
+fn dated(name: &str) -> (String, Vec<String>) {
+    let text = file(name);
+    let mut lines = text.lines().map(str::to_owned);
+    let first = lines.next().unwrap_or_default();
+    let parts: Vec<&str> = first.split(' ').collect();
+    assert!(
+        matches!(parts[..], ["commit", commit, "of", date] if commit.len() >= 8 && date.len() == 10),
+        "docs/campaigns/{name} begins with `commit … of YYYY-MM-DD`, not with {first:?}"
+    );
+    (first, lines.collect())
+}
+
 /// Bugs that were planted, and the seed that found each; `None`: it was not found.
 fn planted() -> Vec<(String, Option<u64>)> {
-    let text = file("planted.txt");
-    let lines = text.lines().map(|line| match line.split_once(" found by seed ") {
+    let (_, lines) = dated("planted.txt");
+    let lines = lines.iter().map(|line| match line.split_once(" found by seed ") {
         Some((bug, seed)) => {
             let seed = seed.trim().parse().expect("the seed is a number");
             (bug.trim().to_owned(), Some(seed))
         }
-        None => (line.to_owned(), None),
+        None => (line.clone(), None),
     });
     lines.collect()
 }
@@ -68,23 +89,27 @@ fn table() -> String {
     let simulation = Simulation::read();
     let planted = planted();
     let seeds: Vec<u64> = planted.iter().filter_map(|(_, seed)| *seed).collect();
+    let (kills, campaign) = dated("kills.txt");
     format!(
         "| campaign | figures |\n|---|---|\n\
-         | scenarios, commit {} of {} | {} of 20 s from seed {}: {:.1} hours simulated, {} times real time on one core; all {} states reached, no \
+         | scenarios, commit {} of {} | {} of 20 s from seed {}{}: {:.1} hours simulated, {} times real time on one core; all {} states reached, no \
          invariant broken |\n\
-         | planted bugs | {} of {} found, the last by seed {} |\n\
-         | kills | {} |\n",
+         | planted bugs, {} | {} of {} found, the last by seed {} |\n\
+         | kills, {} | {} |\n",
         simulation.text("commit"),
         simulation.text("date"),
         simulation.number("scenarios"),
         simulation.number("first_seed"),
+        simulation.runs(),
         simulation.hours(),
         simulation.speed(),
         simulation.number("states"),
+        dated("planted.txt").0,
         seeds.len(),
         planted.len(),
         seeds.iter().max().copied().unwrap_or_default(),
-        file("kills.txt").trim()
+        kills,
+        campaign.join(" ")
     )
 }
 
@@ -146,5 +171,6 @@ fn the_campaigns_are_of_the_size_that_is_asked() {
             "{bug}: not found within 1,000 seeds"
         );
     }
-    assert!(file("kills.txt").starts_with("1000 kills"), "1,000 kills");
+    let (_, kills) = dated("kills.txt");
+    assert!(kills.iter().any(|line| line.starts_with("1000 kills")), "1,000 kills");
 }

@@ -125,9 +125,11 @@ pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, pag
     let over = over.drop_guard();
     let sink = WebSocketStream::from_raw_socket(writing, Role::Server, None).await;
     tokio::select! {
-        () = viewer.listen(asked) => {}
-        () = send(sink, inbox, &shared, sight) => {}
+        // In order, so that a run can be repeated. Each turn sends before it answers: requests without end delay no message.
+        biased;
         () = page.close.cancelled() => debug!(%name, "closed"),
+        () = send(sink, inbox, &shared, sight) => {}
+        () = viewer.listen(asked) => {}
     }
     drop(over);
     if let Some(joined) = &session {

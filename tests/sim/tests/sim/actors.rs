@@ -1,8 +1,10 @@
 //! The clients of a scenario. Each draws from a generator of its own, so that another one can be left out without changing what it does.
 
+mod faults;
 mod motion;
 mod onlooker;
 mod owner;
+pub(crate) mod page;
 mod peers;
 pub(crate) mod tags;
 
@@ -58,6 +60,11 @@ pub(crate) const ACTORS: &[Actor] = &[
     actor!("stopper", motion::stopper),
     actor!("owner of outputs", owner::owner),
     actor!("onlooker", onlooker::onlooker),
+    actor!("axis faults", faults::faults),
+    actor!("page jogger", page::page_jogger),
+    actor!("page program", page::page_program_1),
+    actor!("another page program", page::page_program_2),
+    actor!("page reader", page::page_reader),
 ];
 
 /// Actors whose absence no other one notices (N2, T2).
@@ -71,7 +78,7 @@ pub(crate) struct Common {
     pub(crate) ledger: Ledger,
     pub(crate) network: Network,
     pub(crate) post: Post,
-    pub(crate) incoming: Arc<Mutex<Vec<(End, SocketAddr)>>>,
+    pub(crate) incoming: Arc<Mutex<Vec<(Port, End, SocketAddr)>>>,
     pub(crate) deadlines: Arc<Mutex<Vec<Order>>>,
     /// The server's starts and ends so far.
     pub(crate) lives: Arc<AtomicU64>,
@@ -79,6 +86,12 @@ pub(crate) struct Common {
     pub(crate) alive: Arc<Mutex<BTreeSet<u32>>>,
     /// ms: from then on nothing fails.
     pub(crate) quiet_from: u64,
+    /// Until when whatever runs beside the tick stands or stood still, ms.
+    pub(crate) stalled_until: Arc<AtomicU64>,
+    /// Changes of instructions that the server has lost since its start.
+    pub(crate) lost: Arc<AtomicU64>,
+    /// Counters of clients begin near their end.
+    pub(crate) near_end: bool,
     /// ms: from then on actors leave.
     pub(crate) leave_from: u64,
 }
@@ -88,6 +101,15 @@ impl Common {
     pub(crate) fn some_alive(&self) -> u32 {
         lock(&self.alive).first().copied().unwrap_or_default()
     }
+}
+
+/// The port at which a client comes in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Port {
+    /// EtherNet/IP.
+    Eip,
+    /// The page.
+    Page,
 }
 
 /// To the watch of motion.
@@ -151,13 +173,22 @@ impl Stage {
         }
     }
 
-    /// Connects to the server's port.
+    /// Connects to the server's port of EtherNet/IP.
     pub(crate) fn connect(&mut self) -> End {
+        self.connect_to(Port::Eip)
+    }
+
+    /// Connects to the server's port of the page.
+    pub(crate) fn browse(&mut self) -> End {
+        self.connect_to(Port::Page)
+    }
+
+    fn connect_to(&mut self, port: Port) -> End {
         let random = Random(self.random.bits());
         let (ours, theirs) = self.common.network.connect(self.weather, random);
         self.port += 1;
         let peer = SocketAddr::new(self.address.into(), self.port);
-        lock(&self.common.incoming).push((theirs, peer));
+        lock(&self.common.incoming).push((port, theirs, peer));
         ours
     }
 
@@ -247,6 +278,25 @@ impl Stage {
 
     pub(crate) fn lives(&self) -> u64 {
         self.common.lives.load(Ordering::Relaxed)
+    }
+
+    /// The sequence count before the first one of a class 3 connection.
+    pub(crate) fn first_count(&self) -> u16 {
+        if !self.common.near_end {
+            return 0;
+        }
+        self.sometimes("counters are near their end");
+        u16::MAX - 5
+    }
+
+    /// Whether the server has lost changes of instructions: their tags may show less than is.
+    pub(crate) fn has_lost(&self) -> bool {
+        self.common.lost.load(Ordering::Relaxed) > 0
+    }
+
+    /// Until when whatever runs beside the tick stands or stood still, ms.
+    pub(crate) fn stalled_until(&self) -> u64 {
+        self.common.stalled_until.load(Ordering::Relaxed)
     }
 
     pub(crate) fn order(&self, order: Order) {

@@ -8,7 +8,9 @@ use std::process::Command;
 pub(crate) struct Campaign {
     pub(crate) first_seed: u64,
     pub(crate) scenarios: u64,
-    /// Virtual seconds of all scenarios.
+    /// Every 50th of them is run four times.
+    pub(crate) runs: u64,
+    /// Virtual seconds of all runs.
     pub(crate) simulated_s: u64,
     /// States of the list, all of them reached.
     pub(crate) states: usize,
@@ -40,6 +42,7 @@ impl Campaign {
         let numbers = [
             ("first_seed", first_seed),
             ("scenarios", sum("scenarios", self.scenarios)),
+            ("runs", sum("runs", self.runs)),
             ("simulated_s", sum("simulated_s", self.simulated_s)),
             ("processor_s", sum("processor_s", processor_s)),
             ("states", self.states as u64),
@@ -88,6 +91,7 @@ mod tests {
         let campaign = |first_seed| Campaign {
             first_seed,
             scenarios: 200,
+            runs: 212,
             simulated_s: 4000,
             states: 48,
         };

@@ -171,8 +171,8 @@ impl Client {
         Reply::decode(message).ok_or_else(|| NoAnswer::Wrong("no reply".to_owned()))
     }
 
-    /// Opens a class 3 connection with a time-out of 512 times its interval of 4 ms, about 2 s.
-    pub(crate) async fn open(&mut self, serial: u16) -> Answer<Option<Connected>> {
+    /// Opens a class 3 connection with a time-out of 512 times its interval of 4 ms, about 2 s. Its sequence counts come behind `first`.
+    pub(crate) async fn open(&mut self, serial: u16, first: u16) -> Answer<Option<Connected>> {
         let key = ConnectionKey {
             serial,
             vendor: 0x1337,
@@ -202,7 +202,7 @@ impl Client {
         let open = ForwardOpenReply::decode(&reply.data).ok_or_else(|| NoAnswer::Wrong("Forward Open".to_owned()))?;
         Ok(Some(Connected {
             id: open.o_to_t_id,
-            sequence: 0,
+            sequence: first,
             key,
         }))
     }

@@ -100,8 +100,13 @@ impl Watch {
                 record.violated("M2", &format!("axis {index}: a step of {step} in one tick"));
             }
             let is_on = |axis: &AxisSnapshot| axis.status & axis_status::SERVO_ACTION_STATUS != 0;
-            if !is_on(before) && !is_on(axis) && velocity != 0.0 {
-                record.violated("M3", &format!("axis {index} is off and moves at {velocity}"));
+            // What a fault has switched off coasts.
+            let coasts = axis.faults.kinds().next().is_some() && velocity.abs() <= before.command[1].abs();
+            if !is_on(before) && !is_on(axis) && velocity != 0.0 && !coasts {
+                record.violated(
+                    "M3",
+                    &format!("axis {index} is off and moves: {before:?}, then {axis:?}"),
+                );
             }
             // The jerk is limited: an acceleration ends, but not at once.
             let faster = velocity.abs() > before.command[1].abs() + 1e-9;

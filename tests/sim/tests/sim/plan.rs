@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use arcline_server::stepped::{Conditions, Room};
 use arcline_state::recording::Rules;
 use arcline_tests::random::Random;
 
@@ -44,6 +45,14 @@ pub(crate) enum Fault {
     Reload,
     /// The system refuses to accept a client.
     NoSockets,
+    /// Whatever runs beside the tick stands still, ms: the rings from and to the tick fill up.
+    Stall(u64),
+    /// The clock on the wall is set, by ms.
+    Wall(i64),
+    /// The process is killed, starts after so long, ms, is killed again at this call of the disk, and starts once more.
+    KillStart(u64, usize),
+    /// Another server is started with the same file.
+    Second,
 }
 
 /// The calls of the disk that fail.
@@ -67,6 +76,13 @@ pub(crate) const FAULTS: &[(&str, u64)] = &[
     ("power loss", 2),
     ("reload", 5),
     ("no sockets", 2),
+    ("stalls", 4),
+    ("wall clock", 4),
+    ("kill during start", 2),
+    ("second server", 2),
+    // These hold for the whole scenario.
+    ("small rings", 0),
+    ("counters near their end", 0),
 ];
 
 impl Scenario {
@@ -101,6 +117,32 @@ impl Scenario {
         faults.retain(|(at, _)| *at < self.quiet_from());
         faults.sort_by_key(|(at, _)| *at);
         faults
+    }
+
+    /// The conditions under which its servers run.
+    pub(crate) fn conditions(&self) -> Conditions {
+        let mut conditions = Conditions {
+            wall: crate::world::wall,
+            ..Conditions::default()
+        };
+        if self.has("small rings", 25) {
+            conditions.room = Room {
+                commands: 2,
+                stops: 2,
+                events: 2,
+                samples_ns: 200_000_000,
+            };
+        }
+        if self.has(NEAR_END, 30) {
+            // The 32 bits of a counter of ticks are over within the scenario.
+            conditions.first_tick = (1 << 32) - TICKS / 2;
+        }
+        conditions
+    }
+
+    /// Whether counters begin near their end.
+    pub(crate) fn is_near_end(&self) -> bool {
+        self.has(NEAR_END, 30)
     }
 
     /// From then on nothing fails, ms.
@@ -153,9 +195,15 @@ fn draw(kind: &str, random: &mut Random) -> Fault {
         "kill" => Fault::Kill(1 + random.below(400)),
         "power loss" => Fault::Power(1 + random.below(400), *random.one_of(&[Rules::Ordered, Rules::Weak])),
         "reload" => Fault::Reload,
+        "stalls" => Fault::Stall(random.below(2000)),
+        "wall clock" => Fault::Wall(random.below(7_200_000) as i64 - 3_600_000),
+        "kill during start" => Fault::KillStart(1 + random.below(400), random.below(12) as usize),
+        "second server" => Fault::Second,
         _ => Fault::NoSockets,
     }
 }
+
+const NEAR_END: &str = "counters near their end";
 
 #[cfg(test)]
 mod tests {

@@ -32,29 +32,34 @@ impl Probe {
     /// Judges what the file may hold behind the newest call. All writes that were answered as kept by `durable` must be there.
     pub(crate) fn look(&mut self, disk: &Recording, file: &Path, history: &History, durable: u64, record: &Record) {
         record.sometimes("what a power loss would leave is judged");
-        let calls = disk.calls();
-        for rules in [Rules::Ordered, Rules::Weak] {
-            let behind = Crashes::behind(&calls, file);
-            for _ in 0..CONTENTS {
-                let random = &mut self.random;
-                let content = behind.draw(rules, &mut |below| random.below(below as u64) as usize);
-                // Without a file the machine starts as configured.
-                let state = match content.as_deref().map(parse) {
-                    None => State::default(),
-                    Some(Ok(kept)) => kept.state,
-                    Some(Err(damage)) => {
-                        let why = format!("a loss of power ({rules:?}) would set the file aside: {damage}");
-                        return record.violated("W2", &why);
-                    }
-                };
-                let values = values_of(&state);
-                for wrong in history.lost(&values, durable) {
-                    record.broken(format!("{wrong} (after a loss of power now, {rules:?})"));
-                }
-                judge_pair(&values, record);
+        disk.with_calls(|calls| {
+            let behind = Crashes::behind(calls, file);
+            for rules in [Rules::Ordered, Rules::Weak] {
+                let random = &mut |below| self.random.below(below as u64) as usize;
+                behind.each(rules, CONTENTS, random, &mut |content| {
+                    judge(content, rules, history, durable, record);
+                });
             }
-        }
+        });
     }
+}
+
+/// Judges one content.
+fn judge(content: Option<&[u8]>, rules: Rules, history: &History, durable: u64, record: &Record) {
+    // Without a file the machine starts as configured.
+    let state = match content.map(parse) {
+        None => State::default(),
+        Some(Ok(kept)) => kept.state,
+        Some(Err(damage)) => {
+            let why = format!("a loss of power ({rules:?}) would set the file aside: {damage}");
+            return record.violated("W2", &why);
+        }
+    };
+    let values = values_of(&state);
+    for wrong in history.lost(&values, durable) {
+        record.broken(format!("{wrong} (after a loss of power now, {rules:?})"));
+    }
+    judge_pair(&values, record);
 }
 
 /// A message that writes two tags is kept whole.
@@ -74,5 +79,5 @@ fn values_of(state: &State) -> Values {
     TAGS.into_iter().chain(PAIR).map(value).collect()
 }
 
-/// Contents that are drawn by each set of rules.
+/// Contents that are judged by each set of rules, of each file that the name may point at: all, where there are no more.
 const CONTENTS: usize = 8;

@@ -1,6 +1,7 @@
 //! The loop of a scenario: one virtual millisecond after another, each of them faults, the tick, the writer of the state, the tasks of the
 //! server, those of the clients, and the invariants.
 
+mod computer;
 mod faults;
 mod projects;
 
@@ -10,11 +11,11 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use arcline_proto::io::IO_PORT;
 use arcline_server::eip::Settings;
-use arcline_server::stepped::{Held, Stepped};
+use arcline_server::stepped::{Conditions, Held, Room, StartError, Stepped};
 use arcline_state::recording::{Call, Recording};
 use arcline_state::{Pace, Task};
 use arcline_tag::TagPath;
@@ -22,18 +23,23 @@ use arcline_tests::random::Random;
 use tokio::runtime::{Builder, Runtime};
 use tokio::time::Instant;
 
+use crate::actors::page::PROGRAM_TAG;
 use crate::actors::tags::{PAIR, TAGS};
-use crate::actors::{ACTORS, Common, Order, Stage};
+use crate::actors::{ACTORS, Common, Order, Port, Stage};
 use crate::history::Wrote;
 use crate::motion::Watch;
 use crate::plan::{Fault, Scenario};
 use crate::probe::{Probe, judge_pair};
 use crate::record::{Record, lock};
+use crate::told;
+use computer::Computer;
 use projects::Projects;
 
 thread_local! {
     /// Session handles and connection ids of the server.
     static HANDLES: Cell<u64> = const { Cell::new(0) };
+    /// The clock on the wall, ms since 1970.
+    static WALL: Cell<u64> = const { Cell::new(0) };
     /// Messages of panics, which tasks swallow.
     static PANICS: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
@@ -52,16 +58,21 @@ fn handles() -> Option<u32> {
     })
 }
 
+/// The clock on the wall of this thread's scenario.
+pub(crate) fn wall() -> SystemTime {
+    UNIX_EPOCH + Duration::from_millis(WALL.get())
+}
+
 /// A server that runs.
 struct Running {
     // Dropped before the runtime on which its tasks run.
-    server: Stepped<Recording>,
+    server: Stepped<Computer>,
     runtime: Runtime,
     began: Instant,
     /// ms of the scenario at its start.
     since: u64,
     /// A synchronisation under way: when it ends, and the clock of the history when it was begun.
-    task: Option<(u64, Task<Recording>, u64)>,
+    task: Option<(u64, Task<Computer>, u64)>,
     /// Which of the projects it has.
     configured: usize,
 }
@@ -70,6 +81,32 @@ struct Running {
 pub(crate) struct Outcome {
     pub(crate) record: Record,
     pub(crate) motion: u64,
+    pub(crate) memory: Memory,
+}
+
+/// The bytes that a scenario holds; of use where it runs alone.
+#[derive(Default)]
+pub(crate) struct Memory {
+    /// Behind each millisecond.
+    pub(crate) during: Vec<Sample>,
+    /// When all clients have left.
+    pub(crate) behind: usize,
+    /// Held by the process before.
+    before: usize,
+}
+
+impl Memory {
+    fn now(&self) -> usize {
+        crate::MEMORY.allocated().saturating_sub(self.before)
+    }
+}
+
+/// What is held behind a millisecond.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    pub(crate) bytes: usize,
+    /// Connections that the server serves.
+    pub(crate) connections: usize,
 }
 
 struct World<'s> {
@@ -79,7 +116,12 @@ struct World<'s> {
     now: u64,
     running: Option<Running>,
     start_at: u64,
+    /// The disk is `computer`'s.
     disk: Recording,
+    computer: Computer,
+    conditions: Conditions,
+    /// The next start is killed at this call of the disk; the one behind it comes after so long, ms.
+    start_killed: Option<(u64, usize)>,
     failing: Arc<AtomicU8>,
     failing_until: u64,
     sync_takes: u64,
@@ -90,21 +132,27 @@ struct World<'s> {
     late_until: u64,
     owed: u64,
     planner_until: u64,
+    stalled_until: u64,
     watch: Watch,
     draw: Random,
     probe: Probe,
     clients_first: bool,
+    memory: Memory,
 }
 
 /// Runs a scenario to its end or to its first violation.
 pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
+    let before = crate::MEMORY.allocated();
     PANICS.with_borrow_mut(Vec::clear);
     HANDLES.set(scenario.seed);
+    WALL.set(WALL_AT_BEGIN);
+    told::begin();
     let projects = Projects::new();
     let common = Common {
         record: record.clone(),
         quiet_from: scenario.quiet_from(),
         leave_from: scenario.ticks.saturating_sub(LEAVING),
+        near_end: scenario.is_near_end(),
         ..Common::default()
     };
     let mut draw = scenario.random("world");
@@ -114,7 +162,13 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
         growth: *draw.one_of(&[8 * 1024, 64 * 1024, 1024 * 1024]),
         ..Pace::default()
     };
+    let disk = Recording::default();
     let mut world = World {
+        computer: Computer::new(disk.clone()),
+        disk,
+        conditions: scenario.conditions(),
+        start_killed: None,
+        stalled_until: 0,
         watch: Watch::new(&projects.0[0].machine),
         scenario,
         projects,
@@ -122,7 +176,6 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
         now: 0,
         running: None,
         start_at: 0,
-        disk: Recording::default(),
         failing: Arc::default(),
         failing_until: 0,
         sync_takes: 2,
@@ -135,11 +188,17 @@ pub(crate) fn run(scenario: &Scenario, record: Record) -> Outcome {
         draw,
         probe: Probe::new(scenario.random("probe")),
         clients_first,
+        memory: Memory {
+            during: Vec::with_capacity(scenario.ticks as usize),
+            behind: 0,
+            before,
+        },
     };
     world.run();
     Outcome {
         record,
         motion: world.watch.hash.0,
+        memory: world.memory,
     }
 }
 
@@ -160,6 +219,7 @@ impl World<'_> {
         self.fail_disk();
         for now in 1..=self.scenario.ticks {
             self.now = now;
+            WALL.set(WALL.get() + 1);
             self.common.record.begin(now);
             self.common.network.begin(now);
             self.common.post.begin(now);
@@ -182,15 +242,26 @@ impl World<'_> {
                 turn(&clients, clients_began, now);
             }
             self.check();
+            self.measure();
             if self.common.record.is_violated() {
                 break;
             }
         }
         if !self.common.record.is_violated() {
             self.finish();
+            self.memory.behind = self.memory.now();
         }
         drop(clients);
         self.end_server();
+    }
+
+    /// Notes the memory that is held.
+    fn measure(&mut self) {
+        let held = self.running.as_ref().map(|running| running.server.held());
+        self.memory.during.push(Sample {
+            bytes: self.memory.now(),
+            connections: held.map_or(0, |held| held.clients + held.browsers),
+        });
     }
 
     /// A millisecond of the server.
@@ -204,8 +275,11 @@ impl World<'_> {
             drop(incoming);
             return;
         };
-        for (end, peer) in incoming {
-            running.server.connect(Box::new(end), peer);
+        for (port, end, peer) in incoming {
+            match port {
+                Port::Eip => running.server.connect(Box::new(end), peer),
+                Port::Page => running.server.browse(Box::new(end), peer),
+            }
         }
         self.owed += 1;
         if self.now >= self.late_until {
@@ -223,6 +297,38 @@ impl World<'_> {
                     .tick(&mut |snapshot| watch.see(snapshot, is_inhibited, record));
             }
         }
+        self.look_at_rings();
+        if self.now >= self.stalled_until {
+            self.serve_beside();
+        }
+    }
+
+    /// Notes which rings have no more room, and what was lost.
+    fn look_at_rings(&self) {
+        let Some(running) = &self.running else { return };
+        if self.conditions.room == Room::default() {
+            return;
+        }
+        let (full, record) = (running.server.full_rings(), &self.common.record);
+        if full.commands {
+            record.sometimes("the ring of commands is full");
+        }
+        if full.events {
+            record.sometimes("the ring of events is full");
+        }
+        if full.samples {
+            record.sometimes("the ring of samples is full");
+        }
+        let lost = running.server.plant().health().lost_events;
+        if lost > 0 {
+            record.sometimes("events are lost");
+        }
+        self.common.lost.store(lost, Ordering::Relaxed);
+    }
+
+    /// A millisecond of what runs beside the tick.
+    fn serve_beside(&mut self) {
+        let Some(running) = &mut self.running else { return };
         if self.now >= self.planner_until {
             running.server.plan();
         }
@@ -271,8 +377,8 @@ impl World<'_> {
         }
     }
 
-    fn start(&mut self) {
-        let runtime = runtime();
+    /// A server of the first project on the computer.
+    fn server(&self, runtime: &Runtime) -> Result<Stepped<Computer>, StartError> {
         let mut settings = Settings::new(&self.projects.0[0].server);
         let post = Arc::new(self.common.post.clone());
         settings.datagrams = Some((post, SocketAddr::from((Ipv4Addr::new(10, 0, 0, 1), IO_PORT))));
@@ -280,10 +386,17 @@ impl World<'_> {
         settings.system = PathBuf::from("/nonexistent");
         settings.random = handles;
         let project = self.projects.0[0].clone();
-        let started = {
-            let _guard = runtime.enter();
-            Stepped::start(project, Some((self.disk.clone(), file(), self.pace)), settings)
-        };
+        let disk = (self.computer.clone(), file(), self.pace);
+        let _guard = runtime.enter();
+        Stepped::start(project, Some(disk), settings, self.conditions)
+    }
+
+    fn start(&mut self) {
+        let runtime = runtime();
+        if let Some((again, call)) = self.start_killed.take() {
+            return self.kill_start(&runtime, again, call);
+        }
+        let started = self.server(&runtime);
         let server = match started {
             Ok(server) => server,
             Err(error) => {
@@ -300,7 +413,11 @@ impl World<'_> {
                 let path: TagPath = tag.parse().expect("a name");
                 (tag, image.read(&path).expect("it exists").as_f64() as i32)
             };
-            TAGS.iter().chain(&PAIR).map(|tag| value(tag)).collect::<Vec<_>>()
+            TAGS.iter()
+                .chain(&PAIR)
+                .chain(&[PROGRAM_TAG])
+                .map(|tag| value(tag))
+                .collect::<Vec<_>>()
         });
         let wrote = match self.failing.load(Ordering::Relaxed) {
             0 => Wrote::Anew,
@@ -323,6 +440,8 @@ impl World<'_> {
         };
         self.beside = None;
         self.owed = 0;
+        told::begin();
+        self.common.lost.store(0, Ordering::Relaxed);
         let began = runtime.block_on(async { Instant::now() });
         self.running = Some(Running {
             server,
@@ -358,7 +477,7 @@ impl World<'_> {
             }
         }
         // A late tick is caught up before it is judged.
-        if self.now >= self.late_until + 100 {
+        if self.now >= self.late_until.max(self.stalled_until) + 100 {
             self.watch.due(self.now, &self.common.record);
         }
         let panics = PANICS.take();
@@ -403,6 +522,16 @@ impl World<'_> {
         if health.lost_answers != 0 {
             record.violated("D3", &format!("{} answers were lost", health.lost_answers));
         }
+        // What was reported is logged, or counted as lost; and each loss is told once.
+        let changes = running.server.changes();
+        if changes.logged + health.lost_events != changes.reported {
+            let why = format!("{changes:?}, and {} are counted as lost", health.lost_events);
+            record.violated("T3", &why);
+        }
+        let (told, lost) = (told::lost(), health.lost_events + health.lost_answers);
+        if told != lost {
+            record.violated("T3", &format!("{lost} changes are lost, and {told} were told"));
+        }
     }
 }
 
@@ -427,5 +556,7 @@ fn file() -> PathBuf {
 const LEAVING: u64 = 5_000;
 /// The longest silence before the first datagram of an I/O connection, ms (docs/IO.md).
 const FIRST_DATAGRAM: u64 = 10_100;
+/// The clock on the wall at the beginning, ms since 1970: late in 2026.
+const WALL_AT_BEGIN: u64 = 1_795_000_000_000;
 /// As the thread of the tick has it.
 const CATCH_UP: u64 = 1000;

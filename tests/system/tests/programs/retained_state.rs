@@ -410,12 +410,24 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
         );
     }
     starts.sort();
+    println!("{}", commit());
     println!(
         "{kills} kills: ready again after {:.1?} (median), at most {:.1?}; {acknowledged} writes acknowledged, {moving} axes killed while \
          they moved; the file had at most {longest} bytes",
         starts[starts.len() / 2],
         starts[starts.len() - 1]
     );
+}
+
+/// The commit and its date, as docs/campaigns/kills.txt begins.
+fn commit() -> String {
+    let git = std::process::Command::new("git")
+        .args(["show", "-s", "--abbrev=8", "--format=commit %h of %cs", "HEAD"])
+        .output();
+    git.map_or_else(
+        |_| "no commit".to_owned(),
+        |shown| String::from_utf8_lossy(&shown.stdout).trim().to_owned(),
+    )
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -17,8 +17,8 @@ use crate::motion::Deadline;
 
 /// The instance of axis C.
 const C: u32 = 7;
-/// Bytes of the assemblies of the machine: four coordinate systems and seven axes.
-const INPUT_SIZE: u16 = 12 + 4 * 24 + 7 * 20;
+/// Bytes of the assemblies of the machine: four coordinate systems and eight axes.
+const INPUT_SIZE: u16 = 12 + 4 * 24 + 8 * 20;
 const OUTPUT_SIZE: u16 = 4 + 4 * 4;
 /// The connection points of the outputs and inputs, and the configuration (docs/IO.md).
 const OUTPUT: u32 = 150;
@@ -64,7 +64,7 @@ struct Owned {
 impl Owned {
     /// Sends outputs that command nothing, in run.
     fn produce(&mut self) {
-        self.sequence += 1;
+        self.sequence = self.sequence.wrapping_add(1);
         let mut data = (self.sequence as u16).to_le_bytes().to_vec();
         data.extend(RUN.to_le_bytes());
         data.resize(2 + 4 + usize::from(OUTPUT_SIZE), 0);
@@ -105,6 +105,8 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     let address = SocketAddr::new(stage.ip().into(), IO_PORT);
     let random = arcline_tests::random::Random(stage.random.bits());
     let mailbox = stage.common.post.open(address, stage.weather, random);
+    // Before the connection is open: its time-out does not wait for many answers.
+    client.ask(&instruction(Mnemonic::Mafr, C, "", &[])).await?;
     let Some(opened) = client.open_io(&open, IO_PORT).await? else {
         stage.note("the outputs have another owner still");
         return Ok(());
@@ -116,7 +118,8 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     let mut owned = Owned {
         id: o_to_t_id,
         mailbox,
-        sequence: 0,
+        // The 16 bits of the data and the 32 bits of the datagram are over soon.
+        sequence: if stage.common.near_end { u32::MAX - 20 } else { 0 },
         interval,
         timeout: u64::from(o_to_t_api) / 1000 * (4 << multiplier),
         heard: None,
@@ -167,7 +170,8 @@ async fn fall_silent(stage: &mut Stage, owned: &mut Owned, lives: u64) {
         owned.consume(stage);
     }
     // The connection may have ended with the server, or the datagrams of either were lost on the way.
-    let is_disturbed = stage.lives() != lives || stage.common.post.held_until() + owned.timeout >= heard;
+    let disturbed_until = stage.common.post.held_until().max(stage.stalled_until());
+    let is_disturbed = stage.lives() != lives || disturbed_until + owned.timeout >= heard;
     if is_disturbed || owned.sent == 0 {
         return;
     }

@@ -1,11 +1,15 @@
 //! Clients that read and write plain tags.
 
-use arcline_proto::cip::Reply;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use arcline_proto::cip::{Reply, Request, service};
+use arcline_proto::epath::{Epath, Segment};
 
 use super::Stage;
-use crate::client::{Answer, Client, DINT, REAL, dint, packet, read, value, write};
+use crate::client::{Answer, Client, Connected, DINT, REAL, dint, packet, read, value, write};
 use crate::history::Written;
 use crate::ledger::Kind;
+use crate::world::wall;
 
 /// The tags that are written with unique values.
 pub(crate) const TAGS: [&str; 4] = ["D0", "D1", "D2", "D3"];
@@ -209,7 +213,7 @@ pub(crate) async fn reader(mut stage: Stage) {
 }
 
 async fn read_connected(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
-    let Some(mut connected) = client.open(serial).await? else {
+    let Some(mut connected) = client.open(serial, stage.first_count()).await? else {
         stage.note("Forward Open was refused");
         return Ok(());
     };
@@ -220,7 +224,9 @@ async fn read_connected(stage: &mut Stage, client: &mut Client, serial: u16) -> 
             break;
         }
         let sent = stage.now();
-        if stage.chance(70) {
+        if stage.chance(5) {
+            read_clock(stage, client, &mut connected).await?;
+        } else if stage.chance(70) {
             let tag = *stage.random.one_of(&TAGS);
             let asked = stage.common.history.clock();
             let reply = client.ask_connected(&mut connected, &read(tag, 1)).await?;
@@ -250,6 +256,40 @@ async fn read_connected(stage: &mut Stage, client: &mut Client, serial: u16) -> 
     Ok(())
 }
 
+/// Reads the clock on the wall: it shows the server's, however that is set.
+async fn read_clock(stage: &Stage, client: &mut Client, connected: &mut Connected) -> Answer<()> {
+    // UTC, µs since 1970, of the class Wall Clock Time.
+    let mut clock = Epath::object(0x8B, 1);
+    clock.0.push(Segment::Attribute(6));
+    let micros = || micros_since_1970(wall());
+    let (asked, since) = (micros(), stage.now());
+    let reply = client
+        .ask_connected(
+            connected,
+            &Request::new(service::GET_ATTRIBUTE_SINGLE, clock, Vec::new()),
+        )
+        .await?;
+    let (answered, took) = (micros(), stage.now() - since);
+    let shown = reply
+        .data
+        .get(..8)
+        .and_then(|bytes| bytes.try_into().ok())
+        .map(u64::from_le_bytes);
+    // Else it was set meanwhile.
+    let goes_on = answered == asked + 1000 * took;
+    if goes_on && !shown.is_some_and(|shown| (asked..=answered).contains(&shown)) {
+        let why = format!("the clock shows {shown:?}, between {asked} and {answered}");
+        stage.common.record.violated("N1", &why);
+    }
+    stage.common.record.saw(stage.name, &reply.to_bytes());
+    Ok(())
+}
+
+fn micros_since_1970(at: SystemTime) -> u64 {
+    let since = at.duration_since(UNIX_EPOCH).unwrap_or_default();
+    since.as_micros() as u64
+}
+
 /// Opens connections and falls silent, so that their watchdogs end them.
 pub(crate) async fn polling(mut stage: Stage) {
     let mut serial = 100;
@@ -269,7 +309,7 @@ pub(crate) async fn polling(mut stage: Stage) {
 }
 
 async fn fall_silent(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
-    let Some(mut connected) = client.open(serial).await? else {
+    let Some(mut connected) = client.open(serial, stage.first_count()).await? else {
         return Ok(());
     };
     client.alive.push(stage.alive(connected.id()));

@@ -4,7 +4,10 @@ use std::sync::atomic::Ordering;
 
 use arcline_state::recording::{Kind, Rules};
 
-use super::World;
+use tokio::runtime::Runtime;
+
+use super::computer::Computer;
+use super::{WALL, World};
 use crate::plan::{Failing, Fault};
 
 impl World<'_> {
@@ -46,6 +49,20 @@ impl World<'_> {
                         .refuse(std::io::Error::other("too many open files, by design"));
                 }
             }
+            Fault::Stall(ms) => {
+                self.common.record.sometimes("a stall beside the tick");
+                self.stalled_until = now + ms;
+                self.common.stalled_until.store(now + ms, Ordering::Relaxed);
+            }
+            Fault::Wall(ms) => {
+                self.common.record.sometimes("the clock on the wall is set");
+                WALL.set(WALL.get().saturating_add_signed(ms));
+            }
+            Fault::KillStart(ms, call) => {
+                self.kill(ms, None);
+                self.start_killed = Some((1 + ms / 2, call));
+            }
+            Fault::Second => self.start_second(),
         }
     }
 
@@ -71,11 +88,41 @@ impl World<'_> {
                 self.probe();
                 let draw = &mut self.draw;
                 self.disk = self.disk.crashed(rules, &mut |below| draw.below(below as u64) as usize);
+                self.computer = Computer::new(self.disk.clone());
                 self.fail_disk();
             }
         }
         self.end_server();
         self.start_at = self.now + ms;
+    }
+
+    /// A start whose process is killed at a call of the disk: none behind it has an effect.
+    pub(super) fn kill_start(&mut self, runtime: &Runtime, again: u64, call: usize) {
+        self.disk.fail(Box::new(move |number, _| number >= call));
+        let before = self.disk.count();
+        drop(self.server(runtime));
+        if self.disk.count() > before {
+            self.common.record.sometimes("a kill during a start that writes");
+        }
+        self.common.record.sometimes("a kill during a start");
+        self.common.record.note("world", "is killed while it starts");
+        self.fail_disk();
+        self.start_at = self.now + again;
+    }
+
+    /// Another server with the file of the one that runs: it does not start, and changes nothing.
+    fn start_second(&mut self) {
+        if self.running.is_none() {
+            return;
+        }
+        let before = self.disk.count();
+        let (runtime, record) = (super::runtime(), &self.common.record);
+        record.sometimes("a second server");
+        match self.server(&runtime) {
+            Ok(_) => record.violated("W2", "a second server has started with the same file"),
+            Err(_) if self.disk.count() != before => record.violated("W2", "a second server has changed the disk"),
+            Err(error) => record.note("a second server", &error.to_string()),
+        }
     }
 
     fn reload(&mut self) {
@@ -101,6 +148,7 @@ impl World<'_> {
         self.sync_takes = 2;
         self.late_until = 0;
         self.planner_until = 0;
+        self.stalled_until = self.stalled_until.min(self.now);
         self.common.network.hold(0);
         // A synchronisation that waits for a slow disk waits no longer.
         if let Some((due, _, _)) = self.running.as_mut().and_then(|running| running.task.as_mut()) {

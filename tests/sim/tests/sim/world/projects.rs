@@ -10,6 +10,18 @@ loopback = "viewer"
 tag = "StepA"
 type = "MAM"
 target = "A"
+[[axis]]
+name = "P"
+type = "servo"
+units = "mm"
+max_speed = 1000.0
+max_acceleration = 10000.0
+max_deceleration = 10000.0
+max_acceleration_jerk = 200000.0
+max_deceleration_jerk = 200000.0
+[[tag]]
+name = "PageRun"
+type = "DINT"
 [[tag]]
 name = "D0"
 type = "DINT"
