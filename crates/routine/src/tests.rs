@@ -6,6 +6,7 @@ mod looked;
 mod mended;
 mod messages;
 mod projects;
+mod refused;
 mod texts;
 
 use crate::source::{

@@ -59,11 +59,12 @@ pub(crate) enum Missing {
     Allowed,
 }
 
-/// The findings that keep a project from running. A tag of an unknown type is left out: routines that name it do not compile.
+/// The findings that keep a project from running. A tag of an unknown type, or of a module without
+/// data, is left out: routines that name it do not compile.
 pub(crate) fn blocking(findings: &[Finding], missing: Missing) -> impl Iterator<Item = &Finding> {
     findings.iter().filter(move |finding| match finding.kind {
         FindingKind::Error => true,
-        FindingKind::Type => false,
+        FindingKind::Type | FindingKind::Module => false,
         _ => missing == Missing::Refused,
     })
 }
