@@ -1,5 +1,6 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
+mod effects;
 mod events;
 mod instructions;
 mod looked;
