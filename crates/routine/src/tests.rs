@@ -6,9 +6,11 @@ mod instructions;
 mod looked;
 mod mended;
 mod messages;
+mod motion;
 mod projects;
 mod refused;
 mod texts;
+mod wires;
 
 use crate::source::{
     Content, Datum, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
