@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 
 use super::security;
 use crate::section::Section;
-use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, MessageAnswer, ServerConfig};
+use crate::{ConnectionLoss, ControllerConfig, IoListen, IoLoss, MessageAnswer, ServerConfig, WireConfig};
 
 pub(super) fn server(root: &Section<'_>) -> ServerConfig {
     let (section, _) = root.table("server");
@@ -58,6 +58,16 @@ fn controller(root: &Section<'_>) -> ControllerConfig {
         begins_stopped: section.word("mode") == Some("program"),
         allow_missing: section.boolean("allow_missing").unwrap_or_default(),
         messages: section.tables("messages").iter().map(message).collect(),
+        wires: section.tables("wire").iter().map(wire).collect(),
+    }
+}
+
+fn wire(row: &Section<'_>) -> WireConfig {
+    let delay = row.integer("delay_ms").and_then(|number| u32::try_from(number).ok());
+    WireConfig {
+        from: row.text_or_default("from"),
+        to: row.text_or_default("to"),
+        delay_ms: delay.unwrap_or_default(),
     }
 }
 
