@@ -240,10 +240,11 @@ fn sharing(node: Node<'_, '_>) -> Option<(String, String)> {
     }
 }
 
-/// The parameters of a tag of the type MESSAGE.
+/// The parameters of a tag of the type MESSAGE or ALARM_DIGITAL.
 fn message_parameters(node: Node<'_, '_>) -> BTreeMap<String, String> {
     let data = children(node, "Data");
-    let lists = data.flat_map(|data| children(data, "MessageParameters"));
+    let lists = data.flat_map(|data| ["MessageParameters", "AlarmDigitalParameters"].map(|name| children(data, name)));
+    let lists = lists.flatten();
     let all = lists.flat_map(|list| list.attributes());
     all.map(|one| (one.name().to_owned(), one.value().to_owned())).collect()
 }
