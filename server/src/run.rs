@@ -121,7 +121,7 @@ fn program_of(server: &ServerConfig, config: Option<&Path>, given: Option<(PathB
         mode,
         missing,
         has_machine,
-        answers: live::answers(controller),
+        around: live::Surroundings::of(controller),
     })
 }
 

@@ -429,3 +429,150 @@ fn a_project_runs_again_to_the_same_bytes() {
     assert!(!first.is_empty());
     assert_eq!(first, run());
 }
+
+/// A rung in a routine of ladder.
+fn rungs(all: &[&str]) -> String {
+    let rows = (0..)
+        .zip(all)
+        .map(|(number, text)| format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{text}]]></Text></Rung>"));
+    format!("<RLLContent>{}</RLLContent>", rows.collect::<String>())
+}
+
+fn run(arguments: &[&std::ffi::OsStr]) -> (Option<i32>, String, String) {
+    let output = server().args(arguments).output().expect("the server runs");
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn parts_of_a_project_that_do_not_run_are_named_and_passed_over_on_demand() {
+    let files = Files::new();
+    let more = "<Routine Name=\"Flow\" Type=\"FBD\"><FBDContent/></Routine><Routine Name=\"Chart\" Type=\"SFC\"><SFCContent/></Routine>\
+        <EncodedData EncodedType=\"Routine\" Name=\"Locked\">AAAA</EncodedData></Routines>";
+    let modules = "<Modules><Module Name=\"Raw\" ParentModule=\"Local\"><Ports><Port Id=\"1\" Address=\"2\" Type=\"ICP\" Upstream=\"true\"/></Ports>\
+        <Communications><Connections><Connection Name=\"C\"><InputTag><Data Format=\"L5K\">[0]</Data></InputTag></Connection></Connections>\
+        </Communications></Module></Modules></Controller>";
+    let text = project(
+        "RLL",
+        &rungs(&["PID(Pos[0]);", "JSR(Flow,0);", "JSR(Locked,0);", "MOV(7.0,Pos[2]);"]),
+    )
+    .replacen("</Routines>", more, 1)
+    .replacen("</Controller>", modules, 1);
+    let cell = files.write("Cell.L5X", &text);
+    let (code, out, _) = run(&["import".as_ref(), cell.as_os_str(), "--report".as_ref()]);
+    assert_eq!(code, Some(0));
+    for line in [
+        "Main/Main rung 0: instruction PID is not supported",
+        "Main/Flow: routine Flow: FBD is not supported",
+        "Main/Chart: routine Chart: SFC is not supported",
+        "Main/Locked: routine Locked: encoded content is not supported",
+        "module Local:2:I: has no data of the format Decorated, which name its members: there is no such tag",
+    ] {
+        assert!(out.lines().any(|one| one == line), "{line}\n{out}");
+    }
+    let simulate = ["simulate".as_ref(), cell.as_os_str(), "--max".as_ref(), "0.1".as_ref()];
+    let (code, _, said) = run(&simulate);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("4 parts of the project do not run"), "{said}");
+    let until = ["--allow-missing".as_ref(), "--until".as_ref(), "Pos[2] = 7".as_ref()];
+    let (code, _, said) = run(&[simulate.as_slice(), &until].concat());
+    assert_eq!(code, Some(0), "the rest runs: {said}");
+    // A tag of the module stops it.
+    let used = files.write("Used.L5X", &text.replace("PID(Pos[0]);", "XIC(Local:2:I.Data.0)NOP();"));
+    let (code, _, said) = run(&["simulate".as_ref(), used.as_os_str(), "--allow-missing".as_ref()]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("there is no tag Local:2:I"), "{said}");
+}
+
+#[test]
+fn an_axis_is_homed_to_a_wired_switch() {
+    let files = Files::new();
+    let module = |slot: u32, tag: &str| {
+        format!(
+            "<Module Name=\"M{slot}\" ParentModule=\"Local\"><Ports><Port Id=\"1\" Address=\"{slot}\" Type=\"ICP\" Upstream=\"true\"/></Ports>\
+             <Communications><Connections><Connection Name=\"C\"><{tag}><Data Format=\"Decorated\"><Structure DataType=\"AB:D{slot}\">\
+             <DataValueMember Name=\"Data\" DataType=\"DINT\" Value=\"0\"/></Structure></Data></{tag}></Connection></Connections></Communications></Module>"
+        )
+    };
+    let modules = format!(
+        "<Modules>{}{}</Modules></Controller>",
+        module(1, "InputTag"),
+        module(2, "OutputTag")
+    );
+    let program = [
+        "GEQ(X.ActualPosition,20)OTE(Local:2:O.Data.3);",
+        "MAH(X,M);",
+        "XIC(Local:1:I.Data.0)OTE(Was);",
+    ];
+    let text = project("RLL", &rungs(&program)).replacen("</Controller>", &modules, 1);
+    let cell = files.write("Cell.L5X", &text);
+    let homed = "name = \"X\"\ntype = \"servo\"\nhome = { sequence = \"switch\", direction = \"unidirectional-forward\", speed = 40.0 }";
+    let machine =
+        include_str!("../../crates/config/src/default.toml").replacen("name = \"X\"\ntype = \"servo\"", homed, 1);
+    let wires = "\n[[controller.wire]]\nfrom = \"Local:2:O.Data.3\"\nto = \"X.home_switch\"\n\
+        [[controller.wire]]\nfrom = \"X.home_switch\"\nto = \"Local:1:I.Data.0\"\ndelay_ms = 3\n";
+    let simulate = |machine: &str, until: &str| {
+        let machine = files.write("machine.toml", machine);
+        let arguments = [
+            "simulate".as_ref(),
+            cell.as_os_str(),
+            "--config".as_ref(),
+            machine.as_os_str(),
+            "--max".as_ref(),
+            "5".as_ref(),
+        ];
+        run(&[arguments.as_slice(), &["--until".as_ref(), until.as_ref()]].concat())
+    };
+    let wired = format!("{machine}{wires}");
+    let (code, _, said) = simulate(
+        &wired,
+        "M.PC AND Was AND X.AxisHomedStatus AND X.ActualPosition >= 0 AND X.ActualPosition < 2",
+    );
+    assert_eq!(code, Some(0), "{said}");
+    let (code, _, said) = simulate(&machine, "M.ER AND M.ERR = 84");
+    assert_eq!(code, Some(0), "without the wire there is no switch: {said}");
+    let (code, _, said) = simulate(&wired.replace("Local:1:I.Data.0", "Local:7:I.Data.0"), "M.PC");
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("wire from X.home_switch to Local:7:I.Data.0: Local:7:I.Data.0: there is no tag Local:7:I"),
+        "{said}"
+    );
+}
+
+#[test]
+fn an_add_on_instruction_moves_the_axis_that_it_gets_by_reference() {
+    let files = Files::new();
+    let parameter = |name: &str, kind: &str, usage: &str| {
+        format!(
+            "<Parameter Name=\"{name}\" TagType=\"Base\" DataType=\"{kind}\" Usage=\"{usage}\" Required=\"true\" Visible=\"true\"/>"
+        )
+    };
+    let logic = rungs(&["MAM(Ax,Mc,0,To,100,Units per sec);", "XIC(Mc.PC)OTE(Done);"]);
+    let add_on = format!(
+        "</DataTypes><AddOnInstructionDefinitions><AddOnInstructionDefinition Name=\"Goto\" Revision=\"1.0\"><Parameters>\
+         <Parameter Name=\"EnableIn\" DataType=\"BOOL\" Usage=\"Input\" Required=\"false\"/><Parameter Name=\"EnableOut\" DataType=\"BOOL\" Usage=\"Output\" Required=\"false\"/>\
+         {}{}{}{}</Parameters><LocalTags/><Routines><Routine Name=\"Logic\" Type=\"RLL\">{logic}</Routine></Routines>\
+         </AddOnInstructionDefinition></AddOnInstructionDefinitions>",
+        parameter("Ax", "AXIS_CIP_DRIVE", "InOut"),
+        parameter("Mc", "MOTION_INSTRUCTION", "InOut"),
+        parameter("To", "REAL", "Input"),
+        parameter("Done", "BOOL", "Output"),
+    );
+    let tags = "<Tag Name=\"G1\" TagType=\"Base\" DataType=\"Goto\"/><Tag Name=\"G2\" TagType=\"Base\" DataType=\"Goto\"/>\
+        <Tag Name=\"M2\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\"/><Tag Name=\"D2\" TagType=\"Base\" DataType=\"BOOL\"/></Tags>";
+    let program = ["Goto(G1,X,M,30.0,Was);", "XIC(G1.Done)Goto(G2,Y,M2,-20.0,D2);"];
+    let text = project("RLL", &rungs(&program))
+        .replacen("</Tags>", tags, 1)
+        .replacen("</DataTypes>", &add_on, 1);
+    let cell = files.write("Cell.L5X", &text);
+    let until = "D2 AND X.CommandPosition = 30 AND Y.CommandPosition = -20";
+    let (code, _, said) = run(&[
+        "simulate".as_ref(),
+        cell.as_os_str(),
+        "--until".as_ref(),
+        until.as_ref(),
+        "--max".as_ref(),
+        "5".as_ref(),
+    ]);
+    assert_eq!(code, Some(0), "{said}");
+}

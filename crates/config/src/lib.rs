@@ -118,7 +118,31 @@ pub struct ControllerConfig {
     pub allow_missing: bool,
     /// What answers the MSG instructions of the program.
     pub messages: Vec<MessageAnswer>,
+    /// Wires between tags of the program and axes.
+    pub wires: Vec<WireConfig>,
 }
+
+/// A row of `[[controller.wire]]`: `to` follows `from`.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct WireConfig {
+    /// A BOOL or a bit of a tag, or of an axis.
+    pub from: String,
+    /// A BOOL or a bit of a tag, or an input of an axis.
+    pub to: String,
+    /// How long `from` has a value until `to` takes it, ms.
+    pub delay_ms: u32,
+}
+
+impl WireConfig {
+    /// The name of the axis whose home switch the wire leads to.
+    pub fn home_switch(&self) -> Option<&str> {
+        let (axis, input) = self.to.rsplit_once('.')?;
+        input.eq_ignore_ascii_case(HOME_SWITCH).then_some(axis)
+    }
+}
+
+/// The home switch of an axis as an end of a wire: `X.home_switch`.
+pub const HOME_SWITCH: &str = "home_switch";
 
 /// A row of `[[controller.messages]]`: the answer to a MSG of the type CIP Generic.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]

@@ -18,7 +18,7 @@ mod value;
 pub(crate) use server::hex_bytes;
 use std::cell::RefCell;
 
-use arcline_controller::machine::{Machine, MotionGroup};
+use arcline_controller::machine::{HomeSwitch, Machine, MotionGroup};
 use toml::de::DeTable;
 
 use self::axis::axis;
@@ -34,7 +34,7 @@ use self::types::Types;
 use crate::error::{ConfigError, Problem};
 use crate::keys::ROOT;
 use crate::section::{Placed, Section, Source};
-use crate::{Project, ServerConfig};
+use crate::{ControllerConfig, Project, ServerConfig, WireConfig};
 
 pub use self::names::is_name;
 pub use self::types::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, tag_type};
@@ -94,7 +94,8 @@ fn parse(source: Source<'_>) -> Option<Project> {
     root.check();
     let server = server(&root);
     let mut names = Taken::default();
-    let machine = machine(&root, &mut names);
+    let mut machine = machine(&root, &mut names);
+    wire_home_switches(&mut machine, &server.controller);
     let instruction_tags = instruction_tags(&root, &machine, &mut names);
     let types = Types::read(&root);
     let tags = plain_tags(&root, &types, &mut names);
@@ -109,6 +110,18 @@ fn parse(source: Source<'_>) -> Option<Project> {
         types: types.in_order(),
         tags,
     })
+}
+
+/// An axis whose home switch a wire gives can be homed to it, in either direction.
+fn wire_home_switches(machine: &mut Machine, controller: &ControllerConfig) {
+    for name in controller.wires.iter().filter_map(WireConfig::home_switch) {
+        let Machine { motion, drives } = machine;
+        for (axis, drive) in motion.axes.iter_mut().zip(drives) {
+            if axis.name.eq_ignore_ascii_case(name) && drive.is_some() {
+                axis.home.inputs.switch = Some(HomeSwitch::Both);
+            }
+        }
+    }
 }
 
 fn machine(root: &Section<'_>, names: &mut Taken) -> Machine {

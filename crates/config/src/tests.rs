@@ -561,6 +561,51 @@ fn tags_that_cannot_be_say_why() {
 }
 
 #[test]
+fn wires_are_read_and_written_and_give_an_axis_its_home_switch() {
+    let wire =
+        |from: &str, to: &str, more: &str| format!("[[controller.wire]]\nfrom = \"{from}\"\nto = \"{to}\"\n{more}\n");
+    let text = format!(
+        "{}\n[controller]\nprogram = \"Cell.L5X\"\n{}{}",
+        crate::DEFAULT,
+        wire("Local:2:O.Data.3", "x.Home_Switch", "delay_ms = 20"),
+        wire("Y.home_switch", "Local:1:I.Data.0", "")
+    );
+    let project = crate::load(&text, "wired.toml").expect("it is valid");
+    let wires: Vec<_> = project
+        .server
+        .controller
+        .wires
+        .iter()
+        .map(|wire| (wire.from.as_str(), wire.to.as_str(), wire.delay_ms))
+        .collect();
+    let expected = [
+        ("Local:2:O.Data.3", "x.Home_Switch", 20),
+        ("Y.home_switch", "Local:1:I.Data.0", 0),
+    ];
+    assert_eq!(wires, expected);
+    let switches: Vec<_> = project
+        .machine
+        .axes
+        .iter()
+        .map(|axis| axis.home.inputs.switch.is_some())
+        .collect();
+    assert_eq!(switches[..2], [true, false], "X has one, Y only shows its own");
+    assert_eq!(
+        crate::load(&crate::format(&crate::table(&project)), "again.toml").expect("it is valid"),
+        project
+    );
+    for (text, expected) in [
+        (wire("", "B", ""), "controller.wire[1].from"),
+        (wire("A", "B C", ""), "controller.wire[1].to"),
+        (wire("A", "B", "delay_ms = -1"), "controller.wire[1].delay_ms"),
+        ("[[controller.wire]]\nfrom = \"A\"".to_owned(), "to"),
+    ] {
+        let error = crate::load(&format!("{}\n{text}", crate::DEFAULT), "t.toml").expect_err(expected);
+        assert!(error.to_string().contains(expected), "{expected}: {error}");
+    }
+}
+
+#[test]
 fn the_documentation_lists_the_keys() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/CONFIGURATION.md");
     let found = std::fs::read_to_string(file).expect("the page is there");

@@ -72,6 +72,16 @@ pub fn table(project: &Project) -> Table {
             let rows = controller.messages.iter().map(message);
             all.push(("messages", Value::Array(rows.collect())));
         }
+        if !controller.wires.is_empty() {
+            let rows = controller.wires.iter().map(|wire| {
+                keys([
+                    ("from", text(&wire.from)),
+                    ("to", text(&wire.to)),
+                    ("delay_ms", Value::Integer(wire.delay_ms.into())),
+                ])
+            });
+            all.push(("wire", Value::Array(rows.collect())));
+        }
         root.insert("controller".into(), keys(all));
     }
     let group = [

@@ -126,17 +126,28 @@ pub struct Latch {
     pub position: f64,
 }
 
-/// A registration input that is written instead of wired.
+/// An input of a drive that is written instead of wired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrittenInput {
     /// The axis.
     pub axis: AxisId,
-    /// Which of its registration inputs: 0 or 1.
-    pub input: usize,
+    /// Which of its inputs.
+    pub input: DriveInput,
     /// The input is active now.
     pub on: bool,
-    /// Its latch, as it is armed now.
+    /// The latch of a registration input, as it is armed now.
     pub armed: Option<ArmLatch>,
+}
+
+/// A digital input of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveInput {
+    /// A registration input: 0 or 1.
+    Registration(usize),
+    /// The home switch, beside that of the simulated machine: active is one of them.
+    Home,
+    /// The drive holds the axis only while this input is active. A drive that nobody writes it to needs none.
+    Enable,
 }
 
 /// What comes in from the drive of one axis at a tick.

@@ -56,6 +56,7 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     }
     for node in lists("Tags", "Tag") {
         project.tags.push(tag(&source, node)?);
+        project.outside.extend(sharing(node));
     }
     for node in lists("Programs", "Program") {
         project.programs.push(program(&source, node)?);
@@ -221,10 +222,29 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
     })
 }
 
-/// The parameters of a tag of the type MESSAGE.
+/// What of a tag that controllers share does not happen here.
+fn sharing(node: Node<'_, '_>) -> Option<(String, String)> {
+    let name = node.attribute("Name")?.to_owned();
+    match node.attribute("TagType")? {
+        "Produced" => Some((
+            name,
+            "is produced, but nobody receives it: it is a plain tag".to_owned(),
+        )),
+        "Consumed" => {
+            let producer = child(node, "ConsumeInfo").and_then(|info| info.attribute("Producer"));
+            let producer = producer.unwrap_or("another controller");
+            let reason = format!("is consumed from {producer}, but nothing comes: it is a plain tag");
+            Some((name, reason))
+        }
+        _ => None,
+    }
+}
+
+/// The parameters of a tag of the type MESSAGE or ALARM_DIGITAL.
 fn message_parameters(node: Node<'_, '_>) -> BTreeMap<String, String> {
     let data = children(node, "Data");
-    let lists = data.flat_map(|data| children(data, "MessageParameters"));
+    let lists = data.flat_map(|data| ["MessageParameters", "AlarmDigitalParameters"].map(|name| children(data, name)));
+    let lists = lists.flatten();
     let all = lists.flat_map(|list| list.attributes());
     all.map(|one| (one.name().to_owned(), one.value().to_owned())).collect()
 }

@@ -8,9 +8,9 @@ pub enum Meaning {
     Key(&'static str),
     /// It has no information to lose, for the reason in the words.
     Form(&'static str),
-    /// Arcline has nothing like it: reported, unless it has this value (empty: always).
+    /// A configuration has nothing like it: reported, unless it has this value (empty: always).
     Without(&'static str),
-    /// A list whose entries Arcline has nothing like: each is reported.
+    /// A list whose entries a configuration has nothing like, such as routines: each is reported.
     Each,
 }
 
@@ -54,7 +54,10 @@ pub fn markdown() -> String {
             text.push_str(&format!("| {} | no value of its own: {why} |\n", names.join(", ")));
         }
         if !without.is_empty() {
-            text.push_str(&format!("| {} | reported: no counterpart |\n", without.join(", ")));
+            text.push_str(&format!(
+                "| {} | reported: no counterpart in a configuration |\n",
+                without.join(", ")
+            ));
         }
     }
     text

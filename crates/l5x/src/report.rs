@@ -18,7 +18,7 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Reason::NotUnderstood => f.write_str("not understood"),
-            Reason::NoCounterpart => f.write_str("no counterpart in Arcline"),
+            Reason::NoCounterpart => f.write_str("no counterpart in a configuration"),
             Reason::Changed(words) => write!(f, "changed: {words}"),
         }
     }

@@ -1,5 +1,6 @@
 //! Imports, exports, and one after the other.
 
+mod modules;
 mod partial;
 mod reading;
 mod round_trip;

@@ -202,6 +202,7 @@ impl Cell {
         }
         let Cell { code, state, .. } = self;
         state.triggered.fill(false);
+        state.begin_wires();
         (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
         for task in &code.tasks {
             for program in &task.programs {
@@ -237,13 +238,27 @@ impl Cell {
         let now = tick * period;
         self.state.executions = 0;
         self.state.now = now;
-        Scan {
+        let mut scan = Scan {
             code: &self.code,
             s: &mut self.state,
             host: &mut *host,
             caller: None,
-        }
-        .messages();
+        };
+        scan.messages();
+        scan.latch_inputs(now);
+        self.tasks(tick, now, host)?;
+        let mut scan = Scan {
+            code: &self.code,
+            s: &mut self.state,
+            host,
+            caller: None,
+        };
+        scan.give_outputs(now);
+        Ok(())
+    }
+
+    /// Scans the tasks that are due.
+    fn tasks(&mut self, tick: u64, now: u64, host: &mut dyn Host) -> Result<(), Fault> {
         for number in 0..self.order.len() {
             let Some(task) = self.order.get(number).copied() else {
                 continue;

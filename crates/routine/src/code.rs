@@ -348,6 +348,11 @@ pub(crate) enum Attribute {
     /// A member of the tag of a motion object.
     Member(Cellular),
     MinorFaults,
+    MajorFaults,
+    /// The number of minor (0) or major (1) faults.
+    Events(u8),
+    /// One that Arcline does not have, and that is passed over.
+    Missing,
     /// An attribute of a motion object, by its number at the host.
     Host(u32),
 }
@@ -496,6 +501,31 @@ pub(crate) enum When {
     },
 }
 
+/// A bit that always stands at the same place.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct FixedBit {
+    pub(crate) at: u32,
+    pub(crate) mask: u8,
+}
+
+/// A wire.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wire {
+    pub(crate) from: FixedBit,
+    pub(crate) to: End,
+    /// ns.
+    pub(crate) delay: u64,
+}
+
+/// The end of a wire.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum End {
+    /// A bit, and the one that says that the connection of its module is lost.
+    Bit(FixedBit, Option<FixedBit>),
+    /// An input of an axis, by its number at the host.
+    Input(u32),
+}
+
 /// Everything compiled.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
@@ -505,6 +535,7 @@ pub(crate) struct Code {
     pub(crate) tasks: Vec<Task>,
     pub(crate) fault_handler: Option<u32>,
     pub(crate) replies: Vec<Reply>,
+    pub(crate) wires: Vec<Wire>,
     pub(crate) texts: Vec<String>,
 }
 

@@ -9,6 +9,7 @@ mod operand;
 mod reference;
 mod statement;
 mod system;
+mod wire;
 
 pub(crate) use expression::status_of;
 
@@ -42,6 +43,10 @@ pub trait Directory {
     fn tag(&mut self, name: &str, tag_type: &TagType) -> Option<u32>;
     /// The value of an attribute of a motion object that does not change while the machine runs, for GSV.
     fn constant(&self, _object: Object, _index: u16, _name: &str) -> Option<f64> {
+        None
+    }
+    /// The number of an input of an axis that a wire leads to, such as `X.home_switch`; `None`: it is none.
+    fn axis_input(&mut self, _text: &str) -> Option<u32> {
         None
     }
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
@@ -117,6 +122,10 @@ impl<'p> Compiler<'p> {
             place: None,
         };
         let mut findings: Vec<Finding> = types.wrong.iter().map(of_type).collect();
+        findings.extend(project.outside.iter().map(|one| Finding {
+            kind: FindingKind::Module,
+            ..of_type(one)
+        }));
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
         compiler.findings = findings;
@@ -239,6 +248,7 @@ impl<'p> Compiler<'p> {
                 programs: programs.map(|place| place as u32).collect(),
             });
         }
+        self.wires();
     }
 
     /// The event of a task; `None`: there is none but EVENT.

@@ -93,6 +93,8 @@ pub enum FindingKind {
     Type,
     /// A task.
     Task,
+    /// A module, or a tag of another controller.
+    Module,
     /// An operand, a tag or a text that does not fit.
     Error,
 }
@@ -105,6 +107,7 @@ impl FindingKind {
             Self::Routine => "routine",
             Self::Type => "type",
             Self::Task => "task",
+            Self::Module => "module",
             Self::Error => "error",
         }
     }

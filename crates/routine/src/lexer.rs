@@ -182,7 +182,7 @@ impl<'t> Lexer<'t> {
                 .replace('_', "");
             self.at += end + 1 + count;
             return u64::from_str_radix(&text, radix)
-                .map(|value| TokenKind::Integer(value as i64))
+                .map(|value| TokenKind::Integer(of_width(value, text.len() * radix.ilog2() as usize)))
                 .map_err(|_| too_large);
         }
         if self.after_dot {
@@ -278,5 +278,13 @@ pub(crate) fn quoted(bytes: &[u8]) -> Option<(Vec<u8>, usize)> {
             }
             _ => text.push(byte),
         }
+    }
+}
+
+/// A number in another radix than ten: its digits are the bits of a DINT, or of a LINT where there are more of them.
+fn of_width(value: u64, bits: usize) -> i64 {
+    match u32::try_from(value) {
+        Ok(value) if bits < 64 => i64::from(value as i32),
+        _ => value as i64,
     }
 }

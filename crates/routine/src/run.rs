@@ -13,6 +13,7 @@ mod statements;
 mod system;
 mod text;
 mod value;
+mod wires;
 
 use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
 
@@ -36,6 +37,10 @@ pub trait Host {
     fn date(&self, now: u64) -> [i32; 7];
     /// A run of a task begins, whose longest time is this, µs; 0: that of the controller.
     fn begin_task(&mut self, _watchdog_us: i32) {}
+    /// The inputs of modules have come to the memory, before the first rung of a tick.
+    fn inputs_latched(&mut self, _memory: &mut [u8]) {}
+    /// A wire gives an input of an axis a value.
+    fn axis_input(&mut self, _number: u32, _on: bool) {}
     /// Between two rungs or statements: writes of clients come to the memory here.
     fn between(&mut self, _memory: &mut [u8]) -> Pace {
         Pace::InTime
@@ -83,6 +88,9 @@ pub(crate) struct State {
     carry: bool,
     pub(crate) minor: bool,
     pub(crate) minor_bits: u32,
+    /// Bits by type of the major faults, and the numbers of minor and major ones, since SSV cleared them.
+    pub(crate) major_bits: u32,
+    pub(crate) events: [i16; 2],
     pub(crate) first_scan: bool,
     pub(crate) prescan: bool,
     /// Whether a zone of MCR is off.
@@ -123,6 +131,8 @@ pub(crate) struct State {
     /// Tags that the host has too: first byte, end, id.
     pub(crate) shared: Vec<(u32, u32, u32)>,
     messages: Vec<Sent>,
+    /// The state of each wire.
+    wires: Vec<wires::Signal>,
     /// The power flow of the routines that someone looks at, and where the next bit of one stands.
     pub(crate) traces: Vec<Trace>,
     trace: Cursor,
@@ -173,6 +183,7 @@ impl State {
             overlaps: vec![0; code.tasks.len()],
             status: vec![0; code.tasks.len()],
             messages: Vec::with_capacity(MAX_MESSAGES),
+            wires: vec![wires::Signal::default(); code.wires.len()],
             ..State::default()
         }
     }

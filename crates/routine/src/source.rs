@@ -17,12 +17,27 @@ pub struct Project {
     pub programs: Vec<ProgramSource>,
     /// Tasks.
     pub tasks: Vec<TaskSource>,
-    /// Modules: name and catalogue number.
-    pub modules: Vec<(String, String)>,
+    /// The names of the modules.
+    pub modules: Vec<String>,
+    /// What of the modules, and of tags that other controllers have, is not as it is beside real hardware: name and reason.
+    pub outside: Vec<(String, String)>,
     /// The program of the controller's fault handler.
     pub fault_handler: Option<String>,
     /// What answers MSG; of several that fit the first. It is not in the file.
     pub answers: Vec<Answer>,
+    /// Wires between tags and axes. They are not in the file.
+    pub wires: Vec<Wire>,
+}
+
+/// A wire: a bit that another bit, or an input of an axis, follows.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Wire {
+    /// A BOOL or a bit: `Local:2:O.Data.3`, `X.home_switch`.
+    pub from: String,
+    /// A BOOL or a bit of a tag, or an input of an axis: `Local:1:I.Data.0`, `X.enable`.
+    pub to: String,
+    /// How long `from` has a value until `to` takes it, ms.
+    pub delay_ms: u32,
 }
 
 /// The answer to a MSG of the type CIP Generic.

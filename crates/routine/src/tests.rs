@@ -1,12 +1,16 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
+mod effects;
 mod events;
 mod instructions;
 mod looked;
 mod mended;
 mod messages;
+mod motion;
 mod projects;
+mod refused;
 mod texts;
+mod wires;
 
 use crate::source::{
     Content, Datum, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,

@@ -353,6 +353,17 @@ impl Host for LiveHost {
         ]
     }
 
+    fn axis_input(&mut self, number: u32, on: bool) {
+        if let Some(input) = self.places.input(number, on) {
+            self.plant.give_input(input);
+        }
+    }
+
+    /// Forces stay above wires.
+    fn inputs_latched(&mut self, memory: &mut [u8]) {
+        self.force(memory);
+    }
+
     fn begin_task(&mut self, watchdog_us: i32) {
         let longest = match u64::try_from(watchdog_us) {
             Ok(us) if us > 0 => Duration::from_micros(us),

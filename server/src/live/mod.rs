@@ -18,7 +18,7 @@ use std::time::Duration;
 use arcline_config::{ControllerConfig, Project as Configuration};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_routine::source::{Answer, Project};
+use arcline_routine::source::{Answer, Project, Wire};
 use arcline_routine::{Cell, Finding, FindingKind, Listing, Loaded};
 
 use crate::cli::Failure;
@@ -59,11 +59,12 @@ pub(crate) enum Missing {
     Allowed,
 }
 
-/// The findings that keep a project from running. A tag of an unknown type is left out: routines that name it do not compile.
+/// The findings that keep a project from running. A tag of an unknown type, or of a module without
+/// data, is left out: routines that name it do not compile.
 pub(crate) fn blocking(findings: &[Finding], missing: Missing) -> impl Iterator<Item = &Finding> {
     findings.iter().filter(move |finding| match finding.kind {
         FindingKind::Error => true,
-        FindingKind::Type => false,
+        FindingKind::Type | FindingKind::Module => false,
         _ => missing == Missing::Refused,
     })
 }
@@ -99,8 +100,8 @@ pub(crate) struct Given {
     pub(crate) missing: Missing,
     /// Whether the machine is that of the file too.
     pub(crate) has_machine: bool,
-    /// What answers its messages.
-    pub(crate) answers: Vec<Answer>,
+    /// What the configuration has around it.
+    pub(crate) around: Surroundings,
 }
 
 /// The thread of a program. Dropped, it ends the thread.
@@ -119,26 +120,49 @@ struct Order {
     answer: mpsc::SyncSender<Result<(), String>>,
 }
 
-/// The answers to messages of a configuration.
-pub(crate) fn answers(controller: &ControllerConfig) -> Vec<Answer> {
-    let rows = controller.messages.iter().map(|row| Answer {
-        service: row.service,
-        class: row.class,
-        instance: row.instance,
-        attribute: row.attribute,
-        data: row.answer.clone(),
-        delay_ms: row.delay_ms,
-        error: row.error,
-    });
-    rows.collect()
+/// What a configuration has around a program.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct Surroundings {
+    /// What answers its messages.
+    answers: Vec<Answer>,
+    wires: Vec<Wire>,
+}
+
+impl Surroundings {
+    pub(crate) fn of(controller: &ControllerConfig) -> Self {
+        let answers = controller.messages.iter().map(|row| Answer {
+            service: row.service,
+            class: row.class,
+            instance: row.instance,
+            attribute: row.attribute,
+            data: row.answer.clone(),
+            delay_ms: row.delay_ms,
+            error: row.error,
+        });
+        let wires = controller.wires.iter().map(|wire| Wire {
+            from: wire.from.clone(),
+            to: wire.to.clone(),
+            delay_ms: wire.delay_ms,
+        });
+        Surroundings {
+            answers: answers.collect(),
+            wires: wires.collect(),
+        }
+    }
+
+    /// Gives them to the program.
+    pub(crate) fn surround(&self, source: &mut Project) {
+        source.answers.clone_from(&self.answers);
+        source.wires.clone_from(&self.wires);
+    }
 }
 
 /// Reads the program of a project's file.
-fn read(file: &Path, answers: &[Answer]) -> Result<Project, Failure> {
+fn read(file: &Path, around: &Surroundings) -> Result<Project, Failure> {
     let text = crate::l5x::read(file)?;
     let source = arcline_l5x::logic(&text, &file.display().to_string());
     let mut source = source.map_err(|error| Failure::usage(error.to_string()))?;
-    source.answers = answers.to_vec();
+    around.surround(&mut source);
     Ok(source)
 }
 
@@ -155,9 +179,9 @@ impl Prepared {
     /// Loads the project of a file on a machine, and makes its tags tags of the machine.
     pub(crate) fn load(given: Given, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
         let Given {
-            file, missing, answers, ..
+            file, missing, around, ..
         } = &given;
-        let source = read(file, answers)?;
+        let source = read(file, around)?;
         let bound = bind(machine, image, &source, *missing);
         let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
         Ok(Prepared { bound, given })
@@ -212,7 +236,7 @@ impl Live {
             file,
             missing,
             has_machine,
-            answers,
+            around,
             ..
         } = &self.given;
         let shown = file.display();
@@ -223,7 +247,7 @@ impl Live {
                 return Err(wrong(format!("{} changed, which needs a restart", changes.join(", "))));
             }
         }
-        let source = read(file, answers)?;
+        let source = read(file, around)?;
         let mut copy = plant.with_image(Image::clone);
         rebind(plant.machine(), &mut copy, &source, *missing).map_err(|error| wrong(error.to_string()))?;
         let (answer, done) = mpsc::sync_channel(1);

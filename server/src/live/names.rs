@@ -4,9 +4,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use arcline_controller::Input;
 use arcline_controller::image::{Access, Image, PlainTag, TableError, TagId, TagKind};
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::{Attribute, ControlSlot, Directory as _, Object};
+use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Directory as _, Object};
 use arcline_routine::source::{self, Project};
 use arcline_routine::{Cell, Directory, Tag};
 use arcline_tag::{Elementary, PathSegment, TagPath, TagType};
@@ -16,6 +17,8 @@ pub(crate) struct Names<'m> {
     machine: &'m Machine,
     image: &'m mut Image,
     attributes: Vec<(&'static Attribute, u16)>,
+    /// Inputs of axes that wires lead to.
+    inputs: Vec<(AxisId, WiredInput)>,
     /// Motion control structures inside of tags.
     inside: Vec<(ControlSlot, String)>,
     /// Tags that were made for instructions that name them.
@@ -31,6 +34,26 @@ pub(crate) struct Places {
     pub(crate) objects: Vec<(u32, TagId)>,
     /// The attributes that the project reads or sets.
     pub(crate) attributes: Vec<(&'static Attribute, u16)>,
+    /// The inputs of axes that its wires lead to.
+    inputs: Vec<(AxisId, WiredInput)>,
+}
+
+/// An input of an axis that a wire can lead to.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum WiredInput {
+    HomeSwitch,
+    Enable,
+    Registration(u8),
+}
+
+impl WiredInput {
+    /// Their names behind that of the axis.
+    const ALL: [(&'static str, Self); 4] = [
+        (arcline_config::HOME_SWITCH, Self::HomeSwitch),
+        ("enable", Self::Enable),
+        ("registration_1", Self::Registration(0)),
+        ("registration_2", Self::Registration(1)),
+    ];
 }
 
 /// A tag in both memories.
@@ -58,6 +81,7 @@ impl<'m> Names<'m> {
             machine,
             image,
             attributes: Vec::new(),
+            inputs: Vec::new(),
             inside: Vec::new(),
             created: BTreeSet::new(),
         }
@@ -71,12 +95,14 @@ impl<'m> Names<'m> {
         let Names {
             image,
             attributes,
+            inputs,
             inside,
             created,
             ..
         } = self;
         let mut places = Places {
             attributes,
+            inputs,
             ..Places::default()
         };
         let wanted = wanted(cell, image);
@@ -154,6 +180,16 @@ impl Places {
     /// The place of a tag.
     pub(crate) fn tag(&self, id: TagId) -> Option<Placed> {
         self.tags.iter().find(|tag| tag.id == id).copied()
+    }
+
+    /// What the machine is told when a wire gives the input of this number a value.
+    pub(crate) fn input(&self, number: u32, on: bool) -> Option<Input> {
+        let (axis, input) = *self.inputs.get(number as usize)?;
+        Some(match input {
+            WiredInput::HomeSwitch => Input::HomeSwitch { axis, on },
+            WiredInput::Enable => Input::Enable { axis, on },
+            WiredInput::Registration(input) => Input::Registration { axis, input, on },
+        })
     }
 
     /// The tag that has a byte of the project's memory.
@@ -318,6 +354,18 @@ impl Directory for Names<'_> {
             "homereturnspeed" => home.return_speed,
             _ => return None,
         })
+    }
+
+    fn axis_input(&mut self, text: &str) -> Option<u32> {
+        let (axis, input) = text.rsplit_once('.')?;
+        let known = WiredInput::ALL
+            .iter()
+            .find(|(name, _)| name.eq_ignore_ascii_case(input));
+        let (_, input) = known?;
+        let index = self.image.object(Object::Axis, axis)?;
+        self.machine.drives.get(usize::from(index))?.as_ref()?;
+        self.inputs.push((AxisId(index), *input));
+        Some(self.inputs.len() as u32 - 1)
     }
 
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)> {

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use arcline_config::Role;
 use arcline_controller::Controller;
+use arcline_instruction_set::{Given, Mnemonic};
 use arcline_realtime::Rings;
 use arcline_tag::Value;
 
@@ -67,8 +68,15 @@ impl Bench {
     fn new(text: &str, mode: Mode) -> Self {
         let mut project = arcline_l5x::import(text, "Cell.L5X").expect("it is read").project;
         project.tags.clear();
+        Bench::on(project, text, mode)
+    }
+
+    /// The program on the machine of a configuration.
+    fn on(project: Configuration, text: &str, mode: Mode) -> Self {
         let mut image = project.image();
-        let bound = bind(&project.machine, &mut image, &source(text), Missing::Refused);
+        let mut source = source(text);
+        Surroundings::of(&project.server.controller).surround(&mut source);
+        let bound = bind(&project.machine, &mut image, &source, Missing::Refused);
         let Bound { cell, places, listing } = bound.unwrap_or_else(|error| panic!("{error}"));
         let (rings, link) = arcline_realtime::link(&project.machine);
         let machine = Arc::new(Mutex::new((Controller::new(&project.machine), rings)));
@@ -439,6 +447,221 @@ fn an_input_is_forced_by_right_and_gets_its_own_value_back() {
     for (why, name, words) in wrong {
         let error = force(&bench, name, true).expect_err(why);
         assert_eq!(error.to_string(), words, "{why}");
+    }
+}
+
+/// A module of outputs in slot 2, behind the inputs of slot 1.
+fn with_modules(text: &str) -> String {
+    let outputs = INPUTS
+        .replacen("<Modules>", "", 1)
+        .replace("Address=\"1\"", "Address=\"2\"")
+        .replace("Name=\"Inputs\"", "Name=\"Outputs\"")
+        .replace("InputTag", "OutputTag")
+        .replace("AB:1756_DI:I:0", "AB:1756_DO:O:0");
+    let inputs = INPUTS.replacen("</Modules>", "", 1);
+    text.replacen("</DataTypes>", &format!("</DataTypes>{inputs}{outputs}"), 1)
+}
+
+/// The default machine with an axis X that is homed to its switch, and wires.
+fn wired(wires: &[(&str, &str)]) -> Configuration {
+    let homed = "name = \"X\"\ntype = \"servo\"\nhome = { sequence = \"switch\", direction = \"unidirectional-forward\", speed = 40.0 }";
+    let mut text = arcline_config::DEFAULT.replacen("name = \"X\"\ntype = \"servo\"", homed, 1);
+    for (from, to) in wires {
+        text.push_str(&format!("\n[[controller.wire]]\nfrom = \"{from}\"\nto = \"{to}\"\n"));
+    }
+    arcline_config::load(&text, "machine.toml").unwrap_or_else(|errors| panic!("{errors:?}"))
+}
+
+#[test]
+fn an_axis_is_homed_to_a_switch_that_is_wired_to_an_output_and_shown_at_an_input() {
+    let rungs = [
+        "GEQ(X.ActualPosition,20)OTE(Local:2:O.Data.3);",
+        "XIC(Go)MAH(X,M);",
+        "XIC(Local:1:I.Data.7)ONS(Was)ADD(Seen,1,Seen);",
+    ];
+    let tags = ["Go BOOL", "M MOTION_INSTRUCTION", "Was BOOL", "Seen DINT"];
+    let text = with_modules(&cell(&tags, &[], "", &rungs));
+    let wires = [
+        ("Local:2:O.Data.3", "X.home_switch"),
+        ("X.home_switch", "Local:1:I.Data.7"),
+    ];
+    let mut bench = Bench::on(wired(&wires), &text, Mode::Run);
+    bench.ticks(8);
+    assert_eq!(bench.number("X.HomeInputStatus"), 0.0);
+    bench.write("Go", 1.0);
+    bench.until("M.PC");
+    assert_eq!((bench.number("M.ER"), bench.number("X.AxisHomedStatus")), (0.0, 1.0));
+    bench.ticks(8);
+    assert_eq!(bench.number("Seen"), 1.0, "the input shows the switch");
+    // The home point is where the switch became active; the axis has braked behind it.
+    let behind = bench.number("X.ActualPosition");
+    assert!((0.0..2.0).contains(&behind), "{behind}");
+    // Without the wire there is no switch.
+    let mut bench = Bench::on(wired(&wires[1..]), &text, Mode::Run);
+    bench.write("Go", 1.0);
+    bench.until("M.ER");
+    assert_eq!(bench.number("M.ERR"), 84.0, "Drive Digital Input Not Assigned");
+}
+
+#[test]
+fn an_output_enables_a_drive_and_a_force_stays_above_a_wire() {
+    let rungs = ["XIC(Run)OTE(Local:2:O.Data.0);", "XIC(Local:1:I.Data.7)OTE(Seen);"];
+    let text = with_modules(&cell(&["Run BOOL", "Seen BOOL", "Plain BOOL"], &[], "", &rungs));
+    let wires = [("Local:2:O.Data.0", "X.enable"), ("Plain", "Local:1:I.Data.7")];
+    let mut bench = Bench::on(wired(&wires), &text, Mode::Program);
+    bench.ticks(8);
+    assert_eq!(
+        bench.number("X.ServoActionStatus"),
+        1.0,
+        "in Program mode no wire says anything"
+    );
+    bench.write("Run", 1.0);
+    bench
+        .apply(CLIENT, Command::SetMode(Mode::Run))
+        .expect("an engineer may");
+    bench.ticks(8);
+    assert_eq!(bench.number("X.ServoActionStatus"), 1.0);
+    bench.write("Run", 0.0);
+    bench.ticks(16);
+    let [servo, fault, other] =
+        ["X.ServoActionStatus", "X.PhysicalAxisFault", "Y.ServoActionStatus"].map(|path| bench.number(path));
+    assert_eq!(
+        (servo, fault, other),
+        (0.0, 1.0, 1.0),
+        "a drive that is switched off faults its axis"
+    );
+
+    let on = bench
+        .plant
+        .with_image(|image| Force::new(image, "Local:1:I.Data.7", Value::Bool(true)));
+    bench
+        .apply(CLIENT, Command::Force(&on.expect("an input")))
+        .expect("an engineer may");
+    bench.ticks(8);
+    assert_eq!(bench.number("Seen"), 1.0);
+    bench.apply(CLIENT, Command::RemoveForce(None)).expect("it is forced");
+    bench.ticks(8);
+    assert_eq!(bench.number("Seen"), 0.0, "the wire gives it again");
+    bench.write("Plain", 1.0);
+    bench.ticks(8);
+    assert_eq!(bench.number("Seen"), 1.0);
+}
+
+#[test]
+fn a_wire_that_leads_nowhere_keeps_the_program_from_running() {
+    let text = cell(&["Plain BOOL"], &[], "", &["NOP();"]);
+    for (from, to, why) in [
+        ("Plain", "Nowhere", "Nowhere: there is no tag Nowhere"),
+        ("Q.home_switch", "Plain", "Q.home_switch: there is no tag Q"),
+        ("Plain", "V.enable", "V.enable: "),
+    ] {
+        let project = wired(&[(from, to)]);
+        let mut source = source(&text);
+        Surroundings::of(&project.server.controller).surround(&mut source);
+        let bound = bind(&project.machine, &mut project.image(), &source, Missing::Allowed);
+        let error = bound.err().expect(why).to_string();
+        assert!(
+            error.starts_with(&format!("wire from {from} to {to}: {why}")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
+    const OPERANDS: &str = "Unitspersec, 1500, Unitspersec2, 1200, Unitspersec2, S-curve, 100, 100, %ofTime, 1";
+    let tags = ["Go BOOL", "M MOTION_INSTRUCTION", "Pos REAL[3]"];
+    let position = ["Pos[0]", "Pos[1]"].map(|path| (path, if path == "Pos[0]" { 50.0 } else { 25.0 }));
+    let ladder = format!("XIC(Go)MCLM(CS1,M,0,Pos[0],80,{OPERANDS});");
+    let idle = cell(&tags, &[], "", &["NOP();"]);
+    let text = cell(&tags, &[], "", &["NOP();"]).replace(
+        "<Routine Name=\"Go\" Type=\"RLL\"><RLLContent><Rung Number=\"0\" Type=\"N\"><Text><![CDATA[NOP();]]></Text></Rung></RLLContent>",
+        &format!("<Routine Name=\"Go\" Type=\"ST\"><STContent><Line Number=\"0\"><![CDATA[IF Go AND NOT M.EN THEN MCLM(CS1, M, 0, Pos[0], 80, {OPERANDS}); END_IF;]]></Line></STContent>"),
+    );
+    assert_ne!(text, idle, "a routine of Structured Text");
+    let doors = [
+        ("ladder", cell(&tags, &[], "", &[&ladder])),
+        ("structured text", text),
+        ("tag write", idle.clone()),
+        ("service", idle),
+    ];
+    let mut first: Vec<[u64; 4]> = Vec::new();
+    for (door, text) in doors {
+        let mut bench = Bench::new(&text, Mode::Run);
+        bench.ticks(8);
+        position.iter().for_each(|(path, value)| bench.write(path, *value));
+        match door {
+            "tag write" => {
+                let operands = [
+                    ("Position[0]", 50.0),
+                    ("Position[1]", 25.0),
+                    ("Speed", 80.0),
+                    ("SpeedUnits", 0.0),
+                    ("AccelRate", 1500.0),
+                    ("AccelUnits", 0.0),
+                    ("DecelRate", 1200.0),
+                    ("DecelUnits", 0.0),
+                    ("Profile", 1.0),
+                    ("TerminationType", 1.0),
+                ];
+                for (member, value) in operands {
+                    bench.write(&format!("Move1.{member}"), value);
+                }
+                bench.write("Move1.EnableIn", 1.0);
+            }
+            "service" => {
+                let given = [
+                    Given::Number(0.0),
+                    Given::Array(vec![50.0, 25.0, 0.0]),
+                    Given::Number(80.0),
+                    Given::Number(0.0),
+                    Given::Number(1500.0),
+                    Given::Number(0.0),
+                    Given::Number(1200.0),
+                    Given::Number(0.0),
+                    Given::Number(1.0),
+                    Given::Number(100.0),
+                    Given::Number(100.0),
+                    Given::Number(2.0),
+                    Given::Number(1.0),
+                ];
+                let call = crate::plant::Call {
+                    mnemonic: Mnemonic::Mclm,
+                    target: Some(0),
+                    control: Some("M"),
+                    given: &given,
+                    text: None,
+                };
+                bench.apply(CLIENT, Command::Call(call)).expect("it is accepted");
+            }
+            _ => bench.write("Go", 1.0),
+        }
+        // From the first tick that moves on: doors differ in the tick that takes the command, and in nothing else.
+        let mut rows = Vec::new();
+        let paths = [
+            "X.CommandPosition",
+            "X.ActualPosition",
+            "Y.CommandPosition",
+            "CS1.ActualPosition[0]",
+        ];
+        for _ in 0..3000 {
+            let row = paths.map(|path| bench.number(path).to_bits());
+            if !rows.is_empty() || row[0] != 0 {
+                rows.push(row);
+            }
+            bench.ticks(1);
+        }
+        assert!(
+            rows.len() > 500 && bench.number("X.CommandPosition") == 50.0,
+            "{door}: {} rows",
+            rows.len()
+        );
+        if first.is_empty() {
+            first = rows;
+            continue;
+        }
+        let same = first.iter().zip(&rows).take_while(|(a, b)| a == b).count();
+        assert_eq!(same, first.len().min(rows.len()), "{door}: from this row on it differs");
     }
 }
 

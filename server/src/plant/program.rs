@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use arcline_controller::Input;
 use arcline_controller::image::Image;
 use arcline_routine::{Fault, Listing};
 
@@ -158,5 +159,10 @@ impl Plant {
         let mut state = self.0.lock();
         state.refresh();
         exchange(state.image_of_program(shows))
+    }
+
+    /// A wire of the program gives an input of an axis a value.
+    pub(crate) fn give_input(&self, input: Input) {
+        self.0.lock().send_input(input);
     }
 }

@@ -17,7 +17,7 @@ use super::cell_tags;
 use super::output::{Files, is_standard_output};
 use super::plant::Plant;
 use crate::cli::Failure;
-use crate::live::{Missing, Names, blocking, configuration};
+use crate::live::{Missing, Names, Surroundings, blocking, configuration};
 
 /// Longest simulated time of a project, s.
 const LONGEST: f64 = 60.0;
@@ -46,7 +46,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         None => configuration(args.program())?,
     };
     let mut source = arcline_l5x::logic(&text, &file).map_err(wrong)?;
-    source.answers = crate::live::answers(&project.server.controller);
+    Surroundings::of(&project.server.controller).surround(&mut source);
     let machine = project.machine.clone();
     let mut plant = Plant::new(Simulation::of_project(&project));
     let missing = if args.allow_missing {

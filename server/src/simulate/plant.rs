@@ -205,6 +205,12 @@ impl Host for Plant {
         written.is_ok()
     }
 
+    fn axis_input(&mut self, number: u32, on: bool) {
+        if let Some(input) = self.places.input(number, on) {
+            self.simulation.controller_mut().input(input);
+        }
+    }
+
     fn date(&self, now: u64) -> [i32; 7] {
         let start = time::Date::from_calendar_date(START.0, time::Month::January, START.1);
         let Ok(start) = start else { return [0; 7] };

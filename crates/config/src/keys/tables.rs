@@ -362,6 +362,37 @@ pub(crate) static CONTROLLER: Keys = Keys {
             default: Default::Prose("none"),
             meaning: "the answers to MSG instructions, a row each; the first row that fits answers. A MSG without a row errs after its timeout",
         },
+        Key {
+            name: "wire",
+            kind: Kind::Tables(&WIRE, 1024),
+            default: Default::Prose("none"),
+            meaning: "wires between the tags of modules and axes, a row each",
+        },
+    ],
+};
+
+pub(crate) static WIRE: Keys = Keys {
+    heading: "### `[[controller.wire]]`",
+    expected: "tables, [[controller.wire]]",
+    keys: &[
+        Key {
+            name: "from",
+            kind: Kind::Text(&WIRE_END),
+            default: Default::Required,
+            meaning: "a BOOL or a bit: of a tag of the program (`Local:2:O.Data.3`), of an axis (`X.ServoActionStatus`), or the home switch of an axis (`X.home_switch`)",
+        },
+        Key {
+            name: "to",
+            kind: Kind::Text(&WIRE_END),
+            default: Default::Required,
+            meaning: "what follows it: a BOOL or a bit of a tag (`Local:1:I.Data.0`), or an input of a servo axis: `X.home_switch`, `X.enable`, `X.registration_1`, `X.registration_2`. The drive of an axis whose `enable` is wired switches off while it is 0. Names are looked up when the program is loaded; one that is not there keeps it from running",
+        },
+        Key {
+            name: "delay_ms",
+            kind: Kind::Integer(0..=3_600_000, "ms"),
+            default: Default::Integer(0),
+            meaning: "how long `from` has a value until `to` takes it; a shorter pulse does not pass",
+        },
     ],
 };
 
@@ -424,6 +455,12 @@ static HEX_BYTES: TextRule = TextRule {
     expected: "up to 500 bytes in hexadecimal, such as \"01 00 2A\"",
     holds: |text| crate::read::hex_bytes(text).is_some_and(|bytes| bytes.len() <= 500),
     pattern: "^([0-9A-Fa-f]{2} *)*$",
+};
+
+static WIRE_END: TextRule = TextRule {
+    expected: "a BOOL or a bit, such as \"Local:1:I.Data.0\" or \"X.home_switch\"",
+    holds: |text| (1..=500).contains(&text.len()) && !text.contains(char::is_whitespace),
+    pattern: "^\\S{1,500}$",
 };
 
 static FILE: TextRule = TextRule {

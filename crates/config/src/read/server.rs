@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use super::security;
 use crate::section::Section;
-use crate::{ControllerConfig, IoListen, MessageAnswer, ServerConfig, words};
+use crate::{ControllerConfig, IoListen, MessageAnswer, ServerConfig, WireConfig, words};
 
 pub(super) fn server(root: &Section<'_>) -> ServerConfig {
     let (section, _) = root.table("server");
@@ -56,6 +56,16 @@ fn controller(root: &Section<'_>) -> ControllerConfig {
         begins_stopped: section.one_of("mode", words::CONTROLLER_MODES),
         allow_missing: section.flag("allow_missing"),
         messages: section.tables("messages").iter().map(message).collect(),
+        wires: section.tables("wire").iter().map(wire).collect(),
+    }
+}
+
+fn wire(row: &Section<'_>) -> WireConfig {
+    let delay = row.integer("delay_ms").and_then(|number| u32::try_from(number).ok());
+    WireConfig {
+        from: row.text_or_default("from"),
+        to: row.text_or_default("to"),
+        delay_ms: delay.unwrap_or_default(),
     }
 }
 

@@ -10,8 +10,8 @@ use arcline_profile::numeric::bisect;
 use super::tolerance::SHORTEST_S;
 use super::{Drive, Sensor, Settings, Settling};
 use crate::{
-    ArmLatch, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, LATCHES, Latch, REGISTRATION_LATCHES,
-    SetPoint, Settled, Trigger, WrittenInput,
+    ArmLatch, DriveInput, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, LATCHES, Latch,
+    REGISTRATION_LATCHES, SetPoint, Settled, Trigger, WrittenInput,
 };
 
 /// Halvings of the instant of a latch: to the last bit of an update.
@@ -41,6 +41,11 @@ pub struct SimulatedAxis {
     rests: bool,
     /// The marker behind a trigger that has come: the number of the latch, the position, the direction.
     marker: Option<(u32, f64, f64)>,
+    /// The home input is written to be active, and its newest change, which closes a latch in the next update.
+    home: bool,
+    home_edge: Option<Trigger>,
+    /// The enable input is written to be inactive.
+    is_disabled: bool,
 }
 
 impl SimulatedAxis {
@@ -55,11 +60,24 @@ impl SimulatedAxis {
             closed: None,
             rests: false,
             marker: None,
+            home: false,
+            home_edge: None,
+            is_disabled: false,
         }
     }
 
     /// One update. Where nothing changes, the feedback of the last exchange stands.
     fn follow(&mut self, set_point: &SetPoint, period: f64, feedback: &mut Feedback) {
+        let off;
+        let set_point = if self.is_disabled {
+            off = SetPoint {
+                enable: false,
+                ..*set_point
+            };
+            &off
+        } else {
+            set_point
+        };
         let stands = *set_point == self.set_point;
         if stands && self.rests {
             return;
@@ -77,7 +95,8 @@ impl SimulatedAxis {
         }
         self.rests = stands && set_point.latches[HOME_LATCH].is_none() && self.drive == self.before;
         let mut latches = [None; LATCHES];
-        latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, period));
+        let edge = self.home_edge.take();
+        latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, edge, period));
         let motion = self.drive.actual();
         // Member by member: all of it would be copied once more in every update. A simulated drive has no faults of its own.
         feedback.state = if set_point.enable {
@@ -94,12 +113,23 @@ impl SimulatedAxis {
         feedback.error = self.drive.error();
         feedback.saturation = self.drive.saturation();
         feedback.faults = FaultSet::default();
-        feedback.inputs.home = self.sensor.is_active(motion.position);
+        feedback.inputs.home = self.home || self.sensor.is_active(motion.position);
         feedback.latches = latches;
     }
 
-    /// Looks whether a latch has closed in the update. A mechanical stop holds the axis from then on.
-    fn latch(&mut self, armed: &ArmLatch, period: f64) -> Option<Latch> {
+    /// The home input is written. A change closes a latch where the axis is now.
+    fn write_home(&mut self, on: bool, feedback: &mut Feedback) {
+        if self.home != on {
+            self.home_edge = Some(if on { Trigger::SwitchOn } else { Trigger::SwitchOff });
+            self.rests = false;
+        }
+        self.home = on;
+        feedback.inputs.home = on || self.sensor.is_active(self.drive.actual().position);
+    }
+
+    /// Looks whether a latch has closed in the update, by a written `edge` at its beginning or on the way. A mechanical stop holds the
+    /// axis from then on.
+    fn latch(&mut self, armed: &ArmLatch, edge: Option<Trigger>, period: f64) -> Option<Latch> {
         if self.closed == Some(armed.number) {
             return None;
         }
@@ -108,9 +138,13 @@ impl SimulatedAxis {
         let pending = self.marker.filter(|(number, ..)| *number == armed.number);
         let (position, direction) = match pending {
             Some((_, marker, direction)) => (marker, direction),
-            None if direction == 0.0 => return None,
+            None if direction == 0.0 && (armed.then_marker || edge != Some(armed.trigger)) => return None,
             None => {
-                let position = self.sensor.ahead(armed.trigger, from, direction)?;
+                let position = if edge == Some(armed.trigger) {
+                    from
+                } else {
+                    self.sensor.ahead(armed.trigger, from, direction)?
+                };
                 if direction * (to - position) < 0.0 {
                     return None;
                 }
@@ -189,7 +223,17 @@ impl Drives for SimulatedDrives {
 
     /// The latch closes at the tick, where the axis is then.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
-        let Some(level) = feedback.inputs.registration.get_mut(input.input) else {
+        let axis = self.axes.get_mut(input.axis.index()).and_then(Option::as_mut);
+        let place = match (input.input, axis) {
+            (DriveInput::Registration(place), _) => place,
+            (DriveInput::Home, Some(axis)) => return axis.write_home(input.on, feedback),
+            (DriveInput::Enable, Some(axis)) => {
+                axis.is_disabled = !input.on;
+                return;
+            }
+            (_, None) => return,
+        };
+        let Some(level) = feedback.inputs.registration.get_mut(place) else {
             return;
         };
         *level = input.on;
@@ -199,7 +243,7 @@ impl Drives for SimulatedDrives {
             Trigger::RegistrationOff
         };
         let armed = input.armed.filter(|armed| armed.trigger == trigger);
-        feedback.latches[REGISTRATION_LATCHES[input.input]] = armed.map(|armed| Latch {
+        feedback.latches[REGISTRATION_LATCHES[place]] = armed.map(|armed| Latch {
             number: armed.number,
             before_end_s: 0.0,
             position: feedback.motion.position,

@@ -103,11 +103,11 @@ queue_depth = 1
         reported(&import),
         [
             "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@NewInVersion99: not understood".to_owned(),
-            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in Arcline"
+            "1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule: no counterpart in a configuration"
                 .to_owned(),
-            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]: no counterpart in Arcline".to_owned(),
-            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@Axes: no counterpart in \
-             Arcline"
+            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]: no counterpart in a configuration".to_owned(),
+            "1 × Controller/Tags/Tag[COORDINATE_SYSTEM]/Data/CoordinateSystemParameters/@Axes: no counterpart in a \
+             configuration"
                 .to_owned(),
             format!("1 × {parameters}/@MaximumSpeed: changed: 0 or not given: becomes 100 units/s"),
             format!("1 × {parameters}/@MaximumAcceleration: changed: 0 or not given: becomes 1000 units/s²"),
@@ -226,14 +226,14 @@ alias = "Program:Main.Hex.3"
     assert_eq!(text, expected);
     let reported = reported(&import);
     for wanted in [
-        "1 × Controller/AddOnInstructionDefinitions/AddOnInstructionDefinition: no counterpart in Arcline",
-        "1 × Controller/DataTypes/DataType/Members/Member: no counterpart in Arcline",
-        "2 × Controller/Programs/Program/Routines/Routine: no counterpart in Arcline",
-        "1 × Controller/Programs/Program/Tags/Tag: no counterpart in Arcline",
-        "2 × Controller/Tags/Tag: no counterpart in Arcline",
-        "1 × Controller/Tags/Tag[ALARM_ANALOG]: no counterpart in Arcline",
-        "1 × Controller/Tags/Tag[DINT]: no counterpart in Arcline",
-        "1 × Controller/Tags/Tag[Outer]/Description: no counterpart in Arcline",
+        "1 × Controller/AddOnInstructionDefinitions/AddOnInstructionDefinition: no counterpart in a configuration",
+        "1 × Controller/DataTypes/DataType/Members/Member: no counterpart in a configuration",
+        "2 × Controller/Programs/Program/Routines/Routine: no counterpart in a configuration",
+        "1 × Controller/Programs/Program/Tags/Tag: no counterpart in a configuration",
+        "2 × Controller/Tags/Tag: no counterpart in a configuration",
+        "1 × Controller/Tags/Tag[ALARM_ANALOG]: no counterpart in a configuration",
+        "1 × Controller/Tags/Tag[DINT]: no counterpart in a configuration",
+        "1 × Controller/Tags/Tag[Outer]/Description: no counterpart in a configuration",
         "1 × Controller/DataTypes/DataType: changed: a string type becomes a structure of LEN and DATA",
         "1 × Controller/Tags/Tag[DINT]/Data: changed: a value that is only there as L5K or bytes becomes 0",
     ] {
@@ -458,12 +458,12 @@ fn robots() {
         ("a parallelogram",            r#"SystemType="Articulated Dependent" Axes="J1 J2""#, "articulated_dependent", ""),
         ("a SCARA",                    r#"SystemType="SCARA Independent" Axes="J1 J2 J3""#, "scara_independent", ""),
         ("a SCARA with two arms",      r#"SystemType="SCARA Delta" Axes="J1 J2 J3""#, "scara_delta", ""),
-        ("a SCARA without its third",  r#"SystemType="SCARA Independent" Axes="J1 J2""#, "", "@Axes: no counterpart in Arcline"),
+        ("a SCARA without its third",  r#"SystemType="SCARA Independent" Axes="J1 J2""#, "", "@Axes: no counterpart in a configuration"),
         ("a wrist",                    r#"SystemType="Delta" CoordinateDefinition="J1J2J6" Axes="J1 J2 J3""#, "delta", ""),
-        ("a wrist without its joint",  r#"SystemType="Delta" CoordinateDefinition="J1J2J3J6" Axes="J1 J2 J3""#, "", "@Axes: no counterpart in Arcline"),
-        ("a wrist of another robot",   r#"SystemType="SCARA Delta" CoordinateDefinition="J1J2J6" Axes="J1 J2 J3""#, "", "@CoordinateDefinition: no counterpart in Arcline"),
-        ("a robot that is not known",  r#"SystemType="Hexapod" Axes="J1 J2 J3""#, "", "@SystemType: no counterpart in Arcline"),
-        ("links of no robot",          r#"SystemType="Cartesian" Axes="J1 J2 J3""#, "cartesian", "@LinkLength1: no counterpart in Arcline"),
+        ("a wrist without its joint",  r#"SystemType="Delta" CoordinateDefinition="J1J2J3J6" Axes="J1 J2 J3""#, "", "@Axes: no counterpart in a configuration"),
+        ("a wrist of another robot",   r#"SystemType="SCARA Delta" CoordinateDefinition="J1J2J6" Axes="J1 J2 J3""#, "", "@CoordinateDefinition: no counterpart in a configuration"),
+        ("a robot that is not known",  r#"SystemType="Hexapod" Axes="J1 J2 J3""#, "", "@SystemType: no counterpart in a configuration"),
+        ("links of no robot",          r#"SystemType="Cartesian" Axes="J1 J2 J3""#, "cartesian", "@LinkLength1: no counterpart in a configuration"),
         ("a transform of fewer axes",  r#"SystemType="Delta" Axes="J1 J2 J3" TransformDimension="2""#, "delta", "@TransformDimension: changed: transforms take all axes"),
     ];
     for (why, attributes, build, expected) in cases {

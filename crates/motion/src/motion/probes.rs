@@ -2,7 +2,7 @@
 //!
 //! Real-time: no allocation; bounded by the axes.
 
-use arcline_drive::{Drives, REGISTRATION_LATCHES, WrittenInput};
+use arcline_drive::{DriveInput, Drives, REGISTRATION_LATCHES, WrittenInput};
 use arcline_instruction_set::AxisId;
 use arcline_instruction_set::TagAddress;
 
@@ -29,6 +29,20 @@ pub enum Input {
         /// It is active now.
         on: bool,
     },
+    /// The home switch of an axis has changed.
+    HomeSwitch {
+        /// Index of the axis.
+        axis: AxisId,
+        /// It is active now.
+        on: bool,
+    },
+    /// The enable input of an axis's drive has changed.
+    Enable {
+        /// Index of the axis.
+        axis: AxisId,
+        /// It is active now.
+        on: bool,
+    },
     /// A word that output cams write, or that enables them.
     Word {
         /// The tag, by what the directory calls it.
@@ -49,7 +63,24 @@ impl Motion {
                 bits,
             }),
             Input::Registration { axis, input, on } => self.write_registration(axis, usize::from(input), on, drives),
+            Input::HomeSwitch { axis, on } => self.write_level(axis, DriveInput::Home, on, drives),
+            Input::Enable { axis, on } => self.write_level(axis, DriveInput::Enable, on, drives),
         }
+    }
+
+    /// Gives a written input to the drive, whose next feedback shows what comes of it.
+    fn write_level(&mut self, axis: AxisId, input: DriveInput, on: bool, drives: &mut dyn Drives) {
+        let (Some(state), Some(feedback)) = (self.axes.get_mut(axis), self.feedback.get_mut(axis.index())) else {
+            return;
+        };
+        let written = WrittenInput {
+            axis,
+            input,
+            on,
+            armed: None,
+        };
+        drives.write_input(&written, feedback);
+        state.link.feedback.inputs = feedback.inputs;
     }
 
     /// Gives a written registration input to the drive, and takes the latch that it closes.
@@ -61,7 +92,12 @@ impl Motion {
             return;
         };
         let armed = registration.latch();
-        let written = WrittenInput { axis, input, on, armed };
+        let written = WrittenInput {
+            axis,
+            input: DriveInput::Registration(input),
+            on,
+            armed,
+        };
         drives.write_input(&written, feedback);
         state.link.feedback.inputs = feedback.inputs;
         let latch_index = REGISTRATION_LATCHES[input];

@@ -99,7 +99,8 @@ impl Compiler<'_> {
                 None => {
                     let described = operands.iter().take(3).copied().collect::<Vec<_>>().join(" ");
                     self.find(FindingKind::Instruction, &format!("{name} {described}"), "");
-                    return Ok(Some(self.missing(name)));
+                    let missing = self.missing_attribute(operands).ok_or("expected a tag")?;
+                    vec![Argument::System(Box::new(missing))]
                 }
             },
             _ => {
@@ -111,6 +112,9 @@ impl Compiler<'_> {
                     arguments.push(argument);
                 }
                 self.promote(row.op, operands, &mut arguments)?;
+                if row.operands.iter().any(|(_, kind)| *kind == table::Kind::Unsigned) {
+                    fill_with_zeros(&mut arguments);
+                }
                 if let (Op::Msg, [message, ..]) = (row.op, operands) {
                     arguments.extend(self.reply(message));
                 }
@@ -125,16 +129,6 @@ impl Compiler<'_> {
             arguments: arguments.into(),
             is_edge,
         }))
-    }
-
-    fn missing(&mut self, name: &str) -> Instruction {
-        let name = self.text(name);
-        Instruction {
-            op: Op::Missing,
-            name,
-            arguments: Box::default(),
-            is_edge: false,
-        }
     }
 
     /// In Structured Text the operands that only show a structure's members may be left out.
@@ -218,6 +212,10 @@ impl Compiler<'_> {
             Argument::Integer(value)
         };
         let mut arguments = vec![value, target];
+        if matches!(name, "AND" | "OR" | "XOR" | "NOT") {
+            // Bits do not overflow.
+            arguments.push(Argument::Word(0));
+        }
         // The carry is that of 32 bits.
         if let ("ADD" | "SUB", [(a, Sort::Whole), (b, Sort::Whole)], false) = (name, values.as_slice(), sort.is_real())
             && self.uses_carry
@@ -314,6 +312,23 @@ pub(crate) fn sort_of(target: &Argument) -> Sort {
     match target {
         Argument::Target(cell) => Sort::of(cell.kind),
         _ => Sort::Whole,
+    }
+}
+
+/// Numbers in the text of a logical instruction have 32 bits beside tags of 32 bits or less.
+fn fill_with_zeros(arguments: &mut [Argument]) {
+    let is_long = |argument: &Argument| match argument {
+        Argument::Integer(Ex::Load(cell)) => cell.kind.size() > 4,
+        Argument::Target(cell) => cell.kind.size() > 4,
+        _ => false,
+    };
+    if arguments.iter().any(is_long) {
+        return;
+    }
+    for argument in arguments {
+        if let Argument::Integer(Ex::Integer(value)) = argument {
+            *value &= i64::from(u32::MAX);
+        }
     }
 }
 

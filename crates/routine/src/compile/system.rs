@@ -9,6 +9,15 @@ use crate::expression::Expression;
 use crate::table::Op;
 
 impl Compiler<'_> {
+    /// What GSV and SSV do when they are passed over: 0, and a minor fault.
+    pub(crate) fn missing_attribute(&mut self, operands: &[&str]) -> Option<System> {
+        let area = self.area_of(operands.last()?).ok()?;
+        Some(System {
+            attribute: Attribute::Missing,
+            area,
+        })
+    }
+
     /// The attribute and the tag; `None`: Arcline does not have it.
     pub(crate) fn system(&mut self, op: Op, operands: &[&str]) -> Result<Option<System>, Wrong> {
         let [class, instance, attribute, tag] = operands else {
@@ -26,10 +35,13 @@ impl Compiler<'_> {
             "program" => self.program_attribute(instance, &attribute),
             "faultlog" => match attribute.as_str() {
                 "minorfaultbits" => Some(Attribute::MinorFaults),
-                "minorevents" | "majorevents" => Some(Attribute::Constant(Box::new([0; 2]))),
-                "majorfaultbits" => Some(Attribute::Constant(Box::new([0; 4]))),
+                "majorfaultbits" => Some(Attribute::MajorFaults),
+                "minorevents" => Some(Attribute::Events(0)),
+                "majorevents" => Some(Attribute::Events(1)),
                 _ => None,
             },
+            // A part of a project may use modules that it does not bring along.
+            "module" if !self.project.modules.is_empty() && !self.has_module(instance) => None,
             "module" => match attribute.as_str() {
                 // Running, and no fault.
                 "entrystatus" => Some(Attribute::Constant(Box::new(0x4000_i16.to_le_bytes()))),
@@ -54,14 +66,20 @@ impl Compiler<'_> {
             )
             || matches!(
                 found,
-                Some(Attribute::MinorFaults | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status))
-            )
-            // To clear events that never come.
-            || (class == "faultlog" && found.is_some()
+                Some(
+                    Attribute::MinorFaults
+                        | Attribute::MajorFaults
+                        | Attribute::Events(_)
+                        | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status)
+                )
             );
         Ok(found
             .filter(|_| is_settable)
             .map(|attribute| System { attribute, area }))
+    }
+
+    fn has_module(&self, name: &str) -> bool {
+        self.project.modules.iter().any(|one| one.eq_ignore_ascii_case(name))
     }
 
     fn task_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {

@@ -22,6 +22,9 @@ impl Scan<'_> {
         }
         let value = self.argument(value)?;
         self.assign(target, value)?;
+        if let [Argument::Word(_)] = rest {
+            self.begin_arithmetic();
+        }
         let stored = match target {
             Argument::Target(cell) => {
                 let at = self.address(&cell.place)?;

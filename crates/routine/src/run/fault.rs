@@ -125,6 +125,8 @@ impl Scan<'_> {
     pub(crate) fn minor(&mut self) {
         self.s.minor = true;
         self.s.minor_bits |= 1 << 4;
+        let [minor, _] = &mut self.s.events;
+        *minor = minor.saturating_add(1);
     }
 
     pub(crate) fn set_instruction(&mut self, name: TextId) {
@@ -171,6 +173,9 @@ impl Scan<'_> {
         if self.s.faults.len() < MAX_FAULTS {
             self.s.faults.push(fault);
         }
+        self.s.major_bits |= 1_u32.checked_shl(fault.kind.into()).unwrap_or_default();
+        let [_, major] = &mut self.s.events;
+        *major = major.saturating_add(1);
         let program = self.s.program;
         let own = self.code.programs.get(program as usize).and_then(|one| one.fault);
         let handler = self.code.fault_handler;

@@ -222,12 +222,10 @@ impl Scan<'_> {
     }
 
     fn exchange(&mut self, a: u32, b: u32, kind: Elementary) {
-        let (left, right) = (self.bytes::<8>(a), self.bytes::<8>(b));
-        for (byte, place) in right.into_iter().take(kind.size()).zip(a..) {
-            self.put(place, [byte]);
-        }
-        for (byte, place) in left.into_iter().take(kind.size()).zip(b..) {
-            self.put(place, [byte]);
+        for (a, b) in (a..).zip(b..).take(kind.size()) {
+            let ([left], [right]) = (self.bytes(a), self.bytes(b));
+            self.put(a, [right]);
+            self.put(b, [left]);
         }
     }
 }

@@ -278,6 +278,9 @@ impl<'s> Scan<'s> {
         if !power {
             return Ok(());
         }
+        if let Some(code) = self.fault_code(transfer)? {
+            return Err(self.fault(4, code, None));
+        }
         if transfer.parameters.len() > transfer.inputs.len() {
             return Err(self.fault(4, 31, None));
         }
@@ -288,6 +291,23 @@ impl<'s> Scan<'s> {
         let ran = self.routine(transfer.routine);
         self.caller = outer;
         ran
+    }
+
+    /// The code of a fault that the program makes: a JSR to its fault routine with one number of 990 to 999.
+    fn fault_code(&mut self, transfer: &Transfer) -> Run<Option<u16>> {
+        let own = self
+            .code
+            .programs
+            .get(self.s.program as usize)
+            .and_then(|one| one.fault);
+        if own != Some(transfer.routine) || self.s.in_fault {
+            return Ok(None);
+        }
+        let [input @ (Argument::Integer(_) | Argument::Target(_))] = &*transfer.inputs else {
+            return Ok(None);
+        };
+        let code = self.argument_whole(input)?;
+        Ok(u16::try_from(code).ok().filter(|code| (990..=999).contains(code)))
     }
 
     fn repeat(&mut self, routine: u32, [index, from, to, by]: [&Argument; 4], power: bool) -> Run<()> {

@@ -5,14 +5,20 @@ use crate::code::{Area, Attribute, Reply, System, TaskAttribute, WallClock, When
 use crate::table::Op;
 use arcline_tag::DataType;
 
-/// Flags of a MESSAGE in the byte at 4, EN and EW TO in that at 4 and 5.
+/// Flags of a MESSAGE in the byte at 4.
 const EW: u8 = 0x04;
 const ER: u8 = 0x10;
 const DN: u8 = 0x20;
 const ST: u8 = 0x40;
 const EN: u8 = 0x80;
+/// In the next byte.
+const TO: u8 = 0x01;
 /// A message without answer: the error of a timeout.
 const EXERR_TIMEOUT: u32 = 0x0204;
+/// Too many messages are under way: ERR, Resource Unavailable.
+const ERR_RESOURCE: u16 = 2;
+/// Bytes of an attribute of the host.
+const NUMBER: usize = 4;
 /// The timeout of a message that has none, ns.
 const TIMEOUT: u64 = 30_000_000_000;
 
@@ -61,23 +67,42 @@ impl Scan<'_> {
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
+            Attribute::MajorFaults => put(&mut value, &self.s.major_bits.to_le_bytes()),
+            Attribute::Events(which) => {
+                let count = self.s.events.get(usize::from(*which)).copied().unwrap_or_default();
+                put(&mut value, &count.to_le_bytes())
+            }
+            Attribute::Missing => {
+                self.minor();
+                room.min(value.len())
+            }
             Attribute::Number(number) => return self.put_host(&system.area, range.at, *number),
             Attribute::Member(cell) => {
                 let at = self.address(&cell.place)?;
                 let number = self.read_real(at, cell.kind);
+                self.fits(cell.kind.size(), system.area.size as usize);
                 return self.put_host(&system.area, range.at, number);
             }
             Attribute::Host(number) => {
                 let number = self.host.attribute(*number);
+                self.fits(NUMBER, system.area.size as usize);
                 return self.put_host(&system.area, range.at, number);
             }
         };
+        self.fits(size, room);
         let size = size.min(room);
         let (from, to) = (range.at as usize, range.at as usize + size);
         if let (Some(place), Some(bytes)) = (self.s.memory.get_mut(from..to), value.get(..size)) {
             place.copy_from_slice(bytes);
         }
         Ok(())
+    }
+
+    /// A destination that is too small for the attribute is a minor fault (4/7).
+    fn fits(&mut self, size: usize, room: usize) {
+        if size > room {
+            self.minor();
+        }
     }
 
     fn put_host(&mut self, area: &Area, at: u32, number: f64) -> Run<()> {
@@ -125,6 +150,14 @@ impl Scan<'_> {
                 self.s.minor_bits = self.dint(at) as u32;
                 self.s.minor = self.s.minor_bits != 0;
             }
+            Attribute::MajorFaults => self.s.major_bits = self.dint(at) as u32,
+            Attribute::Events(which) => {
+                let count = self.bytes::<2>(at);
+                if let Some(place) = self.s.events.get_mut(usize::from(*which)) {
+                    *place = i16::from_le_bytes(count);
+                }
+            }
+            Attribute::Missing => self.minor(),
             Attribute::Host(number) => {
                 if let DataType::Elementary(kind) = area.data_type {
                     let value = self.read_real(at, kind);
@@ -175,6 +208,7 @@ impl Scan<'_> {
         }
         self.set(flags, DN | ER | ST, false);
         self.set(flags, EN | EW, true);
+        self.set(flags + 1, TO, false);
         let timeout = u64::try_from(self.dint(at + 40)).unwrap_or(0) * 1000;
         let delay = match reply.and_then(|reply| self.code.replies.get(reply as usize)) {
             Some(reply) => reply.delay,
@@ -184,6 +218,8 @@ impl Scan<'_> {
         let due = self.s.now + delay;
         if self.s.messages.len() < MAX_MESSAGES {
             self.s.messages.push(Sent { at, due, reply });
+        } else {
+            self.message_fails(at, (ERR_RESOURCE, 0));
         }
         Ok(())
     }
@@ -192,25 +228,36 @@ impl Scan<'_> {
     pub(crate) fn messages(&mut self) {
         let mut next = 0;
         while let Some(Sent { at, due, reply }) = self.s.messages.get(next).copied() {
-            if due > self.s.now {
+            // A program that sets TO ends the message.
+            let is_ended = self.has(at + 5, TO);
+            if due > self.s.now && !is_ended {
                 next += 1;
                 continue;
             }
             self.s.messages.remove(next);
-            self.set(at + 4, EW | ST, false);
             let code = self.code;
+            let reply = reply.filter(|_| !is_ended);
             let reply = reply.and_then(|reply| code.replies.get(reply as usize));
-            let (err, exerr) = reply.map_or((1, EXERR_TIMEOUT), |reply| reply.error);
-            self.put(at + 6, err.to_le_bytes());
-            self.put(at + 8, exerr.to_le_bytes());
-            if err != 0 {
-                self.set(at + 4, ER, true);
+            let error = reply.map_or((1, EXERR_TIMEOUT), |reply| reply.error);
+            if error.0 != 0 {
+                self.message_fails(at, error);
                 continue;
             }
             let length = reply.map_or(0, |reply| self.answer(reply));
+            self.set(at + 4, EW | ST, false);
+            self.put(at + 6, 0_u16.to_le_bytes());
+            self.put(at + 8, error.1.to_le_bytes());
             self.put(at + 14, length.to_le_bytes());
             self.set(at + 4, DN, true);
         }
+    }
+
+    /// A message errs with ERR and EXERR.
+    fn message_fails(&mut self, at: u32, (err, exerr): (u16, u32)) {
+        self.set(at + 4, EW | ST, false);
+        self.put(at + 6, err.to_le_bytes());
+        self.put(at + 8, exerr.to_le_bytes());
+        self.set(at + 4, ER, true);
     }
 
     /// Writes the data of an answer to its destination; returns how many bytes.

@@ -65,6 +65,8 @@ fn is_of_the_same(one: &Input, other: &Input) -> bool {
             },
             Input::Registration { axis, input, .. },
         ) => (one, on) == (axis, input),
+        (Input::HomeSwitch { axis: one, .. }, Input::HomeSwitch { axis: other, .. })
+        | (Input::Enable { axis: one, .. }, Input::Enable { axis: other, .. }) => one == other,
         (Input::Word { tag: one, .. }, Input::Word { tag: other, .. }) => one == other,
         _ => false,
     }
@@ -223,7 +225,7 @@ impl State {
     }
 
     /// Sends a written input, behind those that wait.
-    pub(super) fn send_input(&mut self, input: Input) {
+    pub(in crate::plant) fn send_input(&mut self, input: Input) {
         if self.later.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {
             self.push(Lane::Others, Command::Input(input));
         } else {

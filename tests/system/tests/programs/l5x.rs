@@ -44,7 +44,7 @@ fn a_file_becomes_a_configuration_that_the_server_takes() {
         err,
         format!(
             "{l5x}: 2 items were left out or changed\n\
-             no counterpart in Arcline (2):\n\
+             no counterpart in a configuration (2):\n\
              \x20 1 × Controller/Modules/Module, line 4\n\
              \x20 1 × Controller/Tags/Tag[AXIS_CIP_DRIVE]/Data/AxisParameters/@MotionModule, line 8\n"
         )
