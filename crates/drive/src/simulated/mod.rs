@@ -7,6 +7,7 @@ mod curve;
 mod drive;
 mod encoder;
 mod machine;
+mod model;
 mod regime;
 mod sensor;
 mod servo;
@@ -15,6 +16,7 @@ mod settling;
 
 pub use drive::Drive;
 pub use machine::{SimulatedAxis, SimulatedDrives};
+pub use model::{MechanicalModel, ModelDrives, ModelFailed, ModelledAxis};
 pub use sensor::Sensor;
 pub use servo::Servo;
 pub use settings::Settings;
