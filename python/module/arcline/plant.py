@@ -38,7 +38,8 @@ class SetPoints:
     @property
     def enable(self) -> npt.NDArray[np.bool_]:
         """Whether the drive of each axis is to hold it and to follow."""
-        return np.not_equal(self._enable, 0.0)
+        enable: npt.NDArray[np.bool_] = np.not_equal(self._enable, 0.0)
+        return enable
 
     @property
     def time(self) -> float:
