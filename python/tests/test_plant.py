@@ -1,13 +1,19 @@
 """A plant in Python behind the drives: the ideal one, a mass on a spring, and those that fail."""
 
 import copy
+import json
 import math
+import re
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
-from test_traces import text_of
+from test_traces import PROGRAM, text_of
 
 import arcline
+
+PAGE = Path(__file__).parent.parent.parent / "docs" / "PLANTS.md"
 
 HOMING = """
 [[axis]]
@@ -184,3 +190,38 @@ def test_wrong_plants_are_refused():
     held.append(inside)
     with pytest.raises(RuntimeError, match="its own machine"):
         inside.step(1)
+
+
+def test_the_examples_of_the_page(tmp_path, monkeypatch, capsys):
+    blocks = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), re.M | re.S)
+    assert len(blocks) == 3
+    names = {}
+    exec(blocks[0], names)
+    assert re.fullmatch(r"swings to 4[01]\.\d\d mm\n", capsys.readouterr().out)
+    assert names["trace"][-1, 0] == 40.0 < names["trace"][:, 1].max()
+    if PROGRAM is not None:
+        (tmp_path / "part.st").write_text(MOVE)
+        monkeypatch.chdir(tmp_path)
+        exec(blocks[2].replace('"arcline-server"', repr(PROGRAM)), names)
+        assert capsys.readouterr().out.startswith("0 {'X': 40.0, 'Y': 0.0, ")
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="no arcline-server: name it by ARCLINE_SERVER_PROGRAM")
+def test_the_same_plant_over_a_pipe_gives_the_same_trace(tmp_path):
+    (tmp_path / "part.st").write_text(MOVE)
+    arcline.simulate(MOVE, plant=SpringMass(27.0), plant_axes=["X"], trace_csv=tmp_path / "here.csv").check()
+    command = [PROGRAM, "simulate", "part.st", "--step", "--trace", "there.csv"]
+    child = subprocess.Popen(command, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    head = json.loads(child.stdout.readline())
+    plant = SpringMass(27.0)
+    for line in child.stdout:
+        sent = json.loads(line)
+        rows = [np.array(sent[key]) for key in ("position", "velocity", "acceleration", "enable")]
+        set_points = arcline.SetPoints(head["axes"], head["period_s"], np.array([*rows, rows[0]]))
+        feedback = arcline.Feedback(head["axes"], np.full((4, len(head["axes"])), np.nan))
+        plant(set_points, feedback)
+        position, velocity = ([None if math.isnan(value) else value for value in row] for row in (feedback.position, feedback.velocity))
+        child.stdin.write(json.dumps({"position": position, "velocity": velocity}) + "\n")
+        child.stdin.flush()
+    assert child.wait() == 0
+    assert (tmp_path / "here.csv").read_bytes() == (tmp_path / "there.csv").read_bytes()

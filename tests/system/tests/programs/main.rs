@@ -10,6 +10,7 @@ mod l5x;
 mod masters;
 mod outputs;
 mod pictures;
+mod plants;
 mod readme;
 mod retained_state;
 mod simulate;
