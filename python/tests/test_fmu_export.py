@@ -17,6 +17,7 @@ COLUMNS = ("CommandPosition", "CommandVelocity", "CommandAcceleration", "ActualP
 MACHINE = arcline.DEFAULT_CONFIG + '\n[[tag]]\nname = "Go"\ntype = "BOOL"\n[[tag]]\nname = "Distance"\ntype = "REAL"\n[[tag]]\nname = "Parts"\ntype = "DINT"\n'
 PROGRAM = """
 MCLM(CS1, M1, Absolute, [40, 20, 10], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);
+WAIT(M1.PC);
 MCCM(XY, M2, Absolute, [40, 60], Center, [40, 40], CW, 150, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);
 WAIT(M2.PC);
 DELAY(0.0105);

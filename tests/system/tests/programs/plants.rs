@@ -9,6 +9,7 @@ use arcline_system_tests::programs;
 use serde_json::{Value, json};
 
 const PROGRAM: &str = "MCLM(CS1, M1, Absolute, [40, 20, 0], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);
+WAIT(M1.PC);
 MCCM(XY, M2, Absolute, [40, 60], Center, [40, 40], CW, 150, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);
 WAIT(M2.PC);
 MAM(S, M3, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);
@@ -48,7 +49,14 @@ fn a_plant_that_echoes_gives_the_trace_of_the_simulated_drives() {
     fs::write(folder.path().join("program.st"), PROGRAM).expect("the folder is writable");
     let plain = Command::new(programs::arcline_server())
         .current_dir(&folder)
-        .args(["simulate", "program.st", "--trace", "plain.csv", "--events", "plain.jsonl"])
+        .args([
+            "simulate",
+            "program.st",
+            "--trace",
+            "plain.csv",
+            "--events",
+            "plain.jsonl",
+        ])
         .output();
     let plain = plain.expect("the server was just built");
     assert!(plain.status.success(), "{plain:?}");
@@ -62,25 +70,35 @@ fn a_plant_that_echoes_gives_the_trace_of_the_simulated_drives() {
     assert_eq!(echoed.stderr, plain.stderr, "the same summary");
     let read = |name: &str| fs::read(folder.path().join(name)).expect("simulate has written it");
     for kind in ["csv", "jsonl"] {
-        assert!(read(&format!("plain.{kind}")) == read(&format!("step.{kind}")), "{kind}");
+        assert!(
+            read(&format!("plain.{kind}")) == read(&format!("step.{kind}")),
+            "{kind}"
+        );
     }
     let rows = read("plain.csv").split(|byte| *byte == b'\n').count() - 2;
     assert_eq!(ticks, rows, "a line for each tick");
     // It leaves all axes to the simulated drives.
     let left = step(folder.path(), &files, |_| Some("{}\n".to_owned()));
-    assert!(left.status.success() && read("plain.csv") == read("step.csv"), "{left:?}");
+    assert!(
+        left.status.success() && read("plain.csv") == read("step.csv"),
+        "{left:?}"
+    );
 }
 
 #[test]
 fn the_actual_position_is_that_of_the_plant() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut last = [json!(0), json!(0), json!(0), json!(0)];
-    let ran = step(folder.path(), &["--trace", "late.csv", "--signals", "X.CommandPosition,X.ActualPosition"], |line| {
-        let sent: Value = serde_json::from_str(line).expect("a line of JSON");
-        let answer = json!({"tick": sent["tick"], "position": last});
-        last = [0, 1, 2, 3].map(|axis| sent["position"][axis].clone());
-        Some(format!("{answer}\n"))
-    });
+    let ran = step(
+        folder.path(),
+        &["--trace", "late.csv", "--signals", "X.CommandPosition,X.ActualPosition"],
+        |line| {
+            let sent: Value = serde_json::from_str(line).expect("a line of JSON");
+            let answer = json!({"tick": sent["tick"], "position": last});
+            last = [0, 1, 2, 3].map(|axis| sent["position"][axis].clone());
+            Some(format!("{answer}\n"))
+        },
+    );
     assert!(ran.status.success(), "{ran:?}");
     let trace = fs::read_to_string(folder.path().join("late.csv")).expect("simulate has written it");
     let rows: Vec<Vec<&str>> = trace.lines().skip(1).map(|row| row.split(',').collect()).collect();
@@ -110,7 +128,12 @@ fn a_plant_that_says_nonsense_ends_the_run() {
         assert_eq!(ran.status.code(), Some(2), "{answer:?}: {error}");
         assert!(error.contains(expected), "{answer:?}: {error}");
     }
-    for arguments in [&["--trace", "-"][..], &["--events", "-"], &["--json"], &["--cases", "cases.jsonl"]] {
+    for arguments in [
+        &["--trace", "-"][..],
+        &["--events", "-"],
+        &["--json"],
+        &["--cases", "cases.jsonl"],
+    ] {
         let ran = step(folder.path(), arguments, |_| None);
         assert_eq!(ran.status.code(), Some(2), "{arguments:?}: {ran:?}");
     }
