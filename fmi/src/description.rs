@@ -96,7 +96,9 @@ impl Description {
         let project = arcline_config::load(machine, MACHINE).map_err(|error| error.to_string())?;
         let image = project.image();
         let mut parsed = Program::parse(program).map_err(|error| format!("{PROGRAM}: {error}"))?;
-        parsed.check(&ImageNames(&image)).map_err(|error| format!("{PROGRAM}: {error}"))?;
+        parsed
+            .check(&ImageNames(&image))
+            .map_err(|error| format!("{PROGRAM}: {error}"))?;
         Ok(Description {
             variables: variables(&project, &image, tags)?,
             token: token(&[machine, program, tags]),
@@ -199,7 +201,9 @@ fn variables(project: &Project, image: &Image, tags: &str) -> Result<Vec<Variabl
     }
     for line in tags.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let wrong = |why: String| format!("{TAGS}: {line}: {why}");
-        let (word, name) = line.split_once(' ').ok_or_else(|| wrong("expected input NAME or output NAME".to_owned()))?;
+        let (word, name) = line
+            .split_once(' ')
+            .ok_or_else(|| wrong("expected input NAME or output NAME".to_owned()))?;
         let path: TagPath = name.parse().map_err(|error| wrong(format!("{error}")))?;
         let (_, place) = image.locate(&path).map_err(|error| wrong(error.to_string()))?;
         let of = match (place.bit, &place.data_type) {

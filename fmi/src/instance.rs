@@ -81,7 +81,12 @@ impl Instance {
     /// # Errors
     /// None: its description was read before.
     pub fn reset(&mut self) -> Result<(), String> {
-        let Description { project, program, variables, token } = &self.description;
+        let Description {
+            project,
+            program,
+            variables,
+            token,
+        } = &self.description;
         *self = Instance::new(Description {
             project: project.clone(),
             program: program.clone(),

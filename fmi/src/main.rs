@@ -25,9 +25,8 @@ fn write(arguments: &[String]) -> Result<(), String> {
     let tags: String = tags.chunks(2).map(|pair| pair.join(" ") + "\n").collect();
     let description = Description::new(&machine, &program, &tags)?;
     let resources = Path::new(folder).join("resources");
-    let save = |file: &Path, text: &str| {
-        std::fs::write(file, text).map_err(|error| format!("{}: {error}", file.display()))
-    };
+    let save =
+        |file: &Path, text: &str| std::fs::write(file, text).map_err(|error| format!("{}: {error}", file.display()));
     std::fs::create_dir_all(&resources).map_err(|error| format!("{}: {error}", resources.display()))?;
     save(&resources.join(MACHINE), &machine)?;
     save(&resources.join(PROGRAM), &program)?;

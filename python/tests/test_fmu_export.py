@@ -70,13 +70,13 @@ def test_positions_are_those_of_simulate_to_the_bit(make, tmp_path):
 
 def test_tags_are_inputs_and_outputs(make):
     program = "WAIT(Go); MAM(X, M1, Absolute, Distance, 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2); WAIT(M1.PC); Parts := Parts + 3;"
-    fmu = make(program, "input", "Go", "input", "Distance", "output", "Parts", "output", "M1.PC")
+    fmu = make(program, "input", "Go", "input", "Distance", "output", "Parts", "output", "Move1.Speed")
     inputs = np.array([(0.0, False, 12.5), (0.2, True, 12.5), (9.0, True, 12.5)], dtype=[("time", "f8"), ("Go", "?"), ("Distance", "f8")])
-    got = simulate(fmu, 1.0, input=inputs, output=["X.CommandPosition", "Parts", "M1.PC", "done", "err"])
+    got = simulate(fmu, 1.0, input=inputs, output=["X.CommandPosition", "Parts", "Move1.Speed", "done", "err"])
     moving = np.flatnonzero(got["X.CommandPosition"])
     assert 0.199 <= got["time"][moving[0]] <= 0.204
     assert (got["X.CommandPosition"][-1], got["Parts"][-1], got["Parts"][0]) == (12.5, 3, 0)
-    assert got["M1.PC"][-1] and got["done"][-1] and not got["err"].any()
+    assert got["Move1.Speed"][-1] == arcline.Machine()["Move1.Speed"] and got["done"][-1] and not got["err"].any()
 
 
 def test_feedback_of_a_plant_outside(make):

@@ -21,6 +21,7 @@ use crate::hmi::{self, Doors, Hmi, Sessions};
 use crate::live::{self, Missing};
 use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
+use crate::systemd::Supervisor;
 use crate::tls::Tls;
 
 /// Runs the server until SIGTERM or SIGINT.
@@ -210,6 +211,18 @@ async fn serve(
         hmi_tls: hmi.as_ref().and_then(Hmi::tls_addr),
     })
     .map_err(|error| failed("standard output", &error))?;
+    let supervisor = Supervisor::of_environment();
+    if let Some(supervisor) = &supervisor {
+        supervisor.ready();
+    }
+    let watched_plant = plant.clone();
+    let watched = async {
+        match &supervisor {
+            Some(supervisor) => supervisor.watch(&watched_plant, clock).await,
+            None => std::future::pending().await,
+        }
+    };
+    tokio::pin!(watched);
     let served = async {
         tokio::join!(listener.serve(), async {
             if let Some(hmi) = hmi {
@@ -225,6 +238,7 @@ async fn serve(
     loop {
         tokio::select! {
             () = &mut served => break,
+            () = &mut watched => {}
             _ = hangup.recv() => {
                 if let Some(tls) = &tls {
                     tls.reload(&plant);
@@ -249,6 +263,9 @@ async fn serve(
                 break;
             }
         }
+    }
+    if let Some(supervisor) = &supervisor {
+        supervisor.stopping();
     }
     if let Some(live) = live {
         live.stop();

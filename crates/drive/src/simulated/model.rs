@@ -182,3 +182,144 @@ impl Drives for ModelDrives {
         self.drives.settled(axes, tolerance, stood)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::super::{Sensor, Settings};
+    use super::*;
+    use crate::{ArmLatch, HOME_LATCH, Trigger};
+
+    const PERIOD: f64 = 0.001;
+
+    /// Adds an offset to the position of axis 0 from a tick on, and fails at another.
+    #[derive(Debug, Clone, Default)]
+    struct Off {
+        offset: f64,
+        from: u32,
+        fails: Option<u32>,
+        calls: Arc<AtomicU32>,
+    }
+
+    impl MechanicalModel for Off {
+        fn tick(&mut self, _: &[SetPoint], axes: &mut [ModelledAxis]) -> Result<(), ModelFailed> {
+            let call = self.calls.fetch_add(1, Ordering::Relaxed);
+            if call >= self.from {
+                axes[0].position += self.offset;
+            }
+            if self.fails == Some(call) {
+                return Err(ModelFailed);
+            }
+            Ok(())
+        }
+    }
+
+    fn simulated() -> SimulatedDrives {
+        let sensor = Sensor {
+            switch: Some([0.05, f64::INFINITY]),
+            ..Sensor::default()
+        };
+        let axis = SimulatedAxis::new(0.0, &Settings::unlimited(40.0, 0.5), sensor);
+        SimulatedDrives::new(vec![Some(axis), Some(axis), None], PERIOD)
+    }
+
+    fn modelled(model: &Off) -> ModelDrives {
+        ModelDrives::new(simulated(), Box::new(model.clone()), &[AxisId(0), AxisId(2)])
+    }
+
+    /// Feedback of 100 ticks of a ramp, with the latch of homing armed.
+    fn run(drives: &mut dyn Drives) -> Vec<[Feedback; 3]> {
+        let mut feedback = [Feedback::default(); 3];
+        let ticks = (0..100).map(|tick| {
+            let mut set_point = SetPoint {
+                enable: true,
+                position: f64::from(tick) * PERIOD,
+                velocity: 1.0,
+                ..SetPoint::default()
+            };
+            set_point.latches[HOME_LATCH] = Some(ArmLatch {
+                number: 1,
+                trigger: Trigger::SwitchOn,
+                then_marker: false,
+            });
+            drives
+                .exchange(&[set_point; 3], &mut feedback)
+                .expect("a simulated exchange");
+            feedback
+        });
+        ticks.collect()
+    }
+
+    #[test]
+    fn an_axis_that_a_model_leaves_alone_is_that_of_the_simulated_drive() {
+        let plain = run(&mut simulated());
+        assert_eq!(run(&mut modelled(&Off::default())), plain);
+        // Until the model says that it is elsewhere; the other axis is never its own.
+        let off = run(&mut modelled(&Off {
+            offset: 0.25,
+            from: 40,
+            ..Off::default()
+        }));
+        assert_eq!(off[..40], plain[..40]);
+        for (tick, (off, plain)) in off.iter().zip(&plain).enumerate() {
+            assert_eq!(off[1], plain[1], "{tick}");
+        }
+        let sent = |tick: usize| tick as f64 * PERIOD;
+        for (tick, off) in off.iter().enumerate().skip(41) {
+            assert_eq!(off[0].motion.position, sent(tick) + 0.25, "{tick}");
+            assert!(
+                (off[0].motion.velocity - 1.0).abs() < 1e-9,
+                "of the way in a tick: {off:?}"
+            );
+            assert_eq!(
+                (off[0].following, off[0].state),
+                (Following::Measured, DriveState::Enabled)
+            );
+            assert!((off[0].error + 0.25).abs() < 1e-12, "{off:?}");
+        }
+    }
+
+    #[test]
+    fn latches_close_where_the_model_passes() {
+        let latch = |ticks: &[[Feedback; 3]]| {
+            let mut closed = (0..)
+                .zip(ticks)
+                .filter_map(|(tick, axes)| Some((tick, axes[0].latches[HOME_LATCH]?)));
+            let first = closed.next().expect("it closes");
+            assert!(closed.next().is_none(), "once");
+            first
+        };
+        let plain = latch(&run(&mut simulated()));
+        let early = Off {
+            offset: 0.02,
+            from: 10,
+            ..Off::default()
+        };
+        let (tick, closed) = latch(&run(&mut modelled(&early)));
+        assert!(tick + 15 < plain.0, "{tick}, {plain:?}");
+        assert!(
+            (closed.position - 0.05).abs() < 1e-12 && (0.0..=PERIOD).contains(&closed.before_end_s),
+            "{closed:?}"
+        );
+    }
+
+    #[test]
+    fn a_model_that_fails_is_a_fault_of_its_drives_and_is_not_called_again() {
+        let model = Off {
+            fails: Some(30),
+            ..Off::default()
+        };
+        let plain = run(&mut simulated());
+        let failed = run(&mut modelled(&model));
+        assert_eq!(model.calls.load(Ordering::Relaxed), 31);
+        assert_eq!(failed[..30], plain[..30]);
+        for (tick, [of_model, other, _]) in failed.iter().enumerate().skip(30) {
+            assert_eq!(of_model.state, DriveState::Faulted, "{tick}");
+            assert_eq!(of_model.faults, FaultSet::default().with(FaultKind::Drive));
+            assert_eq!(of_model.motion, KinematicState::at_rest(failed[30][0].motion.position));
+            assert_eq!(*other, plain[tick][1]);
+        }
+    }
+}

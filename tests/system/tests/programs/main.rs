@@ -3,6 +3,7 @@
 mod batches;
 mod cli;
 mod client_examples;
+mod clocks;
 mod controller;
 mod doctor;
 mod guide;
@@ -15,6 +16,7 @@ mod readme;
 mod retained_state;
 mod simulate;
 mod startup;
+mod systemd;
 mod tag_table;
 mod testing;
 mod update_periods;
