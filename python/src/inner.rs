@@ -1,6 +1,7 @@
 //! The machine behind a `Machine` of Python: its programs, the events that wait, faults to come, and the journal of what was done.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
 use arcline_config::Project;
 use arcline_controller::image::Image;
@@ -12,6 +13,7 @@ use arcline_structured_text::{Interpreter, OnError, Policy, Program, QueueFull};
 use pyo3::prelude::*;
 
 use crate::errors;
+use crate::plant::{Plant, Shared};
 use crate::signals::{Columns, Signal, sample};
 
 /// Events that wait to be taken, at most; older ones are dropped.
@@ -27,6 +29,8 @@ pub(crate) struct Inner {
     pub(crate) faults: BTreeMap<u64, Vec<(AxisId, u32)>>,
     /// What was done since the beginning; `None`: it is not kept.
     pub(crate) journal: Option<Vec<Entry>>,
+    /// What it shares with its plant.
+    plant: Option<Shared>,
 }
 
 /// What a caller did to a machine: what is needed to do it again.
@@ -79,16 +83,35 @@ impl Observer for Rows<'_> {
     }
 }
 
+/// A machine before its first tick, with a plant behind its drives.
+pub(crate) fn simulation(project: &Project, plant: Option<Plant>) -> Simulation {
+    match plant {
+        None => Simulation::of_project(project),
+        Some(plant) => {
+            let axes = plant.axes();
+            Simulation::with_model(
+                Arc::new(project.machine.clone()),
+                project.image(),
+                Box::new(plant),
+                &axes,
+            )
+        }
+    }
+}
+
 impl Inner {
-    pub(crate) fn new(project: &Project, journal: bool) -> Self {
-        let runner = Runner::of(Simulation::of_project(project));
+    /// A machine with a plant has no journal: the state of the plant is not known.
+    pub(crate) fn new(project: &Project, journal: bool, plant: Option<Plant>) -> Self {
+        let shared = plant.as_ref().map(Plant::shared);
+        let runner = Runner::of(simulation(project, plant));
         runner.simulation().begin();
         Inner {
             runner,
             programs: Vec::new(),
             events: Events::default(),
             faults: BTreeMap::new(),
-            journal: journal.then(Vec::new),
+            journal: (journal && shared.is_none()).then(Vec::new),
+            plant: shared,
         }
     }
 
@@ -108,11 +131,9 @@ impl Inner {
     pub(crate) fn step(&mut self, ticks: u64) {
         self.note(Entry::Step(ticks));
         let end = self.tick().saturating_add(ticks);
-        while self.inject_due() < end {
-            let now = self.tick();
-            let next = self.faults.keys().next().copied().unwrap_or(end).min(end);
+        while self.inject_due() < end && !self.plant_has_failed() {
             let limits = Limits {
-                ticks: next.saturating_sub(now),
+                ticks: self.ticks_at_once(end),
                 until: f64::INFINITY,
             };
             self.runner.step(limits, &mut self.events);
@@ -133,10 +154,8 @@ impl Inner {
         let end = self.tick().saturating_add(ticks);
         let columns = Columns::new(signals);
         let mut rows = rows;
-        while self.inject_due() < end {
-            let now = self.tick();
-            let next = self.faults.keys().next().copied().unwrap_or(end).min(end);
-            let count = next.saturating_sub(now);
+        while self.inject_due() < end && !self.plant_has_failed() {
+            let count = self.ticks_at_once(end);
             let (part, rest) = std::mem::take(&mut rows).split_at_mut(count as usize * width);
             rows = rest;
             let mut observer = Rows {
@@ -150,6 +169,19 @@ impl Inner {
             };
             self.runner.step(limits, &mut observer);
         }
+    }
+
+    fn plant_has_failed(&self) -> bool {
+        self.plant.as_ref().is_some_and(Shared::has_failed)
+    }
+
+    /// Ticks that may pass before something is to be done between two: a fault that is injected; with a plant one, since it may fail.
+    fn ticks_at_once(&self, end: u64) -> u64 {
+        if self.plant.is_some() {
+            return 1;
+        }
+        let next = self.faults.keys().next().copied().unwrap_or(end).min(end);
+        next.saturating_sub(self.tick())
     }
 
     /// Injects the faults whose time has come. The present tick.

@@ -7,6 +7,7 @@ mod errors;
 mod fair;
 mod inner;
 mod machine;
+mod plant;
 mod signals;
 mod simulate;
 mod values;

@@ -9,13 +9,14 @@ use std::time::{Duration, Instant};
 use arcline_controller::machine::Machine as Configured;
 use arcline_instruction_set::{AxisId, FAULTS, FaultSet, Flag};
 use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{self, raise};
 use crate::fair::Fair;
 use crate::inner::{Entry, Inner};
+use crate::plant::{Plant, Shared};
 use crate::signals::signal;
 use crate::values;
 
@@ -28,6 +29,8 @@ const LOOK: Duration = Duration::from_millis(10);
 #[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
 pub(crate) struct Machine {
     inner: Fair<Inner>,
+    /// What it shares with its plant.
+    plant: Option<Shared>,
     config: String,
     seed: u64,
 }
@@ -41,17 +44,35 @@ fn ticks_of(machine: &Configured, seconds: f64) -> PyResult<u64> {
 }
 
 impl Machine {
-    fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Inner> {
-        self.inner.lock(py)
+    fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Inner>> {
+        self.look_inside()?;
+        Ok(self.inner.lock(py))
+    }
+
+    /// Refuses a plant that uses the machine which waits for its answer.
+    fn look_inside(&self) -> PyResult<()> {
+        if self.plant.as_ref().is_some_and(Shared::is_inside) {
+            return Err(PyRuntimeError::new_err(
+                "a plant cannot use its own machine: the machine waits for its feedback",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Raises the exception of the plant.
+    fn plant_error(&self) -> PyResult<()> {
+        self.plant.as_ref().and_then(Shared::take_error).map_or(Ok(()), Err)
     }
 
     /// Lets ticks pass, and looks at signals of Python now and then.
     fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
+        self.look_inside()?;
         let mut left = ticks;
         let mut looked = Instant::now();
         while left > 0 {
             let slice = left.min(SLICE);
             self.inner.detached(py, |inner| inner.step(slice));
+            self.plant_error()?;
             left -= slice;
             if left > 0 && looked.elapsed() >= LOOK {
                 py.check_signals()?;
@@ -61,28 +82,36 @@ impl Machine {
         Ok(())
     }
 
-    fn configured(&self, py: Python<'_>) -> Arc<Configured> {
-        self.lock(py).runner.simulation().machine().clone()
+    fn configured(&self, py: Python<'_>) -> PyResult<Arc<Configured>> {
+        Ok(self.lock(py)?.runner.simulation().machine().clone())
     }
 }
 
 #[pymethods]
 impl Machine {
     #[new]
-    #[pyo3(signature = (config=None, *, seed=0, set=None, journal=true))]
+    #[pyo3(signature = (config=None, *, seed=0, set=None, journal=true, plant=None, plant_axes=None))]
     fn new(
         py: Python<'_>,
         config: Option<&str>,
         seed: u64,
         set: Option<Vec<(String, Bound<'_, PyAny>)>>,
         journal: bool,
+        plant: Option<Bound<'_, PyAny>>,
+        plant_axes: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let (config, project) = errors::project(py, config)?;
+        let plant = plant
+            .map(|call| Plant::new(py, call, plant_axes, &project.machine))
+            .transpose()?;
+        let shared = plant.as_ref().map(Plant::shared);
         let machine = Machine {
-            inner: Fair::new(Inner::new(&project, journal)),
+            inner: Fair::new(Inner::new(&project, journal, plant)),
+            plant: shared,
             config,
             seed,
         };
+        machine.plant_error()?;
         for (path, value) in set.unwrap_or_default() {
             machine.__setitem__(py, &path, &value)?;
         }
@@ -103,64 +132,60 @@ impl Machine {
 
     /// The present tick.
     #[getter]
-    fn tick(&self, py: Python<'_>) -> u64 {
-        self.lock(py).tick()
+    fn tick(&self, py: Python<'_>) -> PyResult<u64> {
+        Ok(self.lock(py)?.tick())
     }
 
     /// Seconds at the present tick.
     #[getter]
-    fn time(&self, py: Python<'_>) -> f64 {
-        self.lock(py).runner.simulation().time()
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.lock(py)?.runner.simulation().time())
     }
 
     /// Seconds of a tick.
     #[getter]
-    fn period(&self, py: Python<'_>) -> f64 {
-        self.configured(py).period()
+    fn period(&self, py: Python<'_>) -> PyResult<f64> {
+        Ok(self.configured(py)?.period())
     }
 
     /// The names of the axes.
     #[getter]
-    fn axes(&self, py: Python<'_>) -> Vec<String> {
-        self.configured(py).axes.iter().map(|axis| axis.name.clone()).collect()
+    fn axes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        Ok(self.configured(py)?.axes.iter().map(|axis| axis.name.clone()).collect())
     }
 
     /// The names of all tags.
-    fn tags(&self, py: Python<'_>) -> Vec<String> {
-        let inner = self.lock(py);
+    fn tags(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let inner = self.lock(py)?;
         let simulation = inner.runner.simulation();
-        simulation
-            .image()
-            .tags()
-            .iter()
-            .map(|tag| simulation.image().full_name(tag))
-            .collect()
+        let image = simulation.image();
+        Ok(image.tags().iter().map(|tag| image.full_name(tag)).collect())
     }
 
     /// Whether nothing moves, and nothing is under way that would end.
     #[getter]
-    fn at_rest(&self, py: Python<'_>) -> bool {
-        self.lock(py).runner.simulation().controller().at_rest()
+    fn at_rest(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.lock(py)?.runner.simulation().controller().at_rest())
     }
 
     fn __getitem__(&self, py: Python<'_>, path: &str) -> PyResult<Py<PyAny>> {
-        let inner = self.lock(py);
+        let inner = self.lock(py)?;
         let mut simulation = inner.runner.simulation();
         values::read(py, &mut simulation, path)
     }
 
     fn __setitem__(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let value = values::given(value)?;
-        let mut inner = self.lock(py);
+        let mut inner = self.lock(py)?;
         values::write(py, &mut inner.runner.simulation(), path, &value)?;
         inner.note(Entry::Write(path.to_owned(), value));
         Ok(())
     }
 
-    fn __contains__(&self, py: Python<'_>, path: &str) -> bool {
-        let inner = self.lock(py);
+    fn __contains__(&self, py: Python<'_>, path: &str) -> PyResult<bool> {
+        let inner = self.lock(py)?;
         let simulation = inner.runner.simulation();
-        path.parse().is_ok_and(|path| simulation.image().locate(&path).is_ok())
+        Ok(path.parse().is_ok_and(|path| simulation.image().locate(&path).is_ok()))
     }
 
     /// Lets `ticks` ticks pass.
@@ -171,7 +196,8 @@ impl Machine {
 
     /// Lets `seconds` pass.
     fn run(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
-        self.pass(py, ticks_of(&self.configured(py), seconds)?)
+        let configured = self.configured(py)?;
+        self.pass(py, ticks_of(&configured, seconds)?)
     }
 
     /// Samples signals for `steps` ticks into `out`, or a new array of `(steps, len(signals))`.
@@ -184,7 +210,7 @@ impl Machine {
         out: Option<Bound<'py, PyArray2<f64>>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let signals = {
-            let inner = self.lock(py);
+            let inner = self.lock(py)?;
             let simulation = inner.runner.simulation();
             signals
                 .iter()
@@ -211,6 +237,7 @@ impl Machine {
             let (part, rest) = left.split_at_mut(slice * width);
             self.inner
                 .detached(py, |inner| inner.trace(slice as u64, &signals, part));
+            self.plant_error()?;
             (left, steps_left) = (rest, steps_left - slice);
             py.check_signals()?;
         }
@@ -221,7 +248,7 @@ impl Machine {
     /// Puts a cause of a fault on an axis, now or `at` so many seconds; `None` takes all causes away.
     #[pyo3(signature = (axis, kind, at=None))]
     fn fault(&self, py: Python<'_>, axis: &str, kind: Option<&str>, at: Option<f64>) -> PyResult<()> {
-        let machine = self.configured(py);
+        let machine = self.configured(py)?;
         let known = || {
             machine
                 .axes
@@ -264,7 +291,7 @@ impl Machine {
                 "{axis} is a virtual axis and cannot have that fault"
             )));
         }
-        let mut inner = self.lock(py);
+        let mut inner = self.lock(py)?;
         let tick = match at {
             None => inner.tick(),
             Some(at) => ticks_of(&machine, at)?,
@@ -285,7 +312,7 @@ impl Machine {
     /// The events since the last call, as tuples; collected from the first call on.
     fn _events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let waiting = {
-            let mut inner = self.lock(py);
+            let mut inner = self.lock(py)?;
             std::mem::take(&mut inner.events.waiting)
         };
         let list = PyList::empty(py);
@@ -307,48 +334,57 @@ impl Machine {
     }
 
     /// Collects events from now on.
-    fn _collect_events(&self, py: Python<'_>) {
-        self.lock(py).events.is_on = true;
+    fn _collect_events(&self, py: Python<'_>) -> PyResult<()> {
+        self.lock(py)?.events.is_on = true;
+        Ok(())
     }
 
     /// Starts a program; its number.
     fn _start(&self, py: Python<'_>, text: &str, wait: bool, keep_going: bool) -> PyResult<usize> {
-        self.lock(py).start(py, text, wait, keep_going)
+        self.lock(py)?.start(py, text, wait, keep_going)
     }
 
     /// Whether a program still runs.
-    fn _runs(&self, py: Python<'_>, program: usize) -> bool {
-        let inner = self.lock(py);
-        inner.programs.get(program).is_some_and(|id| inner.runner.runs(*id))
+    fn _runs(&self, py: Python<'_>, program: usize) -> PyResult<bool> {
+        let inner = self.lock(py)?;
+        Ok(inner.programs.get(program).is_some_and(|id| inner.runner.runs(*id)))
     }
 
     /// The exception of a program that failed, so far.
-    fn _error<'py>(&self, py: Python<'py>, program: usize) -> Option<Bound<'py, PyAny>> {
+    fn _error<'py>(&self, py: Python<'py>, program: usize) -> PyResult<Option<Bound<'py, PyAny>>> {
         let end = {
-            let inner = self.lock(py);
-            let id = *inner.programs.get(program)?;
-            inner.runner.end_of(id)?.err()?
+            let inner = self.lock(py)?;
+            inner
+                .programs
+                .get(program)
+                .and_then(|id| inner.runner.end_of(*id)?.err())
         };
-        Some(errors::ended(py, &end)?.into_value(py).into_bound(py).into_any())
+        let error = end.and_then(|end| errors::ended(py, &end));
+        Ok(error.map(|error| error.into_value(py).into_bound(py).into_any()))
     }
 
     /// Ends a program where it is.
-    fn _remove(&self, py: Python<'_>, program: usize) {
-        let mut inner = self.lock(py);
+    fn _remove(&self, py: Python<'_>, program: usize) -> PyResult<()> {
+        let mut inner = self.lock(py)?;
         if let Some(id) = inner.programs.get(program).copied() {
             inner.runner.remove(id);
             inner.note(Entry::Remove(program));
         }
+        Ok(())
     }
 
     /// What makes the same machine again: the configuration, the seed, and all that was done.
     fn _journal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let inner = self.lock(py);
+        let inner = self.lock(py)?;
         let Some(journal) = &inner.journal else {
             return Err(raise(
                 py,
                 "ArclineError",
-                ("a machine with journal=False cannot be saved or pickled",),
+                (if self.plant.is_some() {
+                    "a machine with a plant cannot be saved or pickled: the state of the plant is not known"
+                } else {
+                    "a machine with journal=False cannot be saved or pickled"
+                },),
             ));
         };
         let list = PyList::empty(py);
@@ -373,12 +409,12 @@ impl Machine {
                 "write" => self.__setitem__(py, &entry.get_item(1)?.extract::<String>()?, &entry.get_item(2)?)?,
                 "program" => {
                     let (_, text, wait, keep_going): (String, String, bool, bool) = entry.extract()?;
-                    self.lock(py).start(py, &text, wait, keep_going)?;
+                    self.lock(py)?.start(py, &text, wait, keep_going)?;
                 }
-                "remove" => self._remove(py, entry.get_item(1)?.extract()?),
+                "remove" => self._remove(py, entry.get_item(1)?.extract()?)?,
                 _ => {
                     let (_, tick, axis, bits): (String, u64, u16, u32) = entry.extract()?;
-                    let mut inner = self.lock(py);
+                    let mut inner = self.lock(py)?;
                     inner.faults.entry(tick).or_default().push((AxisId(axis), bits));
                     inner.note(Entry::Fault(tick, axis, bits));
                     inner.inject_due();
@@ -390,6 +426,13 @@ impl Machine {
 
     /// Becomes the machine of a configuration at its beginning.
     fn _restart(&self, py: Python<'_>, config: &str) -> PyResult<()> {
+        if self.plant.is_some() {
+            return Err(raise(
+                py,
+                "ArclineError",
+                ("a machine with a plant cannot be restored",),
+            ));
+        }
         if config != self.config {
             return Err(raise(
                 py,
@@ -398,9 +441,9 @@ impl Machine {
             ));
         }
         let (_, project) = errors::project(py, Some(config))?;
-        let mut inner = self.lock(py);
+        let mut inner = self.lock(py)?;
         let is_on = inner.events.is_on;
-        *inner = Inner::new(&project, true);
+        *inner = Inner::new(&project, true, None);
         inner.events.is_on = is_on;
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event};
-use arcline_simulation::{Observer, Options, Record, Runner, Simulation};
+use arcline_simulation::{Observer, Options, Record, Runner};
 use arcline_structured_text::Interpreter;
 use numpy::PyArray2;
 use pyo3::exceptions::PyOSError;
@@ -14,7 +14,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
-use crate::inner::{parsed, policy};
+use crate::inner::{parsed, policy, simulation};
+use crate::plant::{Plant, Shared};
 use crate::signals::{Columns, Signal, signal};
 use crate::values;
 
@@ -28,6 +29,7 @@ struct Kept<'s> {
     tick: u64,
     /// Real time is over: a signal of Python has come.
     interrupted: Option<PyErr>,
+    plant: Option<Shared>,
 }
 
 impl Observer for Kept<'_> {
@@ -57,13 +59,13 @@ impl Observer for Kept<'_> {
         if tick.is_multiple_of(4096) {
             self.interrupted = Python::attach(|py| py.check_signals().err());
         }
-        self.interrupted.is_none()
+        self.interrupted.is_none() && !self.plant.as_ref().is_some_and(Shared::has_failed)
     }
 }
 
 /// Runs a program to its end: `(error, seconds, ticks, positions, trace)`.
 #[pyfunction]
-#[pyo3(name = "_simulate", signature = (text, config, set, signals, until, wait, keep_going, trace_csv, events_jsonl))]
+#[pyo3(name = "_simulate", signature = (text, config, set, signals, until, wait, keep_going, trace_csv, events_jsonl, plant, plant_axes))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn simulate<'py>(
     py: Python<'py>,
@@ -76,10 +78,16 @@ pub(crate) fn simulate<'py>(
     keep_going: bool,
     trace_csv: Option<&str>,
     events_jsonl: Option<&str>,
+    plant: Option<Bound<'py, PyAny>>,
+    plant_axes: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let (_, project) = errors::project(py, config)?;
     let machine = Arc::new(project.machine.clone());
-    let mut simulation = Simulation::new(machine.clone(), project.image());
+    let plant = plant
+        .map(|call| Plant::new(py, call, plant_axes, &machine))
+        .transpose()?;
+    let shared = plant.as_ref().map(Plant::shared);
+    let mut simulation = simulation(&project, plant);
     for (path, value) in set {
         values::write(py, &mut simulation, &path, &values::given(&value)?)?;
     }
@@ -111,6 +119,7 @@ pub(crate) fn simulate<'py>(
         rows: Vec::new(),
         tick: 0,
         interrupted: None,
+        plant: shared,
     };
     let options = Options {
         until,
@@ -118,7 +127,8 @@ pub(crate) fn simulate<'py>(
     };
     let mut runner = Runner::of(simulation);
     let end = py.detach(|| runner.run(Interpreter::new(program), options, &mut kept));
-    if let Some(error) = kept.interrupted.take() {
+    let failed = kept.plant.as_ref().and_then(Shared::take_error);
+    if let Some(error) = kept.interrupted.take().or(failed) {
         return Err(error);
     }
     for record in [kept.trace.take(), kept.events.take()].into_iter().flatten() {

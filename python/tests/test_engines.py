@@ -139,6 +139,60 @@ def test_ray(batch):
     assert hashes_of(results.read_text()) == hashes
 
 
+def test_ray_loses_a_worker(batch, tmp_path):
+    import ray
+
+    program, cases, hashes = batch
+    parts = list(arcline.chunks(map(json.loads, cases.read_text().splitlines()), CHUNK))
+    log = tmp_path / "log"
+    log.mkdir()
+    folder = str(Path(__file__).parent)
+
+    @ray.remote(num_cpus=1, max_retries=3)
+    def run(part):
+        sys.path.insert(0, folder)
+        from test_engines import dies_once
+
+        return dies_once(part, str(program), str(log))
+
+    ray.init(num_cpus=2, include_dashboard=False)
+    try:
+        results = [result for part in ray.get([run.remote(part) for part in parts]) for result in part]
+    finally:
+        ray.shutdown()
+    assert [result["hash"] for result in results] == hashes
+    # Ray starts the task again, not those that the lost worker had done.
+    assert {first: len(list(log.glob(f"{first}-*"))) for first, _ in parts} == {first: 1 + (first == 2 * CHUNK) for first, _ in parts}
+
+
+@pytest.mark.skipif(PROGRAM is None, reason="needs arcline-server")
+def test_gnu_parallel_loses_a_process(batch, tmp_path):
+    """The process of the third chunk is killed when it begins; its chunk alone is run again."""
+    needs("parallel")
+    program, cases, hashes = batch
+    log, bin = tmp_path / "log", tmp_path / "bin"
+    log.mkdir()
+    bin.mkdir()
+    wrapper = bin / "arcline-server"
+    wrapper.write_text(
+        f"""#!/bin/sh
+for word; do [ "$last" = --first ] && first=$word; last=$word; done
+begun=$(ls {log} | grep -c "^$first-")
+touch {log}/$first-$begun
+[ $first = {2 * CHUNK} ] && [ $begun = 0 ] && kill -9 $$
+exec {PROGRAM} "$@"
+"""
+    )
+    wrapper.chmod(0o755)
+    there = environment()
+    run = subprocess.run(
+        [EXAMPLES / "parallel.sh", program, cases], env={**there, "PATH": f"{bin}:{there['PATH']}"}, capture_output=True, text=True, check=True
+    )
+    assert hashes_of(run.stdout) == hashes
+    begun = {first: len(list(log.glob(f"{first}-*"))) for first in range(0, COUNT, CHUNK)}
+    assert begun == {first: 1 + (first == 2 * CHUNK) for first in begun}
+
+
 def dies_once(part, program, log):
     """Runs a chunk; the worker that begins the third one first is lost with it."""
     first, cases = part

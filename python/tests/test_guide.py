@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import yaml
 
 GUIDE = Path(__file__).parent.parent.parent / "docs" / "guide" / "python.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```", GUIDE.read_text(), re.M | re.S)
@@ -39,3 +40,23 @@ def test_the_examples_of_the_readmes(page):
     names = {"arcline": arcline}
     exec(block.replace('"machine.toml"', ""), names)
     assert list(names.get("xyz")[-1]) == [100.0, 50.0, 25.0] and names["m"].time == 1.0
+
+
+def test_the_ci_example_of_the_guide_is_a_workflow():
+    """It is YAML, and each of its commands names files and options that there are."""
+    (block,) = re.findall(r"^```yaml\n(.*?)^```", GUIDE.read_text(), re.M | re.S)
+    job = yaml.safe_load(block)["jobs"]["motion"]
+    assert job["runs-on"].startswith("ubuntu")
+    steps = job["steps"]
+    assert all(("run" in step) != ("uses" in step) for step in steps)
+    (cache,) = [step["with"] for step in steps if step.get("uses", "").startswith("actions/cache")]
+    assert len(cache["path"].split()) == 3 and "Cargo.lock" in cache["key"]
+    (upload,) = [step for step in steps if "upload-artifact" in step.get("uses", "")]
+    assert upload["if"] == "failure()"
+    commands = [step["run"] for step in steps if "run" in step]
+    root = GUIDE.parent.parent.parent
+    for command in commands:
+        for path in re.findall(r"\./?arcline/(\S+)|arcline/(\S+)", command):
+            assert (root / "".join(path)).is_dir(), command
+    tests = commands[-1].split()
+    assert tests[0] == "pytest" and tests[tests.index("--arcline-trace") + 1] == upload["with"]["path"]

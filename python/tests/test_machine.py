@@ -135,6 +135,16 @@ def test_programs_run_beside_each_other():
     assert m["X.CommandPosition"] == 100.0
 
 
+def test_a_program_sees_what_is_written_while_it_waits():
+    m = arcline.Machine(arcline.DEFAULT_CONFIG + '\n[[tag]]\nname = "Go"\ntype = "BOOL"\n')
+    p = m.program("WAIT(Go); MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);")
+    m.step(50)
+    assert not p.done
+    m["Go"] = True
+    p.wait()
+    assert m["X.CommandPosition"] == 5.0
+
+
 def test_faults_come_at_their_time():
     m = arcline.Machine()
     m.program(MOVE)

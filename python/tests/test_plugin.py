@@ -9,6 +9,7 @@ import sys
 import textwrap
 import time
 from concurrent.futures import ThreadPoolExecutor
+from xml.etree import ElementTree
 
 import pytest
 
@@ -44,6 +45,17 @@ def test_a_machine_of_its_own_for_each_test_and_the_trace_of_a_failed_one(pytest
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(["*trace of the machine*", "*test_fails.csv*"])
     (kept,) = (pytester.path / "kept").glob("*.csv")
+    plots = list((pytester.path / "kept").glob("*.svg"))
+    if shutil.which("arcline") is None:
+        assert os.environ.get("CI") != "true", "arcline is missing"
+        assert plots == []
+    else:
+        (plot,) = plots
+        root = ElementTree.parse(plot).getroot()
+        assert plot.stem == kept.stem and root.tag == "{http://www.w3.org/2000/svg}svg"
+        assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) + len(list(root.iter("{http://www.w3.org/2000/svg}polyline"))) >= 3
+        assert "X" in "".join(root.itertext())
+        result.stdout.fnmatch_lines(["*test_fails.svg*"])
     lines = kept.read_text().splitlines()
     assert lines[0].startswith("tick,time_s,X.CommandPosition") and lines[1].startswith("0,0,0,0,500,0")
     assert len(lines) > 100

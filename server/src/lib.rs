@@ -24,6 +24,7 @@ mod retained;
 mod run;
 mod simulate;
 pub mod stepped;
+mod systemd;
 mod tls;
 pub mod trace;
 mod users;

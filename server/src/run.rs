@@ -21,6 +21,7 @@ use crate::hmi::{self, Doors, Hmi, Sessions};
 use crate::live::{self, Missing};
 use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
+use crate::systemd::Supervisor;
 use crate::tls::Tls;
 
 /// Runs the server until SIGTERM or SIGINT.
@@ -156,6 +157,18 @@ async fn serve(
         hmi_tls: hmi.as_ref().and_then(Hmi::tls_addr),
     })
     .map_err(|error| failed("standard output", &error))?;
+    let supervisor = Supervisor::of_environment();
+    if let Some(supervisor) = &supervisor {
+        supervisor.ready();
+    }
+    let watched_plant = plant.clone();
+    let watched = async {
+        match &supervisor {
+            Some(supervisor) => supervisor.watch(&watched_plant, clock).await,
+            None => std::future::pending().await,
+        }
+    };
+    tokio::pin!(watched);
     let served = async {
         tokio::join!(listener.serve(), async {
             if let Some(hmi) = hmi {
@@ -170,6 +183,7 @@ async fn serve(
     loop {
         let signal = tokio::select! {
             () = &mut served => break,
+            () = &mut watched => continue,
             signal = signals.next() => signal,
         };
         match signal {
@@ -187,7 +201,9 @@ async fn serve(
                 }
                 match (config.zip(new), &live) {
                     (Some((file, new)), _) => reload(&plant, file, new, &mut configured).await,
-                    (None, None) => tracing::warn!("SIGHUP: nothing was reloaded, since the server runs without --config"),
+                    (None, None) => {
+                        tracing::warn!("SIGHUP: nothing was reloaded, since the server runs without --config")
+                    }
                     (None, Some(_)) => {}
                 }
                 if let Some(live) = &live {
@@ -195,6 +211,9 @@ async fn serve(
                 }
             }
         }
+    }
+    if let Some(supervisor) = &supervisor {
+        supervisor.stopping();
     }
     if let Some(live) = live {
         live.stop();

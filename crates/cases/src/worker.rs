@@ -6,8 +6,10 @@ use std::time::Instant;
 
 use arcline_controller::Controller;
 use arcline_controller::FaultChange;
+use arcline_controller::drive::simulated::MechanicalModel;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
+use arcline_instruction_set::AxisId;
 use arcline_simulation::{ImageNames, Observer, Options, Runner, Simulation};
 use arcline_structured_text::{Interpreter, OnError, Policy, Program, QueueFull};
 use arcline_tag::WriteValue;
@@ -81,7 +83,19 @@ impl Prepared {
     /// # Errors
     /// A tag cannot be set.
     pub fn simulation(&self) -> Result<Simulation, Invalid> {
-        let mut simulation = Simulation::new(self.machine.clone(), self.image.clone());
+        self.set(Simulation::new(self.machine.clone(), self.image.clone()))
+    }
+
+    /// The same with a model of the mechanics, which moves these axes.
+    ///
+    /// # Errors
+    /// A tag cannot be set.
+    pub fn simulation_with(&self, model: Box<dyn MechanicalModel>, axes: &[AxisId]) -> Result<Simulation, Invalid> {
+        let simulation = Simulation::with_model(self.machine.clone(), self.image.clone(), model, axes);
+        self.set(simulation)
+    }
+
+    fn set(&self, mut simulation: Simulation) -> Result<Simulation, Invalid> {
         for (name, value) in &self.tags {
             simulation
                 .write_tag(name, value)

@@ -60,7 +60,7 @@ pub(crate) struct Wait {
     over: Option<Result<(), Refused>>,
     /// What the WAIT has read so far: the slots and what they showed.
     watched: Vec<(ControlSlot, MotionControl)>,
-    /// Whether it has read anything else that changes by itself.
+    /// Whether it has read anything else, which may change in any tick.
     reads_motion: bool,
     /// The first tick since which the program waits for a condition and the machine is at rest.
     still_since: Option<u64>,
@@ -242,10 +242,10 @@ fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<
         Some(TagKind::Instruction(kind)) => settled = watch(simulation, kind.control),
         Some(TagKind::Plain) => {
             simulation.image_mut().show_uses();
-            // Output cams write it.
-            wait.reads_motion |= simulation.image().is_output(path);
+            // Output cams write it, other programs, and the caller between two ticks.
+            wait.reads_motion = true;
         }
-        Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => {}
+        Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => wait.reads_motion = true,
         Some(_) => {
             wait.reads_motion = true;
             simulation.show();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
+use arcline_controller::drive::simulated::{MechanicalModel, ModelDrives};
 use arcline_controller::image::{Edge, Image, TagKind, WriteError};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, ContourRequest, Controller, Event, Snapshot, Ticket};
@@ -43,6 +44,12 @@ impl Simulation {
     pub fn with_drives(machine: Arc<Machine>, image: Image, drives: Box<dyn Drives>) -> Self {
         let controller = Controller::with_drives(&machine, drives);
         Self::of(machine, controller, image)
+    }
+
+    /// The same with simulated drives, of whose axes a model of the mechanics moves some.
+    pub fn with_model(machine: Arc<Machine>, image: Image, model: Box<dyn MechanicalModel>, axes: &[AxisId]) -> Self {
+        let drives = ModelDrives::new(arcline_controller::simulated(&machine), model, axes);
+        Self::with_drives(machine, image, Box::new(drives))
     }
 
     /// The machine and the tags of a project, before tick 0.

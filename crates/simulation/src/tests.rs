@@ -198,3 +198,31 @@ fn time_and_observers_end_a_step() {
     assert_eq!(runner.step(Limits { ticks: 9, until: 1.0 }, &mut Enough), Passed::Left);
     assert_eq!(runner.simulation().tick(), 8);
 }
+
+/// A program that waits for a tag goes on when another program, or the caller, has written it.
+#[test]
+fn a_wait_for_a_plain_tag_sees_the_writes_of_others() {
+    let text = [arcline_config::DEFAULT, "\n[[tag]]\nname = \"Go\"\ntype = \"DINT\"\n"].concat();
+    let project = arcline_config::load(&text, "test").expect("it is valid");
+    let mut runner = Runner::of(Simulation::of_project(&project));
+    runner.simulation().begin();
+    let ticks = |ticks| Limits {
+        ticks,
+        until: f64::INFINITY,
+    };
+    let first = runner.start(program("WAIT(Go = 1); WAIT(Go = 2);"), Policy::default());
+    runner.step(ticks(50), &mut Blind);
+    assert!(runner.runs(first), "nothing has written it");
+    let second = runner.start(program("DELAY(0.02); Go := 1;"), Policy::default());
+    runner.step(ticks(50), &mut Blind);
+    assert!(
+        runner.runs(first) && !runner.runs(second),
+        "it waits for the second value"
+    );
+    let written = runner
+        .simulation()
+        .write_tag("Go", &arcline_tag::WriteValue::Integer(2));
+    written.expect("a DINT");
+    runner.step(ticks(2), &mut Blind);
+    assert!(!runner.runs(first));
+}

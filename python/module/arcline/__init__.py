@@ -19,6 +19,7 @@ from arcline.errors import (
     TimeoutError,
 )
 from arcline.machine import Event, Machine, Program, Result, simulate
+from arcline.plant import Feedback, Plant, SetPoints
 
 __all__ = [
     "DEFAULT_CONFIG",
@@ -26,11 +27,14 @@ __all__ = [
     "Batch",
     "ConfigError",
     "Event",
+    "Feedback",
     "Machine",
     "MotionError",
+    "Plant",
     "Program",
     "ProgramError",
     "Result",
+    "SetPoints",
     "TagError",
     "TagValueError",
     "TimeoutError",

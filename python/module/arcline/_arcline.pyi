@@ -18,6 +18,8 @@ class Machine:
         seed: int = 0,
         set: Sequence[tuple[str, Any]] | None = None,
         journal: bool = True,
+        plant: Any = None,
+        plant_axes: Sequence[str] | None = None,
     ) -> Self: ...
     @property
     def seed(self) -> int: ...
@@ -76,6 +78,8 @@ def _simulate(
     keep_going: bool,
     trace_csv: str | None,
     events_jsonl: str | None,
+    plant: Any,
+    plant_axes: Sequence[str] | None,
 ) -> tuple[BaseException | None, float, int, dict[str, float], npt.NDArray[np.float64]]: ...
 def _simulate_many(
     cases: str,

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from arcline import _arcline
 from arcline.errors import TimeoutError
+from arcline.plant import Plant
 
 __all__ = ["Event", "Machine", "Program", "Result", "simulate"]
 
@@ -46,6 +47,11 @@ class Machine(_arcline.Machine):
     :meth:`trace` only. The same calls in the same order give the same state to the bit; ``seed`` is kept for what a caller makes at random.
     ``set`` is written to tags at the beginning. With ``journal=False`` the machine does not remember what was done, and cannot be pickled.
 
+    ``plant`` is a callable of ``(set_points, feedback)``, called once in every tick: it gets the set-points of the axes (:class:`SetPoints`) and writes
+    where they are (:class:`Feedback`). ``plant_axes`` names the axes that it moves; without it they are all that have a drive. An exception of
+    the plant is raised by the call that lets time pass; its axes have the fault ``drive`` then, and the plant is not called any more. A
+    machine with a plant cannot be saved.
+
     >>> m = Machine()
     >>> m["Move1.Speed"] = 250.0
     >>> m.step(10)
@@ -64,9 +70,13 @@ class Machine(_arcline.Machine):
         seed: int = 0,
         set: Mapping[str, Any] | None = None,
         journal: bool = True,
+        plant: Plant | None = None,
+        plant_axes: Sequence[str] | None = None,
     ) -> Machine:
         text = None if config is None else os.fspath(config)
-        return super().__new__(cls, text, seed=seed, set=list((set or {}).items()), journal=journal)
+        axes = None if plant_axes is None else list(plant_axes)
+        values = list((set or {}).items())
+        return super().__new__(cls, text, seed=seed, set=values, journal=journal, plant=plant, plant_axes=axes)
 
     def program(self, text: str, *, queue_full: str = "wait", keep_going: bool = False) -> Program:
         """Starts a program in Structured Text: it runs at the present tick until it waits, and continues as time passes.
@@ -237,11 +247,14 @@ def simulate(
     keep_going: bool = False,
     trace_csv: str | os.PathLike[str] | None = None,
     events_jsonl: str | os.PathLike[str] | None = None,
+    plant: Plant | None = None,
+    plant_axes: Sequence[str] | None = None,
 ) -> Result:
     """Runs a program from its beginning until it and all motion have ended, as ``arcline-server simulate`` does.
 
     ``program`` is a text, or a file when it ends with ``.st`` or is a path. ``trace`` names signals of axes; ``trace_csv`` and ``events_jsonl``
-    are files, the same bytes as those of ``--trace`` and ``--events``.
+    are files, the same bytes as those of ``--trace`` and ``--events``. ``plant`` and ``plant_axes`` are those of :class:`Machine`; an exception of
+    the plant ends the run and is raised.
 
     >>> r = simulate("MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);", trace=["X.CommandPosition"])
     >>> r.positions["X"], r.trace.shape, float(r.trace.max())
@@ -261,5 +274,7 @@ def simulate(
         keep_going,
         None if trace_csv is None else os.fspath(trace_csv),
         None if events_jsonl is None else os.fspath(events_jsonl),
+        plant,
+        None if plant_axes is None else list(plant_axes),
     )
     return Result(*row)

@@ -65,6 +65,14 @@ pub(crate) fn metrics(plant: &Plant) -> String {
         );
         text.value(&[("sha256", &head)], 1.0);
     }
+    if let Some(ends) = plant.certificate_end() {
+        text.single(
+            "arcline_certificate_expires_timestamp_seconds",
+            "gauge",
+            "When the certificate of the server ends, Unix time.",
+            ends as f64,
+        );
+    }
     text.family("arcline_build_info", "gauge", "The version, 1.");
     text.value(&[("version", env!("CARGO_PKG_VERSION"))], 1.0);
     of_process(&mut text);

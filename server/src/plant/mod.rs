@@ -38,7 +38,7 @@ mod steps;
 pub(crate) mod wall;
 
 use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError, Weak};
 use std::time::{Duration, SystemTime};
 
@@ -158,6 +158,8 @@ pub(crate) struct Shared {
     roles: Roles,
     audit: OnceLock<Audit>,
     wall: Wall,
+    /// When the server's own certificate of TLS ends, Unix time in s; 0: there is none.
+    certificate_ends: AtomicI64,
     /// The controller's own program, where it has one.
     program: OnceLock<Arc<Program>>,
     /// Something was sent: the pump looks sooner.
@@ -261,6 +263,7 @@ impl Plant {
             roles: Roles::default(),
             audit: OnceLock::new(),
             wall,
+            certificate_ends: AtomicI64::new(0),
             program: OnceLock::new(),
             sent: Notify::new(),
         }))
@@ -444,6 +447,17 @@ impl Plant {
                 }
         };
         Some(look(&runs))
+    }
+
+    /// The certificate of the server ends then, Unix time in s.
+    pub(crate) fn set_certificate_end(&self, seconds: i64) {
+        self.0.certificate_ends.store(seconds, Ordering::Relaxed);
+    }
+
+    /// When the certificate of the server ends, Unix time in s; `None`: it has none.
+    pub(crate) fn certificate_end(&self) -> Option<i64> {
+        let ends = self.0.certificate_ends.load(Ordering::Relaxed);
+        (ends != 0).then_some(ends)
     }
 
     /// The principals of a session that have begun something.

@@ -55,6 +55,10 @@ pub(crate) struct SimulateArgs {
     /// Print the result as one line of JSON.
     #[arg(long)]
     pub(crate) json: bool,
+    /// Let a plant outside say where the axes are: at each tick a line of JSON with the set-points goes to standard output, and one with the feedback
+    /// comes from standard input (docs/PLANTS.md).
+    #[arg(long, conflicts_with_all = ["cases", "json"])]
+    pub(crate) step: bool,
     #[command(flatten)]
     pub(crate) batch: BatchArgs,
     /// Let the scans of a project's continuous task fall in other ticks, to find races: same seed, same run.
@@ -134,6 +138,25 @@ impl SimulateArgs {
         self.until.as_deref().map_or(Ok(LONGEST), |text| {
             seconds(text).map_err(|expected| Failure::usage(format!("--until {text}: {expected}")))
         })
+    }
+
+    /// That standard input and output are free for a plant.
+    pub(crate) fn check_step(&self) -> Result<(), Failure> {
+        let pipes = [
+            (self.program.as_ref(), "the program"),
+            (self.trace.as_ref(), "--trace"),
+            (self.events.as_ref(), "--events"),
+            (self.faults.as_ref(), "--faults"),
+        ];
+        let taken = pipes
+            .into_iter()
+            .find(|(path, _)| path.is_some_and(|path| path == Path::new("-")));
+        match taken.filter(|_| self.step) {
+            None => Ok(()),
+            Some((_, what)) => Err(Failure::usage(format!(
+                "--step needs standard input and output for the plant: {what} cannot be -"
+            ))),
+        }
     }
 
     /// The first flag that only projects have.

@@ -38,6 +38,11 @@ pub(super) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
 
 fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     let began = Instant::now();
+    if args.step {
+        return Err(Failure::usage(
+            "--step is for programs in Structured Text, not for projects",
+        ));
+    }
     let file = args.program().display().to_string();
     let text = crate::l5x::read(args.program())?;
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());

@@ -8,10 +8,12 @@ mod batch;
 mod cell;
 mod cell_tags;
 mod output;
+mod outside;
 mod pieces;
 mod plant;
 mod summary;
 
+use std::io::{self, BufReader, BufWriter};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -24,6 +26,7 @@ use crate::cli::{Failure, read};
 pub(crate) use args::SimulateArgs;
 pub(crate) use cell::findings;
 use output::Files;
+use outside::Outside;
 use pieces::Pieces;
 use summary::Summary;
 
@@ -38,6 +41,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     if let Some(flag) = args.of_projects() {
         return Err(Failure::usage(format!("{flag} is for projects (.L5X)")));
     }
+    args.check_step()?;
     let began = Instant::now();
     let (text, name) = read(args.config.as_deref())?;
     let invalid = |error: arcline_cases::Invalid| Failure::usage(error.to_string());
@@ -57,9 +61,22 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         until: args.seconds()?,
         policy: args.policy(),
     };
-    let mut runner = Runner::of(prepared.simulation().map_err(invalid)?);
+    let simulation = if args.step {
+        let outside = Outside::new(
+            &machine,
+            Box::new(BufReader::new(io::stdin())),
+            Box::new(BufWriter::new(io::stdout())),
+        );
+        files.outside = Some(outside.reason());
+        let axes = outside.axes();
+        prepared.simulation_with(Box::new(outside), &axes)
+    } else {
+        prepared.simulation()
+    };
+    let mut runner = Runner::of(simulation.map_err(invalid)?);
     let end = runner.run_pieces(first, options, &mut files, |image| pieces.next(image));
     let measures = files.measures.take();
+    let outside = files.outside.take().and_then(|reason| reason.take());
     let mut summary = files.finish(args)?;
     let simulation = runner.simulation();
     summary.stopped = simulation.stopped();
@@ -69,6 +86,9 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         summary.text(&file.to_string(), &machine, matches!(end, Ok(End::Finished)))
     );
     let end = end?;
+    if let Some(why) = outside {
+        return Err(Failure::new(2, why));
+    }
     if let Some(measures) = measures {
         let outcome = Outcome {
             instructions: Some(simulation.executed()),
@@ -93,7 +113,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
             3,
             format!("{file}: not at its end after {seconds} s of simulated time (--until)"),
         )),
-        // Files take everything.
+        // Files take everything, and a plant that left has said why.
         End::Left => Ok(ExitCode::SUCCESS),
     }
 }

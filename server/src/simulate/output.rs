@@ -10,6 +10,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event, FaultChange};
 use arcline_simulation::{Observer, Record};
 
+use super::outside::Reason;
 use super::{SimulateArgs, Summary, cannot_write};
 use crate::cli::Failure;
 
@@ -21,6 +22,8 @@ pub(super) struct Files {
     pub(super) summary: Summary,
     /// For --json.
     pub(super) measures: Option<Measures>,
+    /// Why the plant of --step cannot go on.
+    pub(super) outside: Option<Reason>,
 }
 
 impl Files {
@@ -47,6 +50,7 @@ impl Files {
             faults: args.faults.as_deref().map(create).transpose()?,
             summary: Summary::default(),
             measures: args.json.then(Measures::default),
+            outside: None,
         })
     }
 
@@ -77,7 +81,7 @@ impl Observer for Files {
             measures.tick(tick, controller);
         }
         self.summary.tick(tick, machine, controller);
-        true
+        !self.outside.as_ref().is_some_and(Reason::is_given)
     }
 
     fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {

@@ -267,6 +267,7 @@ impl Tls {
                 self.trust.store(Arc::new(trust));
                 warn!("the certificates of TLS were read again");
                 self.warn_of_end();
+                plant.set_certificate_end(self.trust.load().ends);
                 self.judge(plant);
             }
             Err(error) => {
@@ -280,6 +281,7 @@ impl Tls {
     /// Looks at the files and at the certificates of open connections, for ever.
     pub(crate) async fn watch(&self, plant: &Plant) {
         let mut changed = self.files.changed();
+        plant.set_certificate_end(self.trust.load().ends);
         for look in 1_u32.. {
             tokio::time::sleep(LOOK).await;
             if look % FILES_EVERY == 0 {

@@ -7,6 +7,7 @@ use arcline_config::Role;
 use super::certs::CertsCommand;
 use super::*;
 use crate::audit::Audit;
+use crate::metrics::metrics;
 
 /// A folder with an authority, a server and a client, and the side of TLS of that server.
 fn bench() -> (tempfile::TempDir, Arc<Tls>) {
@@ -110,6 +111,34 @@ async fn other_rows_give_open_connections_other_roles() {
     tls.reload(&plant);
     assert_eq!(role_of(1), Role::Viewer);
     assert!(!close.is_cancelled(), "its certificate holds");
+}
+
+#[tokio::test]
+async fn the_metrics_say_when_the_certificate_of_the_server_ends() {
+    const NAME: &str = "arcline_certificate_expires_timestamp_seconds ";
+    let (folder, tls) = bench();
+    let (plant, _thread) = plant();
+    assert!(!metrics(&plant).contains(NAME.trim()), "no TLS as yet");
+    let ends = |plant: &Plant| {
+        let text = metrics(plant);
+        let value = text.lines().find_map(|line| line.strip_prefix(NAME));
+        value.map(|value| value.parse::<f64>().expect("a number"))
+    };
+    let own = || shown(folder.path(), "server.pem").leaf.valid.1 as f64;
+    // It says so before its first pause.
+    tokio::select! {
+        biased;
+        () = tls.watch(&plant) => {}
+        () = std::future::ready(()) => {}
+    }
+    let first = own();
+    assert_eq!(ends(&plant), Some(first));
+    // A new one that holds for one day.
+    fs::copy(folder.path().join("hmi.pem"), folder.path().join("server.pem")).expect("a writable folder");
+    fs::copy(folder.path().join("hmi.key"), folder.path().join("server.key")).expect("a writable folder");
+    tls.reload(&plant);
+    assert_eq!(ends(&plant), Some(own()));
+    assert_ne!(first, own());
 }
 
 #[tokio::test]

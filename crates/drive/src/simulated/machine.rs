@@ -67,7 +67,7 @@ impl SimulatedAxis {
     }
 
     /// One update. Where nothing changes, the feedback of the last exchange stands.
-    fn follow(&mut self, set_point: &SetPoint, period: f64, feedback: &mut Feedback) {
+    pub(super) fn follow(&mut self, set_point: &SetPoint, period: f64, feedback: &mut Feedback) {
         let off;
         let set_point = if self.is_disabled {
             off = SetPoint {
@@ -125,6 +125,40 @@ impl SimulatedAxis {
         }
         self.home = on;
         feedback.inputs.home = on || self.sensor.is_active(self.drive.actual().position);
+    }
+
+    /// The axis as an ideal one, where it is.
+    pub(super) fn ideal(&self) -> Self {
+        SimulatedAxis {
+            drive: Drive::Ideal(self.drive.actual()),
+            set_point: SetPoint {
+                enable: true,
+                ..self.set_point
+            },
+            rests: false,
+            ..*self
+        }
+    }
+
+    /// What the axis does, as its encoder sees it.
+    pub(super) fn actual(&self) -> KinematicState {
+        self.drive.actual()
+    }
+
+    /// One update of an ideal axis that something else moves; latches are those of the set-point.
+    pub(super) fn be_moved(&mut self, motion: KinematicState, sent: &SetPoint, period: f64, feedback: &mut Feedback) {
+        let there = SetPoint {
+            enable: true,
+            position: motion.position,
+            velocity: motion.velocity,
+            acceleration: motion.acceleration,
+            stood: 0.0,
+            latches: sent.latches,
+        };
+        self.follow(&there, period, feedback);
+        // A mechanical stop would hold a simulated axis.
+        self.drive = Drive::Ideal(motion);
+        feedback.motion = motion;
     }
 
     /// Looks whether a latch has closed in the update, by a written `edge` at its beginning or on the way. A mechanical stop holds the
@@ -207,6 +241,18 @@ impl SimulatedDrives {
     /// A machine of these axes, at an update period in seconds. The only allocation.
     pub fn new(axes: Vec<Option<SimulatedAxis>>, period: f64) -> Self {
         SimulatedDrives { axes, period }
+    }
+
+    pub(super) fn axes(&self) -> &[Option<SimulatedAxis>] {
+        &self.axes
+    }
+
+    pub(super) fn axes_mut(&mut self) -> &mut [Option<SimulatedAxis>] {
+        &mut self.axes
+    }
+
+    pub(super) fn period(&self) -> f64 {
+        self.period
     }
 }
 

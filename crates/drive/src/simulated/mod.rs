@@ -7,6 +7,7 @@ mod curve;
 mod drive;
 mod encoder;
 mod machine;
+mod model;
 mod regime;
 mod sensor;
 mod servo;
@@ -16,6 +17,7 @@ mod tolerance;
 
 pub use drive::Drive;
 pub use machine::{SimulatedAxis, SimulatedDrives};
+pub use model::{MechanicalModel, ModelDrives, ModelFailed, ModelledAxis};
 pub use sensor::Sensor;
 pub use servo::Servo;
 pub use settings::Settings;
