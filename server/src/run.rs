@@ -145,7 +145,7 @@ async fn serve(
 ) -> Result<(Plant, arcline_realtime::Handle), Failure> {
     let mut signals = Signals::new()?;
     let end_with_stdin = start.end_with_stdin;
-    let (hmi, config) = (start.hmi, start.config);
+    let (hmi, config, clock) = (start.hmi, start.config, start.clock);
     let (plant, handle, program) = start_plant(project, start)?;
     let Sockets { listener, hmi, tls } = open(project, hmi, config, &plant).await?;
     let live = program.map(|program| program.spawn(&plant)).transpose();
