@@ -29,6 +29,8 @@ use crate::robots::{
 pub struct Scope {
     /// The machines that take turns.
     pub machines: &'static [RobotMachine],
+    /// Keys of the source of a robot without orientation.
+    pub cart: &'static str,
     /// The tool stays within this distance of where it begins, in each coordinate, position units.
     pub reach: f64,
     /// It turns about Z within this angle of where it begins, degrees, and tilts within a third of that. A joint that only turns the
@@ -38,6 +40,8 @@ pub struct Scope {
     pub joint: f64,
     /// Errors of moves that programs may make.
     pub refused: &'static [i16],
+    /// Whether single axes may move too.
+    pub singles: bool,
     /// Whether the transform may end with an error.
     pub may_fail: bool,
     /// Ticks of a program before everything is stopped, at most.
@@ -64,12 +68,32 @@ impl Scope {
             DELTA_2,
             SCARA_DELTA,
         ],
+        cart: "",
         reach: 25.0,
         turn: 24.0,
         joint: 6.0,
         refused: &[],
+        singles: true,
         may_fail: false,
         ticks: 400,
+    };
+
+    /// The same with lines and arcs as planned contours, of every robot whose source has no orientation: MCPM errs with 99 there. No single
+    /// axes: a contour that is planned while a joint moves by itself does not yet begin where the joint has brought the source meanwhile.
+    pub const PRECISE: Scope = Scope {
+        machines: &[
+            DELTA,
+            SCARA,
+            ARTICULATED,
+            PLANAR,
+            PLANAR_INDEPENDENT,
+            ARTICULATED_DEPENDENT,
+            DELTA_2,
+            SCARA_DELTA,
+        ],
+        cart: "corner = \"precise\"\n",
+        singles: false,
+        ..Scope::INSIDE
     };
 }
 
@@ -142,7 +166,7 @@ impl RobotProgram {
         let machine = scope.machines[(seed % scope.machines.len() as u64) as usize];
         let period = *random.one_of(&[1.0, 1.0, 2.0, 4.0]);
         let machine = RobotMachine {
-            cart: if machine.is_oriented() { CART } else { "" },
+            cart: if machine.is_oriented() { CART } else { scope.cart },
             period,
             ..machine
         };
@@ -177,7 +201,7 @@ impl RobotProgram {
             period: period / 1000.0,
             base: [0.0; 6],
             tilts: random.below(2) == 0,
-            singles: random.below(2) == 0,
+            singles: random.below(2) == 0 && scope.singles,
             was_singular: false,
             corners: random.below(4) == 0,
             random,

@@ -62,7 +62,7 @@ fn circles_of_the_reference() {
                         (s, last),
                         "{why}"
                     );
-                    // §13.4's formula is that of a circle; the spiral between two radii is longer.
+                    // The formula of spec/coordinated-instructions.md §13.4 is that of a circle; the spiral between two radii is longer.
                     let excess = arc.length() / (sweep.abs() * 0.5 * (arc.radius() + arc.end_radius())) - 1.0;
                     let is_circle = arc.radius() == arc.end_radius();
                     let allowed = if is_circle { -1e-12..1e-12 } else { 1e-12..5e-3 };

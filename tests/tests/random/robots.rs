@@ -9,6 +9,11 @@ fn random_programs_well_inside_the_reach() {
     run(&Scope::INSIDE, 2000);
 }
 
+#[test]
+fn random_programs_on_planned_contours() {
+    run(&Scope::PRECISE, 400);
+}
+
 /// A move that an MCCD let overshoot its end, with others behind it: the stop that the robot was looked at with led over to their paths.
 #[test]
 fn a_robot_follows_a_move_beyond_its_end() {
