@@ -18,7 +18,7 @@ use crate::control::Controls;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
-use crate::masters::follower::{FollowerStart, DrivenBy, LockTo, MasterFollower};
+use crate::masters::follower::{DrivenBy, FollowerStart, LockTo, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::masters::master::Master;
 

@@ -11,7 +11,7 @@ use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::masters::MasterAt;
-use crate::masters::cam::{Cam, Pending, CamProgram, Source};
+use crate::masters::cam::{Cam, CamProgram, Pending, Source};
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
