@@ -122,11 +122,13 @@ export async function what_strangers_tell_is_text({ browser, url, folder }) {
   });
   // The client of EtherNet/IP: its product, its user and its program.
   for (const number of [7, 8, 9]) await page.getByText(`onerror=alert(${number})`).first().waitFor();
-  // A page of a browser with a name of its own has control, and the others say so.
+  // A browser with a name of its own jogs the other axis, and the others say so.
   await go(other, "drive");
   await take(other, "CS1");
-  await go(page, "drive");
+  await other.getByRole("button", { name: "Jog Y forwards" }).hover();
+  await other.mouse.down();
   await page.getByText(agent).first().waitFor();
+  await other.mouse.up();
   // An error that repeats what was asked for.
   await go(page, "tags");
   await page.getByLabel("Name of a tag or member to watch").fill(MARKUP);

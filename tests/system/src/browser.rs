@@ -115,7 +115,9 @@ async fn jog(server: &str) -> Result<Client, ClientError> {
         program: "<img src=x onerror=alert(9)>".to_owned(),
     };
     client.introduce(&told).await?;
-    client.execute(Mnemonic::Mso, "X", "Servo", &[]).await?;
+    for axis in ["X", "Y"] {
+        client.execute(Mnemonic::Mso, axis, "", &[]).await?;
+    }
     let slow = Operands::full_speed(Mnemonic::Maj).with("Speed", Given::Number(1.0))?;
     client.execute(Mnemonic::Maj, "X", "Jog", slow.given()).await?;
     Ok(client)
