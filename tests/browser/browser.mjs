@@ -24,8 +24,8 @@ export function launch() {
 }
 
 /** A new viewer on a view, connected. What the page writes as an error fails the case. */
-export async function open(browser, url, view, { scheme = "light", phone = false } = {}) {
-  const context = await browser.newContext({ colorScheme: scheme, viewport: phone ? PHONE : DESKTOP, hasTouch: phone, isMobile: phone, reducedMotion: "reduce", acceptDownloads: true, ignoreHTTPSErrors: true });
+export async function open(browser, url, view, { scheme = "light", phone = false, agent = undefined } = {}) {
+  const context = await browser.newContext({ colorScheme: scheme, viewport: phone ? PHONE : DESKTOP, hasTouch: phone, isMobile: phone, reducedMotion: "reduce", userAgent: agent, acceptDownloads: true, ignoreHTTPSErrors: true });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.faults = [];

@@ -109,3 +109,45 @@ export async function names_and_values_are_text({ browser, url, folder }) {
   assert.deepEqual(opened, [], "no text is executed");
   await close(page);
 }
+
+/** What clients tell of themselves, the texts of a program, and errors that repeat them are text. */
+export async function what_strangers_tell_is_text({ browser, url, folder }) {
+  const agent = "<u>agent";
+  const page = await open(browser, url, "machine");
+  const other = await open(browser, url, "machine", { agent });
+  const opened = [];
+  for (const one of [page, other]) one.on("dialog", (dialog) => {
+    opened.push(dialog.message());
+    dialog.dismiss();
+  });
+  // The client of EtherNet/IP: its product, its user and its program.
+  for (const number of [7, 8, 9]) await page.getByText(`onerror=alert(${number})`).first().waitFor();
+  // A browser with a name of its own jogs the other axis, and the others say so.
+  await go(other, "drive");
+  await take(other, "CS1");
+  await other.getByRole("button", { name: "Jog Y forwards" }).hover();
+  await other.mouse.down();
+  await page.getByText(agent).first().waitFor();
+  await other.mouse.up();
+  // An error that repeats what was asked for.
+  await go(page, "tags");
+  await page.getByLabel("Name of a tag or member to watch").fill(MARKUP);
+  await page.getByRole("button", { name: "Watch", exact: true }).click();
+  await page.getByText(MARKUP).first().waitFor();
+  // The program of the controller: comments of rungs.
+  await go(page, "controller");
+  await page.getByText("onerror=alert(5)").first().waitFor();
+  // A fault of a client's making, in the events.
+  await go(page, "events");
+  for (const view of [...VIEWS, "controller"]) {
+    for (const one of [page, other]) {
+      await go(one, view);
+      await one.locator("main section, main .view").first().waitFor();
+      assert.equal(await one.locator("main img, header img, nav img, main script, main u, header u").count(), 0, `no element is made of a text in ${view}`);
+    }
+  }
+  await page.screenshot({ path: `${folder}/strangers.png` });
+  assert.deepEqual(opened, [], "no text is executed");
+  await close(page);
+  await close(other);
+}

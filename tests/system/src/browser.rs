@@ -4,6 +4,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use arcline_client::{Client, ClientError, Given, Identification, Mnemonic, Operands};
+
 use crate::foreign::Store;
 use crate::node::Node;
 use crate::server::Server;
@@ -70,11 +72,67 @@ pub fn case_with_users(name: &str, over_https: bool) {
     run_on(name, &["--config", &at("cell.toml")], over_https);
 }
 
+/// The same against a server with the program of `tests/config/ladder.L5X`, whose comments are markup, while a client of EtherNet/IP jogs the axis X that
+/// tells of itself, in its own words, that it is an element of a page.
+///
+/// # Panics
+/// As [`case`].
+pub fn case_among_strangers(name: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text =
+        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
+    let program = text("ladder.L5X");
+    let comment = "<Comment><![CDATA[";
+    let program = program.replace(comment, &format!("{comment}<img src=x onerror=alert(5)> "));
+    let tag = "<Tag Name=\"Start\" TagType=\"Base\" DataType=\"BOOL\" ExternalAccess=\"Read/Write\">";
+    let description = "<Description><![CDATA[<img src=x onerror=alert(6)>]]></Description>";
+    assert!(program.contains(tag), "the fixture has another tag");
+    let program = program.replace(tag, &format!("{tag}{description}"));
+    std::fs::write(folder.path().join("ladder.L5X"), program).expect("a writable folder");
+    let file = folder.path().join("ladder.toml");
+    // The client says nothing while the browser looks.
+    let patient = text("ladder.toml").replace("[server]\n", "[server]\njog_silence_ms = 0\n");
+    assert!(patient.contains("jog_silence_ms"), "the fixture has no [server]");
+    std::fs::write(&file, patient).expect("a writable folder");
+    let arguments = ["--config", file.to_str().expect("UTF-8")];
+    run_beside(name, &arguments, false, |server| {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(1)
+            .enable_all()
+            .build()
+            .expect("a runtime");
+        let client = runtime.block_on(jog(&server.address().to_string()));
+        (client.expect("the machine is at rest and has no owner"), runtime)
+    });
+}
+
+/// A client that jogs the axis X slowly as long as it is there.
+async fn jog(server: &str) -> Result<Client, ClientError> {
+    let client = Client::connect(server).await?;
+    let told = Identification {
+        product: "<img src=x onerror=alert(7)>".to_owned(),
+        user: "<img src=x onerror=alert(8)>".to_owned(),
+        program: "<img src=x onerror=alert(9)>".to_owned(),
+    };
+    client.introduce(&told).await?;
+    for axis in ["X", "Y"] {
+        client.execute(Mnemonic::Mso, axis, "", &[]).await?;
+    }
+    let slow = Operands::full_speed(Mnemonic::Maj).with("Speed", Given::Number(1.0))?;
+    client.execute(Mnemonic::Maj, "X", "Jog", slow.given()).await?;
+    Ok(client)
+}
+
 fn on(name: &str, arguments: &[&str]) {
     run_on(name, arguments, false);
 }
 
 fn run_on(name: &str, arguments: &[&str], over_https: bool) {
+    run_beside(name, arguments, over_https, |_| ());
+}
+
+/// Runs a case while what `beside` makes is there.
+fn run_beside<B>(name: &str, arguments: &[&str], over_https: bool, beside: impl FnOnce(&Server) -> B) {
     let found = find().and_then(|node| Ok((node, Store::open("browser-turn")?)));
     let (node, _turn) = match found {
         Ok(found) => found,
@@ -85,6 +143,7 @@ fn run_on(name: &str, arguments: &[&str], over_https: bool) {
         false => format!("http://{}", server.hmi().expect("the server was started with an HMI")),
         true => format!("https://{}", server.hmi_tls().expect("the configuration has HTTPS")),
     };
+    let _beside = beside(&server);
     let pictures = pictures();
     let pictures = pictures.to_str().expect("the project's paths are UTF-8");
     print!(

@@ -178,17 +178,56 @@ pub fn node(script: &str) {
 /// # Panics
 /// When the client finds a fault; in CI also when something needed is missing.
 pub fn python_through(kind: Kind, client: &str, script: &str) {
-    let name = format!("{client} through {kind:?}");
-    let python = match Python::with(client) {
-        Ok(python) => python,
-        Err(why) => return crate::not_run(&name, &why),
-    };
-    let text = std::fs::read_to_string(configuration(client)).expect("it was just written");
+    match Python::with(client) {
+        Ok(python) => through(kind, script, None, |tunnel| python.run(script, &[&tunnel.to_string()])),
+        Err(why) => crate::not_run(&format!("{script} through {kind:?}"), &why),
+    }
+}
+
+/// As [`libplctag`], in the same manner.
+///
+/// # Panics
+/// As [`python_through`].
+pub fn libplctag_through(kind: Kind) {
+    match Libplctag::build() {
+        Ok(client) => through(kind, "libplctag", None, |tunnel| client.run(&[&tunnel.to_string()])),
+        Err(why) => crate::not_run(&format!("libplctag through {kind:?}"), &why),
+    }
+}
+
+/// As [`node`], in the same manner: the tunnel has an address of its own.
+///
+/// # Panics
+/// As [`python_through`].
+pub fn node_through(kind: Kind, script: &str) {
+    match Node::with("node") {
+        Ok(node) => {
+            let [low, high, ..] = std::process::id().to_le_bytes();
+            let octet = if kind == Kind::Stunnel { 2 } else { 3 };
+            let address = SocketAddr::from(([127, high.max(1), low, octet], 44818));
+            through(kind, script, Some(address), |tunnel| {
+                node.run(script, &[&tunnel.ip().to_string()])
+            });
+        }
+        Err(why) => crate::not_run(&format!("{script} through {kind:?}"), &why),
+    }
+}
+
+/// Runs a client against a tunnel at an address, at a free port of 127.0.0.1 without one.
+fn through(kind: Kind, name: &str, address: Option<SocketAddr>, client: impl FnOnce(SocketAddr) -> String) {
+    let text = std::fs::read_to_string(configuration(&format!("{name}-{kind:?}"))).expect("it was just written");
     let secured = Secured::start(&text, "plain = \"off\"\n", &[]);
-    let tls = secured.server.tls().expect("the configuration has TLS");
-    match Tunnel::start(kind, tls, secured.folder(), CLIENT) {
-        Ok(tunnel) => print!("{}", python.run(script, &[&tunnel.address().to_string()])),
-        Err(why) => crate::not_run(&name, &why),
+    let (tls, folder) = (
+        secured.server.tls().expect("the configuration has TLS"),
+        secured.folder(),
+    );
+    let tunnel = match address {
+        Some(address) => Tunnel::start_at(kind, address, tls, folder, CLIENT),
+        None => Tunnel::start(kind, tls, folder, CLIENT),
+    };
+    match tunnel {
+        Ok(tunnel) => print!("{}", client(tunnel.address())),
+        Err(why) => crate::not_run(&format!("{name} through {kind:?}"), &why),
     }
 }
 

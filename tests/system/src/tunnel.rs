@@ -31,10 +31,26 @@ impl Tunnel {
     /// # Panics
     /// When it does not listen in time.
     pub fn start(kind: Kind, server: SocketAddr, folder: &Path, name: &str) -> Result<Self, String> {
-        let file = |name: &str| folder.join(name).display().to_string();
         // Free a moment ago; another program that takes it now makes the tunnel fail.
         let free = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).and_then(|listener| listener.local_addr());
-        let address = free.expect("a free port");
+        Self::start_at(kind, free.expect("a free port"), server, folder, name)
+    }
+
+    /// The same, at an address of this computer.
+    ///
+    /// # Errors
+    /// As [`Tunnel::start`].
+    ///
+    /// # Panics
+    /// As [`Tunnel::start`].
+    pub fn start_at(
+        kind: Kind,
+        address: SocketAddr,
+        server: SocketAddr,
+        folder: &Path,
+        name: &str,
+    ) -> Result<Self, String> {
+        let file = |name: &str| folder.join(name).display().to_string();
         let (certificate, key, ca) = (
             file(&format!("{name}.pem")),
             file(&format!("{name}.key")),
@@ -54,7 +70,11 @@ impl Tunnel {
             }
             Kind::Socat => {
                 let mut command = Command::new("socat");
-                command.arg(format!("TCP-LISTEN:{},bind=127.0.0.1,fork,reuseaddr", address.port()));
+                command.arg(format!(
+                    "TCP-LISTEN:{},bind={},fork,reuseaddr",
+                    address.port(),
+                    address.ip()
+                ));
                 command.arg(format!(
                     "OPENSSL:localhost:{},cert={certificate},key={key},cafile={ca},pf=ip4",
                     server.port()

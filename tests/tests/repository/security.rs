@@ -24,3 +24,31 @@ fn the_tests_of_each_requirement_exist() {
     }
     assert!(missing.is_empty(), "tests that are not there: {missing:?}");
 }
+
+/// No code of the page makes elements or code of a text, so that no name and no value of a tag, a client or a program can become one.
+#[test]
+fn the_page_makes_no_elements_of_texts() {
+    let folder = workspace().join("web/js");
+    let modules: Vec<_> = files(&["js"])
+        .into_iter()
+        .filter(|file| file.starts_with(&folder))
+        .collect();
+    assert!(modules.len() > 30, "{modules:?}");
+    for file in modules {
+        let text = read(&file);
+        for maker in [
+            "innerHTML",
+            "outerHTML",
+            "insertAdjacentHTML",
+            "document.write",
+            "DOMParser",
+            "createContextualFragment",
+            "setHTML",
+            "srcdoc",
+            "eval(",
+            "new Function",
+        ] {
+            assert!(!text.contains(maker), "{}: {maker}", file.display());
+        }
+    }
+}

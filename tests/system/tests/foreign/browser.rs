@@ -1,6 +1,6 @@
 //! The HMI in a real browser, against a real server. The scripts in `tests/browser` say what is expected.
 
-use arcline_system_tests::browser::{case, case_on, case_with_users};
+use arcline_system_tests::browser::{case, case_among_strangers, case_on, case_with_users};
 
 macro_rules! cases {
     ($($name:ident),* $(,)?) => {
@@ -104,4 +104,9 @@ fn a_program_fits_small_screens() {
 #[test]
 fn names_and_values_are_text() {
     case_on("names_and_values_are_text", "markup.toml");
+}
+
+#[test]
+fn what_strangers_tell_is_text() {
+    case_among_strangers("what_strangers_tell_is_text");
 }

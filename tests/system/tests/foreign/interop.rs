@@ -2,8 +2,8 @@
 //! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
 
 use arcline_system_tests::interop::{
-    libplctag, libplctag_hangs, node, python, python_hangs, python_io, python_on_program, python_on_the_step_clock,
-    python_through,
+    libplctag, libplctag_hangs, libplctag_through, node, node_through, python, python_hangs, python_io,
+    python_on_program, python_on_the_step_clock, python_through,
 };
 use arcline_system_tests::tunnel::Kind;
 
@@ -105,4 +105,29 @@ fn pycomm3_reads_and_writes_through_socat() {
 #[test]
 fn pylogix_moves_through_socat() {
     python_through(Kind::Socat, "pylogix", "pylogix_move.py");
+}
+
+#[test]
+fn cpppo_works_through_stunnel() {
+    python_through(Kind::Stunnel, "cpppo", "cpppo_all.py");
+}
+
+#[test]
+fn cm_ethernetip_works_through_socat() {
+    python_through(Kind::Socat, "cm_ethernetip", "cm_ethernetip_all.py");
+}
+
+#[test]
+fn libplctag_works_through_stunnel() {
+    libplctag_through(Kind::Stunnel);
+}
+
+#[test]
+fn st_ethernet_ip_works_through_socat() {
+    node_through(Kind::Socat, "st_ethernet_ip.js");
+}
+
+#[test]
+fn ethernet_ip_works_through_stunnel() {
+    node_through(Kind::Stunnel, "ethernet_ip.js");
 }

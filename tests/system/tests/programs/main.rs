@@ -8,6 +8,7 @@ mod controller;
 mod doctor;
 mod guide;
 mod l5x;
+mod login_time;
 mod masters;
 mod outputs;
 mod pictures;

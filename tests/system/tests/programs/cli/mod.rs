@@ -6,5 +6,6 @@ mod endings;
 mod faults;
 mod gcode;
 mod lost;
+mod tls;
 mod tools;
 mod trace;
