@@ -547,7 +547,10 @@ fn an_add_on_instruction_moves_the_axis_that_it_gets_by_reference() {
             "<Parameter Name=\"{name}\" TagType=\"Base\" DataType=\"{kind}\" Usage=\"{usage}\" Required=\"true\" Visible=\"true\"/>"
         )
     };
-    let logic = rungs(&["MAM(Ax,Mc,0,To,100,Units per sec);", "XIC(Mc.PC)OTE(Done);"]);
+    let logic = rungs(&[
+        "MAM(Ax,Mc,0,To,100,Units per sec,1000,Units per sec2,1000,Units per sec2,Trapezoidal,100,100,% of Time,Disabled,Programmed,0,None);",
+        "XIC(Mc.PC)OTE(Done);",
+    ]);
     let add_on = format!(
         "</DataTypes><AddOnInstructionDefinitions><AddOnInstructionDefinition Name=\"Goto\" Revision=\"1.0\"><Parameters>\
          <Parameter Name=\"EnableIn\" DataType=\"BOOL\" Usage=\"Input\" Required=\"false\"/><Parameter Name=\"EnableOut\" DataType=\"BOOL\" Usage=\"Output\" Required=\"false\"/>\

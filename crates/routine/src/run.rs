@@ -1,6 +1,7 @@
 //! The scan: compiled routines on their memory. It allocates nothing.
 
 mod add_on;
+mod alarm;
 mod compute;
 mod counters;
 mod edges;

@@ -91,6 +91,7 @@ pub(crate) enum Op {
     Gsv,
     Ssv,
     Msg,
+    Almd,
     /// An instruction of motion.
     Motion,
     /// An add-on instruction.

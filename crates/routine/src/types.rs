@@ -256,6 +256,7 @@ fn own() -> Vec<Arc<Template>> {
                 ("__Last", Dint),
             ],
         ),
+        plain("ALARM_DIGITAL", 0xF96, &ALARM_DIGITAL),
         plain(
             "FBD_COUNTER",
             0xF93,
@@ -302,6 +303,48 @@ fn own() -> Vec<Arc<Template>> {
         ),
     ]
 }
+
+/// The members of ALARM_DIGITAL that ladder and its alarms use, in the order of RM003.
+const ALARM_DIGITAL: [(&str, Elementary); 38] = [
+    ("EnableIn", Elementary::Bool),
+    ("In", Elementary::Bool),
+    ("InFault", Elementary::Bool),
+    ("Condition", Elementary::Bool),
+    ("AckRequired", Elementary::Bool),
+    ("Latched", Elementary::Bool),
+    ("ProgAck", Elementary::Bool),
+    ("OperAck", Elementary::Bool),
+    ("ProgReset", Elementary::Bool),
+    ("OperReset", Elementary::Bool),
+    ("ProgSuppress", Elementary::Bool),
+    ("OperSuppress", Elementary::Bool),
+    ("ProgUnsuppress", Elementary::Bool),
+    ("OperUnsuppress", Elementary::Bool),
+    ("ProgDisable", Elementary::Bool),
+    ("OperDisable", Elementary::Bool),
+    ("ProgEnable", Elementary::Bool),
+    ("OperEnable", Elementary::Bool),
+    ("AlarmCountReset", Elementary::Bool),
+    ("UseProgTime", Elementary::Bool),
+    ("ProgTime", Elementary::Lint),
+    ("Severity", Elementary::Dint),
+    ("MinDurationPRE", Elementary::Dint),
+    ("EnableOut", Elementary::Bool),
+    ("InAlarm", Elementary::Bool),
+    ("Acked", Elementary::Bool),
+    ("InAlarmUnack", Elementary::Bool),
+    ("Suppressed", Elementary::Bool),
+    ("Disabled", Elementary::Bool),
+    ("(Timing)", Elementary::Bool),
+    ("MinDurationACC", Elementary::Dint),
+    ("AlarmCount", Elementary::Dint),
+    ("InAlarmTime", Elementary::Lint),
+    ("AckTime", Elementary::Lint),
+    ("RetToNormalTime", Elementary::Lint),
+    ("AlarmCountResetTime", Elementary::Lint),
+    ("Status", Elementary::Dint),
+    ("(Last)", Elementary::Dint),
+];
 
 /// Most structures within one another.
 const MAX_NESTING: usize = 32;

@@ -72,7 +72,9 @@ impl Compiler<'_> {
                 is_edge: true,
             }));
         }
-        let Some(row) = table::row(name) else { return Ok(None) };
+        // In Structured Text ALMD has another list of operands.
+        let row = table::row(name).filter(|row| !(self.is_text && row.op == Op::Almd));
+        let Some(row) = row else { return Ok(None) };
         // Ladder may name the operand of an instruction without one: MCR() and NOP() have none.
         let operands = if row.operands.is_empty() && !row.takes_more() && operands == [""] {
             &[]

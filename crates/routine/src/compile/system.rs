@@ -40,8 +40,8 @@ impl Compiler<'_> {
                 "majorevents" => Some(Attribute::Events(1)),
                 _ => None,
             },
-            // A part of a project may use modules that it does not bring along.
-            "module" if !self.project.modules.is_empty() && !self.has_module(instance) => None,
+            // A part of a project may use modules that it does not bring along, and an add-on instruction gets them by reference.
+            "module" if matches!(self.owner, Owner::Program(_)) && !self.has_module(instance) => None,
             "module" => match attribute.as_str() {
                 // Running, and no fault.
                 "entrystatus" => Some(Attribute::Constant(Box::new(0x4000_i16.to_le_bytes()))),
@@ -78,8 +78,10 @@ impl Compiler<'_> {
             .map(|attribute| System { attribute, area }))
     }
 
+    /// Whether the project has a module of that name, or none at all.
     fn has_module(&self, name: &str) -> bool {
-        self.project.modules.iter().any(|one| one.eq_ignore_ascii_case(name))
+        let all = &self.project.modules;
+        all.is_empty() || all.iter().any(|one| one.eq_ignore_ascii_case(name))
     }
 
     fn task_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {

@@ -245,6 +245,7 @@ impl<'s> Scan<'s> {
                 };
                 self.message(area, reply, power).map(|()| power)
             }
+            (Op::Almd, [Argument::Area(alarm), operands @ ..]) => self.alarm(alarm, operands, power).map(|()| power),
             (Op::Motion, [Argument::Motion(call)]) => self.motion(call, power).map(|()| power),
             (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call, power),
             _ => Ok(power),

@@ -204,5 +204,6 @@ pub(crate) const ROWS: &[Row] = &[
     // System.
     row(&["GSV"], "Get System Value", Op::Gsv, &[("Class Name", Name), ("Instance Name", Name), ("Attribute Name", Name), ("Dest", Data)], Output, ["", "", "dest := attribute, as many bytes as it has"]),
     row(&["SSV"], "Set System Value", Op::Ssv, &[("Class Name", Name), ("Instance Name", Name), ("Attribute Name", Name), ("Source", Data)], Output, ["", "", "attribute := source"]),
+    row(&["ALMD"], "Digital Alarm", Op::Almd, &[("ALMD tag", Structure(&["ALARM_DIGITAL"])), ("ProgAck", Bit), ("ProgReset", Bit), ("ProgDisable", Bit), ("ProgEnable", Bit), ("MinDurationPRE", Shown), ("MinDurationACC", Shown)], Output, ["InAlarm MinDurationACC := 0, Acked := 1, requests of the operator := 0", "In := 0, then as a true rung", "In := 1; In = Condition for MinDurationPRE ms: InAlarm := 1, Acked := NOT AckRequired; otherwise InAlarm := 0, a latched one at an edge of ProgReset; edge of ProgAck: Acked := 1; not while Disabled"]),
     row(&["MSG"], "Message", Op::Msg, &[("Message Control", Structure(&["MESSAGE"]))], Edge, ["EN := 0", "EN := 0 when DN or ER", "edge: sends the message; DN or ER follow"]),
 ];

@@ -223,7 +223,11 @@ fn instructions_that_do_not_fit_are_named() {
 
 #[test]
 fn every_row_of_the_table_has_a_test() {
-    let tests = concat!(include_str!("instructions.rs"), include_str!("projects.rs"));
+    let tests = concat!(
+        include_str!("effects.rs"),
+        include_str!("instructions.rs"),
+        include_str!("projects.rs")
+    );
     for row in crate::table::ROWS {
         let has = |name: &&str| tests.contains(&format!("{name}(")) || tests.contains(&format!("{name} "));
         assert!(row.names.iter().any(has), "{} has no test", row.name());
