@@ -40,7 +40,7 @@ class FmuPlant:
     def __init__(
         self, file: str | os.PathLike[str], axes: Mapping[str, FmuAxis], start: Mapping[str, float] | None = None
     ) -> None:
-        import fmpy
+        import fmpy  # type: ignore[import-untyped, import-not-found, unused-ignore]
 
         description = fmpy.read_model_description(os.fspath(file))
         if description.coSimulation is None:

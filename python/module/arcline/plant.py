@@ -50,7 +50,8 @@ class SetPoints:
 class Feedback:
     """The feedback of the axes of a plant at a tick, of which the plant writes what it knows.
 
-    ``position`` holds the answer of the simulated drive of each axis: a plant that writes nothing changes nothing. ``velocity`` and ``acceleration``
+    ``position`` holds the answer of the simulated drive of each axis, and the set-point of an axis that the plant has moved otherwise before: a plant that
+    writes nothing changes nothing. ``velocity`` and ``acceleration``
     are NaN, which stands for the change since the last tick. ``fault`` is 0; any other number is a fault of the drive.
     """
 

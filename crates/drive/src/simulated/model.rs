@@ -13,7 +13,8 @@ use crate::{DriveState, Drives, ExchangeLost, Feedback, Following, SetPoint, Set
 
 /// A model of the mechanics behind the drives of a machine.
 pub trait MechanicalModel: std::fmt::Debug + Send {
-    /// One tick: `axes` holds the answers of the simulated drives, and gets those of the model. Axes that the model does not move are there as well.
+    /// One tick: `axes` holds the answers of the simulated drives, of an axis that is the model's already its set-point, and gets those of the model. Axes
+    /// that the model does not move are there as well.
     ///
     /// # Errors
     /// [`ModelFailed`]: all axes that the model moves have the fault `drive` from now on, and the model is not called any more.
@@ -267,7 +268,7 @@ mod tests {
             assert_eq!(off[1], plain[1], "{tick}");
         }
         let sent = |tick: usize| tick as f64 * PERIOD;
-        for (tick, off) in off.iter().enumerate().skip(41) {
+        for (tick, off) in off.iter().enumerate().skip(42) {
             assert_eq!(off[0].motion.position, sent(tick) + 0.25, "{tick}");
             assert!(
                 (off[0].motion.velocity - 1.0).abs() < 1e-9,
