@@ -46,7 +46,7 @@ fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
         of_empty,
     ];
     #[rustfmt::skip]
-    let cases: &[(&str, &[&str], &[(&str, &str)], i32)] = &[
+    let cases: &[Case<'_>] = &[
         ("options",                     &all,                                       &[of_empty], 0),
         ("variables",                   &[],                                        &all_variables, 0),
         ("the user's folder",           &["--tls"],                                 &[], 0),
@@ -78,3 +78,6 @@ fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
         assert!(!said.contains("PRIVATE KEY"), "{why}: {said}");
     }
 }
+
+/// Why, arguments, variables, exit code.
+type Case<'a> = (&'a str, &'a [&'a str], &'a [(&'a str, &'a str)], i32);
