@@ -77,7 +77,7 @@ impl Run {
         let errors = tracing.stderr.take().expect("it is piped");
         BufReader::new(errors).read_line(&mut waiting).expect("a line");
         assert_eq!(waiting, "waiting for the trigger\n");
-        arcline(server.address(), &["gcode", file.to_str().expect("UTF-8"), "CS1"]).expect(0);
+        let _ = arcline(server.address(), &["gcode", file.to_str().expect("UTF-8"), "CS1"]).expect(0);
         assert!(tracing.wait().expect("it ends").success());
         let rests = ["ContourRests[0].Starved", "ContourRests[0].Unplanned"];
         let rests = read_numbers(server.address(), &rests);
