@@ -15,6 +15,9 @@ const VARIABLES: [&str; 5] = [
     "XDG_CONFIG_HOME",
 ];
 
+/// The case, options, variables, and the exit code.
+type Case<'c> = (&'c str, &'c [&'c str], &'c [(&'c str, &'c str)], i32);
+
 #[test]
 fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
     let secured = Secured::start(arcline_config::DEFAULT, "plain = \"off\"\n", &[]);
@@ -46,7 +49,7 @@ fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
         of_empty,
     ];
     #[rustfmt::skip]
-    let cases: &[(&str, &[&str], &[(&str, &str)], i32)] = &[
+    let cases: &[Case<'_>] = &[
         ("options",                     &all,                                       &[of_empty], 0),
         ("variables",                   &[],                                        &all_variables, 0),
         ("the user's folder",           &["--tls"],                                 &[], 0),
