@@ -15,6 +15,9 @@ const VARIABLES: [&str; 5] = [
     "XDG_CONFIG_HOME",
 ];
 
+/// The case, options, variables, and the exit code.
+type Case<'c> = (&'c str, &'c [&'c str], &'c [(&'c str, &'c str)], i32);
+
 #[test]
 fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
     let secured = Secured::start(arcline_config::DEFAULT, "plain = \"off\"\n", &[]);
