@@ -81,6 +81,3 @@ fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
         assert!(!said.contains("PRIVATE KEY"), "{why}: {said}");
     }
 }
-
-/// Why, arguments, variables, exit code.
-type Case<'a> = (&'a str, &'a [&'a str], &'a [(&'a str, &'a str)], i32);
