@@ -68,6 +68,9 @@ fn one() {
     for line in outcome.record.lines() {
         println!("{line}");
     }
+    for (state, count) in outcome.record.reached() {
+        println!("{count:8}  {state}");
+    }
     println!("hash {:016x}", outcome.record.hash());
     assert_eq!(
         outcome.record.violations(),
