@@ -219,7 +219,6 @@ const SOMETIMES: &[&str] = &[
     "the owner of the outputs closes its connection",
     "the owner of the outputs falls silent",
     "the page reads a tag",
-    "the ring of commands is full",
     "the ring of events is full",
     "the ring of samples is full",
     "the table of tags is read",
