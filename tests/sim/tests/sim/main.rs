@@ -68,6 +68,9 @@ fn one() {
     for line in outcome.record.lines() {
         println!("{line}");
     }
+    for (state, count) in outcome.record.reached() {
+        println!("{count:8}  {state}");
+    }
     println!("hash {:016x}", outcome.record.hash());
     assert_eq!(
         outcome.record.violations(),
@@ -216,7 +219,6 @@ const SOMETIMES: &[&str] = &[
     "the owner of the outputs closes its connection",
     "the owner of the outputs falls silent",
     "the page reads a tag",
-    "the ring of commands is full",
     "the ring of events is full",
     "the ring of samples is full",
     "the table of tags is read",

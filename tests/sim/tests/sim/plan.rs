@@ -127,9 +127,9 @@ impl Scenario {
         };
         if self.has("small rings", 25) {
             conditions.room = Room {
-                commands: 2,
+                commands: 1,
                 stops: 2,
-                events: 2,
+                events: 1,
                 samples_ns: 200_000_000,
             };
         }
