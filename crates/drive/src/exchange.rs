@@ -23,8 +23,9 @@ pub trait Drives: fmt::Debug + Send {
     /// [`ExchangeLost`] when no feedback came: `feedback` then means nothing.
     fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost>;
 
-    /// A registration input that clients write to a tag, and that is not wired to a drive, has changed at the present tick, behind the
-    /// last exchange. The drive latches it as if it was wired to it: `feedback` is that of the axis, and gets the input and the latch.
+    /// An input that clients or a program's wires write, and that is not wired to a drive, has changed at the present tick, behind the
+    /// last exchange. The drive takes it as if it was wired to it: `feedback` is that of the axis, and gets the input and the latch of a
+    /// registration input; that of homing comes with the next exchange.
     ///
     /// Drives that have all their inputs at their own terminals ignore it.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
