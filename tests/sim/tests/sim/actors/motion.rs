@@ -300,7 +300,8 @@ async fn until_complete(stage: &mut Stage, client: &mut Client) -> Answer<()> {
                 return Ok(());
             }
         }
-        if controls.iter().all(|control| !control.has(Flag::Ip)) {
+        // The end of a line may be lost.
+        if stage.has_lost() || controls.iter().all(|control| !control.has(Flag::Ip)) {
             return Ok(());
         }
         stage.pause(20).await;
