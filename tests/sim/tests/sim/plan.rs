@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use arcline_controller::MAX_COMMANDS_PER_TICK;
 use arcline_server::stepped::{Conditions, Room};
 use arcline_state::recording::Rules;
 use arcline_tests::random::Random;
@@ -127,8 +128,9 @@ impl Scenario {
         };
         if self.has("small rings", 25) {
             conditions.room = Room {
-                commands: 1,
-                stops: 2,
+                // The plant keeps two ticks of commands free of calls.
+                commands: 2 * MAX_COMMANDS_PER_TICK + 1,
+                stops: 4,
                 events: 1,
                 samples_ns: 200_000_000,
             };

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::motion::LATE;
 use super::tags::TAGS;
 use super::{Order, Stage};
-use crate::client::{Answer, NoAnswer};
+use crate::client::{Answer, NoAnswer, PATIENCE_MS};
 use crate::history::Written;
 use crate::motion::Deadline;
 use crate::page::Page;
@@ -179,10 +179,14 @@ async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
     stage.in_time(sent);
     stage.sometimes("a program of the page");
     // Its end is shown, however it ends.
-    let shown = match page.end_of(&text).await {
-        // It waits for a change that was lost.
-        Err(NoAnswer::Late) if stage.has_lost() => return Ok(()),
-        shown => shown?,
+    let shown = loop {
+        match tokio::time::timeout(Duration::from_secs(1), page.end_of(&text)).await {
+            Ok(shown) => break shown?,
+            // It waits for a change that was lost.
+            Err(_) if stage.has_lost() => return Ok(()),
+            Err(_) if stage.now() - sent > PATIENCE_MS => return Err(NoAnswer::Late),
+            Err(_) => {}
+        }
     };
     stage.note(&format!("the program of {value}: {}", shown.state));
     if shown.text == text && shown.state == "ended" {
