@@ -61,11 +61,10 @@ fn controller(root: &Section<'_>) -> ControllerConfig {
 }
 
 fn wire(row: &Section<'_>) -> WireConfig {
-    let delay = row.integer("delay_ms").and_then(|number| u32::try_from(number).ok());
     WireConfig {
         from: row.text_or_default("from"),
         to: row.text_or_default("to"),
-        delay_ms: delay.unwrap_or_default(),
+        delay_ms: row.whole("delay_ms"),
     }
 }
 

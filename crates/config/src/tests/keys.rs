@@ -61,6 +61,7 @@ allow_missing = true
 messages = [
     { service = 1, class = 2, instance = 3, attribute = 4, answer = "01 2A", delay_ms = 5, err = 6, exerr = 7 },
 ]
+wire = [{ from = "Local:2:O.Data.3", to = "X.enable", delay_ms = 8 }]
 
 [motion_group]
 name = "G"
