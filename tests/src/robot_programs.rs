@@ -78,8 +78,7 @@ impl Scope {
         ticks: 400,
     };
 
-    /// The same with lines and arcs as planned contours, of every robot whose source has no orientation: MCPM errs with 99 there. No single
-    /// axes: a contour that is planned while a joint moves by itself does not yet begin where the joint has brought the source meanwhile.
+    /// The same with lines and arcs as planned contours, of every robot whose source has no orientation: MCPM errs with 99 there.
     pub const PRECISE: Scope = Scope {
         machines: &[
             DELTA,
@@ -92,7 +91,7 @@ impl Scope {
             SCARA_DELTA,
         ],
         cart: "corner = \"precise\"\n",
-        singles: false,
+        singles: true,
         ..Scope::INSIDE
     };
 }

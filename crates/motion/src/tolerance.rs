@@ -44,3 +44,5 @@ pub(crate) const JOINT_DISTANCE_SHARE: f64 = 1e-3;
 pub(crate) const JOINT_UNITS: f64 = 1e-9;
 /// Time between two looks at a stop, at least, seconds.
 pub(crate) const SHORTEST_LOOK_S: f64 = 2e-5;
+/// A coordinated move starts where its axis is if it is this near, position units.
+pub(crate) const START_UNITS: f64 = 1e-9;

@@ -356,3 +356,31 @@ fn a_merged_move_is_held_changed_stopped_and_merged_again() {
     three_sides(&mut bench);
     bench.until("M3", Flag::Pc);
 }
+
+/// A contour is planned some updates after the first of its moves was executed. What moves one of its axes meanwhile stays: the axis does not step, and both
+/// motions come to their ends.
+#[test]
+fn a_contour_begins_where_another_motion_has_brought_its_axis() {
+    for chords in [1, 20] {
+        let mut bench = precise();
+        bench.execute("MAM(X, A, 1, 200, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)");
+        bench.run(300);
+        let mut watch = Watch::new(&bench).without_jerk();
+        for chord in 1..=chords {
+            // One move alone is planned when no other one has come for a while.
+            let termination = if chord == 20 { "1" } else { "6, 0, 0, 0.1" };
+            let y = f64::from(chord);
+            assert_eq!(bench.call(&line("M", 12.0, y, termination)), OK);
+        }
+        while bench.control("A").has(Flag::Ip) {
+            watch.tick(&mut bench);
+        }
+        // From 12.5, where MAM had brought it, to 12, and as far as MAM still led.
+        let end = [12.0 + 200.0 - 12.5, f64::from(chords)];
+        let [x, y] = [bench.position("X"), bench.position("Y")];
+        assert!(
+            (x - end[0]).abs() < 1e-9 && (y - end[1]).abs() < 1e-9,
+            "{chords}: {x}, {y}"
+        );
+    }
+}

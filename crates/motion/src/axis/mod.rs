@@ -249,6 +249,15 @@ impl Axis {
         self.begin(GeneratorKind::System, Generator::followed(s_curve));
     }
 
+    /// The axis becomes part of a coordinated move whose path starts where the axis was when the move was executed: a contour is planned first, and
+    /// something else may have moved the axis meanwhile.
+    pub(crate) fn join_from(&mut self, s_curve: bool, start: f64) {
+        self.mark_start();
+        self.sum
+            .begin_from(GeneratorKind::System, Generator::followed(s_curve), start);
+        self.command = self.sum.command();
+    }
+
     /// A generator begins at the present command.
     pub(crate) fn begin(&mut self, kind: GeneratorKind, generator: Generator) {
         if kind == GeneratorKind::MasterOffset {

@@ -11,6 +11,7 @@ use arcline_profile::KinematicState;
 
 use super::generator::{Equation, Generator};
 use super::generator_kind::{Displacements, GENERATOR_KINDS, GeneratorKind, kinds};
+use crate::tolerance::START_UNITS;
 
 /// The generators of one axis.
 #[derive(Clone, Debug)]
@@ -102,6 +103,22 @@ impl Sum {
         generator.others = self.displacements();
         self.generators[kind as usize] = Some(generator);
         self.active |= kind.bit();
+    }
+
+    /// Begins a generator whose frame was taken before: it has stood at `start` since, while others may have moved the axis.
+    pub(crate) fn begin_from(&mut self, kind: GeneratorKind, generator: Generator, start: f64) {
+        self.begin(kind, generator);
+        let moved = self.command().position - start;
+        if moved.abs() <= START_UNITS {
+            return;
+        }
+        self.alone = false;
+        if let Some(generator) = self.get_mut(kind) {
+            generator.now.position = start;
+            generator.origin = start;
+            // All displacements of others are added up, so that it does not matter which of them has this one.
+            generator.others[(kind as usize + 1) % GENERATOR_KINDS] -= moved;
+        }
     }
 
     /// Ends a generator; the axis stays where it is. Returns it as it was.

@@ -129,8 +129,10 @@ impl System {
         } else {
             description.linear().len()
         };
-        for axis in &description.axes[..taken] {
-            let Some(axis) = axes.get_mut(*axis) else {
+        let start = self.travel.active().map(|active| active.path.start());
+        let linear = description.linear().len();
+        for (member, axis) in numbered(&description.axes[..taken]) {
+            let Some(axis) = axes.get_mut(axis) else {
                 continue;
             };
             match axis.sum.get_mut(GeneratorKind::System) {
@@ -138,7 +140,10 @@ impl System {
                     generator.s_curve = s_curve;
                     axis.mark_start();
                 }
-                _ => axis.join(s_curve),
+                _ => match start.filter(|_| usize::from(member.0) < linear) {
+                    Some(start) => axis.join_from(s_curve, component(&start, member)),
+                    None => axis.join(s_curve),
+                },
             }
         }
     }
