@@ -60,6 +60,11 @@ impl Watch {
         self.deadlines.push(deadline);
     }
 
+    /// Nothing beside the tick runs in this millisecond: what is heard late is judged as much later.
+    pub(crate) fn postpone(&mut self) {
+        self.deadlines.iter_mut().for_each(|deadline| deadline.at += 1);
+    }
+
     /// The axis is moved again on purpose.
     pub(crate) fn forget(&mut self, axis: usize) {
         self.deadlines.retain(|deadline| deadline.axis != axis);

@@ -476,6 +476,9 @@ impl World<'_> {
                 Order::NoLine(target) => self.watch.forget_line(target),
             }
         }
+        if self.now < self.stalled_until {
+            self.watch.postpone();
+        }
         // A late tick is caught up before it is judged.
         if self.now >= self.late_until.max(self.stalled_until) + 100 {
             self.watch.due(self.now, &self.common.record);
