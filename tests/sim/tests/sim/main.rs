@@ -288,4 +288,5 @@ const BYTES_OF_RUN: usize = 64 * 1024;
 
 /// Faults after which other clients may see a load. What a power loss leaves on the disk is drawn, and the draw depends on every call before
 /// it. A moving axis is kept where the last read before the kill saw it. Where no sockets are left, the client that was silent for longest is closed.
-const SENSITIVE: &[&str] = &["power loss", "kill", "kill during start", "no sockets"];
+/// Where the rings are small, a load fills them and others are refused.
+const SENSITIVE: &[&str] = &["power loss", "kill", "kill during start", "no sockets", "small rings"];
