@@ -147,7 +147,7 @@ pub enum DriveInput {
     Registration(usize),
     /// The home switch, beside that of the simulated machine: active is one of them.
     Home,
-    /// The drive holds the axis only while this input is active. A drive that nobody writes it to needs none.
+    /// The drive holds the axis only while this input is active. A drive whose input is never written does not need it.
     Enable,
 }
 

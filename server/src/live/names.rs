@@ -182,7 +182,7 @@ impl Places {
         self.tags.iter().find(|tag| tag.id == id).copied()
     }
 
-    /// What the machine is told when a wire gives the input of this number a value.
+    /// The command to the machine when a wire gives the input of this number a value.
     pub(crate) fn input(&self, number: u32, on: bool) -> Option<Input> {
         let (axis, input) = *self.inputs.get(number as usize)?;
         Some(match input {

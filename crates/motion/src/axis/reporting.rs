@@ -14,7 +14,7 @@ use crate::events::MoveEvents;
 use crate::masters::cam::Cam;
 
 impl Axis {
-    /// ACCEL and DECEL of what is under way, and PC of what has come to its end. Homing tells its end by itself.
+    /// ACCEL and DECEL of generators under way, and PC of those at their end. Homing reports its own end.
     pub(crate) fn report(&mut self, controls: &mut Controls, clock: &Clock) {
         let is_driven_home = self.is_driven_home();
         let mut last = None;

@@ -392,7 +392,7 @@ fn operands_are_read_at_the_edge_from_the_element_on() {
     }
     let mut bench = Bench::new(of);
     bench.scan("K=1, Go : M.IP");
-    // Written while the rung is true: no edge, so nobody reads it.
+    // Written while the rung is true: no edge, so the instruction does not read it.
     bench.scan("K=2 : M.IP");
     bench.scan("Go=0 :");
     bench.scan("Go :");

@@ -337,7 +337,7 @@ async fn every_request_for_every_role() {
             role.word()
         );
         assert_eq!(client.close_io(9).await.is_success(), is_of);
-        // Looking at the inputs is everybody's.
+        // Every role may read the inputs.
         let (reply, _) = client.open_io(&open(10, INPUT_ONLY), 50_000).await;
         assert!(reply.status.is_success(), "{} as {}", reply.status, role.word());
         assert!(client.close_io(10).await.is_success());

@@ -281,7 +281,7 @@ fn without_load(scenario: &Scenario) -> u64 {
 
 /// The most that a connection may hold, both ends and the network between them, bytes.
 const BYTES_OF_CONNECTION: usize = 128 * 1024;
-/// What is not held for so long, ms, is not counted.
+/// Memory that is held for a shorter time, ms, does not count.
 const HELD_MS: usize = 10;
 /// The difference between two runs that is not of a connection, bytes (spec/reliability.md §7).
 const BYTES_OF_RUN: usize = 64 * 1024;

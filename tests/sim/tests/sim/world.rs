@@ -525,7 +525,7 @@ impl World<'_> {
         if health.lost_answers != 0 {
             record.violated("D3", &format!("{} answers were lost", health.lost_answers));
         }
-        // What was reported is logged, or counted as lost; and each loss is told once.
+        // Each reported change is logged or counted as lost, and each loss is logged once.
         let changes = running.server.changes();
         if changes.logged + health.lost_events != changes.reported {
             let why = format!("{changes:?}, and {} are counted as lost", health.lost_events);

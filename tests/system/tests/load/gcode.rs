@@ -23,7 +23,7 @@ fn a_million_lines_take_no_more_memory_than_ten_thousand() {
     );
 }
 
-/// Planned contours too: what has been travelled is forgotten.
+/// A planned contour keeps no move that is complete.
 #[test]
 fn a_dense_toolpath_takes_no_more_memory_with_ten_times_the_moves() {
     let folder = tempfile::tempdir().expect("a folder");
