@@ -1,5 +1,5 @@
 // Stacked lanes of signals over time on a canvas. Time in seconds, values in the units of the lane.
-// A column of pixels shows the least and the greatest value of its ticks, so no peak is lost at any zoom.
+// A column, one pixel wide or a few where there are many lines, shows the least and the greatest value of its ticks, so no peak is lost at any zoom.
 
 import { clock, decimals, duration, fixed, niceStep, short } from "./format.js";
 
@@ -24,6 +24,8 @@ export const MARGIN = { left: 62, right: 12, top: 6, bottom: 22, gap: 8 };
 const TITLE = 17;
 /** Least height of a step between two numbers at the left. */
 const LABEL = 24;
+/** Columns that one picture has at most over all its lines; with more, each becomes wider. */
+const COLUMNS = 24_000;
 
 /** Where each lane is: `{top, height}` in pixels. @param {number} count @param {number} height */
 export function places(count, height) {
@@ -58,9 +60,12 @@ export function drawLanes(context, width, height, lanes, from, to, samples, colo
   context.fillRect(0, 0, width, height);
   const room = places(lanes.length, height);
   timeGrid(context, width, height, from, to, samples, colours);
+  const lines = lanes.reduce((sum, lane) => sum + lane.lines.length, 0);
+  const pixels = Math.max(1, width - MARGIN.left - MARGIN.right);
+  const ticks = (to - from) / Math.min(pixels, COLUMNS / Math.max(lines, 1));
   lanes.forEach((lane, k) => {
     const { top, height: tall } = room[k];
-    const columns = lane.lines.map((line) => (line.columns = extremaColumns(line.columns, line.series, from, to, width)));
+    const columns = lane.lines.map((line) => (line.columns = extremaColumns(line.columns, line.series, from, to, ticks)));
     lane.range = settle(lane.range, reach(columns), lane.least);
     drawLane(context, width, lane, columns, { top, tall, from, to, range: lane.range }, colours);
   });
@@ -72,11 +77,9 @@ export function drawLanes(context, width, height, lanes, from, to, samples, colo
  * @param {Series} series
  * @param {number} from
  * @param {number} to
- * @param {number} width
+ * @param {number} ticks of a column, at least
  */
-function extremaColumns(memory, series, from, to, width) {
-  const pixels = Math.max(1, width - MARGIN.left - MARGIN.right);
-  const ticks = (to - from) / pixels;
+function extremaColumns(memory, series, from, to, ticks) {
   // Columns begin at multiples of their length, so that a moving window does not make them shimmer.
   const bucket = ticks >= 256 ? 256 : ticks >= 8 ? 16 : 1;
   const step = Math.max(1, Math.ceil(ticks / bucket) * bucket);
