@@ -40,8 +40,6 @@ pub struct Scope {
     pub joint: f64,
     /// Errors of moves that programs may make.
     pub refused: &'static [i16],
-    /// Whether single axes may move too.
-    pub singles: bool,
     /// Whether the transform may end with an error.
     pub may_fail: bool,
     /// Ticks of a program before everything is stopped, at most.
@@ -73,13 +71,11 @@ impl Scope {
         turn: 24.0,
         joint: 6.0,
         refused: &[],
-        singles: true,
         may_fail: false,
         ticks: 400,
     };
 
-    /// The same with lines and arcs as planned contours, of every robot whose source has no orientation: MCPM errs with 99 there. No single
-    /// axes: with them the transform of one program in 400 fails with 67 (seed 143), beside a joint that moves by itself.
+    /// The same with lines and arcs as planned contours, of every robot whose source has no orientation: MCPM errs with 99 there.
     pub const PRECISE: Scope = Scope {
         machines: &[
             DELTA,
@@ -92,7 +88,6 @@ impl Scope {
             SCARA_DELTA,
         ],
         cart: "corner = \"precise\"\n",
-        singles: false,
         ..Scope::INSIDE
     };
 }
@@ -201,7 +196,7 @@ impl RobotProgram {
             period: period / 1000.0,
             base: [0.0; 6],
             tilts: random.below(2) == 0,
-            singles: random.below(2) == 0 && scope.singles,
+            singles: random.below(2) == 0,
             was_singular: false,
             corners: random.below(4) == 0,
             random,

@@ -154,9 +154,16 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The limits that the active move keeps by time, where they are known.
+    /// The limits that the active move keeps by time; `None` where a master drives it, or a stop of a contour has left all its moves
+    /// behind. A contour's are those that its active move was programmed with.
     pub fn limits_in_force(&self, base: &TimeBase) -> Option<Limits> {
-        self.planner.before().filter(|_| base.master.is_none())
+        if base.master.is_some() {
+            return None;
+        }
+        match self.contour_in_force() {
+            Some(contour) => contour.moves().next().map(|active| active.limits),
+            None => self.planner.before(),
+        }
     }
 
     /// A number that changes whenever the active move is another one, or comes to its end at another instant.

@@ -19,3 +19,9 @@ fn random_programs_on_planned_contours() {
 fn a_robot_follows_a_move_beyond_its_end() {
     run_one(&Scope::INSIDE, 2_080_015_515);
 }
+
+/// A merge onto a planned contour that speeds up hard: its residual led out of the reach.
+#[test]
+fn a_merge_onto_a_contour_stays_inside_the_reach() {
+    run_one(&Scope::PRECISE, 143);
+}

@@ -3,6 +3,7 @@
 use arcline_tests::bench::Bench;
 
 use super::bounds::PERIOD;
+use super::on_contours;
 
 /// Calls, each followed by the ticks until the next one.
 struct Found {
@@ -116,4 +117,32 @@ fn a_blend_waits_for_what_ramps_out_beside_the_move() {
         }
     }
     assert!(fastest > 101.2 && fastest < 101.298 * (1.0 + 1e-9), "{fastest}");
+}
+
+/// An S-curve with long jerks is merged onto a planned contour that speeds up hard. The merge did not know the dynamics of the contour, so
+/// its acceleration was taken away slowly and led 46 mm past the end point. A stop with the old dynamics needs 1 mm.
+#[test]
+fn a_merge_onto_a_contour_leads_no_further_than_its_stop() {
+    let mut bench = on_contours();
+    let first = "MCLM(XY, M1, 1, [0, -22], 209.938, 0, 1985.69, 0, 785.215, 0, 0, 100, 100, 2, 1, 0, 0, 5)";
+    let merged = "MCLM(XY, M2, 1, [-12, -10], 259.273, 0, 746.074, 0, 902.296, 0, 1, 93.244, 93.244, 2, 1, 1, 0, 5)";
+    assert_eq!(bench.call(first).0, 0);
+    for _ in 0..20 {
+        bench.tick();
+    }
+    let [_, speed, acceleration] = bench.axis("Y").command;
+    assert!(
+        speed < -30.0 && acceleration < -1900.0,
+        "{speed} units/s, {acceleration} units/s²"
+    );
+    let way = speed * speed / (2.0 * 785.215);
+    let end = [bench.position("X") - 12.0, bench.position("Y") - 10.0];
+    assert_eq!(bench.call(merged).0, 0);
+    let mut furthest = 0.0_f64;
+    for _ in 0..2000 {
+        bench.tick();
+        furthest = furthest.min(bench.position("Y") - end[1]);
+    }
+    assert!(furthest > -(way + 0.1), "{furthest} units, a stop takes {way}");
+    assert_eq!(["X", "Y"].map(|axis| bench.position(axis)), end);
 }

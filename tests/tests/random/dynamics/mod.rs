@@ -29,6 +29,8 @@ enum Kind {
     Superposed,
     /// Instructions of one axis alone, each in place of the one before it.
     OneAxis,
+    /// Coordinated moves on planned contours.
+    Contours,
 }
 
 struct Program {
@@ -53,6 +55,12 @@ struct Program {
     beside: Option<Beside>,
 }
 
+/// The default machine with planned contours.
+fn on_contours() -> Bench {
+    let precise = "corner = \"precise\"\nname = \"XY\"";
+    Bench::with(&arcline_config::DEFAULT.replacen("name = \"XY\"", precise, 1))
+}
+
 impl Program {
     fn new(seed: u64) -> Self {
         let kind = match seed % 8 {
@@ -61,8 +69,16 @@ impl Program {
             7 => Kind::OneAxis,
             _ => Kind::Moves,
         };
+        Self::of(kind, Bench::new(), seed)
+    }
+
+    fn on_contours(seed: u64) -> Self {
+        Self::of(Kind::Contours, on_contours(), seed)
+    }
+
+    fn of(kind: Kind, bench: Bench, seed: u64) -> Self {
         let mut program = Program {
-            bench: Bench::new(),
+            bench,
             random: Random(seed),
             text: String::new(),
             kind,
@@ -107,6 +123,13 @@ impl Program {
             deceleration: down,
             jerk: (profile == 1).then_some(jerk),
         }
+    }
+
+    /// What a distance may come to where a way is the bound. A planned contour brakes with all of the programmed rates but for the share that
+    /// the grid of its pace leaves.
+    fn at_most(&self, way: f64, from: KinematicState) -> f64 {
+        let share = if self.kind == Kind::Contours { 1.05 } else { 1.0 };
+        at_most(share * way, from)
     }
 
     fn harder(&mut self, kind: usize, rate: f64) {
@@ -184,7 +207,7 @@ impl Program {
         if merge != 0 && from.velocity > 0.0 {
             self.coasting = None;
             let most = match before {
-                Some(before) if !arc => at_most(before.way(from), from),
+                Some(before) if !arc => self.at_most(before.way(from), from),
                 // An arc bulges, and what ramps out behind another merge adds up.
                 _ => f64::INFINITY,
             };
@@ -256,7 +279,7 @@ impl Program {
                     why: format!("{whole} of {before:?} at {from:?}"),
                     paused: active.map(|(tag, _)| tag.clone()),
                     gone: 0.0,
-                    most: at_most(before.way(from), from),
+                    most: self.at_most(before.way(from), from),
                 });
             }
         }
@@ -374,7 +397,7 @@ impl Program {
                 why: format!("{call} of {before:?} at {from:?}"),
                 paused: None,
                 gone: 0.0,
-                most: at_most(before.way(from).max(own), from),
+                most: self.at_most(before.way(from).max(own), from),
             });
     }
 
@@ -384,7 +407,7 @@ impl Program {
             why: format!("{call} of {before:?} at {from:?}"),
             paused: None,
             gone: 0.0,
-            most: at_most(before.way(from).max(own), from),
+            most: self.at_most(before.way(from).max(own), from),
         });
     }
 
@@ -563,9 +586,19 @@ const OVERLAP: f64 = 2.5;
 
 #[test]
 fn no_program_runs_away() {
+    run(Program::new, 2000);
+}
+
+#[test]
+fn no_program_on_planned_contours_runs_away() {
+    // Each plans about ten contours.
+    run(Program::on_contours, 300);
+}
+
+fn run(start: impl Fn(u64) -> Program, long: u64) {
     let mut failed = Vec::new();
-    for seed in seeds(2000) {
-        let mut one = Program::new(seed);
+    for seed in seeds(long) {
+        let mut one = start(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| program(&mut one)));
         if result.is_err() {
             println!("seed {seed}:\n{}", one.text);
