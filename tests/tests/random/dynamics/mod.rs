@@ -592,7 +592,7 @@ fn no_program_runs_away() {
 #[test]
 fn no_program_on_planned_contours_runs_away() {
     // Each plans about ten contours.
-    run(Program::on_contours, 300);
+    run(Program::on_contours, 200);
 }
 
 fn run(start: impl Fn(u64) -> Program, long: u64) {
