@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on where
-/// `ARCLINE_LONG` is set, as in `.ci/run campaigns`; a tenth of them in a plain `cargo test`.
+/// `ARCLINE_LONG` is set, as in `.ci/run campaigns`; one of 25 of them in a plain `cargo test`.
 ///
 /// # Panics
 /// When a variable is no number.
@@ -49,7 +49,7 @@ pub fn seeds(long: u64) -> std::ops::Range<u64> {
     let usual = if std::env::var_os("ARCLINE_LONG").is_some() {
         long
     } else {
-        long.div_ceil(10)
+        long.div_ceil(25)
     };
     let first = number("ARCLINE_SEED").unwrap_or(0);
     first..first + number("ARCLINE_CASES").unwrap_or(usual)

@@ -1,7 +1,7 @@
 //! Random programs near the ends of robots' reach and their singularities: whatever leads the source, and however weakly it is
 //! stopped, the joints stay together with it, within their speeds and their travel, and nothing steps.
 //!
-//! `ARCLINE_CASES` sets how many programs are run (160 unless set), `ARCLINE_SEED` the first (0). A program that fails is printed as
+//! `ARCLINE_CASES` sets how many programs are run, `ARCLINE_SEED` the first ([`seeds`]). A program that fails is printed as
 //! Structured Text with the machine's configuration.
 
 use arcline_config::load;
@@ -9,7 +9,7 @@ use arcline_controller::machine::Build;
 use arcline_instruction_set::Flag;
 use arcline_kinematics::{OrientedRobot, Robot};
 use arcline_tests::bench::Bench;
-use arcline_tests::random::Random;
+use arcline_tests::random::{Random, seeds};
 use arcline_tests::robots::{
     ARTICULATED, ARTICULATED_DEPENDENT, DELTA, DELTA_2, DELTA_J1J2J3J4J5, DELTA_J1J2J3J6, DELTA_J1J2J6, PLANAR,
     PLANAR_INDEPENDENT, RobotMachine, SCARA, SCARA_DELTA, SCARA_J1J2J3J6, SIX_AXES,
@@ -420,13 +420,9 @@ fn wander(wanderer: &mut Wanderer) {
 
 #[test]
 fn joints_stay_within_what_they_can_do_whatever_leads_them() {
-    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
-    let (cases, first) = (
-        number("ARCLINE_CASES").unwrap_or(160),
-        number("ARCLINE_SEED").unwrap_or(0),
-    );
+    let cases = seeds(400);
     let mut failed = Vec::new();
-    for seed in first..first + cases {
+    for seed in cases.clone() {
         let mut one = Wanderer::new(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| wander(&mut one)));
         if let Err(cause) = result {
@@ -440,5 +436,10 @@ fn joints_stay_within_what_they_can_do_whatever_leads_them() {
             ));
         }
     }
-    assert!(failed.is_empty(), "{} of {cases}:\n{}", failed.len(), failed.join("\n"));
+    assert!(
+        failed.is_empty(),
+        "{} of {cases:?}:\n{}",
+        failed.len(),
+        failed.join("\n")
+    );
 }
