@@ -234,6 +234,7 @@ fn kept(arrivals: &[Arrival], bare: &Bare, time: Duration, rpi: u32) -> Result<(
 
 #[test]
 fn two_milliseconds_without_loss_and_nothing_malformed() {
+    let _machine = crate::alone();
     let server = server();
     let capture = Capture::with_io(server.address());
     let mut session = Session::connect(server.address());
@@ -292,6 +293,7 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
 
 #[test]
 fn one_millisecond_is_kept_on_an_absolute_schedule() {
+    let _machine = crate::alone();
     let server = server();
     let mut session = Session::connect(server.address());
     let time = Duration::from_secs(seconds());
@@ -300,6 +302,7 @@ fn one_millisecond_is_kept_on_an_absolute_schedule() {
 
 #[test]
 fn longer_intervals_are_kept_too() {
+    let _machine = crate::alone();
     let server = server();
     let mut session = Session::connect(server.address());
     // Long beside what a stalled machine may sleep through; where one of 100 is judged, there must be many.
@@ -311,6 +314,7 @@ fn longer_intervals_are_kept_too() {
 
 #[test]
 fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
+    let _machine = crate::alone();
     let server = server();
     let mut session = Session::connect(server.address());
     let mut witness = opened(&mut session, input_only(1, 1000));
@@ -351,6 +355,7 @@ fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
 
 #[test]
 fn the_default_port_is_free_beside_another_tcp_port() {
+    let _machine = crate::alone();
     let server = Server::start();
     let mut session = Session::connect(server.address());
     let mut connection = opened(&mut session, input_only(1, 5000));

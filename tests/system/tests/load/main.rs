@@ -6,3 +6,11 @@ mod crowd;
 mod flood;
 mod gcode;
 mod io_scanner;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The machine, for one test at a time.
+fn alone() -> MutexGuard<'static, ()> {
+    static MACHINE: Mutex<()> = Mutex::new(());
+    MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
+}
