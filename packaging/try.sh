@@ -29,6 +29,8 @@ wrong() {
 # answers COMMAND...: starts a server by these words on free ports, asks it who it is by its own `health`, and ends it.
 answers() {
     local line= address
+    # The file is there before the first look at it.
+    : >"$work/ready"
     "$@" run --listen 127.0.0.1:0 --hmi off --state off >"$work/ready" 2>"$work/log" &
     server=$!
     for _ in $(seq 200); do
