@@ -46,7 +46,7 @@ fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result
 /// The execution target that an operand names.
 ///
 /// # Errors
-/// `IllegalExecutionTarget` (35) where the axis has none of that number.
+/// `IllegalExecutionTarget` (35) if the axis has no target of that number.
 pub(super) fn target(motion: &Motion, axis: AxisId, number: i32) -> Result<usize, MotionError> {
     let targets = motion.axes[axis].outputs.len();
     let target = usize::try_from(number).ok();

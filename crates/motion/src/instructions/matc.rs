@@ -19,8 +19,8 @@ use crate::motion::Motion;
 /// The master of the cam; `None`: time.
 ///
 /// # Errors
-/// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
-/// link (93); a position that the master never shows (13).
+/// A lock direction of the other mode, or of a position for a pending cam, which begins at the end of the active one (95); no link (93);
+/// a position that the master never shows (13).
 fn led(
     motion: &Motion,
     axis: AxisId,
@@ -81,7 +81,7 @@ pub(super) fn execute(
         profile,
         source,
         slave_scale: sign(*direction, before) * *distance_scaling,
-        // The slave goes on in its direction, whichever way the master is followed.
+        // The slave continues in its direction, whichever direction of the master it follows.
         master_scale: sense.map_or(1.0, Sense::sign) * *time_scaling,
         mode: *execution_mode,
         sense,
