@@ -254,9 +254,9 @@ impl Cam {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ended {
     Nothing,
-    /// The cam: nothing was pending.
+    /// The cam; none was pending.
     Cam,
-    /// The cam; the pending one of this instruction goes on.
+    /// The cam; the pending one of this instruction continues.
     HandedOver(Execution),
 }
 
