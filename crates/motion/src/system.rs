@@ -335,7 +335,7 @@ impl System {
         )
     }
 
-    /// Whether a coordinated move of this system is active, pending, or being stopped on its path.
+    /// A coordinated move of this system is active, pending, or braking on its path.
     pub(crate) fn is_busy(&self) -> bool {
         self.activity != Activity::Idle
     }

@@ -365,7 +365,7 @@ const LOOK_ERROR_SHARE: f64 = 0.02;
 pub(super) const AT_ONCE_DEG: f64 = 10.0;
 /// Samples of a stop, evenly spaced in time.
 const LOOKS: u8 = 4;
-/// Looks between these, at most.
+/// Most additional samples between these.
 const CLOSER: u8 = 32;
 /// Nested intervals.
 const DEPTH: usize = 14;
