@@ -1,4 +1,4 @@
-//! Values that are given to tags by name, before a run or at the present tick.
+//! Values for tags by name, before a run or at the present tick.
 
 use arcline_controller::image::{ReadError, WriteError};
 use arcline_tag::{Fraction, Misfit, PathSegment, TagPath, WriteValue};
@@ -7,13 +7,13 @@ use crate::calls::Origin;
 use crate::end::Refused;
 use crate::simulation::Simulation;
 
-/// Why a value was not written.
+/// The reason why a value was not written.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum NotWritten {
-    /// The name is no path of a tag.
+    /// The name is not a path of a tag.
     #[error("{0:?} is no path of a tag: {1}")]
     Path(String, String),
-    /// There is no such tag, or it has no such member.
+    /// The tag or its member does not exist.
     #[error("{0}")]
     Read(ReadError),
     /// The tag cannot hold the value, or is read-only.
@@ -22,10 +22,11 @@ pub enum NotWritten {
 }
 
 impl Simulation {
-    /// Writes a value to the tag of a path, of an array its first elements; a write of `EnableIn` executes its instruction at the present tick.
+    /// Writes a value to the tag of a path; for an array, to its first elements. A write to `EnableIn` executes its instruction at
+    /// the present tick.
     ///
     /// # Errors
-    /// There is no such tag, or it cannot hold that value.
+    /// The tag does not exist, or cannot hold the value.
     pub fn write_tag(&mut self, text: &str, value: &WriteValue) -> Result<(), NotWritten> {
         let path: TagPath = text
             .parse()
@@ -78,7 +79,7 @@ impl Simulation {
         }
     }
 
-    /// Brings the motion control tag of a path up to the present moment.
+    /// Updates the motion control tag of a path to the present moment.
     pub fn show_control_of(&mut self, path: &TagPath) {
         let slot = path
             .tag()
