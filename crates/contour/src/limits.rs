@@ -58,7 +58,7 @@ pub(crate) enum Smoothness {
 }
 
 impl Smoothness {
-    /// Of a section: an S-curve if any of its moves is one.
+    /// The smoothness of a section: an S-curve if any of its moves is one.
     pub(crate) fn of(moves: &[ContourMove]) -> Smoothness {
         if moves.iter().any(|m| m.jerk.is_some()) {
             Smoothness::SCurve

@@ -121,21 +121,21 @@ impl<'a> Section<'a> {
     }
 
     /// Makes a warm start faster that is within all limits, or nearly; `None` if it does not come within them.
-    pub(crate) fn hasten(&self, guess: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+    pub(crate) fn hasten(&self, warm_start: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let mut margin = ToleranceMargin::new();
         let stages = stages(self.smoothness, Quality::TimingOnly);
         let stage = stages.last()?;
         let mut best = self
-            .within(guess.clone(), &mut margin)
+            .within(warm_start.clone(), &mut margin)
             .or_else(|| {
-                let mut smoothed = guess.clone();
+                let mut smoothed = warm_start.clone();
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
                 project(&self.reference, &mut smoothed);
                 self.within(smoothed, &mut margin)
             })
             .or_else(|| {
                 // A warm start that is nearly within the limits comes inside by its timing.
-                let mut closed_in = guess;
+                let mut closed_in = warm_start;
                 let mut margin = ToleranceMargin::new();
                 self.run_stage(&mut closed_in, stage, &margin, work);
                 self.within(closed_in, &mut margin)

@@ -14,7 +14,7 @@ macro_rules! constants {
     };
 }
 
-/// All of them.
+/// All tuned constants.
 pub(crate) struct Tuning {
     pub(crate) corridor: Corridor,
     pub(crate) margin: Margin,

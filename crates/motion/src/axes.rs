@@ -58,7 +58,7 @@ impl Axes {
         Some(axis)
     }
 
-    /// Every axis, to be changed: wakes all.
+    /// Every axis, mutable. Wakes all of them.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
         for axis in &mut self.axes {
             axis.dormant = false;
@@ -104,7 +104,7 @@ impl Axes {
     }
 
     /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
-    pub(crate) fn lead(
+    pub(crate) fn begin_follower(
         &mut self,
         axis: AxisId,
         driven_by: DrivenBy,

@@ -96,9 +96,13 @@ impl Motion {
         let installed = system.travel.install(generation, planned, &base);
         match installed {
             Ok(Installed::Started) => {
-                if let Err(error) =
-                    self.systems[id].lead(driven_by, self.clock.now(), &self.axes, &mut self.controls, &self.clock)
-                {
+                if let Err(error) = self.systems[id].activate_link(
+                    driven_by,
+                    self.clock.now(),
+                    &self.axes,
+                    &mut self.controls,
+                    &self.clock,
+                ) {
                     self.systems.refuse(id, error, &mut self.controls);
                     return;
                 }

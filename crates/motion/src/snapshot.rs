@@ -52,9 +52,9 @@ pub struct AxisSnapshot {
     pub outputs: u32,
     /// WatchPosition.
     pub watched: f64,
-    /// Of each registration input: the position of the last event, of the last positive edge, of the last negative one.
+    /// Positions of each registration input: at the last event, the last positive edge, and the last negative edge.
     pub registered: [[f64; 3]; 2],
-    /// The same of times, µs since the first tick.
+    /// The times of the same events, µs since the first tick.
     pub registered_at: [[i32; 3]; 2],
 }
 

@@ -89,7 +89,7 @@ impl<T: Copy> Planner<T> {
         let trajectory = MoveTrajectory {
             path: next.path,
             rotation: next.rotation,
-            lead: (from.position < 0.0).then_some(last.motion.path),
+            run_up: (from.position < 0.0).then_some(last.motion.path),
             approach: None,
             profile: Profile::rest(0.0),
             start: at,
@@ -129,7 +129,7 @@ impl<T: Copy> Planner<T> {
         }
         trajectory.replan(trajectory.profile, at);
         let running = Running {
-            blended: trajectory.lead.is_some(),
+            blended: trajectory.run_up.is_some(),
             removal,
             ..Running::new(next, trajectory)
         };
@@ -144,7 +144,7 @@ impl<T: Copy> Planner<T> {
             speed: next.limits.speed,
             ..if kept { last.in_force } else { next.limits }
         };
-        let blended = trajectory.lead.is_some();
+        let blended = trajectory.run_up.is_some();
         self.active = Some(Running {
             begun: at,
             exit: last.exit,
@@ -166,7 +166,7 @@ impl MoveTrajectory {
         MoveTrajectory {
             path: next.path,
             rotation: next.rotation,
-            lead: matches!(between, Junction::Overtake { .. }).then_some(self.path),
+            run_up: matches!(between, Junction::Overtake { .. }).then_some(self.path),
             approach: None,
             offset: self.offset + self.path.length(),
             ..*self

@@ -14,7 +14,7 @@ pub(crate) struct MoveTrajectory {
     /// The rotation of the orientation along `path`.
     pub(crate) rotation: Option<Rotation>,
     /// The distance before the start of `path`, on a collinear predecessor.
-    pub(crate) lead: Option<Path>,
+    pub(crate) run_up: Option<Path>,
     /// The predecessor's remaining motion to the start of `path`, if the move became active before its end.
     pub(crate) approach: Option<Approach>,
     pub(crate) profile: Profile,
@@ -87,8 +87,8 @@ impl MoveTrajectory {
         }
         let along = self.along(elapsed);
         let phase = self.profile.phase(elapsed);
-        let mut sample = match &self.lead {
-            Some(lead) if along.position < 0.0 => at(lead, lead.length() + along.position, along, phase),
+        let mut sample = match &self.run_up {
+            Some(run_up) if along.position < 0.0 => at(run_up, run_up.length() + along.position, along, phase),
             _ => at(&self.path, along.position, along, phase),
         };
         if let Some(residual) = &self.residual {
@@ -109,14 +109,14 @@ impl MoveTrajectory {
     /// As [`MoveTrajectory::sample`], but behind the end of its path on the paths of a trail: at most as many as a profile crosses.
     pub(crate) fn sample_along<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
         let mut sample = self.sample(clock);
-        let (mut length, mut place) = (self.path.length(), sample.along.position);
+        let (mut length, mut distance) = (self.path.length(), sample.along.position);
         for path in trail {
-            if place <= length || self.is_approaching(clock) {
+            if distance <= length || self.is_approaching(clock) {
                 break;
             }
-            place -= length;
+            distance -= length;
             length = path.length();
-            let on = at(path, place, sample.along, sample.phase);
+            let on = at(path, distance, sample.along, sample.phase);
             sample = Sample {
                 along: sample.along,
                 rotation_state: sample.rotation_state,
@@ -199,7 +199,7 @@ impl MoveTrajectory {
         if let Some(approach) = self.approach.take()
             && profile.start().position < 0.0
         {
-            self.lead = Some(approach.path);
+            self.run_up = Some(approach.path);
         }
         self.offset = 0.0;
         self.profile = profile;

@@ -313,7 +313,7 @@ impl<T: Copy> Planner<T> {
         let trajectory = MoveTrajectory {
             path: motion.path,
             rotation: motion.rotation,
-            lead: None,
+            run_up: None,
             approach: None,
             profile: Profile::rest(0.0),
             start: at,

@@ -64,7 +64,7 @@ pub struct Running<T> {
     /// The move itself.
     pub motion: Move<T>,
     pub(crate) trajectory: MoveTrajectory,
-    /// When it became active.
+    /// The instant at which it became active.
     pub(crate) begun: Instant,
     /// Speed at the end of the profile.
     pub(crate) exit: f64,

@@ -77,7 +77,7 @@ enum Wake {
     Change,
     /// Room for the move.
     Room(Box<Call>),
-    /// That tick.
+    /// The tick has come.
     At(u64),
 }
 

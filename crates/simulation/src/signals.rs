@@ -86,9 +86,9 @@ pub fn sample(simulation: &mut Simulation, signals: &[Signal], row: &mut [f64]) 
         }
     }
     Columns::new(signals).read(simulation.controller(), row);
-    for (signal, place) in signals.iter().zip(row) {
+    for (signal, value) in signals.iter().zip(row) {
         if let Signal::Tag(path) = signal {
-            *place = simulation.image().read(path).map_or(f64::NAN, |value| value.as_f64());
+            *value = simulation.image().read(path).map_or(f64::NAN, |number| number.as_f64());
         }
     }
 }
@@ -100,8 +100,8 @@ pub struct Columns(Vec<(usize, usize, usize)>);
 impl Columns {
     /// The columns of these signals.
     pub fn new(signals: &[Signal]) -> Self {
-        let of_axis = |(place, signal): (usize, &Signal)| match signal {
-            Signal::Axis { axis, column } => Some((*axis, *column, place)),
+        let of_axis = |(row_index, signal): (usize, &Signal)| match signal {
+            Signal::Axis { axis, column } => Some((*axis, *column, row_index)),
             Signal::Tag(_) => None,
         };
         let mut columns: Vec<_> = signals.iter().enumerate().filter_map(of_axis).collect();
@@ -113,8 +113,8 @@ impl Columns {
     pub fn read(&self, controller: &Controller, row: &mut [f64]) {
         let mut columns = self.0.iter().peekable();
         for (index, values) in controller.trace().enumerate() {
-            while let Some((_, column, place)) = columns.next_if(|(axis, ..)| *axis == index) {
-                row[*place] = values[*column];
+            while let Some((_, column, row_index)) = columns.next_if(|(axis, ..)| *axis == index) {
+                row[*row_index] = values[*column];
             }
             if columns.peek().is_none() {
                 return;

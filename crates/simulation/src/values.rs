@@ -45,8 +45,8 @@ impl Simulation {
         }
         let mut misfit = None;
         let written = self.write(Origin::default(), |image| {
-            let (id, place) = image.locate(path)?;
-            if let Some(bit) = place.bit {
+            let (id, location) = image.locate(path)?;
+            if let Some(bit) = location.bit {
                 let on = match value {
                     WriteValue::Bool(on) => *on,
                     WriteValue::Integer(number @ 0..=1) => *number == 1,
@@ -55,19 +55,19 @@ impl Simulation {
                         return Ok(None);
                     }
                 };
-                return image.write_bit(id, place.offset, bit, on);
+                return image.write_bit(id, location.offset, bit, on);
             }
-            let mut bytes = vec![0; place.data_type.size()];
-            if let Err(error) = value.encode(&place.data_type, Fraction::Refuse, &mut bytes) {
+            let mut bytes = vec![0; location.data_type.size()];
+            if let Err(error) = value.encode(&location.data_type, Fraction::Refuse, &mut bytes) {
                 let why = match error {
                     Misfit::OutOfRange => "cannot hold that value",
                     Misfit::Fraction => "holds whole numbers only",
                     Misfit::Kind => "holds values of another kind",
                 };
-                misfit = Some(format!("{text} is a {} and {why}", place.data_type.name()));
+                misfit = Some(format!("{text} is a {} and {why}", location.data_type.name()));
                 return Ok(None);
             }
-            image.write(id, place.offset, &bytes)
+            image.write(id, location.offset, &bytes)
         });
         if let Some(misfit) = misfit {
             return Err(NotWritten::Value(misfit));

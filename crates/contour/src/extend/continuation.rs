@@ -83,9 +83,9 @@ impl Continuation<'_> {
             .find_map(|(_, leave, shares)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
-                    let guess = gentle(&SpeedCurve::new(&section), followed, shares)?;
-                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
-                    section.hasten(guess, &mut work)
+                    let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
+                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
+                    section.hasten(control, &mut work)
                 })
             })
     }
@@ -105,9 +105,9 @@ impl Continuation<'_> {
             .find_map(|(_, leave)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                    let guess = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
-                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
-                    section.hasten(guess, &mut work)
+                    let control = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
+                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
+                    section.hasten(control, &mut work)
                 })
             })
     }

@@ -65,7 +65,7 @@ impl Stencil {
         }
     }
 
-    /// In the middle interval.
+    /// The velocity in the middle interval.
     #[inline]
     fn velocity(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, fade, .. } = self;
@@ -102,7 +102,7 @@ impl Stencil {
         (value, rate, [fade[k - 1] * -rate, both, both, fade[k] * rate])
     }
 
-    /// At the node before the middle interval.
+    /// The acceleration at the node before the middle interval.
     #[inline]
     fn acceleration(&self, limits: &Limits, tangent: Point, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;
@@ -125,7 +125,7 @@ impl Stencil {
         }
     }
 
-    /// In the middle interval.
+    /// The jerk in the middle interval.
     #[inline]
     fn jerk(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;

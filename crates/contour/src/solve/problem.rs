@@ -46,11 +46,11 @@ pub(crate) struct Limits {
     pub(crate) speed: Point,
     pub(crate) acceleration: Point,
     pub(crate) jerk: Point,
-    /// Those of the vector.
+    /// Reciprocal limits of the vector.
     pub(crate) vector_speed: f64,
     pub(crate) vector_acceleration: f64,
     pub(crate) vector_jerk: f64,
-    /// Those along the path.
+    /// Reciprocal limits along the path.
     pub(crate) speeding_up: f64,
     pub(crate) slowing_down: f64,
 }

@@ -34,8 +34,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Lengthens the spans behind the given beginning, gradually: for the timing of an S-curve those near nodes outside the limits, otherwise
-    /// all of them; for timing and shape only if most of the nodes are far from their limits.
+    /// Lengthens the spans behind the given beginning, gradually. For the timing of an S-curve, it lengthens those near nodes outside the limits.
+    /// Otherwise it lengthens all of them: for timing alone if any node is outside the limits, for timing and shape if at least half of the nodes
+    /// exceed them by far.
     fn slow_down(&mut self) {
         let mut factors = vec![0.0; self.points.len()];
         self.for_each_quotient(&self.points, &self.spans, |i, [speed, acceleration, jerk]| {

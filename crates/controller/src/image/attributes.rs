@@ -31,9 +31,9 @@ pub struct Progress {
 /// The values of the newest snapshot that only attributes show.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
-    /// Of every coordinate system, in configuration order.
+    /// The active moves of all coordinate systems, in configuration order.
     progress: Vec<Progress>,
-    /// Of every axis, in configuration order.
+    /// The faults of all axes, in configuration order.
     faults: Vec<FaultSet>,
 }
 

@@ -7,8 +7,8 @@ impl Image {
     /// the two. Shared parts of the copies are not compared.
     pub fn for_each_change(&self, before: &Image, mut note: impl FnMut(TagId)) {
         if self.tags.is_same(&before.tags) {
-            self.bytes.for_each_difference(&before.bytes, |place| {
-                if let Some(tag) = self.tags.get(place) {
+            self.bytes.for_each_difference(&before.bytes, |row| {
+                if let Some(tag) = self.tags.get(row) {
                     note(tag.id);
                 }
             });

@@ -86,7 +86,7 @@ impl Health {
     pub(super) fn encode(&self, bytes: &mut [u8]) {
         let mut put = |offset: usize, value: Value| {
             // A member is inside its template.
-            let _ = bytes.get_mut(offset..).and_then(|place| value.write(place));
+            let _ = bytes.get_mut(offset..).and_then(|member| value.write(member));
         };
         put(at::TICKS, Value::Lint(self.ticks as i64));
         put(at::OVERRUNS, count(self.overruns));
@@ -119,7 +119,7 @@ pub(super) fn encode_period(machine: &Machine, bytes: &mut [u8]) {
     // A member is inside its template.
     let _ = bytes
         .get_mut(at::UPDATE_PERIOD..)
-        .and_then(|place| milliseconds.write(place));
+        .and_then(|member| milliseconds.write(member));
 }
 
 /// A counter as a DINT, at most its largest.

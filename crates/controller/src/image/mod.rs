@@ -231,12 +231,12 @@ impl Image {
 
     /// The tag of that id.
     pub fn tag(&self, id: TagId) -> Option<&Tag> {
-        self.tags.get(self.place(id)?)
+        self.tags.get(self.row_of(id)?)
     }
 
     /// The bytes of a tag; empty if there is none of that id.
     pub fn bytes(&self, id: TagId) -> &[u8] {
-        self.place(id).and_then(|row| self.bytes.get(row)).unwrap_or_default()
+        self.row_of(id).and_then(|row| self.bytes.get(row)).unwrap_or_default()
     }
 
     /// The structure types in use, by ascending template instance id.
@@ -354,7 +354,7 @@ impl Image {
             TagKind::Alias(alias) => self.tag(alias.tag).map(|tag| tag.access),
             _ => None,
         };
-        if let Some(row) = self.place(id) {
+        if let Some(row) = self.row_of(id) {
             self.tags[row].rule = tag.rule;
             self.tags[row].access = match base {
                 Some(Access::ReadOnly) => Access::ReadOnly,
@@ -418,7 +418,7 @@ impl Image {
     }
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
-        let row = self.place(id)?;
+        let row = self.row_of(id)?;
         self.bytes.get_mut(row)
     }
 }

@@ -93,7 +93,7 @@ impl Image {
                 if !self.tag(known).is_some_and(fits) {
                     return Err(TableError::Taken { name: tag.name });
                 }
-                if let Some(row) = self.place(known)
+                if let Some(row) = self.row_of(known)
                     && self.tags[row].kind == TagKind::Plain
                 {
                     self.tags[row].access = tag.access;

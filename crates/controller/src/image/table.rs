@@ -318,7 +318,7 @@ impl Image {
         }
         // A read-only tag has its configured value; any other tag gets its first value again if that has changed.
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
-        if let Some(row) = self.place(id) {
+        if let Some(row) = self.row_of(id) {
             self.tags[row].access = after.access;
             self.tags[row].rule = after.rule;
             if let Some(bytes) = self.bytes.get_mut(row).filter(|_| anew) {
@@ -347,8 +347,8 @@ impl Image {
     }
 
     /// The index of a tag among the tags, and of its bytes.
-    pub(super) fn place(&self, id: TagId) -> Option<usize> {
-        // The index without removed tags.
+    pub(super) fn row_of(&self, id: TagId) -> Option<usize> {
+        // The row, if no tag with a lower id was removed.
         let row = index(id)?;
         if self.tags.get(row).is_some_and(|tag| tag.id == id) {
             return Some(row);
@@ -362,7 +362,7 @@ impl Image {
             self.table.last_id += 1;
             return TagId(self.table.last_id);
         }
-        let free = (1..=MAX_ID).map(TagId).find(|id| self.place(*id).is_none());
+        let free = (1..=MAX_ID).map(TagId).find(|id| self.row_of(*id).is_none());
         free.unwrap_or_else(|| {
             // Beyond the ids that clients can browse: only instruction control tags, whose slots limit their number.
             self.table.last_id += 1;
@@ -371,7 +371,7 @@ impl Image {
     }
 
     pub(super) fn remove(&mut self, id: TagId) {
-        let Some(row) = self.place(id) else { return };
+        let Some(row) = self.row_of(id) else { return };
         let tag = self.tags.remove(row);
         self.bytes.remove(row);
         let program = tag.program.and_then(|row| self.programs.get(usize::from(row)).cloned());

@@ -79,7 +79,7 @@ impl Image {
                 element.copy_from_slice(before);
             }
             for (at, byte) in element.iter_mut().enumerate() {
-                if let Some(new) = (from + at).checked_sub(offset).and_then(|place| data.get(place)) {
+                if let Some(new) = (from + at).checked_sub(offset).and_then(|index| data.get(index)) {
                     *byte = *new;
                 }
             }

@@ -270,8 +270,8 @@ impl Drives for SimulatedDrives {
     /// Closes the latch at the tick, at the present position of the axis.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
         let axis = self.axes.get_mut(input.axis.index()).and_then(Option::as_mut);
-        let place = match (input.input, axis) {
-            (DriveInput::Registration(place), _) => place,
+        let number = match (input.input, axis) {
+            (DriveInput::Registration(number), _) => number,
             (DriveInput::Home, Some(axis)) => return axis.write_home(input.on, feedback),
             (DriveInput::Enable, Some(axis)) => {
                 axis.is_disabled = !input.on;
@@ -279,7 +279,7 @@ impl Drives for SimulatedDrives {
             }
             (_, None) => return,
         };
-        let Some(level) = feedback.inputs.registration.get_mut(place) else {
+        let Some(level) = feedback.inputs.registration.get_mut(number) else {
             return;
         };
         *level = input.on;
@@ -289,7 +289,7 @@ impl Drives for SimulatedDrives {
             Trigger::RegistrationOff
         };
         let armed = input.armed.filter(|armed| armed.trigger == trigger);
-        feedback.latches[REGISTRATION_LATCHES[place]] = armed.map(|armed| Latch {
+        feedback.latches[REGISTRATION_LATCHES[number]] = armed.map(|armed| Latch {
             number: armed.number,
             before_end_s: 0.0,
             position: feedback.motion.position,

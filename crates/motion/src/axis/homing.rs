@@ -228,8 +228,8 @@ impl Axis {
                 false
             }
             Stage::Braking => {
-                if let Some(place) = homing.event {
-                    self.align(place);
+                if let Some(home_point) = homing.event {
+                    self.align(home_point);
                 }
                 if direction.is_bidirectional() {
                     if let Some(turn) = self.unwind {
@@ -298,8 +298,8 @@ impl Axis {
     }
 
     /// Continues in the same direction, to the first Home Position at which the axis can stop.
-    fn go_on_home(&mut self, place: f64, turn: f64, direction: f64, instant: Instant) {
-        self.align(place);
+    fn go_on_home(&mut self, home_point: f64, turn: f64, direction: f64, instant: Instant) {
+        self.align(home_point);
         let KinematicState { position, velocity, .. } = self.command;
         let stop = velocity * velocity / (2.0 * self.home.deceleration);
         let least = modulo(direction * (self.home.position - position), turn);
@@ -317,8 +317,8 @@ impl Axis {
     }
 
     /// Redefines the positions such that the home point lies at a machine position.
-    fn align(&mut self, place: f64) {
-        let shown = place + self.redefined;
+    fn align(&mut self, home_point: f64) {
+        let shown = home_point + self.redefined;
         self.redefine((self.home.position - self.home.offset) - shown);
     }
 

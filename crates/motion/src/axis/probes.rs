@@ -72,7 +72,7 @@ pub(crate) struct Registration {
     pub(crate) seen: bool,
     /// Positions at the last event, the last one of a positive edge, and of a negative one.
     pub(crate) positions: [f64; 3],
-    /// The same of times.
+    /// The times of the same events.
     pub(crate) times: [i32; 3],
 }
 

@@ -103,9 +103,11 @@ impl Axis {
     /// Registration inputs of the drive whose latches have closed.
     pub(crate) fn take_registrations(&mut self, controls: &mut Controls, clock: &Clock) {
         let (period, now) = (clock.period_ns, clock.tick.wrapping_mul(clock.period_ns));
-        for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
-            let (Some(latch), Some(armed)) = (self.link.feedback.latches[place], self.registrations[input].latch())
-            else {
+        for (input, latch_index) in REGISTRATION_LATCHES.into_iter().enumerate() {
+            let (Some(latch), Some(armed)) = (
+                self.link.feedback.latches[latch_index],
+                self.registrations[input].latch(),
+            ) else {
                 continue;
             };
             if latch.number != armed.number {

@@ -56,10 +56,10 @@ impl AxisMove {
     }
 
     /// The limits of the motion that the instruction takes over, by time or by a master's displacement as the instruction itself.
-    fn in_force(&self, axis: &Axis, kind: GeneratorKind, led: bool) -> Option<Limits> {
+    fn in_force(&self, axis: &Axis, kind: GeneratorKind, driven: bool) -> Option<Limits> {
         let own = axis.sum.get(kind);
-        if led || kind == GeneratorKind::MasterOffset {
-            return own.filter(|own| own.follower.is_some() == led)?.in_force;
+        if driven || kind == GeneratorKind::MasterOffset {
+            return own.filter(|own| own.follower.is_some() == driven)?.in_force;
         }
         axis.sum
             .in_force(|other| other == kind || (self.merges() && other.is_single_axis()))
@@ -78,19 +78,22 @@ impl AxisMove {
             execution,
             dynamics,
             goal,
-            led,
+            driven,
             events,
         } = beginning;
         let taken = self.taken_over(&motion.axes[axis], kind);
-        let taken = led.map_or(taken, |(_, rate)| rate.by_displacement(taken));
+        let taken = driven.map_or(taken, |(_, rate)| rate.by_displacement(taken));
         let from = steady(taken, &dynamics.limits());
-        let before = self.in_force(&motion.axes[axis], kind, led.is_some());
+        let before = self.in_force(&motion.axes[axis], kind, driven.is_some());
         if self.merges_into(kind) {
             motion.axes[axis].end_single_axis(Some(kind), &mut motion.controls);
         }
         motion.axes[axis].end_generator(kind, &mut motion.controls);
-        let follower =
-            led.and_then(|(driven_by, _)| motion.axes.lead(axis, driven_by, &mut motion.controls, &motion.clock));
+        let follower = driven.and_then(|(driven_by, _)| {
+            motion
+                .axes
+                .begin_follower(axis, driven_by, &mut motion.controls, &motion.clock)
+        });
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
@@ -127,7 +130,7 @@ impl AxisMove {
     ///
     /// # Errors
     /// 93 to 98 and 102 if its link, its lock or its master forbids it.
-    pub(super) fn led(
+    pub(super) fn driven(
         &self,
         motion: &Motion,
         axis: AxisId,
@@ -154,9 +157,15 @@ impl AxisMove {
 
     /// The present speed of the motion that the instruction takes over, by time or by the master's displacement; Merge Speed Current continues
     /// at it.
-    pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(DrivenBy, MasterRate)>) -> f64 {
+    pub(super) fn present_speed(
+        &self,
+        axis: &Axis,
+        kind: GeneratorKind,
+        driven: Option<(DrivenBy, MasterRate)>,
+    ) -> f64 {
         let taken = self.taken_over(axis, kind);
-        led.map_or(taken, |(_, rate)| rate.by_displacement(taken))
+        driven
+            .map_or(taken, |(_, rate)| rate.by_displacement(taken))
             .velocity
             .abs()
     }
@@ -168,7 +177,7 @@ pub(super) struct MoveStart {
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,
     /// The link, lock and rate of the master of a master driven motion.
-    pub(super) led: Option<(DrivenBy, MasterRate)>,
+    pub(super) driven: Option<(DrivenBy, MasterRate)>,
     pub(super) events: Option<Events>,
 }
 

@@ -148,27 +148,27 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             &state.dynamics
         }
     };
-    let led = operands.led(motion, axis, kind, driven_by)?;
+    let driven = operands.driven(motion, axis, kind, driven_by)?;
     let mut dynamics = if seconds::is_duration(&programmed.rates) {
         seconds::dynamics(&programmed, displacement.abs(), maxima)
     } else {
         programmed.dynamics(maxima)?
     };
     if operands.keeps_speed() {
-        let present = operands.present_speed(state, kind, led);
+        let present = operands.present_speed(state, kind, driven);
         if present != 0.0 {
             dynamics.keep_speed(present);
         }
     }
-    if led.is_some() {
-        let present = operands.present_speed(state, kind, led);
+    if driven.is_some() {
+        let present = operands.present_speed(state, kind, driven);
         verify_reduction(present, &dynamics.limits(), displacement.abs())?;
     }
     let beginning = MoveStart {
         execution,
         dynamics,
         goal: Goal::Position(target),
-        led,
+        driven,
         events,
     };
     operands.begin(motion, axis, kind, beginning, |from| {

@@ -102,11 +102,11 @@ pub(super) fn execute(
         sense,
         unwind: state.unwind,
     });
-    let Some(place) = state.outputs.target_mut(target) else {
+    let Some(execution_target) = state.outputs.target_mut(target) else {
         return Err(MotionError::IllegalExecutionTarget);
     };
     let ended = if *execution_schedule == ExecutionSchedule::Pending {
-        place.wait(program, &clock)
+        execution_target.wait(program, &clock)
     } else {
         let arming = Arming {
             lock,
@@ -115,9 +115,9 @@ pub(super) fn execute(
             output: word(*output, output_bits).unwrap_or_default(),
             input: word(*input, input_bits),
         };
-        place.begin(program, &arming, point, &clock)
+        execution_target.begin(program, &arming, point, &clock)
     };
-    let written = place.write(&clock);
+    let written = execution_target.write(&clock);
     if let Some(ended) = ended {
         motion.controls.end_move(ended, 0);
     }

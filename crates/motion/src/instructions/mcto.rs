@@ -59,8 +59,8 @@ pub(super) fn verify_frames([work, tool]: [OperandIndex; 2], frames: &Frames) ->
         let [.., rx, ry, rz] = frame.coordinates;
         let turn = |angle: f64| angle > -180.0 && angle <= 180.0;
         let held = [turn(rx), ry.abs() <= 90.0, turn(rz)];
-        if let Some(place) = held.iter().position(|held| !held) {
-            return Err(MotionError::InvalidOrientationAngle(Detail(first + place as i8)));
+        if let Some(index) = held.iter().position(|held| !held) {
+            return Err(MotionError::InvalidOrientationAngle(Detail(first + index as i8)));
         }
     }
     Ok(())

@@ -295,7 +295,7 @@ fn start(
     initial: &InitialMotion,
     residual: Option<RotationResidual>,
 ) -> Result<(), MotionError> {
-    motion.systems[index].lead(
+    motion.systems[index].activate_link(
         planned.data.driven_by,
         motion.clock.now(),
         &motion.axes,
@@ -328,9 +328,9 @@ pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -
     for (other_index, other) in motion.systems.ids().zip(motion.systems.iter()) {
         if other_index != index
             && other.is_busy()
-            && let Some(place) = system.shared_axis(other)
+            && let Some(member) = system.shared_axis(other)
         {
-            return Err(MotionError::CoordinatedMotionInProcess(place));
+            return Err(MotionError::CoordinatedMotionInProcess(member));
         }
     }
     Ok(())

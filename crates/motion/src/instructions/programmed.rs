@@ -344,8 +344,10 @@ impl Change {
             (jerk(self.acceleration_jerk), rates.accel_jerk.index),
             (jerk(self.deceleration_jerk), rates.decel_jerk.index),
         ];
-        let mut changed = changed.into_iter().filter_map(|(value, place)| Some((value?, place)));
-        changed.try_for_each(|(value, place)| positive(value, place))
+        let mut changed = changed
+            .into_iter()
+            .filter_map(|(value, operand)| Some((value?, operand)));
+        changed.try_for_each(|(value, operand)| positive(value, operand))
     }
 }
 

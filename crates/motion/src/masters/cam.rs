@@ -153,7 +153,7 @@ impl Cam {
         if waited {
             self.slave_from = slave;
         }
-        let (point, exit) = self.led(going, pending.is_some());
+        let (point, exit) = self.slave_motion(going, pending.is_some());
         let Some(exit) = exit else {
             return (point, Ended::Nothing);
         };
@@ -162,7 +162,7 @@ impl Cam {
         };
         self.hand_over(next.program, &exit);
         let going = self.displacement.go_on(&self.master, 0.0);
-        let (point, _) = self.led(going, false);
+        let (point, _) = self.slave_motion(going, false);
         (point, Ended::HandedOver(next.execution))
     }
 
@@ -180,7 +180,7 @@ impl Cam {
 
     /// The motion of the slave that belongs to the master, and the exit if the cam has left its profile. `hands_over`: a pending cam waits for
     /// the exit.
-    fn led(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
+    fn slave_motion(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
         let CamProgram {
             profile,
             slave_scale,

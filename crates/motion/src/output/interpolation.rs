@@ -74,12 +74,12 @@ mod tests {
     #[test]
     fn a_constant_acceleration_is_met_to_the_last_digits() {
         let (period, rate, acceleration) = (0.004, 30.0, -2000.0);
-        let place = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
-        let end = [place(period), rate + acceleration * period];
+        let position = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
+        let end = [position(period), rate + acceleration * period];
         let interpolation = Interpolation::new([5.0, rate], end, period);
         for step in 0..=8 {
             let share = f64::from(step) / 8.0;
-            let value = place(share * period);
+            let value = position(share * period);
             assert!((interpolation.at(share) - value).abs() < 1e-12, "{share}");
             assert!((interpolation.share_of(value) - share).abs() < 1e-9, "{share}");
         }

@@ -184,7 +184,7 @@ impl System {
             return Ok(moment.own);
         }
         verify_same_link(last, next)?;
-        self.lead(next.data.driven_by, moment.time, axes, controls, clock)?;
+        self.activate_link(next.data.driven_by, moment.time, axes, controls, clock)?;
         let follower = &self.follower;
         Ok(follower
             .as_ref()

@@ -16,7 +16,7 @@ impl System {
     ///
     /// # Errors
     /// `MdscNotActivated` (93) if the link no longer exists.
-    pub(crate) fn lead(
+    pub(crate) fn activate_link(
         &mut self,
         driven_by: Option<DrivenBy>,
         since: Instant,

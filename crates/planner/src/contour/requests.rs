@@ -136,7 +136,7 @@ impl<T: Copy> ContourQueue<T> {
             trajectory: Arc::clone(&run.trajectory),
             passed: run.passed,
             now,
-            earliest: now + run.lead * anew.unwrap_or(1.0),
+            earliest: now + run.planning_s * anew.unwrap_or(1.0),
             anew,
         };
         let pace = state.velocity;
@@ -252,7 +252,7 @@ impl<T: Copy> ContourQueue<T> {
             stale: false,
             changed: clock.now(),
             state: RunState::Travelling,
-            lead: PLANNING_S,
+            planning_s: PLANNING_S,
             asked: 0.0,
             retry: 0.0,
             nominal,
@@ -291,7 +291,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.rounded /= pace.unwrap_or(1.0);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.lead = took.clamp(PLANNING_S, MOST_PLANNING_S);
+                run.planning_s = took.clamp(PLANNING_S, MOST_PLANNING_S);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
                     run.begun.1 /= pace.unwrap_or(1.0);
@@ -302,8 +302,12 @@ impl<T: Copy> ContourQueue<T> {
             }
             late => {
                 // A late plan doubles the time for the next one. A failed plan is retried later.
-                let lead = if late.is_some() { 2.0 * run.lead } else { PLANNING_S };
-                run.lead = lead.max(took).min(MOST_PLANNING_S);
+                let longer = if late.is_some() {
+                    2.0 * run.planning_s
+                } else {
+                    PLANNING_S
+                };
+                run.planning_s = longer.max(took).min(MOST_PLANNING_S);
                 let share = if pace.is_some() { RETRY_ANEW_SHARE } else { RETRY_SHARE };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)

@@ -51,7 +51,7 @@ pub(super) struct Run {
     pub(super) changed: Instant,
     pub(super) state: RunState,
     /// The time reserved for planning an extension, seconds of the trajectory's own time.
-    pub(super) lead: f64,
+    pub(super) planning_s: f64,
     /// The position on it at the last request, seconds of its own time.
     pub(super) asked: f64,
     /// The position on it from which on an extension may be requested again, seconds of its own time.

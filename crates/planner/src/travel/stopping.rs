@@ -12,9 +12,9 @@ use crate::{Clock, Sample, TimeBase};
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub enum PathStopping {
-    /// Of superposed moves.
+    /// A stop of superposed moves.
     Superposed(Stopping),
-    /// Of a contour.
+    /// A stop of a contour.
     Contour(ContourStopping),
 }
 

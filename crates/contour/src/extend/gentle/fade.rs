@@ -54,9 +54,9 @@ impl Fade {
         let used = |k: u32| {
             let u = f64::from(k) / f64::from(TUNING.gentle.fade_samples);
             let along = profile.at(u * self.duration);
-            let place = speed_curve.moving(&along).position + self.at(u)[0];
+            let point = speed_curve.moving(&along).position + self.at(u)[0];
             let progress = along.position.min(reference.length());
-            allowance.used(reference, &place, reference.piece_at(progress), progress)
+            allowance.used(reference, &point, reference.piece_at(progress), progress)
         };
         (0..=TUNING.gentle.fade_samples).map(used).fold(0.0, f64::max)
     }

@@ -89,7 +89,7 @@ impl Smoothed {
         self.progress[k - 1] + (self.progress[k] - self.progress[k - 1]) * part
     }
 
-    /// The same at its own arc length.
+    /// The arc length of the reference path at an arc length of this curve.
     pub(crate) fn progress_at(&self, s: f64) -> f64 {
         self.progress(self.time(s))
     }

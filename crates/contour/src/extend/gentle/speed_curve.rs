@@ -195,7 +195,7 @@ impl<'a> SpeedCurve<'a> {
     /// The transition from the running motion to the speed curve at its speed: the stretch at whose end it is complete, and the profile until
     /// there. `None`: the motion is too fast for the path ahead.
     fn first(&self, state: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<(usize, Profile)> {
-        let first = self.place(state.position);
+        let first = self.part_at(state.position);
         if state.velocity <= 0.0 {
             return None;
         }
@@ -233,7 +233,7 @@ impl<'a> SpeedCurve<'a> {
     /// The timing of a motion from its beginning on the speed curve to rest at its end; `ends` as [`SpeedCurve::ends`]. `None`: it is
     /// too fast for the path ahead.
     pub(super) fn timing(&self, begin: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<SpeedCurveTiming> {
-        let first = self.place(begin.position);
+        let first = self.part_at(begin.position);
         let (last, profile) = self.first(begin, ends, shares)?;
         let (mut time, mut state) = (profile.duration(), profile.end());
         let mut parts = vec![(0.0, profile)];
@@ -253,14 +253,16 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// The index of the part at a progress.
-    fn place(&self, progress: f64) -> usize {
-        let place = self.parts.partition_point(|part| part.to < progress);
-        place.min(self.parts.len() - 1)
+    fn part_at(&self, progress: f64) -> usize {
+        let index = self.parts.partition_point(|part| part.to < progress);
+        index.min(self.parts.len() - 1)
     }
 
     fn at(&self, progress: f64) -> [Point; 3] {
         match &self.curve {
-            Curve::Rounded(stretches) => stretches[self.place(progress)].derivatives(&self.section.reference, progress),
+            Curve::Rounded(stretches) => {
+                stretches[self.part_at(progress)].derivatives(&self.section.reference, progress)
+            }
             Curve::Smooth(curve) => curve.derivatives(progress),
         }
     }
@@ -292,18 +294,18 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// Limits along a stretch.
-    fn limits(&self, place: usize, [rates, speed]: [f64; 2]) -> Limits {
-        let share = if self.parts[place].is_straight {
+    fn limits(&self, part: usize, [rates, speed]: [f64; 2]) -> Limits {
+        let share = if self.parts[part].is_straight {
             rates
         } else {
             rates.min(TUNING.gentle.turning_share)
         };
-        self.limits_of(place, share, speed)
+        self.limits_of(part, share, speed)
     }
 
     /// Shares of the limits along a stretch.
-    fn limits_of(&self, place: usize, share: f64, speed: f64) -> Limits {
-        let bound = &self.section.bounds[self.parts[place].piece];
+    fn limits_of(&self, part: usize, share: f64, speed: f64) -> Limits {
+        let bound = &self.section.bounds[self.parts[part].piece];
         let rate = share * bound.axes.acceleration.min();
         let (acceleration, deceleration) = (
             rate.min(share * bound.acceleration),
@@ -312,7 +314,7 @@ impl<'a> SpeedCurve<'a> {
         // On a curve of nodes, a step of the acceleration is spread over their distance.
         let jerk = (share * bound.least_jerk()).min(acceleration.min(deceleration) / TUNING.gentle.step_s);
         Limits {
-            speed: speed * self.parts[place].speed,
+            speed: speed * self.parts[part].speed,
             acceleration,
             deceleration,
             jerk: Some(Jerk {

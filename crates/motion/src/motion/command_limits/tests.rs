@@ -55,12 +55,12 @@ impl Drives for AtSetPoints {
 fn call(mnemonic: Mnemonic, target: u16, control: u32, operands: &[(&str, Argument)]) -> Call {
     let instruction = mnemonic.instruction();
     let mut arguments = [Argument::None; MAX_OPERANDS];
-    for place in instruction.given_operands() {
-        arguments[place] = Argument::Number(0.0);
+    for index in instruction.given_operands() {
+        arguments[index] = Argument::Number(0.0);
     }
     for name in ["Event Distance", "Calculated Data"] {
-        if let Some(place) = instruction.operand(name) {
-            arguments[place] = Argument::None;
+        if let Some(index) = instruction.operand(name) {
+            arguments[index] = Argument::None;
         }
     }
     for (name, argument) in operands {
