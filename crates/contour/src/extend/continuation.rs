@@ -146,7 +146,7 @@ impl Continuation<'_> {
         Some(whole)
     }
 
-    /// Calls `f` with the section from an instant of the running motion on.
+    /// Calls `with` with the section from an instant of the running motion on.
     fn section<R>(
         &self,
         splice: f64,

@@ -37,7 +37,7 @@ pub fn extend(
     earliest: f64,
 ) -> Option<Trajectory> {
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
-    // More moves than a second's would take longer to plan; a later extension adds them.
+    // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them.
     let begins = passed
         .checked_sub(1)
         .and_then(|last| running.move_end(last))

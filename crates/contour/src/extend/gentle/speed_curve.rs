@@ -311,7 +311,7 @@ impl<'a> SpeedCurve<'a> {
             rate.min(share * bound.acceleration),
             rate.min(share * bound.deceleration),
         );
-        // On a curve of nodes, a step of the acceleration is spread over their distance.
+        // The nodes cannot follow a step of the acceleration, so the jerk is limited in any case.
         let jerk = (share * bound.least_jerk()).min(acceleration.min(deceleration) / TUNING.gentle.step_s);
         Limits {
             speed: speed * self.parts[part].speed,
