@@ -5,17 +5,17 @@ use crate::SegmentType;
 /// From a point of a profile to the next: `y = y0 + a1·u + a2·u² + a3·u³` with `u = x − x0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Where it begins.
+    /// Master position at its beginning.
     pub x: f64,
     /// The slave there: A0.
     pub y: f64,
     /// A1, A2 and A3; zeros at the last point.
     pub coefficients: [f64; 3],
-    /// How it was made; of the last point it means nothing.
+    /// The type of its curve; ignored at the last point.
     pub kind: SegmentType,
 }
 
-/// Where a slave is at a position of the master.
+/// The slave at a position of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Value {
     /// Position of the slave.
@@ -24,22 +24,22 @@ pub struct Value {
     pub slope: f64,
     /// Second derivative by the master's position.
     pub curvature: f64,
-    /// Segment that the master is in, from 0.
+    /// Segment at the master position, from 0.
     pub segment: usize,
 }
 
 /// A slave's position over a master's, from its first point to its last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// One a point; the last one ends the profile.
+    /// One segment for each point; the last one is the end of the profile.
     segments: Vec<Segment>,
     /// See [`Profile::reach`].
     reach: f64,
 }
 
 impl Profile {
-    /// A profile of segments that were stored; the last one ends it. `None`: fewer than two, masters that do not
-    /// rise, or a number that is none.
+    /// A profile from stored segments; the last one ends it. `None`: fewer than two, master positions that do not increase, or a
+    /// number that is not finite.
     pub fn from_segments(segments: Vec<Segment>) -> Option<Self> {
         let finite = segments.iter().all(|segment| {
             let [a1, a2, a3] = segment.coefficients;
@@ -52,7 +52,7 @@ impl Profile {
         })
     }
 
-    /// The slave is never further than this from its first point, in units of the profile.
+    /// The largest distance of the slave from its first point, in units of the profile.
     pub fn reach(&self) -> f64 {
         self.reach
     }
@@ -74,24 +74,24 @@ impl Profile {
         (last.x, last.y)
     }
 
-    /// Way of the master over the whole profile, above 0.
+    /// Displacement of the master over the whole profile, above 0.
     pub fn length(&self) -> f64 {
         self.end().0 - self.start().0
     }
 
-    /// Way of the slave over the whole profile, with its sign.
+    /// Displacement of the slave over the whole profile, with its sign.
     pub fn rise(&self) -> f64 {
         self.end().1 - self.start().1
     }
 
-    /// Whether the master's position is in the profile, both ends included.
+    /// The master position is within the profile, both ends included.
     pub fn contains(&self, x: f64) -> bool {
         (self.start().0..=self.end().0).contains(&x)
     }
 
-    /// The slave at a position of the master; beyond the ends it stands, at an end it moves as just inside of it.
+    /// The slave at a position of the master. Beyond the ends it is at rest; at an end it has the derivatives just inside of it.
     ///
-    /// Exactly on a point at that point. Real-time: bounded by the logarithm of the points.
+    /// Exact at the points. Real-time: bounded by the logarithm of the points.
     pub fn at(&self, x: f64) -> Value {
         let last = self.segments.len() - 1;
         let behind = self.segments.partition_point(|segment| segment.x <= x);
@@ -100,7 +100,7 @@ impl Profile {
         let [a1, a2, a3] = segment.coefficients;
         let inside = x.clamp(segment.x, self.segments[index + 1].x);
         let u = inside - segment.x;
-        // The last point itself, not what rounding leaves of it.
+        // At the last point exactly its own position, without rounding.
         let y = if inside >= self.segments[last].x {
             self.segments[last].y
         } else {
@@ -116,7 +116,7 @@ impl Profile {
     }
 }
 
-/// A bound of how far each segment goes from the first point.
+/// A bound of the distance of all segments from the first point.
 fn reach(segments: &[Segment]) -> f64 {
     let first = segments.first().map_or(0.0, |first| first.y);
     let of = |pair: &[Segment]| {

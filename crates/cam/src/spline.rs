@@ -4,13 +4,12 @@
 
 use crate::{Profile, Segment};
 
-/// How a point is joined to the next one.
+/// The connection of a point to the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SegmentType {
-    /// By a straight line.
+    /// A straight line.
     Linear,
-    /// By a cubic, whose first and second derivative go over into those of cubic neighbours, and whose first into that
-    /// of a linear one.
+    /// A cubic. Its first and second derivatives are continuous at cubic neighbours, its first derivative at linear ones.
     Cubic,
 }
 
@@ -21,26 +20,26 @@ pub struct Point {
     pub x: f64,
     /// Position of the slave.
     pub y: f64,
-    /// The way to the next point; of the last point it means nothing.
+    /// The connection to the next point; ignored at the last one.
     pub kind: SegmentType,
 }
 
-/// Why points make no profile.
+/// The reason why points form no profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CalculateError {
-    /// A profile has two points at least.
+    /// Fewer than two points.
     #[error("{count} points, expected 2 or more")]
     TooFew {
-        /// How many were given.
+        /// The number of points.
         count: usize,
     },
-    /// The master does not come after that of the point before.
+    /// A master position not above that of the previous point.
     #[error("the master of point {point} does not rise")]
     Order {
         /// The point, from 0.
         point: usize,
     },
-    /// A number that is none, or whose profile would be none.
+    /// A number that is not finite, or that leads to one.
     #[error("point {point} is not finite")]
     NotFinite {
         /// The point, from 0.
@@ -49,13 +48,13 @@ pub enum CalculateError {
 }
 
 impl Profile {
-    /// The profile through points. A cubic segment at an end has the slope given there; where it meets a linear one, it
-    /// has that one's.
+    /// The profile through points. A cubic segment at an end of the profile has the given slope there; at a linear segment, it has the slope of
+    /// that.
     ///
     /// Not real-time: it allocates, and takes a time proportional to the points.
     ///
     /// # Errors
-    /// The first point that is not finite or does not rise.
+    /// The first point that is not finite or whose master position does not increase.
     pub fn calculate(points: &[Point], start_slope: f64, end_slope: f64) -> Result<Self, CalculateError> {
         if points.len() < 2 {
             return Err(CalculateError::TooFew { count: points.len() });
@@ -116,7 +115,7 @@ impl Profile {
 /// Slopes at the points of a spline whose second derivative is continuous, with given slopes at its ends.
 ///
 /// For every inner point `m₋/h₋ + 2 m (1/h₋ + 1/h₊) + m₊/h₊ = 3 (d₋/h₋ + d₊/h₊)`: a system of three diagonals, solved
-/// from the front to the back and back again; it is diagonally dominant, so nothing grows.
+/// from the front to the back and back again; it is diagonally dominant, so errors do not grow.
 fn slopes(points: &[Point], first: f64, end: f64) -> Vec<f64> {
     let count = points.len();
     let mut slopes = vec![0.0; count];
@@ -124,7 +123,7 @@ fn slopes(points: &[Point], first: f64, end: f64) -> Vec<f64> {
     slopes[count - 1] = end;
     let h = |index: usize| points[index + 1].x - points[index].x;
     let d = |index: usize| (points[index + 1].y - points[index].y) / h(index);
-    // What the equation of a point leaves of the next one's slope, and its right side.
+    // The factor of the next slope in the reduced equation of a point, and its right side.
     let mut share = vec![0.0; count];
     let mut right = vec![0.0; count];
     right[0] = first;
@@ -233,8 +232,8 @@ mod tests {
     }
 
     proptest! {
-        /// Every point is met, first derivatives are continuous but between lines, second ones inside of cubic runs, and the
-        /// end slopes are those given.
+        /// The profile passes through every point, first derivatives are continuous except between lines, second ones within cubic
+        /// runs, and the end slopes are the given ones.
         #[test]
         fn profiles_go_through_their_points(
             steps in proptest::collection::vec((0.01f64..50.0, -100.0f64..100.0, any::<bool>()), 2..40),

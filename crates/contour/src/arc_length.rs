@@ -1,7 +1,7 @@
-//! How far a motion goes: the length of its curve, and when so much of it is left.
+//! The length of a motion's curve, and the instant at which a part of it is left.
 //!
-//! A piece of constant jerk has a polynomial for its velocity; the length of it is integrated (Gauss and Legendre, five points,
-//! exact where it does not turn). Real-time: bounded, nothing allocates but [`Trajectory::measure_arc_lengths`]. Units: position
+//! A piece of constant jerk has a polynomial as its velocity; its length is integrated (Gauss and Legendre, five points,
+//! exact if the direction stays). Real-time: bounded, nothing allocates but [`Trajectory::measure_arc_lengths`]. Units: position
 //! units and seconds.
 
 use crate::tolerance::LENGTH_SHARE;
@@ -39,7 +39,7 @@ impl Trajectory {
         self.arc_lengths[index] + length(&self.knots[index], t - self.knots[index].time)
     }
 
-    /// When the motion had so far to go along its curve until a time; `None`: before its first knot.
+    /// The instant at which the motion had this distance left along its curve before a time; `None`: before its first knot.
     #[must_use]
     pub fn time_before(&self, until: f64, distance: f64) -> Option<f64> {
         let from = self.arc_length(until) - distance;
@@ -86,7 +86,7 @@ fn length(knot: &Knot, seconds: f64) -> f64 {
     0.5 * seconds * (MIDDLE * speed(0.0) + sum.sum::<f64>())
 }
 
-/// The five points but the middle, by half of the piece, with their weights.
+/// Four of the five points, without the middle one, in halves of the piece, with their weights.
 const POINTS: [(f64, f64); 2] = [
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),

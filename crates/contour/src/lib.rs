@@ -5,8 +5,8 @@
 //! allocates and iterates: it belongs outside the tick. It knows no update period: the result is a
 //! function of time. Units: position units and seconds.
 //!
-//! By subject: `path` (the programmed pieces and the corridor about them), `timing` (where the control points stand in time),
-//! `solve` (the optimisation), `section` and `plan` (moves from rest to rest), `extend` (while they run).
+//! By subject: `path` (the programmed pieces and the corridor about them), `timing` (the times of the control points),
+//! `solve` (the optimisation), `section` and `plan` (moves from rest to rest), `extend` (extensions during execution).
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 #![allow(
@@ -40,7 +40,7 @@ use tolerance::SAME_POINT_UNITS;
 /// One programmed move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContourMove {
-    /// Where it goes.
+    /// Its programmed path.
     pub path: Path,
     /// Programmed vector speed, position units / s, above 0.
     pub speed: f64,
@@ -50,26 +50,26 @@ pub struct ContourMove {
     pub deceleration: f64,
     /// Vector jerk, position units / s³: an S-curve. `None`: a trapezoid.
     pub jerk: Option<f64>,
-    /// How far from the programmed path the corner at its end may be rounded, position units.
-    /// 0: the end is met exactly, at rest if there is a corner.
+    /// The permitted deviation of the rounded corner at its end from the programmed path, position units.
+    /// 0: the motion meets the end exactly, at rest if there is a corner.
     pub tolerance: f64,
-    /// Where the motion may deviate from it.
+    /// The part of the path on which the motion may deviate.
     pub deviation: Deviation,
 }
 
 impl ContourMove {
-    /// Whether it goes anywhere: shorter moves are done at once.
+    /// The move has a length; shorter moves are complete at once.
     pub(crate) fn has_length(&self) -> bool {
         self.path.length() > SAME_POINT_UNITS
     }
 }
 
-/// Where a contour may deviate from the programmed path inside the tolerance.
+/// The part of the programmed path on which a contour may deviate from it within the tolerance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Deviation {
-    /// At its corners: outside the rounding of its corners a move longer than 50 tolerances deviates by at most a hundredth of
-    /// the tolerance. A rounding reaches at most ten tolerances from its corner. Lines of at most 250 tolerances that are chords of a
-    /// curve may deviate anywhere, as shorter moves do (spec/motion-core.md §6.4).
+    /// At its corners. A rounding extends over at most ten tolerances from its corner; outside of the roundings, a move longer than 50 tolerances
+    /// deviates by at most a hundredth of the tolerance. Shorter moves may deviate anywhere, and so may lines of at most 250 tolerances that are
+    /// chords of a curve (spec/motion-core.md §6.4).
     #[default]
     Corners,
     /// Anywhere.

@@ -1,8 +1,8 @@
-//! What a motion has to keep: programmed rates of its moves and limits of the axes.
+//! The limits of a motion: the programmed rates of its moves, and the limits of the axes.
 
 use crate::{ContourMove, Point};
 
-/// What each axis can do; infinite where there is no limit.
+/// The limits of each axis; infinite for an axis without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
     /// Position units / s.
@@ -34,7 +34,7 @@ impl Rates {
         jerk: None,
     };
 
-    /// The lesser of each.
+    /// The lower rate of each pair.
     pub(crate) fn least(self, other: &Rates) -> Rates {
         Rates {
             speed: self.speed.min(other.speed),
@@ -48,7 +48,7 @@ impl Rates {
     }
 }
 
-/// How smooth a motion is.
+/// The smoothness of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Smoothness {
     /// The acceleration may jump.
@@ -58,7 +58,7 @@ pub(crate) enum Smoothness {
 }
 
 impl Smoothness {
-    /// Of a section: an S-curve if any of its moves is one.
+    /// The smoothness of a section: an S-curve if any of its moves is one.
     pub(crate) fn of(moves: &[ContourMove]) -> Smoothness {
         if moves.iter().any(|m| m.jerk.is_some()) {
             Smoothness::SCurve
@@ -98,7 +98,7 @@ impl Bounds {
         self.acceleration.max(self.deceleration)
     }
 
-    /// The same without limits of jerk.
+    /// The same limits without those of the jerk.
     pub(crate) fn without_jerk(&self) -> Bounds {
         Bounds {
             jerk: f64::INFINITY,

@@ -1,4 +1,4 @@
-//! From moves to a trajectory: sections from rest to rest, each rounded, timed and improved.
+//! The plan of a trajectory from moves: sections from rest to rest, each rounded, timed and optimised.
 
 use crate::limits::{Bounds, Smoothness};
 use crate::path::allowance::Begin;
@@ -10,23 +10,23 @@ use crate::trajectory::MoveEnd;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Path, Point, Trajectory};
 
-/// Plans the moves from rest to rest; the last one ends exactly. Total: what cannot be rounded is
-/// stopped at. An empty list gives a trajectory of no duration at the origin.
+/// Plans the moves from rest to rest; the last one ends exactly. The plan never fails: the motion stops at a corner that cannot be rounded. An
+/// empty list gives a trajectory of no duration at the origin.
 #[must_use]
 pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     plan_with(moves, limits, Haste::None)
 }
 
-/// How soon a plan must be there.
+/// The time for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Haste {
-    /// It may take its time: it is the fastest motion.
+    /// Unlimited: the plan is the fastest motion.
     None,
-    /// More moves come while it runs: it takes a small part of the time that the motion takes.
+    /// More moves arrive during the motion: planning takes a small part of its duration.
     Stream,
 }
 
-/// The same, so soon.
+/// The same, within a planning time.
 pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
     let start = moves.first().map_or(Point::zeros(), |first| first.path.start());
     let mut whole = Trajectory::rest(start);
@@ -42,8 +42,8 @@ pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste
     whole.planned_for(moves, limits)
 }
 
-/// Plans the first of the moves, so many that the motion can begin soon, from rest to rest; [`crate::extend`] plans on while it runs. All
-/// of them where they are few, and where they make up a whole contour with many sharp corners, which is faster when it is planned at once.
+/// Plans the first moves from rest to rest, so few that the motion can begin soon; [`crate::extend`] adds the others during the motion. It plans
+/// all moves if they are few, or if they form a whole contour with many sharp corners, which is faster when it is planned at once.
 #[must_use]
 pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     match first_moves(moves) {
@@ -52,9 +52,9 @@ pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     }
 }
 
-/// How many moves of a stream are planned first; `None`: it is a whole contour.
+/// The number of moves of a stream to plan first; `None`: the moves form a whole contour.
 fn first_moves(moves: &[ContourMove]) -> Option<usize> {
-    // The last one that is known ends in a stop or at a corner without tolerance.
+    // The last known move ends in a stop, or at a corner without a tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
     let dense = || {
         let section = 1 + moves.windows(2).take_while(|pair| can_pass(&pair[0], &pair[1])).count();
@@ -72,7 +72,7 @@ fn first_moves(moves: &[ContourMove]) -> Option<usize> {
     Some(first.count().max(TUNING.extend.first_moves).min(moves.len()))
 }
 
-/// Whether the joint between two moves can be passed without a stop.
+/// The motion can pass the joint between two moves without a stop.
 pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     if before.jerk.is_some() != after.jerk.is_some() {
         return false;
@@ -81,8 +81,8 @@ pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
 }
 
-/// Plans one section, as well as it can be done: what is outside the corridor or the limits is planned
-/// again with less freedom, at last with a stop at every joint.
+/// Plans one section as well as possible. If a plan is outside the corridor or the limits, the section is planned again with less freedom,
+/// finally with a stop at every joint.
 fn plan_section(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
     let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
     let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
@@ -118,13 +118,13 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Tra
     whole
 }
 
-/// The order of the plans of a section, before the last resort: dense chords as a smooth curve first.
+/// The order of the plans of a section, before the stops at every joint: dense chords as a smooth curve first.
 pub(crate) fn qualities(moves: &[ContourMove], haste: Haste) -> impl Iterator<Item = Quality> {
     let dense = is_dense(moves).then_some(Quality::Smooth);
     dense.into_iter().chain((haste == Haste::None).then_some(Quality::Full))
 }
 
-/// Whether moves are many, most of them with a corner that turns little.
+/// The moves are many, and most of their corners have a small change of direction.
 pub(crate) fn is_dense(moves: &[ContourMove]) -> bool {
     let turn = |pair: &[ContourMove]| (pair[1].path.start_tangent() - pair[0].path.end_tangent()).norm();
     let sharp = moves.windows(2).filter(|pair| turn(pair) > TUNING.smooth.sharp).count();

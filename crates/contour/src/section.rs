@@ -1,7 +1,7 @@
 //! One section: moves without a stop between them, from rest or from a running motion to rest.
 //!
-//! A few stages of the optimisation, each on control points at equal times of the one before, the corridor narrowed where
-//! the curve was outside. Position units and seconds.
+//! The optimisation runs in a few stages, each on control points at equal times of the previous result, with a narrower corridor where the
+//! curve was outside. Position units and seconds.
 
 use crate::limits::{Bounds, Smoothness};
 use crate::path::allowance::{Allowance, Begin};
@@ -22,7 +22,7 @@ use crate::trajectory::MoveEnd;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
-/// What a section has come to.
+/// The result of a section.
 pub(crate) struct Solved {
     pub(crate) trajectory: Trajectory,
     pub(crate) control: ControlPoints,
@@ -42,7 +42,7 @@ pub(crate) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// Moves of which at least one has a length.
+    /// A section of moves, at least one of which has a length.
     pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, begin: Begin, quality: Quality) -> Self {
         let smoothness = Smoothness::of(moves);
         let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
@@ -60,13 +60,13 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The same with another start where the first guess is outside the limits.
+    /// The same with a different slow-down of a start outside the limits.
     pub(crate) fn slowing(self, slow_down: SlowDown) -> Self {
         Section { slow_down, ..self }
     }
 
-    /// The limits without those of the jerk, and the reference path rounded for them: an S-curve starts from the
-    /// trapezoid's shape, as without jerk limits the optimisation is not stiff.
+    /// The limits without those of the jerk, and the reference path rounded for them: an S-curve starts from the trapezoid's shape, as without
+    /// jerk limits the optimisation is not stiff.
     pub(crate) fn without_jerk(&self) -> (Vec<Bounds>, Vec<Stretch>) {
         (
             self.bounds.iter().map(Bounds::without_jerk).collect(),
@@ -78,7 +78,7 @@ impl<'a> Section<'a> {
         )
     }
 
-    /// From rest to rest; `None` where the result is not inside the corridor and the limits.
+    /// Plans from rest to rest; `None` if the result is not inside the corridor and the limits.
     pub(crate) fn plan(&self) -> Option<Trajectory> {
         Some(self.finish(self.solve()?))
     }
@@ -90,7 +90,7 @@ impl<'a> Section<'a> {
         self.run(control, &stages(self.smoothness, self.quality), &mut work)
     }
 
-    /// The same with work that is shared with others.
+    /// The same with a budget of work that it shares with others.
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
         let stages = stages(self.smoothness, self.quality);
         self.run(self.first_guess(), &stages, work)
@@ -107,11 +107,11 @@ impl<'a> Section<'a> {
         )
     }
 
-    /// From a first guess to rest; `None` where the result is not inside the corridor and the limits.
+    /// Optimises from a warm start to rest; `None` if the result is not inside the corridor and the limits.
     pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let mut stages = stages(self.smoothness, self.quality);
         if self.quality == Quality::Smooth && self.smoothness == Smoothness::SCurve {
-            // What runs keeps the limits of the jerk: without them for a while it would not come back to them.
+            // The running motion keeps the limits of the jerk; after a stage without them, the motion would not return to them.
             stages.retain(|stage| stage.limits == Limited::Jerk);
             for _ in 0..TUNING.smooth.closing {
                 stages.insert(0, stages[0]);
@@ -120,29 +120,29 @@ impl<'a> Section<'a> {
         Some(self.finish(self.run(control, &stages, work)?))
     }
 
-    /// From a guess within all limits or nearly, made faster; `None` where it does not come within them.
-    pub(crate) fn hasten(&self, guess: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+    /// Makes a warm start faster that is within all limits, or nearly; `None` if it does not come within them.
+    pub(crate) fn hasten(&self, warm_start: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let mut margin = ToleranceMargin::new();
         let stages = stages(self.smoothness, Quality::TimingOnly);
         let stage = stages.last()?;
         let mut best = self
-            .within(guess.clone(), &mut margin)
+            .within(warm_start.clone(), &mut margin)
             .or_else(|| {
-                let mut smoothed = guess.clone();
+                let mut smoothed = warm_start.clone();
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
                 project(&self.reference, &mut smoothed);
                 self.within(smoothed, &mut margin)
             })
             .or_else(|| {
-                // One that is nearly within comes inside by its timing.
-                let mut closed_in = guess;
+                // A warm start that is nearly within the limits comes inside by its timing.
+                let mut closed_in = warm_start;
                 let mut margin = ToleranceMargin::new();
                 self.run_stage(&mut closed_in, stage, &margin, work);
                 self.within(closed_in, &mut margin)
             })?;
         let mut control = best.control.clone();
         for round in 0..=TUNING.gentle.repairs {
-            // Where the curve is outside with other times of its nodes, it is smoothed for these.
+            // If the curve is outside with the new times of its nodes, it is smoothed for these.
             if round > 0 {
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
                 project(&self.reference, &mut control);
@@ -168,7 +168,7 @@ impl<'a> Section<'a> {
         Some(self.finish(best))
     }
 
-    /// A motion, if it is within all limits and the corridor.
+    /// The motion of the control points, if it is within all limits and the corridor.
     fn within(&self, control: ControlPoints, margin: &mut ToleranceMargin) -> Option<Solved> {
         let Measured {
             trajectory,
@@ -183,13 +183,13 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// From a guess that is nearly within its limits.
+    /// Optimises a warm start that is nearly within its limits.
     pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let stages = last_stages(self.smoothness);
         Some(self.finish(self.run(control, &stages, work)?))
     }
 
-    /// The last resort for a single curve: the first guess, as slow as the limits ask for.
+    /// The last resort for a single curve: the first guess, slowed down to its limits.
     pub(crate) fn slowed(&self) -> Trajectory {
         let stretches = round(
             &self.reference,
@@ -211,7 +211,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// All stages, until one has a plan or the work is done.
+    /// Runs all stages, until one has a plan or the work is used up.
     fn run(&self, mut control: ControlPoints, stages: &[Stage], work: &mut Work) -> Option<Solved> {
         let quality = self.quality;
         let mut margin = ToleranceMargin::new();
@@ -220,24 +220,24 @@ impl<'a> Section<'a> {
         let mut within_before: Option<Solved> = None;
         let mut warp = Smoothness::Trapezoid;
         for stage in stages {
-            // A motion that is continued closes in on its limits until it is within them.
+            // A continuation closes in on its limits until it is within them.
             let closes_in =
                 control.initial.is_some() && quality == Quality::Smooth && stage.result == StageResult::Start;
             if closes_in && within_before.is_some() {
                 continue;
             }
             let is_repair = stage.result == StageResult::Repair;
-            // One that continues a motion is close to its limits everywhere: repairs keep its nodes.
+            // A continuation is close to its limits everywhere: repairs keep its nodes.
             let keeps = closes_in || is_repair && (control.initial.is_some() || quality == Quality::Smooth);
             if let Some(last) = last.as_ref().filter(|_| !keeps) {
-                // The first stage that limits the jerk is stretched for it at its ends.
+                // The first stage with jerk limits warps the time at its ends for them.
                 let warp = match stage.limits {
                     Limited::Jerk => core::mem::replace(&mut warp, Smoothness::Trapezoid),
                     Limited::Acceleration => Smoothness::Trapezoid,
                 };
                 control = self.resampled(&control, last, warp);
             }
-            // One that has only its limits to come within keeps its curve.
+            // A motion that is inside the corridor and only exceeds its limits keeps its curve.
             let keeps_curve = closes_in && last.is_some() && last_worst <= 1.0;
             if quality == Quality::Smooth && !keeps_curve {
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut control);
@@ -253,7 +253,7 @@ impl<'a> Section<'a> {
             let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_plan = stage.result != StageResult::Start;
             let within = worst <= 1.0 && now.excess <= 1.0 + LIMIT_SHARE;
-            // A motion that is continued within all limits is a plan, from whichever stage: what fails later starts from it again.
+            // A continuation within all limits is a plan after any stage: if a later stage fails, it starts from this plan again.
             if let Some(within) = within_before.take_if(|_| is_plan && !within) {
                 return Some(self.improved(within, stage, &margin, work));
             }
@@ -264,14 +264,14 @@ impl<'a> Section<'a> {
                     times: now.times.clone(),
                 });
             }
-            // One that no longer comes nearer to its limits does not come within them; from a slower motion it may.
+            // A motion whose excess no longer decreases does not come within its limits; a slower one may.
             let comes_nearer = last
                 .as_ref()
                 .is_none_or(|last| now.excess < TUNING.smooth.nearer * last.excess);
             if closes_in && !within && worst <= 1.0 && last_worst <= 1.0 && !comes_nearer {
                 return None;
             }
-            // A motion that waits for its continuation does not wait for ever.
+            // A running motion cannot wait for its continuation for long.
             let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
             if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
                 return None;
@@ -286,7 +286,7 @@ impl<'a> Section<'a> {
             if work.is_done() {
                 return within_before;
             }
-            // For the first repair the corridor is narrowed where the curve was outside; then all of it.
+            // The first repair narrows the corridor only where the curve was outside; later ones narrow all of it.
             if is_repair && quality != Quality::TimingOnly {
                 margin.narrow(worst, &self.allowance);
             }
@@ -296,7 +296,7 @@ impl<'a> Section<'a> {
         within_before
     }
 
-    /// A motion within all limits, made faster on its own nodes; itself where that fails.
+    /// A motion within all limits, made faster on its own nodes; the motion itself if that fails.
     fn improved(&self, from: Solved, stage: &Stage, margin: &ToleranceMargin, work: &mut Work) -> Solved {
         let mut control = from.control.clone();
         let better = self.run_stage(&mut control, stage, margin, work);
@@ -330,7 +330,7 @@ impl<'a> Section<'a> {
         fresh
     }
 
-    /// One run of the optimisation, which improves the control points.
+    /// Improves the control points in one run of the optimisation.
     fn run_stage(
         &self,
         control: &mut ControlPoints,
@@ -375,7 +375,7 @@ impl<'a> Section<'a> {
         trajectory
     }
 
-    /// When each of the moves ends: where the progress passes its end; moves without length end with the one before.
+    /// The times of the ends of the moves: those at which the progress passes them; a move without length ends with the previous one.
     fn move_ends(&self, control: &ControlPoints, times: &[f64], whole: f64) -> Vec<MoveEnd> {
         let reference = &self.reference;
         let time_at = |s: f64| control.time_of(s, times);

@@ -33,7 +33,7 @@ impl Trajectory {
             // Velocity at the knot: the two neighbours weighted by the other's span.
             let (before, behind) = (span(i - 1), span(i));
             let at = (velocity(i - 1) * behind + velocity(i) * before) / (before + behind);
-            // Position: from the control point back by what the curve cuts.
+            // Position: the control point, less the distance by which the curve cuts the corner.
             let position = position_at_knot(
                 [node(i - 1), node(i), node(i + 1)],
                 [span(i - 2), before, behind, span(i + 1)],

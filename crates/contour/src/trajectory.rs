@@ -1,4 +1,4 @@
-//! A finished plan: where every axis is at every instant.
+//! A finished plan: the motion of every axis at every instant.
 //!
 //! Between knots the jerk of each axis is constant (a cubic spline in time), so position, velocity
 //! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
@@ -21,12 +21,12 @@ pub struct State {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     pub(crate) knots: Vec<Knot>,
-    /// Where the motion passes the end of each move, ascending.
+    /// The times at which the motion passes the ends of the moves, ascending.
     pub(crate) move_ends: Vec<MoveEnd>,
     pub(crate) end: Point,
-    /// Until when it is the trajectory that it extends, seconds; 0 where it extends none.
+    /// The splice with the trajectory that it extends, seconds; 0 if it extends none.
     pub(crate) splice: f64,
-    /// What it was planned for; set when it is finished.
+    /// The rates of the moves for which it was planned; set when it is finished.
     pub(crate) rates: Vec<Rates>,
     pub(crate) least: Rates,
     pub(crate) axes: AxisLimits,
@@ -35,16 +35,16 @@ pub struct Trajectory {
     pub(crate) arc_lengths: Vec<f64>,
 }
 
-/// Where a motion passes the end of a move, seconds.
+/// The times at which a motion passes the end of a move, seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MoveEnd {
     pub(crate) time: f64,
-    /// From when until when the corner there is rounded; twice `time` where none is.
+    /// The beginning and the end of the rounding of the corner there; twice `time` without one.
     pub(crate) rounding: [f64; 2],
 }
 
 impl MoveEnd {
-    /// Without a corner that is rounded.
+    /// Without a rounded corner.
     pub(crate) fn plain(time: f64) -> MoveEnd {
         MoveEnd {
             time,
@@ -52,7 +52,7 @@ impl MoveEnd {
         }
     }
 
-    /// All instants changed.
+    /// The same with all instants changed.
     pub(crate) fn map(&self, mut change: impl FnMut(f64) -> f64) -> MoveEnd {
         MoveEnd {
             time: change(self.time),
@@ -65,12 +65,12 @@ impl MoveEnd {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     knot: Knot,
-    /// Where it ends, seconds.
+    /// Its end, seconds.
     pub until: f64,
 }
 
 impl Piece {
-    /// The state at a time, seconds; beyond its ends it goes on.
+    /// The state at a time, seconds; it continues beyond its ends.
     #[must_use]
     pub fn at(&self, t: f64) -> State {
         self.knot.at(t - self.knot.time)
@@ -83,7 +83,7 @@ impl Piece {
     }
 }
 
-/// The state where a piece of constant jerk begins.
+/// The state at the beginning of a piece of constant jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Knot {
     pub(crate) time: f64,
@@ -100,12 +100,12 @@ pub struct Peaks {
     pub acceleration: Point,
     /// Largest magnitude of the jerk of each axis.
     pub jerk: Point,
-    /// Largest speed along the path where the jerk changes, which is all but the largest.
+    /// Largest speed along the path at the knots, which is nearly the largest of all.
     pub speed: f64,
 }
 
 impl Trajectory {
-    /// No motion: standing at a point.
+    /// No motion: rest at a point.
     #[must_use]
     pub fn rest(at: Point) -> Trajectory {
         Trajectory {
@@ -115,7 +115,7 @@ impl Trajectory {
         }
     }
 
-    /// Knots alone.
+    /// From its knots only.
     pub(crate) fn of(knots: Vec<Knot>) -> Trajectory {
         Trajectory {
             knots,
@@ -134,7 +134,7 @@ impl Trajectory {
         }
     }
 
-    /// Keeps what it was planned for, and its extreme values.
+    /// Records the rates and limits for which it was planned, and its extreme values.
     pub(crate) fn planned_for(mut self, moves: &[ContourMove], axes: &AxisLimits) -> Trajectory {
         self.rates.clear();
         self.rates.extend(moves.iter().map(|one| Rates {
@@ -174,19 +174,19 @@ impl Trajectory {
         self.rates.get(index)
     }
 
-    /// The least programmed rates of all its moves; the jerk is that of the S-curves.
+    /// The lowest programmed rates of all its moves; the jerk is that of the S-curves.
     #[must_use]
     pub fn least_rates(&self) -> &Rates {
         &self.least
     }
 
-    /// The limits of the axes that it was planned for.
+    /// The limits of the axes for which it was planned.
     #[must_use]
     pub fn axes(&self) -> &AxisLimits {
         &self.axes
     }
 
-    /// The place of the piece at `t`, of [`Trajectory::pieces`]. Real-time safe: a binary search.
+    /// The index of the piece at `t`, for [`Trajectory::pieces`]. Real-time safe: a binary search.
     #[must_use]
     pub fn piece_at(&self, t: f64) -> usize {
         self.knots.partition_point(|knot| knot.time <= t).saturating_sub(1)
@@ -228,39 +228,39 @@ impl Trajectory {
         knot.at(t - knot.time)
     }
 
-    /// The move that is being executed `t` seconds after the start: its place in the list that was
-    /// planned; the last one when all have ended. Real-time safe: a binary search.
+    /// The index of the move in execution `t` seconds after the start, in the planned list; the last one when all have ended. Real-time safe: a
+    /// binary search.
     #[must_use]
     pub fn move_at(&self, t: f64) -> usize {
         let ended = self.move_ends.partition_point(|end| end.time <= t);
         ended.min(self.move_ends.len().saturating_sub(1))
     }
 
-    /// When the motion passes the end of a move (nearest point to a rounded corner), in seconds.
+    /// The time at which the motion passes the end of a move (the nearest point to a rounded corner), in seconds.
     #[must_use]
     pub fn move_end(&self, index: usize) -> Option<f64> {
         self.move_ends.get(index).map(|end| end.time)
     }
 
-    /// From when until when the motion rounds the corner at the end of a move, seconds; the same instant twice where it rounds none.
+    /// The beginning and the end of the rounding of the corner at the end of a move, seconds; both equal without one.
     #[must_use]
     pub fn rounding(&self, index: usize) -> Option<[f64; 2]> {
         self.move_ends.get(index).map(|end| end.rounding)
     }
 
-    /// Until when it is the trajectory that it extends ([`crate::extend`]), seconds; 0 where it extends none.
+    /// The splice with the trajectory that it extends ([`crate::extend`]), seconds; 0 if it extends none.
     #[must_use]
     pub fn splice(&self) -> f64 {
         self.splice
     }
 
-    /// How many moves were planned.
+    /// The number of planned moves.
     #[must_use]
     pub fn moves(&self) -> usize {
         self.move_ends.len()
     }
 
-    /// How many pieces of constant jerk it is made of.
+    /// The number of its pieces of constant jerk.
     #[must_use]
     pub fn pieces(&self) -> usize {
         self.knots.len().saturating_sub(1)
@@ -281,7 +281,7 @@ impl Trajectory {
             peaks.acceleration = peaks.acceleration.sup(&knot.state.acceleration.abs());
             peaks.velocity = peaks.velocity.sup(&knot.state.velocity.abs());
             for axis in 0..3 {
-                // The velocity is extreme where the acceleration passes zero.
+                // The velocity has an extreme where the acceleration passes zero.
                 let turn = -knot.state.acceleration[axis] / knot.jerk[axis];
                 if turn > 0.0 && turn < next.time - knot.time {
                     let there = knot.at(turn).velocity[axis].abs();
@@ -292,12 +292,11 @@ impl Trajectory {
         peaks
     }
 
-    /// Appends a motion that starts where this one ends, both at rest there. The moves of the other
-    /// one are numbered on from the moves of this one.
+    /// Appends a motion that starts at the end of this one, both at rest there. The moves of the other one continue the numbers of this one.
     pub fn append(&mut self, next: Trajectory) {
         let shift = self.duration();
         if !next.knots.is_empty() {
-            // The last knot is rest without length; the next trajectory's first takes its place.
+            // The first knot of the next trajectory replaces the last knot, which is a rest without length.
             self.knots.pop();
         }
         self.knots.extend(next.knots.into_iter().map(|knot| Knot {
@@ -335,7 +334,7 @@ impl Knot {
 }
 
 impl State {
-    /// Standing still at a point.
+    /// Rest at a point.
     #[must_use]
     pub fn rest(position: Point) -> State {
         State {

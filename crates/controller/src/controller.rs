@@ -15,19 +15,19 @@ use crate::machine::{self, DynamicsBits, Machine};
 use crate::overtaken::Overtaken;
 use crate::snapshot::Snapshot;
 
-/// What reaches the controller from outside.
+/// A command to the controller from outside.
 #[derive(Clone, Debug)]
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
-    /// The same with what the instruction has from tags.
+    /// The same with the data of the instruction that stand in tags.
     CallWith(Ticket, Call, CallData),
-    /// Execute a move of a series: it is refused, and its motion control tag stays as it is, when its queue has no room or a move of the
-    /// same series before it has failed.
+    /// Execute a move of a series. The controller refuses it, and leaves its motion control tag unchanged, if its queue has no room or an earlier
+    /// move of the same series has failed.
     CallOfSeries(Ticket, Call, Series),
     /// The rung condition of the instruction with this motion control tag is false.
     RungFalse(ControlSlot),
-    /// Take a share of the programmed speeds of a coordinate system's moves, 0 to 2; 0 holds.
+    /// Set the override of a coordinate system: the share of the programmed speeds of its moves, 0 to 2; 0 holds.
     Override {
         /// Index of the coordinate system.
         system: SystemId,
@@ -43,27 +43,27 @@ pub enum Command {
         /// The bits.
         bits: DynamicsBits,
     },
-    /// Put causes of faults on an axis, and take all others away that were put there.
+    /// Inject causes of faults into an axis, in place of those injected before.
     Inject {
         /// Index of the axis.
         axis: AxisId,
         /// The causes.
         causes: FaultSet,
     },
-    /// Take what was written to a tag that the machine reads.
+    /// Take a value written to a tag that the machine reads.
     Input(Input),
-    /// Stop all motion of every coordinate system in a controlled way: what a shutdown of the process needs.
+    /// Stop all motion of every coordinate system in a controlled way, for a shutdown of the process.
     StopAll,
 }
 
-/// Identifies moves that one client has sent together: the ticket of the first one. Other commands do not come between them, stops aside.
+/// Identifies moves that one client has sent together: the ticket of the first one. Except for stops, no other command comes between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Series(pub Ticket);
 
-/// A request to stop, which no command is ahead of.
+/// A request to stop, which precedes all commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopRequest {
-    /// Everything that moves, every axis by itself.
+    /// All motion, each axis separately.
     All,
     /// The jog that an instruction began on an axis: see [`Motion::end_jog`].
     Jog {
@@ -71,37 +71,37 @@ pub enum StopRequest {
         axis: AxisId,
         /// The instruction.
         ticket: Ticket,
-        /// Why it ends.
+        /// The cause of its end.
         why: JogEnd,
     },
 }
 
-/// A command that comes ahead of others that were sent before it and still wait.
+/// A command that precedes others that were sent before it and still wait.
 #[derive(Clone, Debug)]
 pub struct Overtaking {
-    /// An instruction that stops or switches off, or the false rung condition of one.
+    /// An instruction that stops or disables, or its false rung condition.
     pub command: Command,
-    /// The commands that were sent before it, ever, stops aside.
+    /// The number of commands ever sent before it, without stops.
     pub sent_before: u64,
 }
 
-/// What joins the controller to the rest: rings in the real-time thread, plain collections in a test.
-/// Every method is called from the tick and must neither block nor allocate. None has a body: an implementer that discards something
-/// says so itself.
+/// The connection of the controller to the rest of the server: rings in the real-time thread, plain collections in a test.
+/// The tick calls every method; none may block or allocate. The trait has no default bodies, so an implementation that discards data does so
+/// explicitly.
 pub trait Port {
-    /// The next request to stop: every one is taken before the first command of a tick.
+    /// The next request to stop. The tick takes every request before its first command.
     fn next_stop(&mut self) -> Option<StopRequest>;
-    /// Whether a command of this tick was sent before the newest [`StopRequest::All`]: what it began is stopped too.
+    /// A command of this tick was sent before the newest [`StopRequest::All`]: the stop includes the motion that it began.
     fn was_sent_before_stop(&mut self) -> bool;
-    /// Whether motion is inhibited: instructions of this tick that would begin motion are refused.
+    /// Motion is inhibited: the controller refuses instructions of this tick that would begin motion.
     fn is_inhibited(&mut self) -> bool;
-    /// The next stop before which more commands wait than this tick takes.
+    /// The next stop that has more commands before it than this tick takes.
     fn next_overtaking(&mut self) -> Option<Overtaking>;
-    /// The commands that were taken before the newest one of [`Port::next_command`], ever, stops aside.
+    /// The number of commands ever taken before the newest one of [`Port::next_command`], without stops.
     fn taken_before(&self) -> u64;
-    /// The next command, if one waits.
+    /// The next command, if there is one.
     fn next_command(&mut self) -> Option<Command>;
-    /// What the motion control tag shows right after an instruction was executed.
+    /// The status of the motion control tag directly after the execution of an instruction.
     fn answer(&mut self, ticket: Ticket, control: MotionControl);
     /// A change of an instruction's status.
     fn event(&mut self, event: &Event);
@@ -111,20 +111,20 @@ pub trait Port {
     fn array_write(&mut self, write: &ArrayWrite);
     /// A coordinated move was accepted.
     fn accepted(&mut self, accepted: &AcceptedMove);
-    /// A place for the state at the end of this tick; `None` when no snapshot is wanted.
+    /// The memory for the state at the end of this tick; `None` if no snapshot is wanted.
     fn snapshot(&mut self) -> Option<&mut Snapshot>;
-    /// The snapshot is filled.
+    /// Publishes the filled snapshot.
     fn publish(&mut self);
-    /// An empty request for the planning of a contour; `None`: no request can be taken now.
+    /// An empty request for the planning of a contour; `None` if no request can be taken now.
     fn contour_request(&mut self) -> Option<&mut ContourRequest>;
-    /// The request is filled.
+    /// Submits the filled request.
     fn submit_contour(&mut self);
-    /// The next contour that has been planned.
+    /// The next planned contour.
     fn planned_contour(&mut self) -> Option<PlannedContour>;
     /// Takes a trajectory to free it outside the tick.
     ///
     /// # Errors
-    /// The trajectory, when it cannot be taken now: it is offered again.
+    /// The trajectory, if it cannot be taken now: the controller offers it again.
     fn retire(&mut self, trajectory: Arc<Trajectory>) -> Result<(), Arc<Trajectory>>;
 }
 
@@ -135,28 +135,28 @@ pub struct PlannedContour {
     pub system: SystemId,
     /// The generation of the request.
     pub generation: u32,
-    /// The plan; `None`: none was found.
+    /// The plan; `None`: the planner found none.
     pub trajectory: Option<Arc<Trajectory>>,
 }
 
-/// A machine under control. `tick` is the only time there is, so a run can be repeated exactly.
+/// A machine under control. The number of the tick is its only time, so a run can be repeated exactly.
 #[derive(Debug)]
 pub struct Controller {
     motion: Motion,
     drives: Box<dyn Drives>,
     next_tick: u64,
     overtaken: Overtaken,
-    /// The newest series of which a move has failed.
+    /// The newest series with a failed move.
     failed: Option<Series>,
 }
 
 /// Planned contours that one tick takes.
 const MAX_CONTOURS_PER_TICK: usize = 4;
-/// Requests to stop that one tick takes: one of everything, and one of each axis.
+/// Requests to stop that one tick takes: one for all axes, and one for each axis.
 const MAX_STOPS_PER_TICK: usize = machine::MAX_AXES + 1;
 /// Commands that one tick takes; the rest wait for the next one.
 pub const MAX_COMMANDS_PER_TICK: usize = 64;
-/// Stops among them that come ahead of others, so that stops alone never keep other commands from the controller.
+/// Overtaking stops among them: a limit, so that stops alone never keep other commands from the controller.
 const MAX_OVERTAKING_PER_TICK: usize = 16;
 
 impl Controller {
@@ -165,7 +165,7 @@ impl Controller {
         Controller::with_drives(machine, Box::new(simulated(machine)))
     }
 
-    /// The same with other drives, in the order of the machine's axes.
+    /// The same with specific drives, in the order of the machine's axes.
     pub fn with_drives(machine: &Machine, drives: Box<dyn Drives>) -> Self {
         Controller {
             motion: Motion::new(machine),
@@ -176,14 +176,14 @@ impl Controller {
         }
     }
 
-    /// The same before another tick: counters of ticks are near their end after weeks.
+    /// Starts before a later tick, for tests: counters of ticks approach their end after weeks.
     #[must_use]
     pub fn starting_at(mut self, tick: u64) -> Self {
         self.next_tick = tick;
         self
     }
 
-    /// One coarse update: what a real-time thread does, in the order in which things happen.
+    /// Executes one coarse update: the complete work of the real-time thread in a tick.
     ///
     /// Real-time: no allocation, lock, I/O, log or clock; bounded by the machine and [`MAX_COMMANDS_PER_TICK`].
     pub fn tick(&mut self, port: &mut impl Port) {
@@ -207,7 +207,7 @@ impl Controller {
         self.show(port);
     }
 
-    /// Takes the stops and commands that wait, in the order in which a tick takes them; whether there were any. Real-time, bounded by
+    /// Takes the waiting stops and commands, in the order of a tick. Returns true if there were any. Real-time, bounded by
     /// [`MAX_COMMANDS_PER_TICK`].
     pub fn take_commands(&mut self, port: &mut impl Port) -> bool {
         let mut any = false;
@@ -234,7 +234,7 @@ impl Controller {
         any
     }
 
-    /// Reports what the tick has done so far, and its state. Real-time as far as the port is.
+    /// Reports the changes of the tick so far, and its state. Real-time as far as the port is.
     pub fn show(&mut self, port: &mut impl Port) {
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.take_fault_changes(|change| port.fault_change(change));
@@ -246,7 +246,7 @@ impl Controller {
         }
     }
 
-    /// Takes the stops that come ahead of other commands, and returns how many there were. Real-time.
+    /// Takes the overtaking stops, and returns their number. Real-time.
     fn take_overtaking(&mut self, port: &mut impl Port) -> usize {
         for number in 0..MAX_OVERTAKING_PER_TICK {
             let Some(Overtaking { command, sent_before }) = port.next_overtaking() else {
@@ -260,7 +260,7 @@ impl Controller {
         MAX_OVERTAKING_PER_TICK
     }
 
-    /// Does what a command says, before which so many others were taken. Real-time.
+    /// Executes a command; `taken_before`: the number of commands taken before it. Real-time.
     fn take(&mut self, command: Command, taken_before: u64, port: &mut impl Port) {
         match command {
             Command::Call(ticket, call) | Command::CallWith(ticket, call, _)
@@ -292,23 +292,23 @@ impl Controller {
         }
     }
 
-    /// Brings the machine to the next tick; the first call is tick 0. Real-time.
+    /// Advances the machine to the next tick; the first call begins tick 0. Real-time.
     pub fn begin_tick(&mut self) {
         self.motion.begin(self.next_tick, self.drives.as_mut());
         self.next_tick += 1;
     }
 
-    /// Executes an instruction at the present tick and returns what its motion control tag shows. Real-time.
+    /// Executes an instruction at the present tick and returns the status of its motion control tag. Real-time.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
         self.motion.execute(ticket, call)
     }
 
-    /// The same with what the instruction has from tags. Real-time.
+    /// The same with the data of the instruction that stand in tags. Real-time.
     pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         self.motion.execute_with(ticket, call, data)
     }
 
-    /// Executes a move of a series before which so many commands were taken. Real-time.
+    /// Executes a move of a series; `taken_before`: the number of commands taken before it. Real-time.
     fn execute_of_series(&mut self, ticket: Ticket, call: &Call, series: Series, taken_before: u64) -> MotionControl {
         if self.failed == Some(series) {
             return MotionControl::refused(MotionError::ExecutionCollision);
@@ -326,12 +326,12 @@ impl Controller {
         control
     }
 
-    /// A false rung condition. Real-time.
+    /// Handles a false rung condition. Real-time.
     pub fn rung_false(&mut self, control: ControlSlot) {
         self.motion.rung_false(control);
     }
 
-    /// Takes a share of the programmed speeds of a coordinate system's moves: see [`Motion::set_override`]. Real-time.
+    /// Sets the override of a coordinate system: see [`Motion::set_override`]. Real-time.
     pub fn set_override(&mut self, system: SystemId, rate: f64) {
         self.motion.set_override(system, rate);
     }
@@ -341,22 +341,22 @@ impl Controller {
         self.motion.set_dynamics_bits(object, index, bits);
     }
 
-    /// Puts causes of faults on an axis: see [`Motion::inject`]. Real-time.
+    /// Injects causes of faults into an axis: see [`Motion::inject`]. Real-time.
     pub fn inject(&mut self, axis: AxisId, causes: FaultSet) {
         self.motion.inject(axis, causes);
     }
 
-    /// Takes what was written to a tag that the machine reads. Real-time.
+    /// Takes a value written to a tag that the machine reads. Real-time.
     pub fn input(&mut self, input: Input) {
         self.motion.input(input, self.drives.as_mut());
     }
 
-    /// Stops everything that moves, every axis by itself. Real-time.
+    /// Stops all motion, each axis separately. Real-time.
     pub fn stop_all(&mut self) {
         self.motion.stop_all();
     }
 
-    /// Refuses instructions that would begin motion, or does so no more: see [`Motion::inhibit`]. Real-time.
+    /// Starts or ends the refusal of instructions that would begin motion: see [`Motion::inhibit`]. Real-time.
     pub fn inhibit(&mut self, is_inhibited: bool) {
         self.motion.inhibit(is_inhibited);
     }
@@ -366,12 +366,12 @@ impl Controller {
         self.motion.end_jog(axis, ticket, why);
     }
 
-    /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
+    /// Fills a request for the next contour to plan; returns false if there is none. Real-time.
     pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
         self.motion.next_contour(request)
     }
 
-    /// Begins to travel a planned contour at the present tick, if it is still wanted. Real-time.
+    /// Starts a planned contour at the present tick, if it is still wanted. Real-time.
     pub fn install_contour(&mut self, planned: PlannedContour) {
         let PlannedContour {
             system,
@@ -381,7 +381,7 @@ impl Controller {
         self.motion.install_contour(system, generation, trajectory);
     }
 
-    /// Plans every contour that waits for it, here and now. Not bounded: for a virtual clock.
+    /// Plans every waiting contour at once. Not bounded: for a virtual clock.
     pub fn plan_contours(&mut self, request: &mut ContourRequest) {
         while self.next_contour(request) {
             self.install_contour(PlannedContour {
@@ -398,33 +398,32 @@ impl Controller {
         self.motion.accepted_moves(report);
     }
 
-    /// Closes the tick and reports what changed, in order. Real-time as far as `report` is.
+    /// Ends the tick and reports the changes, in order. Real-time as far as `report` is.
     pub fn end_tick(&mut self, report: impl FnMut(&Event)) {
         self.motion.finish(report);
     }
 
-    /// How faults of axes changed in the tick that is being closed: to be called once a tick. Real-time as far as `report`
-    /// is.
+    /// Reports the changes of faults in the tick that ends; to be called once a tick. Real-time as far as `report` is.
     pub fn take_fault_changes(&mut self, report: impl FnMut(&FaultChange)) {
         self.motion.take_fault_changes(report);
     }
 
-    /// What instructions wrote to arrays in the tick that was closed. Real-time as far as `report` is.
+    /// Reports the writes of instructions to arrays in the tick that ended. Real-time as far as `report` is.
     pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
         self.motion.take_array_writes(report);
     }
 
-    /// Whether the instruction would find room in its coordinate system's queue.
+    /// The queue of the coordinate system has room for the instruction.
     pub fn has_room(&self, call: &Call) -> bool {
         self.motion.has_room(call)
     }
 
-    /// Whether nothing moves and nothing is under way that would end.
+    /// No motion is under way that would end on its own.
     pub fn at_rest(&self) -> bool {
         self.motion.at_rest()
     }
 
-    /// Whether no axis moves and none will before another instruction is executed.
+    /// No axis moves, and none will before another instruction is executed.
     pub fn is_still(&self) -> bool {
         self.motion.is_still()
     }
@@ -434,7 +433,7 @@ impl Controller {
         self.motion.tick()
     }
 
-    /// What a motion control tag shows at the present tick.
+    /// The status that a motion control tag shows at the present tick.
     pub fn control(&self, slot: ControlSlot) -> MotionControl {
         self.motion.control(slot)
     }
@@ -444,12 +443,12 @@ impl Controller {
         self.motion.trace()
     }
 
-    /// Where the tools of robots are, of every coordinate system in configuration order (see [`crate::SystemSnapshot::tool`]).
+    /// The tool positions of the robots, of every coordinate system in configuration order (see [`crate::SystemSnapshot::tool`]).
     pub fn tools(&self) -> impl Iterator<Item = Option<[f64; 3]>> {
         self.motion.systems().map(|system| system.tool)
     }
 
-    /// Fills a snapshot with the state at the present tick. Real-time: the snapshot was made for this machine.
+    /// Fills a snapshot with the state at the present tick. Real-time if the snapshot was created for this machine.
     pub fn snapshot(&self, snapshot: &mut Snapshot) {
         snapshot.tick = self.motion.tick();
         snapshot.lost_events = self.motion.lost_events();

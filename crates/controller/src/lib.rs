@@ -1,4 +1,4 @@
-//! The controller: one tick after another over a machine, and the memory of its tags.
+//! The controller: a sequence of ticks over a machine, and the memory of its tags.
 //!
 //! Not here: threads, real clocks, sockets, files, logs. A caller drives [`Controller::tick`] from a real-time
 //! thread, or its three parts on a virtual clock.

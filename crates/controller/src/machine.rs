@@ -1,6 +1,7 @@
-//! The machine: the motion group as motion knows it, and the drives behind its axes.
+//! The machine: the motion group, and the drives behind its axes.
 //!
-//! Motion gets only the [`MotionGroup`]. A fieldbus or a plant model adds its configuration here, beside that of the simulated drives.
+//! The motion core receives only the [`MotionGroup`]. A fieldbus or a plant model adds its configuration here, beside that of the
+//! simulated drives.
 
 use std::ops::{Deref, DerefMut};
 
@@ -26,7 +27,7 @@ pub struct SimulatedDrive {
 }
 
 impl Machine {
-    /// A motion group each of whose servo axes has a simulated drive with the default settings and without a sensor.
+    /// A motion group whose servo axes have simulated drives with default settings and without sensors.
     pub fn new(motion: MotionGroup) -> Self {
         let drive = |axis: &Axis| (axis.kind == AxisKind::Servo).then(SimulatedDrive::default);
         let drives = motion.axes.iter().map(drive).collect();

@@ -1,19 +1,18 @@
-//! What stops have overtaken.
+//! Commands that a stop has overtaken.
 //!
-//! A stop that comes ahead of commands that were sent before it ([`crate::Overtaking`]) must not be undone by them: such a command is
-//! refused if it would begin motion of an axis of the stop, or switch that axis on. Not here: the order itself, which is that of the
-//! port.
+//! Commands sent before an overtaking stop ([`crate::Overtaking`]) must not undo it: the controller refuses such a command if it would begin
+//! motion of an axis of the stop, or switch that axis on. Not here: the order itself, which the port determines.
 
 use arcline_instruction_set::{AxisId, Call};
 use arcline_motion::AxisSet;
 
 use crate::machine::MAX_AXES;
 
-/// For each axis, how many commands were sent before the newest stop that came ahead of some of them.
+/// For each axis, the number of commands sent before the newest overtaking stop.
 #[derive(Clone, Debug)]
 pub(crate) struct Overtaken {
     before: [u64; MAX_AXES],
-    /// The largest of them.
+    /// The largest of these numbers.
     newest: u64,
 }
 
@@ -27,9 +26,9 @@ impl Default for Overtaken {
 }
 
 impl Overtaken {
-    /// A stop of some axes came ahead of commands; so many were sent before it. Real-time.
+    /// Records an overtaking stop of some axes; `sent_before`: the number of commands sent before it. Real-time.
     pub(crate) fn note(&mut self, axes: AxisSet, sent_before: u64) {
-        // Stops come in the order in which they were sent.
+        // Stops arrive in the order in which they were sent.
         self.newest = sent_before;
         for (axis, before) in self.before.iter_mut().enumerate() {
             if axes.contains(AxisId::from_index(axis)) {
@@ -38,7 +37,7 @@ impl Overtaken {
         }
     }
 
-    /// Whether a call before which so many commands were taken is refused: one of its axes was stopped since it was sent. Real-time.
+    /// A call is refused: a stop of one of its axes was sent after it. `taken_before`: the number of commands taken before the call. Real-time.
     pub(crate) fn refuses(&self, call: &Call, taken_before: u64, axes: impl FnOnce() -> AxisSet) -> bool {
         if self.newest <= taken_before || !(call.mnemonic.begins_motion() || call.mnemonic.switches_on()) {
             return false;

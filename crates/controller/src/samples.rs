@@ -1,4 +1,4 @@
-//! The samples of a tick: one row of numbers for the whole machine, in an order that does not change.
+//! The samples of a tick: one row of numbers for the whole machine, in a fixed order.
 //!
 //! Column 0 is the tick. Then come the columns of every axis, then those of every coordinate system, then those of the tool of every
 //! robot, in configuration order.
@@ -27,7 +27,7 @@ pub const AXIS: [&str; 13] = [
     OUTPUTS,
 ];
 
-/// The column of an axis that is no member of its tag: the bits that its output cams have set, of all targets together.
+/// The column of an axis that is not a member of its tag: the bits that its output cams have set, of all targets together.
 const OUTPUTS: &str = "OutputCamBits";
 
 /// The columns of a coordinate system; words are named as the members of its tag.
@@ -38,10 +38,10 @@ pub const SYSTEM: [&str; 4] = [
     "CoordinateMotionStatus",
 ];
 
-/// The columns of a coordinate system that is a robot's: where its tool is in the frame of its base (see [`SystemSnapshot::tool`]).
+/// The columns of a robot's coordinate system: the position of its tool in the frame of its base (see [`SystemSnapshot::tool`]).
 pub const TOOL: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
 
-/// Where a signal is in a row.
+/// The location of a signal in a row.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Column {
     /// The number in a column.
@@ -78,12 +78,12 @@ fn tools(machine: &Machine) -> usize {
     1 + AXIS.len() * machine.axes.len() + SYSTEM.len() * machine.systems.len()
 }
 
-/// The coordinate systems that are robots', in configuration order.
+/// The coordinate systems of robots, in configuration order.
 pub fn robots(machine: &Machine) -> impl Iterator<Item = &CoordinateSystem> {
     machine.systems.iter().filter(|system| system.robot.is_some())
 }
 
-/// The row of a snapshot. Real-time: no allocation, as many numbers as [`width`] of its machine.
+/// The row of a snapshot. Real-time: no allocation; it has [`width`] numbers.
 pub fn row(snapshot: &Snapshot) -> impl Iterator<Item = f64> + '_ {
     let axes = snapshot.axes.iter().flat_map(axis);
     let systems = snapshot.systems.iter().flat_map(system);
@@ -94,7 +94,7 @@ pub fn row(snapshot: &Snapshot) -> impl Iterator<Item = f64> + '_ {
         .chain(tools)
 }
 
-/// The names of all columns but the first, in order: `X.CommandPosition`.
+/// The names of all columns except the first, in order: `X.CommandPosition`.
 pub fn names(machine: &Machine) -> Vec<String> {
     let axes = machine.axes.iter();
     let axes = axes.flat_map(|axis| AXIS.map(|signal| format!("{}.{signal}", axis.name)));
@@ -104,8 +104,8 @@ pub fn names(machine: &Machine) -> Vec<String> {
     axes.chain(systems).chain(tools).collect()
 }
 
-/// Where a signal is, by its name, case ignored: a column, a bit of a status word by its name (`X.MoveStatus`), or a bit of any
-/// word by its number (`X.OutputCamBits.3`).
+/// The location of a signal by its name, case ignored: a column, a bit of a status word by its name (`X.MoveStatus`), or a bit of any word
+/// by its number (`X.OutputCamBits.3`).
 pub fn find(machine: &Machine, name: &str) -> Option<Column> {
     let (object, signal) = name.split_once('.')?;
     if let Some(index) = machine.axis(object) {

@@ -1,4 +1,4 @@
-//! The state of the whole machine at one tick, as the rest of the program sees it.
+//! The state of the whole machine at one tick, for publication.
 
 use crate::machine::Machine;
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
@@ -12,12 +12,12 @@ pub struct Snapshot {
     pub axes: Vec<AxisSnapshot>,
     /// Coordinate systems in configuration order.
     pub systems: Vec<SystemSnapshot>,
-    /// Events that found no room in the controller, ever.
+    /// The number of events lost in the controller for lack of room.
     pub lost_events: u64,
 }
 
 impl Snapshot {
-    /// An empty snapshot with a place for everything of a machine.
+    /// An empty snapshot with memory for all objects of a machine.
     pub fn new(machine: &Machine) -> Self {
         let systems = machine.systems.iter().map(|system| SystemSnapshot {
             tool: system.robot.map(|_| [f64::NAN; 3]),

@@ -1,4 +1,4 @@
-//! The values that go over the seam in a tick, and the trait of what stands behind it.
+//! The data exchanged with the drives in a tick, and the trait that drives implement.
 
 use std::fmt;
 
@@ -12,37 +12,37 @@ pub const HOME_LATCH: usize = 0;
 /// The latches of the registration inputs.
 pub const REGISTRATION_LATCHES: [usize; 2] = [1, 2];
 
-/// The drives of a machine, in the order of its axes. An axis without a drive has a place that means nothing.
+/// The drives of a machine, in the order of its axes. The entries of an axis without a drive are ignored.
 pub trait Drives: fmt::Debug + Send {
-    /// Gives the set-points of the present tick to all drives, and takes their feedback. Called once in a tick, from the tick: it
-    /// must not block or allocate. `feedback` holds what the last exchange has left there.
+    /// Sends the set-points of the present tick to all drives, and takes their feedback. The tick calls it once: it must not block or allocate.
+    /// `feedback` holds the feedback of the last exchange.
     ///
     /// The feedback may be of the present tick, as that of the simulated machine, or some ticks old, as that of a fieldbus.
     ///
     /// # Errors
-    /// [`ExchangeLost`] when no feedback came: `feedback` then means nothing.
+    /// [`ExchangeLost`] if no feedback came: the contents of `feedback` are then invalid.
     fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost>;
 
-    /// An input that clients or a program's wires write, and that is not wired to a drive, has changed at the present tick, behind the
-    /// last exchange. The drive takes it as if it was wired to it: `feedback` is that of the axis, and gets the input and the latch of a
-    /// registration input; that of homing comes with the next exchange.
+    /// Takes a change, after the last exchange of the present tick, of an input that clients or a program write and that is not wired
+    /// to a drive. The drive handles it as a wired input: `feedback` is that of the axis, and gets the input and the latch of a
+    /// registration input; the latch of homing comes with the next exchange.
     ///
-    /// Drives that have all their inputs at their own terminals ignore it.
+    /// Drives with all their inputs at their own terminals ignore it.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
         let _ = (input, feedback);
     }
 
-    /// When axes whose set-points stand came within a tolerance of them: by the norm of their following errors, during the update
-    /// that the last exchange ended. `stood`: for how long the set-points have stood at its end, seconds.
+    /// The instant, during the update that the last exchange ended, at which axes with resting set-points came within a tolerance of them, by the
+    /// norm of their following errors. `stood`: seconds for which the set-points have rested at the end of the update.
     ///
-    /// Drives that know only what their feedback says answer [`Settled::Unknown`].
+    /// Drives that know only their feedback answer [`Settled::Unknown`].
     fn settled(&self, axes: &[AxisId], tolerance: f64, stood: f64) -> Settled {
         let _ = (axes, tolerance, stood);
         Settled::Unknown
     }
 }
 
-/// No feedback came in time.
+/// The feedback did not come in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ExchangeLost;
 
@@ -51,29 +51,29 @@ pub struct ExchangeLost;
 pub enum Settled {
     /// The axes came within the tolerance.
     Within {
-        /// How long before the end of the update, seconds.
+        /// Seconds before the end of the update.
         before_end_s: f64,
     },
-    /// They did not.
+    /// The axes did not.
     No,
-    /// The feedback tells no more than where they are at its time.
+    /// The feedback shows only their positions at its own time.
     Unknown,
 }
 
-/// What goes out to the drive of one axis at a tick.
+/// The output to the drive of one axis at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SetPoint {
-    /// The drive is to hold the axis and to follow.
+    /// The drive must hold the axis and follow the set-points.
     pub enable: bool,
-    /// Where the axis is to be, of the machine: without what positions were redefined by. Position units.
+    /// Machine position, without the offset of redefined positions, position units.
     pub position: f64,
     /// Position units per second.
     pub velocity: f64,
     /// Position units per second².
     pub acceleration: f64,
-    /// How long before the tick the set-point came to rest, where that lies within the last update and it is at rest; seconds.
+    /// Seconds before the tick at which the set-point came to rest, if it rests and did so within the last update; otherwise 0.
     pub stood: f64,
-    /// Latches that are to close.
+    /// Latches to close.
     pub latches: [Option<ArmLatch>; LATCHES],
 }
 
@@ -91,15 +91,15 @@ impl SetPoint {
 /// A latch that is armed. It closes once for each number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ArmLatch {
-    /// Which arming this is: a latch that closes has the same number.
+    /// The number of the arming: a closed latch has the same number.
     pub number: u32,
-    /// What closes it.
+    /// The trigger that closes it.
     pub trigger: Trigger,
     /// The first marker behind the trigger closes it instead.
     pub then_marker: bool,
 }
 
-/// What closes a latch.
+/// The trigger of a latch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trigger {
     /// The home switch becomes active.
@@ -121,22 +121,22 @@ pub enum Trigger {
 pub struct Latch {
     /// The number with which it was armed.
     pub number: u32,
-    /// How long before the tick of the exchange it closed, seconds, 0 or more.
+    /// Seconds before the tick of the exchange at which it closed, 0 or more.
     pub before_end_s: f64,
-    /// Where the axis was, of the machine: exact. Position units.
+    /// Machine position of the axis at that instant, exact, position units.
     pub position: f64,
 }
 
-/// An input of a drive that is written instead of wired.
+/// A written input of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrittenInput {
     /// The axis.
     pub axis: AxisId,
-    /// Which of its inputs.
+    /// The input.
     pub input: DriveInput,
     /// The input is active now.
     pub on: bool,
-    /// The latch of a registration input, as it is armed now.
+    /// The armed latch of a registration input.
     pub armed: Option<ArmLatch>,
 }
 
@@ -145,26 +145,26 @@ pub struct WrittenInput {
 pub enum DriveInput {
     /// A registration input: 0 or 1.
     Registration(usize),
-    /// The home switch, beside that of the simulated machine: active is one of them.
+    /// The home switch: active if this input or the switch of the simulated machine is.
     Home,
-    /// The drive holds the axis only while this input is active. A drive whose input is never written does not need it.
+    /// The drive holds the axis only while this input is active. A drive whose input was never written ignores it.
     Enable,
 }
 
-/// What comes in from the drive of one axis at a tick.
+/// The input from the drive of one axis at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Feedback {
-    /// What the drive does.
+    /// The state of the drive.
     pub state: DriveState,
-    /// How the axis follows.
+    /// The precision with which the axis follows.
     pub following: Following,
-    /// Where the axis is, of the machine, as its encoder sees it; the acceleration is the mean over the last update.
+    /// Machine motion of the axis by its encoder; the acceleration is the mean over the last update.
     pub motion: KinematicState,
-    /// Set-point minus actual position, as the drive knows it, position units.
+    /// Set-point minus actual position by the drive's own measurement, position units.
     pub error: f64,
-    /// What keeps the drive from following.
+    /// The limit that prevents the drive from following.
     pub saturation: Saturation,
-    /// Faults that the drive reports, as long as their causes are there.
+    /// Faults that the drive reports while their causes are present.
     pub faults: FaultSet,
     /// Digital inputs.
     pub inputs: Inputs,
@@ -172,7 +172,7 @@ pub struct Feedback {
     pub latches: [Option<Latch>; LATCHES],
 }
 
-/// What a drive does.
+/// The state of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DriveState {
     /// It has no torque.
@@ -180,31 +180,31 @@ pub enum DriveState {
     Off,
     /// It holds the axis and follows the set-points.
     Enabled,
-    /// A fault has switched it off.
+    /// A fault has disabled it.
     Faulted,
-    /// It does not answer: the rest of its feedback means nothing.
+    /// It does not answer: the rest of its feedback is invalid.
     Lost,
 }
 
-/// How an axis follows its set-points.
+/// The precision with which an axis follows its set-points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Following {
-    /// The feedback says how.
+    /// Only the feedback shows it.
     #[default]
     Measured,
-    /// Without an error at any instant: a simulated drive can.
+    /// The axis follows without an error at any instant, as some simulated drives do.
     Exact,
 }
 
-/// What keeps a drive from doing what its loop asks for, at the present tick.
+/// The limit that prevents a drive from following its loop, at the present tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Saturation {
-    /// Nothing.
+    /// None.
     #[default]
     None,
     /// It runs at its speed limit.
     Speed,
-    /// It accelerates with all its torque.
+    /// It accelerates at its full torque.
     Torque,
 }
 

@@ -1,9 +1,9 @@
-//! The seam between motion and the drives of a machine, and a simulated machine behind it.
+//! The interface between motion and the drives of a machine, and a simulated machine that implements it.
 //!
-//! Once in a tick, set-points of all axes go out and feedback of all axes comes in ([`Drives::exchange`]). Positions on the seam are
-//! those of the machine: what instructions redefine changes nothing here. [`simulated`] is the implementation that is in the
-//! product; a fieldbus or a plant model is another one. Not here: faults' actions, axis states, the configuration. Units: position
-//! units, seconds. Nothing allocates after an implementation was made.
+//! Once in a tick, set-points of all axes go out and feedback of all axes comes in ([`Drives::exchange`]). Positions in the exchange are
+//! machine positions: redefined positions do not affect them. [`simulated`] is the implementation in the product; a fieldbus or a plant model
+//! is another one. Not here: fault actions, axis states, the configuration. Units: position units, seconds. Nothing allocates after the
+//! creation of an implementation.
 
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]

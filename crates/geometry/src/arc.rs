@@ -12,7 +12,7 @@ use crate::tolerance::{
 };
 use crate::{PathPoint, Point};
 
-/// Number of primary axes of the coordinate system: not of the coordinates that change.
+/// Number of primary axes of the coordinate system, whether the coordinates change or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Two primary axes; the third coordinate of every point is 0.
@@ -24,7 +24,7 @@ pub enum Dimension {
 /// The second point of the circle, absolute (spec/coordinated-instructions.md §13.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CirclePoint {
-    /// A point passed on the way.
+    /// A point between start and end.
     Via(Point),
     /// The centre.
     Center(Point),
@@ -68,7 +68,7 @@ impl Direction {
         }
     }
 
-    /// Whether the path is a full circle.
+    /// The path is a full circle.
     #[must_use]
     pub const fn is_full(self) -> bool {
         matches!(self, Direction::ClockwiseFull | Direction::CounterClockwiseFull)
@@ -79,7 +79,7 @@ impl Direction {
     }
 }
 
-/// Why points do not make an arc (spec/coordinated-instructions.md §13.4; the number is ERR).
+/// The reason why points do not form an arc (spec/coordinated-instructions.md §13.4; the number is ERR).
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ArcError {
     /// ERR 25: a radius does not define a circle in space.
@@ -104,13 +104,13 @@ pub enum ArcError {
     SmallRadius {
         /// The radius, without its sign.
         radius: f64,
-        /// The least one possible.
+        /// The least possible radius.
         least: f64,
     },
 }
 
 impl ArcError {
-    /// The code that a motion control tag shows in ERR.
+    /// The error code of a motion control tag (ERR).
     #[must_use]
     pub const fn err(self) -> i16 {
         match self {
@@ -125,7 +125,7 @@ impl ArcError {
 
 /// A circular arc or a full circle by arc length.
 ///
-/// Where start and end have different distances from the centre (within 15 %) the radius runs
+/// If start and end have different distances from the centre (within 15 %), the radius changes
 /// linearly with the angle: an Archimedean spiral that starts and ends exactly
 /// (spec/motion-core.md §9.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,8 +151,8 @@ impl Arc {
     /// All points are finite and absolute. With `Dimension::Two` the third coordinates are 0.
     ///
     /// # Errors
-    /// Those of spec/coordinated-instructions.md §13.4, in its order, except that equal start and end (45)
-    /// is looked for before collinear points (44), which it would always be.
+    /// Those of spec/coordinated-instructions.md §13.4, in its order, except that the check for equal start and end (45)
+    /// precedes that for collinear points (44), which would always apply.
     pub fn new(
         dimension: Dimension,
         start: Point,
@@ -265,7 +265,7 @@ impl Arc {
         let (sweep, end) = if full {
             (TAU, start)
         } else {
-            // Seen from the start: the centre may be far away and the arc short.
+            // Relative to the start: the centre may be far away and the arc short.
             (sweep_angle(x0, x0 + (end - start), e1, e2), end)
         };
         Arc {
@@ -342,7 +342,7 @@ impl Arc {
         self.sweep
     }
 
-    /// Unit vector along the axis; the motion turns about it by the right-hand rule.
+    /// Unit vector along the axis; the motion rotates about it by the right-hand rule.
     #[must_use]
     pub fn normal(&self) -> Point {
         self.e1.cross(&self.e2)
@@ -368,7 +368,7 @@ impl Arc {
 
     fn at_on_circle(&self, s: f64) -> PathPoint {
         let (sin, cos) = libm::sincos(0.5 * s / self.radius);
-        // Twice the half angle. The position starts from the start: no digits lost to a far centre.
+        // Twice the half angle. The position is relative to the start: no loss of digits to a distant centre.
         let (sine, versine) = (2.0 * sin * cos, 2.0 * sin * sin);
         let outwards = self.e1 * (1.0 - versine) + self.e2 * sine;
         let tangent = self.e2 * (1.0 - versine) - self.e1 * sine;
@@ -403,10 +403,10 @@ impl Arc {
         }
     }
 
-    /// The angle at which a spiral has run through the arc length `s`.
+    /// The angle of a spiral at the arc length `s`.
     fn angle_at(&self, s: f64) -> f64 {
         let (b, r1) = (self.slope, self.radius);
-        // Exact for ds = r dangle; what the radial part adds is left to Newton.
+        // Exact for ds = r dangle; Newton's method adds the radial part.
         let root = r1 * r1 + 2.0 * b * s;
         let first = if root > 0.0 {
             2.0 * s / (r1 + root.sqrt())

@@ -1,4 +1,4 @@
-//! One Cartesian frame seen from another: a rotation and a translation.
+//! The position of one Cartesian frame in another: a rotation and a translation.
 //!
 //! Not here: the kinematics of robots. Angles are degrees, since they come from operands; lengths are position units.
 
@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use crate::Point;
 use crate::rotation::rotation;
 
-/// Where the coordinates of one frame lie in another one (spec/coordinated-instructions.md §19.2).
+/// The location of the coordinates of one frame in another one (spec/coordinated-instructions.md §19.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// From the first frame into the second.
@@ -51,7 +51,7 @@ impl Frame {
     }
 }
 
-/// Sine and cosine of an angle in degrees; those of quarter turns are whole numbers.
+/// Sine and cosine of an angle in degrees, exact for quarter turns.
 pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {
     let quarters = (degrees / 90.0).round();
     let (s, c) = libm::sincos((degrees - 90.0 * quarters).to_radians());
@@ -72,7 +72,7 @@ mod tests {
 
     #[test]
     fn the_results_that_the_reference_lists() {
-        // spec/coordinated-instructions.md §19.2: orientation, and what becomes of [1, 2, 3].
+        // spec/coordinated-instructions.md §19.2: an orientation, and the transformed [1, 2, 3].
         #[rustfmt::skip]
         let cases = [
             ([0.0, 0.0, 0.0],       [1.0, 2.0, 3.0]),

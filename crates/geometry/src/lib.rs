@@ -1,12 +1,12 @@
-//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles; frames, one
-//! Cartesian space seen from another; and turns from one orientation to another.
+//! Paths in Cartesian space, parameterised by arc length: straight lines, circular arcs, full circles; frames, the
+//! location of one Cartesian space in another; and rotations from one orientation to another.
 //!
-//! A path says *where*; it knows neither time nor speed (`arcline-profile` does), no axes and no
+//! A path is geometry only; it knows neither time nor speed (`arcline-profile` does), no axes and no
 //! units of its own: lengths are the position units of the coordinate system, angles are radians.
 //! A path is evaluated in closed form from its arc length `s`, never from stored samples, so a move
 //! is the same at every tick rate (spec/motion-core.md §1).
 //!
-//! Everything here is safe in the tick: no allocation, no unbounded loop, no panic.
+//! All functions are safe in the tick: no allocation, no unbounded loop, no panic.
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 

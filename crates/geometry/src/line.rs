@@ -31,7 +31,7 @@ impl Line {
         }
     }
 
-    /// One that stays at a point for a length.
+    /// A line that stays at a point for a length.
     pub(crate) fn standing(at: Point, length: f64) -> Line {
         Line {
             start: at,

@@ -1,4 +1,4 @@
-//! A path of either kind, and what it is like at one of its points.
+//! A path of either kind, and its properties at one of its points.
 
 use crate::{Arc, Line, Point};
 
@@ -20,7 +20,7 @@ pub enum Path {
 pub struct PathPoint {
     /// `q`, position units.
     pub position: Point,
-    /// `dq/ds`, a unit vector (zero only on a path of length 0, and where the path stands).
+    /// `dq/ds`, a unit vector (zero only on a path of length 0, and on a path that stays at a point).
     pub tangent: Point,
     /// `d2q/ds2`, 1 / position unit; points to the centre of curvature.
     pub curvature: Point,
@@ -35,19 +35,19 @@ impl Path {
         Path::Line(Line::new(from, to))
     }
 
-    /// A path that stays at a point for a length: the way of what only turns, whose unit is its own.
+    /// A path that stays at a point for a length: the path of a rotation alone, whose length has its own unit.
     #[must_use]
     pub fn standing(at: Point, length: f64) -> Path {
         Path::Line(Line::standing(at, length))
     }
 
-    /// Whether it stays at a point for a length.
+    /// The path stays at a point for a length.
     #[must_use]
     pub fn stands(&self) -> bool {
         matches!(self, Path::Line(line) if line.length() > 0.0 && line.direction() == Point::zeros())
     }
 
-    /// The same path elsewhere: every point of it moved by `by`.
+    /// The same path with every point moved by `by`.
     ///
     /// ```
     /// use arcline_geometry::{Path, Point};
@@ -101,13 +101,13 @@ impl Path {
         }
     }
 
-    /// Unit tangent where the path begins.
+    /// Unit tangent at the start of the path.
     #[must_use]
     pub fn start_tangent(&self) -> Point {
         self.at(0.0).tangent
     }
 
-    /// Unit tangent where the path ends.
+    /// Unit tangent at the end of the path.
     #[must_use]
     pub fn end_tangent(&self) -> Point {
         self.at(self.length()).tangent

@@ -1,7 +1,7 @@
 //! Orientation along a path: fixed X-Y-Z angles as a rotation and back, and the rotation from one orientation to another.
 //!
-//! A rotation goes about one fixed axis; whole turns about X3 can go on beside it, so that a joint that counts them comes to the
-//! count it is to have (spec/coordinated-instructions.md §23.3). The angle per share of the path is the same everywhere.
+//! A rotation has one fixed axis; whole turns about X3 can be added to it, so that a joint with a turns counter reaches its
+//! count (spec/coordinated-instructions.md §23.3). The angle per share of the path is constant.
 //! Not here: positions, speeds. Angles are degrees, rates radians.
 
 use nalgebra::Matrix3;
@@ -20,8 +20,8 @@ pub fn rotation(angles: &Point) -> Matrix3<f64> {
     z * y * x
 }
 
-/// The fixed X-Y-Z angles of a rotation, degrees: the second within a quarter turn of 0, the others in the turn that is nearest
-/// to `near`. Where the second is a quarter turn only the sum or difference of the others says something: the first stays.
+/// The fixed X-Y-Z angles of a rotation, degrees: the second within a quarter turn of 0, the others on the turns nearest
+/// to `near`. If the second is a quarter turn, only the sum or difference of the others is determined: the first stays.
 #[must_use]
 pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
     let m = rotation;
@@ -31,7 +31,7 @@ pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
         let first = libm::atan2(m[(2, 1)], m[(2, 2)]).to_degrees();
         (first, libm::atan2(m[(1, 0)], m[(0, 0)]).to_degrees())
     } else {
-        // The third less the first, or both together.
+        // The third minus the first, or the sum of both.
         let both = libm::atan2(-m[(0, 1)], m[(1, 1)]).to_degrees();
         let side = if second > 0.0 { 1.0 } else { -1.0 };
         (near.x, both + side * near.x)
@@ -39,8 +39,8 @@ pub fn angles(rotation: &Matrix3<f64>, near: &Point) -> Point {
     Point::new(nearest(first, near.x), second, nearest(third, near.z))
 }
 
-/// The fixed X-Y-Z angles of a rotation, degrees, that are nearest to `near`, with a second angle beyond a quarter turn where
-/// that goes on without a step.
+/// The fixed X-Y-Z angles of a rotation, degrees, that are nearest to `near`; the second angle may exceed a quarter turn if that
+/// continues it without a step.
 #[must_use]
 pub fn continued(rotation: &Matrix3<f64>, near: &Point) -> Point {
     let one = angles(rotation, near);
@@ -57,14 +57,14 @@ pub fn continued(rotation: &Matrix3<f64>, near: &Point) -> Point {
     }
 }
 
-/// An angle in the turn in which it is nearest to another, degrees.
+/// An angle on the turn on which it is nearest to another, degrees.
 #[must_use]
 pub fn nearest(angle: f64, near: f64) -> f64 {
     angle + 360.0 * ((near - angle) / 360.0).round()
 }
 
-/// What a rate and its change, radians per second and per second², are of fixed X-Y-Z angles, in degrees. Where the second
-/// angle is a quarter turn the first one does not move.
+/// Converts a rate and its derivative, radians per second and per second², to those of fixed X-Y-Z angles, in degrees. If the second
+/// angle is a quarter turn, the first one does not move.
 #[must_use]
 pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
     let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
@@ -85,13 +85,13 @@ pub fn angle_rates(angles: &Point, rate: &Point, change: &Point) -> [Point; 2] {
     .map(|of| of.map(f64::to_degrees))
 }
 
-/// The reverse of [`angle_rates`]: what the rates of fixed X-Y-Z angles and their changes, in degrees, are about axes: radians per second
-/// and per second².
+/// The inverse of [`angle_rates`]: converts the rates of fixed X-Y-Z angles and their derivatives, in degrees, to those about axes: radians per
+/// second and per second².
 #[must_use]
 pub fn angular_rates(angles: &Point, velocity: &Point, acceleration: &Point) -> [Point; 2] {
     let [(_, _), (sb, cb), (sc, cc)] = [angles.x, angles.y, angles.z].map(sin_cos);
     let [v, a] = [velocity, acceleration].map(|of| of.map(f64::to_radians));
-    // What the first angle does lies along its axis in the plane of X3 and X1, the second lies across that.
+    // The rate of the first angle is along its axis in the plane of X3 and X1, that of the second one across it.
     let along = v.x * cb;
     let along_change = a.x * cb - v.x * v.y * sb - v.y * v.z;
     let across_change = a.y + along * v.z;
@@ -111,13 +111,13 @@ pub struct Rotation {
     to: Matrix3<f64>,
     /// The fixed axis.
     axis: Point,
-    /// About it, radians, at least 0.
+    /// The angle about it, radians, at least 0.
     angle: f64,
-    /// About X3 beside it, radians.
+    /// The additional angle about X3, radians.
     spin: f64,
-    /// The fixed angles of its ends, degrees.
+    /// The fixed angles at its ends, degrees.
     shown: [Point; 2],
-    /// It belongs to a move that keeps the orientation.
+    /// The rotation belongs to a move that keeps the orientation.
     keeps: bool,
 }
 
@@ -126,16 +126,16 @@ pub struct Rotation {
 pub struct RotationState {
     /// The orientation.
     pub orientation: Matrix3<f64>,
-    /// About which axis it turns and how far, radians by what it is a function of: a share of the path, or seconds.
+    /// The axis and the rate of the rotation, radians per unit of its variable: a share of the path, or seconds.
     pub rate: Point,
-    /// How that changes, radians by the square of it.
+    /// The derivative of the rate, radians per square of the unit.
     pub change: Point,
-    /// Fixed angles, degrees, that say in which turns those of the orientation are: at the ends of the path they are these.
+    /// Fixed angles, degrees, that determine the turns of the orientation's angles; at the ends of the path they are those angles.
     pub near: Point,
 }
 
 impl Rotation {
-    /// By the shortest way, with `turns` whole turns about X3 beside it. Of two opposite ways of half a turn the one about the
+    /// The shortest rotation, with `turns` additional whole turns about X3. Of two opposite half turns, the one about the
     /// positive axis, X3 before X2 before X1.
     #[must_use]
     pub fn new(from: &Matrix3<f64>, to: &Matrix3<f64>, turns: f64) -> Rotation {
@@ -151,7 +151,7 @@ impl Rotation {
         }
     }
 
-    /// The same with the fixed angles of its ends, degrees, each in the turn that it is to be shown in.
+    /// The same with the fixed angles at its ends, degrees, each on the turn on which it is shown.
     #[must_use]
     pub fn showing(self, shown: [Point; 2]) -> Rotation {
         Rotation { shown, ..self }
@@ -167,13 +167,13 @@ impl Rotation {
         }
     }
 
-    /// Whether it belongs to a move that keeps the orientation.
+    /// The rotation belongs to a move that keeps the orientation.
     #[must_use]
     pub fn keeps(&self) -> bool {
         self.keeps
     }
 
-    /// Where it ends, at rest.
+    /// Its end state, at rest.
     #[must_use]
     pub fn ended(&self) -> RotationState {
         RotationState::standing(self.to, self.shown[1])
@@ -185,14 +185,13 @@ impl Rotation {
         &self.to
     }
 
-    /// How far it turns altogether, degrees. Rotation about both axes goes on at one rate: their fixed angle stays, as X3 stays
-    /// where it is.
+    /// Its total angle, degrees. Rotations about both axes have a constant ratio: the angle between the axes stays, as X3 does not move.
     #[must_use]
     pub fn angle(&self) -> f64 {
         (self.axis * self.angle + Point::z() * self.spin).norm().to_degrees()
     }
 
-    /// The orientation at a share of the way; both ends, 0 and 1, bit for bit. A way that is overshot goes on turning. Real-time.
+    /// The orientation at a share of the path; exact at both ends, 0 and 1. Beyond the end the rotation continues. Real-time.
     #[must_use]
     pub fn at(&self, share: f64) -> RotationState {
         if self.keeps {
@@ -213,7 +212,7 @@ impl Rotation {
             orientation: rotation,
             rate: spin + axis * self.angle,
             change: spin.cross(&axis) * self.angle,
-            // Between the ends the angles of a rotation of at most half a turn are nearer to these than half a turn.
+            // Between the ends, the angles of a rotation of at most half a turn differ from these by less than half a turn.
             near: if share == 1.0 {
                 last
             } else {
@@ -235,7 +234,7 @@ impl RotationState {
         }
     }
 
-    /// The fixed angles, degrees; at rest where it was to be, these to the last bit. Real-time.
+    /// The fixed angles, degrees; exactly those of the end at its orientation. Real-time.
     #[must_use]
     pub fn angles(&self) -> Point {
         let shown = angles(&self.orientation, &self.near);
@@ -247,7 +246,7 @@ impl RotationState {
         }
     }
 
-    /// By time, where the share of the way has a speed and an acceleration.
+    /// The state by time, for a speed and an acceleration of the share of the path.
     #[must_use]
     pub fn in_time(self, speed: f64, acceleration: f64) -> RotationState {
         RotationState {
@@ -257,7 +256,7 @@ impl RotationState {
         }
     }
 
-    /// This, on what is left of another rotation that ends where this one began: as both go on at once.
+    /// This state combined with the rest of another rotation that ends at the beginning of this one, if both are active at once.
     #[must_use]
     pub fn after(self, other: &RotationState, other_end: &RotationState) -> RotationState {
         let own = self.orientation * other_end.orientation.transpose();
@@ -279,9 +278,9 @@ pub(crate) fn about(axis: &Point, angle: f64) -> Matrix3<f64> {
     Matrix3::identity() + k * s + k * k * (2.0 * half * half)
 }
 
-/// The unit axis and the angle (0 to pi) of a rotation; no axis for none.
+/// The unit axis and the angle (0 to pi) of a rotation; a zero axis without a rotation.
 fn axis_angle(m: &Matrix3<f64>) -> (Point, f64) {
-    // The largest of the four parts of the quaternion, times four of it squared: none of the quotients loses digits.
+    // The largest of the four parts of the quaternion, four times its square: no quotient loses digits.
     let parts = [
         1.0 + m[(0, 0)] + m[(1, 1)] + m[(2, 2)],
         1.0 + m[(0, 0)] - m[(1, 1)] - m[(2, 2)],
@@ -373,7 +372,7 @@ mod tests {
             let near = wanted + Point::new(360.0 * f64::from(turns[0]), 0.0, 360.0 * f64::from(turns[1]));
             let found = angles(&rotation(&near), &near);
             prop_assert!(distance(&rotation(&found), &rotation(&wanted)) < 1e-12, "{found} is not {wanted}");
-            // Near a quarter turn of the second the others are not sharp.
+            // Near a quarter turn of the second angle, the others are not sharp.
             let sharp = 1e-12 / libm::cos(wanted.y.to_radians()).max(1e-9);
             prop_assert!((found - near).abs().max() < sharp.max(1e-11), "{found} is not {near}");
         }
@@ -413,7 +412,7 @@ mod tests {
             }
         }
 
-        /// What is told of the rates is what differences of the angles show.
+        /// The rates agree with differences of the angles.
         #[test]
         fn rates_are_derivatives(from in orientation(), to in orientation(), turns in -1i32..=1, share in 0.1..0.9f64) {
             let rotation = Rotation::new(&rotation(&from), &rotation(&to), turns.into());
@@ -438,7 +437,7 @@ mod tests {
             prop_assert!((velocity - v).abs().max() < 1e-9 && (acceleration - a).abs().max() < 1e-7, "{velocity} {acceleration}");
         }
 
-        /// The end of one rotation and the beginning of the next at once.
+        /// The end of one rotation and the beginning of the next at the same time.
         #[test]
         fn two_at_once(a in orientation(), b in orientation(), c in orientation(), share in 0.1..0.9f64) {
             let [a, b, c] = [a, b, c].map(|angles| rotation(&angles));

@@ -1,6 +1,6 @@
-//! What is left of a rotation that loses its aim: it goes on about fixed axes until it has come to rest.
+//! The rest of a rotation without a target: it continues about fixed axes until it is at rest.
 //!
-//! One axis is that of its rate, the other that of what its acceleration has across the rate. Not here: how fast it comes to rest. Angles
+//! One axis is that of its rate, the other that of its acceleration across the rate. Not here: its deceleration. Angles
 //! are radians, those of an orientation degrees.
 
 use nalgebra::Matrix3;
@@ -8,24 +8,24 @@ use nalgebra::Matrix3;
 use crate::rotation::about;
 use crate::{Point, RotationState, angles, rotation};
 
-/// An orientation that turns about one fixed axis, and then about another one.
+/// An orientation that rotates about one fixed axis, and then about another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
     from: Matrix3<f64>,
-    /// Unit axes; 0 where there is nothing to turn about.
+    /// Unit axes; 0 without a rotation.
     axes: [Point; 2],
-    /// The fixed angles of its ends, degrees.
+    /// The fixed angles at its ends, degrees.
     shown: [Point; 2],
     to: Matrix3<f64>,
-    /// About each axis altogether.
+    /// The total angle about each axis.
     whole: [f64; 2],
 }
 
-/// An angle about an axis, its rate and the change of that: radians by what it is a function of.
+/// An angle about an axis and its first two derivatives, radians per unit of its variable.
 type Angle = [f64; 3];
 
 impl Spin {
-    /// From fixed angles, degrees, about axes. `course`: the angles about both at a share of the time that it takes, 0 to 1.
+    /// From fixed angles, degrees, about axes. `course`: the angles about both axes at a share of the duration, 0 to 1.
     #[must_use]
     pub fn new(from: &Point, axes: [Point; 2], course: impl Fn(f64) -> [Angle; 2]) -> Spin {
         let mut spin = Spin {
@@ -44,13 +44,13 @@ impl Spin {
         spin
     }
 
-    /// Where it ends, at rest.
+    /// Its end state, at rest.
     #[must_use]
     pub fn ended(&self) -> RotationState {
         RotationState::standing(self.to, self.shown[1])
     }
 
-    /// While the angles about the axes are these. Real-time.
+    /// The state at these angles about the axes. Real-time.
     #[must_use]
     pub fn at(&self, about: &[Angle; 2]) -> RotationState {
         let [first, last] = self.shown;
@@ -80,14 +80,15 @@ impl Spin {
     }
 }
 
-/// Looks at a spin, to follow its angles: evenly in time, so that those of two whole turns go by less than half a turn between two.
+/// Samples of a spin, to follow its angles: even in time, so that the angles of two whole turns change by less than half a turn from one to
+/// the next.
 const LOOKS: u32 = 64;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The rates are what differences of the rotation show, and the ends those of the axes.
+    /// The rates agree with differences of the rotation, and the ends with the axes.
     #[test]
     fn it_turns_about_both_axes_at_once() {
         let axes = [Point::new(0.6, 0.0, 0.8), Point::new(0.8, 0.0, -0.6)];

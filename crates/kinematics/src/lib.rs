@@ -1,13 +1,13 @@
-//! Kinematics: where the tool of a robot is when its joints are somewhere, and the reverse.
+//! Kinematics: the position of a robot's tool for the positions of its joints, and the inverse.
 //!
 //! A [`Robot`] is a geometry with its parameters. Both directions are closed forms, written once over [`Number`]: plain
-//! numbers map positions, [`arcline_profile::KinematicState`] ones map velocities and accelerations along, by exact differentiation. Everything is
-//! total and safe in the tick: no allocation, no loop that is not bounded, no panic.
+//! numbers map positions, [`arcline_profile::KinematicState`] ones also map velocities and accelerations, by exact differentiation. All
+//! functions are total and safe in the tick: no allocation, no unbounded loop, no panic.
 //!
 //! An [`OrientedRobot`] has a wrist behind its arm and maps a [`Pose`].
 //!
 //! Not here: axes, coordinate systems, instructions, time. Source: spec/coordinated-instructions.md §22; formulas that
-//! other documents have in another form are in `NOTES.md`.
+//! differ in form from those of other documents are in `NOTES.md`.
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 

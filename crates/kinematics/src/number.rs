@@ -1,4 +1,4 @@
-//! What a geometry computes with: plain numbers, or numbers that move.
+//! The numbers of a geometry: plain numbers, or numbers with derivatives by time.
 //!
 //! Every transform is written once over [`Number`]. With `f64` it maps a position; with [`KinematicState`] it maps position,
 //! velocity and acceleration together, by the rules of differentiation and not by differences. Units: those of the
@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use arcline_profile::KinematicState;
 
-/// A real number, or one together with its change over time.
+/// A real number, alone or with its derivatives by time.
 pub trait Number:
     Copy
     + fmt::Debug
@@ -24,21 +24,20 @@ pub trait Number:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// How near to the axis of its first joint an arm may be, as a share of its reach: what moves needs finite joint
-    /// speeds.
+    /// The least distance of an arm from the axis of its first joint, as a share of its reach: during a motion the joint speeds must be finite.
     const NEAREST: f64;
 
-    /// How far from stretched or folded two links must be: the least `1 - |cos|` of the angle between them. Below 0 is
+    /// The least bend of two links from stretched or folded: the least `1 - |cos|` of the angle between them. A negative value permits
     /// rounding.
     const LEAST_BEND: f64;
 
-    /// One that does not change.
+    /// A constant number.
     fn constant(value: f64) -> Self;
 
-    /// What it is now.
+    /// Its present value.
     fn value(self) -> f64;
 
-    /// Square root; the number must be above 0 where it moves.
+    /// Square root; a number with derivatives must be above 0.
     #[must_use]
     fn sqrt(self) -> Self;
 
@@ -49,7 +48,7 @@ pub trait Number:
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
-    /// Whether nothing of it is infinite or not a number.
+    /// The value and its derivatives are finite.
     fn is_finite(self) -> bool;
 }
 
@@ -140,7 +139,7 @@ impl Number for KinematicState {
     }
 }
 
-/// The square root of what only rounding can make negative.
+/// The square root of a number that only rounding can make negative.
 pub(crate) fn root<N: Number>(square: N) -> N {
     if square.value() > 0.0 {
         square.sqrt()

@@ -1,7 +1,7 @@
-//! Robots with a wrist: deltas that turn and tilt their tool, a SCARA that turns it, and the arm of six axes
+//! Robots with a wrist: deltas that rotate and tilt their tool, a SCARA that rotates it, and the arm of six axes
 //! (spec/coordinated-instructions.md §22.8).
 //!
-//! The arm before the wrist is a [`Robot`] of its own. Not here: work and tool frames ([`crate::end_of_arm`]). Units: position
+//! The arm in front of the wrist is a [`Robot`]. Not here: work and tool frames ([`crate::end_of_arm`]). Units: position
 //! units, degrees.
 
 use nalgebra::Matrix3;
@@ -12,25 +12,25 @@ use crate::pose::{DEGREES, Pose, product, turn_x, turn_y, turn_z};
 use crate::robot::{Arm, Elbow, Geometry, Parameters, Robot};
 use crate::tolerance::{OFF_ANGLE_SINE, OFF_PLANE_UNITS, STRAIGHT_COSINE};
 
-/// How a robot with a wrist is built, by the names of its joints.
+/// The construction of a robot with a wrist, by the names of its joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrist {
-    /// A delta of two arms and J6, which turns the tool.
+    /// A delta of two arms and J6, which rotates the tool.
     DeltaJ1J2J6,
     /// A delta of three arms and J6.
     DeltaJ1J2J3J6,
-    /// A delta of three arms, J4, which turns a swing arm, and J5, which tilts it.
+    /// A delta of three arms, J4, which rotates a swing arm, and J5, which tilts it.
     DeltaJ1J2J3J4J5,
     /// An independent SCARA and J6.
     ScaraJ1J2J3J6,
     /// An independent articulated arm and three axes through one point: J4 along the second link, J5 across it, J6 along the
-    /// tool. At internal 0 all of it lies along X1. X1e is from that point to the end of the arm, X3e how far the second link
-    /// is above its joint.
+    /// tool. At internal 0 they all lie along X1. X1e is the distance from that point to the end of the arm, X3e the height of the second link
+    /// above its joint.
     ArticulatedJ1J2J3J4J5J6,
 }
 
 impl Wrist {
-    /// Joints.
+    /// The number of joints.
     #[must_use]
     pub fn joints(self) -> usize {
         match self {
@@ -61,13 +61,13 @@ impl Wrist {
         }
     }
 
-    /// Whether a joint turns, and does not slide.
+    /// The joint is rotary, not linear.
     #[must_use]
     pub fn turns(self, joint: usize) -> bool {
         joint < self.joints() && !(self == Wrist::ScaraJ1J2J3J6 && joint == 2)
     }
 
-    /// Whether one of its solutions can be told by that configuration.
+    /// The robot has a solution with that configuration.
     #[must_use]
     pub fn has(self, configuration: Configuration) -> bool {
         let Configuration { lefty, below, flip } = configuration;
@@ -78,14 +78,14 @@ impl Wrist {
         }
     }
 
-    /// Whether every joint of which whole turns are counted is one of its own.
+    /// All counted turns are of joints that the robot has.
     #[must_use]
     pub fn counts(self, turns: Turns) -> bool {
         let mut counted = turns.iter().zip(self.counted());
         counted.all(|(turns, index)| *turns == 0 || index.is_some())
     }
 
-    /// The place among the joints of each turns counter: J1, J4, J6.
+    /// The joint index of each turns counter: J1, J4, J6.
     fn counted(self) -> [Option<usize>; 3] {
         match self {
             Wrist::DeltaJ1J2J6 => [None, None, Some(2)],
@@ -97,7 +97,7 @@ impl Wrist {
     }
 }
 
-/// Which of the solutions, as the bits of RobotConfiguration. A delta has one: 0.
+/// The solution, as the bits of RobotConfiguration. A delta has one: 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Configuration {
     /// Bit 1: a SCARA's elbow is on the left; the base of an articulated arm points away from the wrist.
@@ -115,7 +115,7 @@ impl Configuration {
         i32::from(self.lefty) << 1 | i32::from(self.below) << 2 | i32::from(self.flip) << 3
     }
 
-    /// The configuration of bits; the others say nothing.
+    /// The configuration of bits; the other bits are ignored.
     #[must_use]
     pub fn from_bits(bits: i32) -> Self {
         Configuration {
@@ -126,10 +126,10 @@ impl Configuration {
     }
 }
 
-/// Whole turns of J1, J4 and J6: what they are beyond half a turn either way.
+/// Whole turns of J1, J4 and J6, beyond half a turn in either direction.
 pub type Turns = [i16; 3];
 
-/// Where joints bring the end of the arm, and which of the ways there they are.
+/// The end of the arm for positions of the joints, with their solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taken<N: Number = f64> {
     /// The end of the arm in the frame of the base.
@@ -140,13 +140,13 @@ pub struct Taken<N: Number = f64> {
     pub turns: Turns,
 }
 
-/// A robot with a wrist whose parameters make sense. Total, bounded, without allocation.
+/// A robot with a wrist and valid parameters. Total, bounded, without allocation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedRobot {
     wrist: Wrist,
     arm: Robot,
     zero: [f64; 6],
-    /// From the point of the wrist to the end of the arm, along the tool.
+    /// Distance from the point of the wrist to the end of the arm, along the tool.
     tool: f64,
 }
 
@@ -154,7 +154,7 @@ impl OrientedRobot {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`GeometryError`], as of a [`Robot`].
+    /// [`GeometryError`], as for a [`Robot`].
     pub fn new(wrist: Wrist, parameters: &Parameters) -> Result<OrientedRobot, GeometryError> {
         let mut arm = *parameters;
         arm.zero_angles = [0.0; 6];
@@ -162,7 +162,7 @@ impl OrientedRobot {
         if wrist == Wrist::ArticulatedJ1J2J3J4J5J6 {
             tool = std::mem::take(&mut arm.end_effector_offsets[0]);
         }
-        // Of two arms X3 is up, which their own plane calls X2.
+        // With two arms X3 is the height, which is X2 in the plane of the arms.
         if wrist == Wrist::DeltaJ1J2J6 {
             arm.end_effector_offsets[1] = arm.end_effector_offsets[2];
         }
@@ -174,16 +174,16 @@ impl OrientedRobot {
         })
     }
 
-    /// How it is built.
+    /// Its construction.
     #[must_use]
     pub fn wrist(&self) -> Wrist {
         self.wrist
     }
 
-    /// Where the end of the arm is. Joints behind the last one are not looked at.
+    /// The end of the arm. Joints that the robot does not have are ignored.
     ///
     /// # Errors
-    /// [`KinematicsError`] where a joint is where it cannot be, or the arms hold nothing.
+    /// [`KinematicsError`] if a joint is outside of its range, or the arms hold no plate.
     pub fn forward<N: Number>(&self, joints: &[N; 6]) -> Result<Taken<N>, KinematicsError> {
         let mut internal = *joints;
         for (joint, zero) in internal.iter_mut().zip(self.zero) {
@@ -226,7 +226,7 @@ impl OrientedRobot {
         finite.then_some(taken).ok_or(KinematicsError::Reach { joint: 0 })
     }
 
-    /// Which of the ways to where they bring the end of the arm joints are, and in which turns.
+    /// The configuration and the turns of joint positions.
     #[must_use]
     pub fn solution(&self, joints: &[f64; 6]) -> (Configuration, Turns) {
         let mut internal = *joints;
@@ -254,11 +254,11 @@ impl OrientedRobot {
         (configuration, turns)
     }
 
-    /// The joints that bring the end of the arm to a pose. Those behind the last one are 0.
+    /// The joints for a pose of the end of the arm. Joints that the robot does not have are 0.
     ///
     /// # Errors
-    /// [`KinematicsError`] where the pose cannot be reached, or the robot cannot make its orientation, or what moves would
-    /// come too near to a singularity.
+    /// [`KinematicsError`] if the pose is out of reach, if the robot cannot take its orientation, or if a motion comes too close to a
+    /// singularity.
     pub fn inverse<N: Number>(
         &self,
         pose: &Pose<N>,
@@ -327,12 +327,12 @@ impl OrientedRobot {
     }
 }
 
-/// The turn of the forearm against the base.
+/// The rotation of the forearm against the base.
 fn forearm<N: Number>(base: N, lift: N) -> Matrix3<N> {
     product(&turn_z(base), &turn_y(-lift))
 }
 
-/// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. Where J5 is 0 and nothing moves, J4 is too.
+/// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. If J5 is 0 at rest, J4 is 0, too.
 fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], KinematicsError> {
     let square = m[(1, 0)] * m[(1, 0)] + m[(2, 0)] * m[(2, 0)];
     if square.value() < N::NEAREST * N::NEAREST {
@@ -352,7 +352,7 @@ fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], Kinemati
     ])
 }
 
-/// How a tool that points straight down is turned: Rz.
+/// Rz of a tool that points straight down.
 fn downwards<N: Number>(m: &Matrix3<N>) -> Result<N, KinematicsError> {
     let [rolled, tilted, up] = [m[(2, 1)], m[(2, 0)], m[(2, 2)]].map(N::value);
     if libm::hypot(tilted, rolled) > OFF_ANGLE_SINE || up > 0.0 {
@@ -362,7 +362,7 @@ fn downwards<N: Number>(m: &Matrix3<N>) -> Result<N, KinematicsError> {
     Ok(degrees(m[(1, 0)], m[(0, 0)]))
 }
 
-/// The tool of a delta or SCARA points down: Rx is 180.
+/// The orientation of a delta's or SCARA's tool, which points down: Rx is 180.
 fn down<N: Number>() -> Matrix3<N> {
     turn_x(N::constant(180.0))
 }
@@ -376,7 +376,7 @@ fn degrees<N: Number>(sin: N, cos: N) -> N {
     sin.atan2(cos) * DEGREES
 }
 
-/// Within half a turn: above -180 up to 180.
+/// The angle within half a turn: above -180 up to 180.
 fn wrapped<N: Number>(angle: N) -> N {
     let turned = angle - TURN_DEG * (angle.value() / TURN_DEG).round();
     if turned.value() <= -0.5 * TURN_DEG {

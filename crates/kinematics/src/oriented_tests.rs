@@ -127,7 +127,7 @@ fn angles_go_on_near_others() {
     }
 }
 
-/// Both directions of every robot with what moves, against differences of what stands.
+/// Both directions of every robot with motion, against differences of positions at rest.
 #[test]
 fn what_moves_is_differentiated() {
     const STEP: f64 = 1e-4;
@@ -159,7 +159,7 @@ fn what_moves_is_differentiated() {
                 "{wrist:?} {index}: {found:?}, {acceleration}"
             );
         }
-        // And back: what moves so moves the joints as they did.
+        // And the inverse: the motion of the pose yields the motion of the joints.
         let back = robot
             .inverse(&Pose::new(coordinates), taken.configuration, taken.turns)
             .expect("a pose of the robot");
@@ -181,7 +181,7 @@ fn what_moves_is_differentiated() {
 #[test]
 fn what_moves_stays_off_a_straight_wrist() {
     let robot = robot(Wrist::ArticulatedJ1J2J3J4J5J6);
-    // J5 shows 5 at its internal 0.
+    // J5 is 5 at its internal 0.
     let joints = [10.0, 50.0, -40.0, 20.0, 5.0, 30.0];
     let taken = robot.forward(&joints).expect("joints");
     let standing = robot
@@ -241,8 +241,8 @@ fn an_arm_of_six_axes_lies_along_x_and_reaches_down() {
     assert!((rx.abs() - 180.0).abs() < 1e-9 && ry.abs() < 1e-9, "{rx} {ry}");
 }
 
-/// Random joints of every robot: what they take is taken again by the joints of their pose, in the solution that they are in and in
-/// another one, every one in turn. ARCLINE_CASES says how many other than a million.
+/// Random joints of every robot: the joints of their pose have the same pose, in the same solution and in another one, each one in turn.
+/// ARCLINE_CASES sets the number of cases instead of a million.
 #[test]
 fn forward_is_the_inverse_of_inverse() {
     let cases = std::env::var("ARCLINE_CASES")
@@ -258,7 +258,7 @@ fn forward_is_the_inverse_of_inverse() {
     };
     for wrist in EVERY {
         let robot = robot(wrist);
-        // How many solutions the robot has.
+        // The number of solutions of the robot.
         let solutions = match wrist {
             Wrist::ScaraJ1J2J3J6 => 2,
             Wrist::ArticulatedJ1J2J3J4J5J6 => 8,
@@ -336,7 +336,7 @@ proptest! {
         let [work, tool, point] = [work, tool, point].map(Pose::new);
         let end = end_of_arm(&work, &point, &tool);
         prop_assert!(apart(&tool_centre(&work, &end, &tool), &point) < 1e-9);
-        // Angles say all of an orientation.
+        // The angles determine the orientation.
         prop_assert!(apart(&Pose::new(end.coordinates()), &end) < 1e-9);
     }
 

@@ -1,25 +1,25 @@
 //! Delta robots of three and two arms, and the two arms of a SCARA Delta (spec/coordinated-instructions.md §22.6, §22.7).
 //!
-//! Every arm is an upper link that turns about the rim of the base, and a rod from its elbow to the plate. A positive angle
-//! is an upper link that hangs down. Units: any for lengths, radians.
+//! Every arm is an upper link that rotates about the rim of the base, and a rod from its elbow to the plate. At a positive angle the upper link
+//! hangs down. Units: any for lengths, radians.
 
 use crate::number::root;
 use crate::tolerance::{DEGENERATE_SHARE, RANGE_END_RAD};
 use crate::{KinematicsError, Number};
 
-/// The arms of a delta robot, and how far they turn.
+/// The arms of a delta robot, and the range of their angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Arms {
     upper: f64,
     rod: f64,
-    /// How much further from the centre the base holds an arm than the plate does: `X1b - X1e`.
+    /// The distance of an arm from the centre at the base minus that at the plate: `X1b - X1e`.
     apart: f64,
-    /// Link folded over link, and both stretched, radians.
+    /// The angles with the links folded over each other, and stretched, radians.
     pub(crate) range: [f64; 2],
 }
 
 impl Arms {
-    /// Lengths above 0 and not equal, with `|apart| <= |rod - upper|`: the caller has looked.
+    /// Lengths above 0 and not equal, with `|apart| <= |rod - upper|`; the caller has checked them.
     pub(crate) fn new(upper: f64, rod: f64, apart: f64) -> Self {
         let most = libm::acos((-apart / (upper + rod)).clamp(-1.0, 1.0));
         let least = -libm::acos((apart / (rod - upper)).clamp(-1.0, 1.0));
@@ -31,7 +31,7 @@ impl Arms {
         }
     }
 
-    /// The angles of three arms, a third of a turn apart, whose plate is at a point.
+    /// The angles of three arms, a third of a turn apart, for a position of the plate.
     pub(crate) fn three<N: Number>(&self, [x, y, z]: [N; 3]) -> Result<[N; 3], KinematicsError> {
         let mut angles = [N::constant(0.0); 3];
         for (joint, ((cos, sin), angle)) in (0..).zip(AZIMUTHS.into_iter().zip(&mut angles)) {
@@ -41,13 +41,13 @@ impl Arms {
         Ok(angles)
     }
 
-    /// The angles of two arms, half a turn apart, whose plate is at a point of their plane.
+    /// The angles of two arms, half a turn apart, for a position of the plate in their plane.
     pub(crate) fn two<N: Number>(&self, [x, z]: [N; 2]) -> Result<[N; 2], KinematicsError> {
         let across = N::constant(0.0);
         Ok([self.angle([x, across, z], 0)?, self.angle([-x, across, z], 1)?])
     }
 
-    /// The plate of three arms: where three spheres about the elbows meet, below them.
+    /// The plate of three arms: the point at which three spheres about the elbows meet, below them.
     pub(crate) fn plate_of_three<N: Number>(&self, angles: [N; 3]) -> Result<[N; 3], KinematicsError> {
         let mut elbows = [[N::constant(0.0); 3]; 3];
         for (joint, ((cos, sin), elbow)) in (0..).zip(AZIMUTHS.into_iter().zip(&mut elbows)) {
@@ -71,7 +71,7 @@ impl Arms {
         Ok([0, 1, 2].map(|k| first[k] + centre[k] + normal[k] * height))
     }
 
-    /// The plate of two arms: where two circles about the elbows meet, below them.
+    /// The plate of two arms: the point at which two circles about the elbows meet, below them.
     pub(crate) fn plate_of_two<N: Number>(&self, [first, second]: [N; 2]) -> Result<[N; 2], KinematicsError> {
         let ([out, z1], [back, z2]) = (self.elbow(first, 0)?, self.elbow(second, 1)?);
         let (width, rise) = (out + back, z1 - z2);
@@ -85,14 +85,14 @@ impl Arms {
         Ok([(out - back) * 0.5 + rise * height, (z1 + z2) * 0.5 - width * height])
     }
 
-    /// Elbow of an arm, out and up, as far from the centre as if the plate were a point.
+    /// The elbow of an arm, out and up; its distance from the centre is that for a plate of no size.
     fn elbow<N: Number>(&self, angle: N, joint: u8) -> Result<[N; 2], KinematicsError> {
         self.verify(angle.value(), joint)?;
         let (sin, cos) = angle.sin_cos();
         Ok([cos * self.upper + self.apart, sin * -self.upper])
     }
 
-    /// The root of how far the plate is off the plane of the elbows, squared, in units of what is `1 / scale`.
+    /// The distance of the plate from the plane of the elbows, from its square in units of `1 / scale`.
     fn height<N: Number>(&self, square: N, scale: f64) -> Result<N, KinematicsError> {
         if square.value() < N::LEAST_BEND * self.rod * self.rod * scale {
             return Err(KinematicsError::Reach { joint: 0 });
@@ -100,7 +100,7 @@ impl Arms {
         Ok(root(square))
     }
 
-    /// The angle of an arm whose plate is `out`, `across` and `z` up.
+    /// The angle of an arm for a plate at `out`, `across` and the height `z`.
     fn angle<N: Number>(&self, [out, across, z]: [N; 3], joint: u8) -> Result<N, KinematicsError> {
         let out = out - self.apart;
         let p = out * (-2.0 * self.upper);
@@ -119,7 +119,7 @@ impl Arms {
         Ok(angle)
     }
 
-    /// Whether an arm can turn so far.
+    /// Checks that an angle is within the range of an arm.
     fn verify(&self, angle: f64, joint: u8) -> Result<(), KinematicsError> {
         let [least, most] = self.range;
         if angle >= least - RANGE_END_RAD && angle <= most + RANGE_END_RAD {

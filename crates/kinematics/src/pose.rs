@@ -1,13 +1,13 @@
-//! A position with an orientation, and frames of tools and works (spec/coordinated-instructions.md §22.8).
+//! A position with an orientation, and frames of tools and work pieces (spec/coordinated-instructions.md §22.8).
 //!
-//! Not here: which poses a robot can take. Units: position units, degrees.
+//! Not here: the poses that a robot can take. Units: position units, degrees.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::number::Number;
 use crate::tolerance::{HALF_TURN_DEG, UPRIGHT_COSINE};
 
-/// Where something is, and how it is turned; with [`arcline_profile::KinematicState`] also how that changes.
+/// A position and an orientation; with [`arcline_profile::KinematicState`] also their derivatives by time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose<N: Number = f64> {
     /// Its origin, position units.
@@ -17,7 +17,7 @@ pub struct Pose<N: Number = f64> {
 }
 
 impl Pose {
-    /// No frame: at the origin, not turned.
+    /// The identity: at the origin, not rotated.
     #[must_use]
     pub fn identity() -> Pose {
         Pose {
@@ -26,7 +26,7 @@ impl Pose {
         }
     }
 
-    /// The same for what moves: it stands.
+    /// The same as a constant, for numbers with derivatives.
     #[must_use]
     pub fn standing<N: Number>(&self) -> Pose<N> {
         Pose {
@@ -46,8 +46,8 @@ impl<N: Number> Pose<N> {
         }
     }
 
-    /// X, Y, Z, Rx, Ry, Rz, with Rx and Rz above -180 up to 180 and Ry from -90 to 90. Where Ry is 90 or -90 only the sum or
-    /// difference of the others says something: Rx is 0 then.
+    /// X, Y, Z, Rx, Ry, Rz, with Rx and Rz above -180 up to 180 and Ry from -90 to 90. If Ry is 90 or -90, only the sum or
+    /// difference of the others is determined: Rx is 0 then.
     #[must_use]
     pub fn coordinates(&self) -> [N; 6] {
         let p = &self.position;
@@ -55,13 +55,13 @@ impl<N: Number> Pose<N> {
         [p.x, p.y, p.z, above_half_turn(rx), ry, above_half_turn(rz)]
     }
 
-    /// The same with those of the angles of this orientation that are nearest to others, degrees: each may be beyond its range,
-    /// so that what goes on through an end of it does not jump.
+    /// The same with the angles of this orientation that are nearest to `others`, degrees. They may exceed their ranges, so that a continuous
+    /// motion through an end of a range does not jump.
     #[must_use]
     pub fn coordinates_near(&self, others: [f64; 3]) -> [N; 6] {
         let p = &self.position;
         let [rx, ry, rz] = self.angles(others[0]);
-        // Every orientation has two triples.
+        // Every orientation has two triples of angles.
         let near = |angles: [N; 3]| {
             let mut far = 0.0;
             let near = [0, 1, 2].map(|index| {
@@ -78,7 +78,7 @@ impl<N: Number> Pose<N> {
         [p.x, p.y, p.z, rx, ry, rz]
     }
 
-    /// Rx, Ry, Rz. `upright`: Rx where it can be anything.
+    /// Rx, Ry, Rz. `upright`: Rx if it is undetermined.
     fn angles(&self, upright: f64) -> [N; 3] {
         let m = &self.rotation;
         let square = m[(0, 0)] * m[(0, 0)] + m[(1, 0)] * m[(1, 0)];
@@ -97,7 +97,7 @@ impl<N: Number> Pose<N> {
         angles.map(|angle| angle * DEGREES)
     }
 
-    /// What lies in this frame, seen from outside of it.
+    /// Converts a pose in this frame to the outer frame.
     #[must_use]
     pub fn of(&self, inner: &Pose<N>) -> Pose<N> {
         let moved = turned(&self.rotation, &inner.position);
@@ -107,7 +107,7 @@ impl<N: Number> Pose<N> {
         }
     }
 
-    /// What is outside, seen from this frame.
+    /// Converts a pose in the outer frame to this frame.
     #[must_use]
     pub fn inverse(&self) -> Pose<N> {
         let rotation = self.rotation.transpose();
@@ -124,13 +124,13 @@ pub fn end_of_arm<N: Number>(work: &Pose, tool_centre: &Pose<N>, tool: &Pose) ->
     work.standing().of(tool_centre).of(&tool.inverse().standing())
 }
 
-/// The reverse: the tool centre in the work frame.
+/// The inverse: the tool centre in the work frame.
 #[must_use]
 pub fn tool_centre<N: Number>(work: &Pose, end_of_arm: &Pose<N>, tool: &Pose) -> Pose<N> {
     work.inverse().standing().of(&end_of_arm.of(&tool.standing()))
 }
 
-/// One turn after another: `first * second`.
+/// The product of two rotations: `first * second`.
 pub(crate) fn product<N: Number>(first: &Matrix3<N>, second: &Matrix3<N>) -> Matrix3<N> {
     Matrix3::from_fn(|row, column| {
         first[(row, 0)] * second[(0, column)]
@@ -139,7 +139,7 @@ pub(crate) fn product<N: Number>(first: &Matrix3<N>, second: &Matrix3<N>) -> Mat
     })
 }
 
-/// A turned vector.
+/// A rotated vector.
 pub(crate) fn turned<N: Number>(rotation: &Matrix3<N>, vector: &Vector3<N>) -> Vector3<N> {
     Vector3::from_fn(|row, _| {
         rotation[(row, 0)] * vector[0] + rotation[(row, 1)] * vector[1] + rotation[(row, 2)] * vector[2]
@@ -167,7 +167,7 @@ pub(crate) fn turn_z<N: Number>(degrees: N) -> Matrix3<N> {
     Matrix3::new(c, -s, o, s, c, o, o, o, i)
 }
 
-/// Sine and cosine of degrees; those of quarter turns are whole numbers.
+/// Sine and cosine of degrees, exact for quarter turns.
 fn sin_cos<N: Number>(degrees: N) -> (N, N) {
     let quarters = (degrees.value() / 90.0).round();
     let (s, c) = ((degrees - 90.0 * quarters) * RADIANS).sin_cos();
@@ -179,7 +179,7 @@ fn sin_cos<N: Number>(degrees: N) -> (N, N) {
     }
 }
 
-/// -180 and what rounds to it is 180.
+/// Replaces an angle of -180, and any that rounds to it, by 180.
 fn above_half_turn<N: Number>(degrees: N) -> N {
     if degrees.value() <= -180.0 + HALF_TURN_DEG {
         degrees + 360.0

@@ -1,24 +1,24 @@
 //! A robot: its geometry with its parameters, and the two directions of its transform
 //! (spec/coordinated-instructions.md §22).
 //!
-//! Not here: work and tool frames, orientation ([`crate::OrientedRobot`]), which turn of a joint an axis is in. Units: lengths
-//! in position units, joints in degrees (linear joints in position units) as the axes' tags show them.
+//! Not here: work and tool frames, orientation ([`crate::OrientedRobot`]), whole turns of a joint. Units: lengths
+//! in position units, joints in degrees (linear joints in position units) as in the axes' tags.
 
 use crate::error::{GeometryError, KinematicsError};
 use crate::number::Number;
 use crate::parallel::Arms;
 use crate::two_links::TwoLinks;
 
-/// How a robot is built.
+/// The construction of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Geometry {
-    /// Two joints in a plane, the second link turns with the first one.
+    /// Two joints in a plane; the second link rotates with the first one.
     ArticulatedIndependent2,
-    /// The same on a turning base.
+    /// The same on a rotating base.
     ArticulatedIndependent3,
-    /// Two joints in a plane, the second link keeps its angle when the first one moves.
+    /// Two joints in a plane; the second link keeps its angle when the first one moves.
     ArticulatedDependent2,
-    /// The same on a turning base.
+    /// The same on a rotating base.
     ArticulatedDependent3,
     /// Two horizontal links and a vertical linear axis.
     ScaraIndependent,
@@ -31,7 +31,7 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// Joints, which is also how many coordinates its tool has.
+    /// The number of joints, which is also that of the tool's coordinates.
     #[must_use]
     pub fn joints(self) -> usize {
         match self {
@@ -40,19 +40,19 @@ impl Geometry {
         }
     }
 
-    /// Whether a joint turns, and does not slide.
+    /// The joint is rotary, not linear.
     #[must_use]
     pub fn turns(self, joint: usize) -> bool {
         !(joint == 2 && matches!(self, Geometry::ScaraIndependent | Geometry::ScaraDelta))
     }
 
-    /// Whether it has a left and a right solution.
+    /// The geometry has a left and a right solution.
     #[must_use]
     pub fn is_arm(self) -> bool {
         !matches!(self, Geometry::ScaraDelta | Geometry::Delta2 | Geometry::Delta3)
     }
 
-    /// Whether it has a solution with the first joint turned round.
+    /// The geometry has a mirrored solution, with the first joint half a turn further.
     #[must_use]
     pub fn has_mirror(self) -> bool {
         matches!(
@@ -62,7 +62,7 @@ impl Geometry {
     }
 }
 
-/// What a geometry is built with; what it does not have is not looked at.
+/// The parameters of a geometry; those that it does not have are ignored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parameters {
     /// LinkLength1 and 2, position units.
@@ -71,11 +71,11 @@ pub struct Parameters {
     pub base_offsets: [f64; 3],
     /// X1e, X2e, X3e, position units.
     pub end_effector_offsets: [f64; 3],
-    /// Zero angle orientation of each joint, degrees: added to the internal angle it gives what the tag shows.
+    /// Zero angle orientation of each joint, degrees: the position in the tag minus the internal angle.
     pub zero_angles: [f64; 6],
 }
 
-/// On which side the elbow is.
+/// The side of the elbow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Elbow {
     /// The second link bends in the negative direction.
@@ -85,21 +85,21 @@ pub enum Elbow {
     Right,
 }
 
-/// Which of the solutions of an arm.
+/// The solution of an arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Arm {
     /// The side of the elbow.
     pub elbow: Elbow,
-    /// Whether the first joint points away from the tool.
+    /// The first joint points away from the tool.
     pub mirrored: bool,
 }
 
-/// A robot whose parameters make sense. Every function is total and takes bounded time; nothing allocates.
+/// A robot with valid parameters. Every function is total and takes bounded time; nothing allocates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robot {
     geometry: Geometry,
     zero: [f64; 3],
-    /// From the base's origin to the shoulder: out and up, or the two coordinates of a plane arm.
+    /// The shoulder from the base's origin: out and up, or the two coordinates of a plane arm.
     shoulder: [f64; 2],
     mechanism: Mechanism,
 }
@@ -110,7 +110,7 @@ enum Mechanism {
         links: TwoLinks,
         /// Angle of the tool against the second link, radians.
         bent: f64,
-        /// Whether the second link turns with the first.
+        /// The second link rotates with the first one.
         independent: bool,
     },
     Parallel {
@@ -124,7 +124,7 @@ impl Robot {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`GeometryError`], which MCT tells as ERR 61 with EXERR 9 or 10.
+    /// [`GeometryError`], which MCT reports as ERR 61 with EXERR 9 or 10.
     pub fn new(geometry: Geometry, parameters: &Parameters) -> Result<Robot, GeometryError> {
         let [l1, l2] = parameters.link_lengths;
         let [x1b, x2b, x3b] = parameters.base_offsets;
@@ -177,16 +177,16 @@ impl Robot {
         })
     }
 
-    /// How it is built.
+    /// Its construction.
     #[must_use]
     pub fn geometry(&self) -> Geometry {
         self.geometry
     }
 
-    /// Where the tool is in the frame of the base: the forward transform. Of a plane robot the third one is 0.
+    /// The forward transform: the tool in the frame of the base. The third coordinate of a plane robot is 0.
     ///
     /// # Errors
-    /// [`KinematicsError`] where a joint is where it cannot be, or the arms hold nothing.
+    /// [`KinematicsError`] if a joint is outside of its range, or the arms hold no plate.
     pub fn forward<N: Number>(&self, joints: [N; 3]) -> Result<[N; 3], KinematicsError> {
         let [j1, j2, j3] = [0, 1, 2].map(|joint| self.internal(joints[joint], joint));
         let nothing = N::constant(0.0);
@@ -233,11 +233,11 @@ impl Robot {
         finite(tool)
     }
 
-    /// The joints that bring the tool to a point of the base's frame: the inverse transform. Every joint that turns is
-    /// within half a turn of its internal zero. Of a plane robot the third one is 0.
+    /// The inverse transform: the joints for a point of the tool in the base's frame. Every rotary joint is
+    /// within half a turn of its internal zero. The third joint of a plane robot is 0.
     ///
     /// # Errors
-    /// [`KinematicsError`] where the point cannot be reached, or what moves would come too near to a singularity.
+    /// [`KinematicsError`] if the point is out of reach, or a motion comes too close to a singularity.
     pub fn inverse<N: Number>(&self, point: [N; 3], arm: Arm) -> Result<[N; 3], KinematicsError> {
         let [x, y, z] = point;
         let nothing = N::constant(0.0);
@@ -292,7 +292,7 @@ impl Robot {
         finite([0, 1, 2].map(|joint| self.shown(joints[joint], joint)))
     }
 
-    /// The solution that joints are in. One that is straight counts as right.
+    /// The solution of joint positions. A straight arm counts as right.
     #[must_use]
     pub fn arm(&self, joints: [f64; 3]) -> Arm {
         let Mechanism::Serial {
@@ -317,7 +317,7 @@ impl Robot {
         }
     }
 
-    /// How far a joint can turn, as its tag shows it, degrees; `None`: as far as it likes.
+    /// The range of a joint, in positions of its tag, degrees; `None`: unlimited.
     #[must_use]
     pub fn range(&self, joint: usize) -> Option<[f64; 2]> {
         let zero = self.zero.get(joint)?;

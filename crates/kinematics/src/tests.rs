@@ -1,4 +1,4 @@
-//! Vectors of the specification, refusals, and both directions against each other over the workspace.
+//! Values of the specification, errors, and both directions against each other over the workspace.
 
 use proptest::prelude::*;
 
@@ -102,7 +102,7 @@ fn near(is: [f64; 3], expected: [f64; 3], by: f64) -> bool {
 fn vectors() {
     use Geometry::*;
     let none = [0.0; 3];
-    // spec/coordinated-instructions.md §27.9 and §22.3, and what the definitions of §22 say of simple poses.
+    // spec/coordinated-instructions.md §27.9 and §22.3, and simple poses from the definitions of §22.
     #[rustfmt::skip]
     let cases = [
         ("articulated independent", robot(ArticulatedIndependent3, 10.0, 10.0, none, none, none), [0.0, 90.0, -90.0], [10.0, 0.0, 10.0]),
@@ -170,7 +170,7 @@ fn every_solution_of_an_arm() {
             seen.push(joints);
         }
     }
-    // Straight ahead the mirror is half a turn to the left, whatever the sign of a zero.
+    // Straight ahead the mirrored solution is half a turn to the left, whatever the sign of a zero.
     for zero in [0.0, -0.0] {
         let mirrored = Arm {
             mirrored: true,
@@ -179,7 +179,7 @@ fn every_solution_of_an_arm() {
         let [turn, ..] = robot.inverse([200.0, zero, 95.0], mirrored).expect("within reach");
         assert!((turn - 185.0).abs() < 1e-9, "{turn}");
     }
-    // The mirror is the other way round, half a turn.
+    // The mirrored solution is half a turn away in the opposite direction.
     assert!((seen[0][0] - seen[1][0]).abs() - 180.0 < 1e-9);
 }
 
@@ -204,7 +204,7 @@ fn what_cannot_be_reached() {
     for (why, robot, point, expected) in cases {
         assert_eq!(robot.inverse(point, arm).map(drop), expected, "{why}");
     }
-    // The end of the reach can be held, but not moved through.
+    // The robot can stay at the end of its reach, but not move through it.
     let robot = robot(ScaraIndependent, 10.0, 10.0, none, none, none);
     assert!(robot.inverse([20.0, 0.0, 0.0], arm).is_ok());
     let moving = [20.0, 0.0, 0.0].map(KinematicState::constant);
@@ -238,7 +238,7 @@ fn what_makes_no_robot() {
     }
 }
 
-/// Random points of every workspace, each in every solution of the arm; ARCLINE_CASES says how many other than a million.
+/// Random points of every workspace, each in every solution of the arm; ARCLINE_CASES sets their number instead of a million.
 #[test]
 fn forward_is_the_inverse_of_inverse() {
     let cases = std::env::var("ARCLINE_CASES")
@@ -288,7 +288,7 @@ fn forward_is_the_inverse_of_inverse() {
     }
 }
 
-/// A point of a box about the workspace; of parallel arms below their elbows, where the tool is.
+/// A point of a box about the workspace; for parallel arms below their elbows, as the tool.
 fn random_point(robot: &Robot, random: &mut Random) -> [f64; 3] {
     use Geometry::*;
     let mut within = |least: f64, most: f64| least + (most - least) * random.next();
@@ -348,7 +348,7 @@ fn motion(at: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3], t: f64) -> [
 }
 
 proptest! {
-    /// Velocity and acceleration are those of the positions a moment before and after.
+    /// Velocity and acceleration agree with the differences of positions shortly before and after.
     #[test]
     fn what_moves_is_differentiated(
         which in 0..EVERY.len(),
@@ -363,7 +363,7 @@ proptest! {
             let h = 1e-4;
             let at = |t: f64| robot.inverse(motion(point, velocity, acceleration, t), arm);
             let (Ok(before), Ok(now), Ok(after)) = (at(-h), at(0.0), at(h)) else { continue };
-            // Differences say nothing where the speeds of the joints are about to be infinite.
+            // Differences are inaccurate where the speeds of the joints are nearly infinite.
             if now.iter().any(|joint| joint.velocity.abs() > 1e3 || joint.acceleration.abs() > 1e5) { continue }
             for k in 0..3 {
                 let slope = (after[k].position - before[k].position) / (2.0 * h);
@@ -382,7 +382,7 @@ proptest! {
         }
     }
 
-    /// Nothing that is given makes it panic, or say what is not a number.
+    /// No input causes a panic or a NaN.
     #[test]
     fn every_input_has_an_answer(
         which in 0..EVERY.len(),

@@ -1,4 +1,4 @@
-//! Two links in a plane, which articulated and SCARA arms are made of (spec/coordinated-instructions.md §22.2).
+//! Two links in a plane, as in articulated and SCARA arms (spec/coordinated-instructions.md §22.2).
 //!
 //! Units: any for lengths, radians.
 
@@ -13,7 +13,7 @@ pub(crate) struct TwoLinks {
 }
 
 impl TwoLinks {
-    /// The end of the arm: the angle of the first link, and of the second one, both against the axis of `u`.
+    /// The end of the arm for the angles of the first link and of the second one, both against the axis of `u`.
     pub(crate) fn end<N: Number>(&self, first: N, second: N) -> [N; 2] {
         let ((sin1, cos1), (sin2, cos2)) = (first.sin_cos(), second.sin_cos());
         [
@@ -25,8 +25,8 @@ impl TwoLinks {
     /// The angle of the first link, and of the second one against the first, each above -pi up to pi.
     ///
     /// # Errors
-    /// `Reach` where the arm is too short, or cannot fold so far, or is stretched or folded to the end while it moves;
-    /// its joint is `bend`. `Origin` where the end is at the shoulder, and the first link may point anywhere.
+    /// `Reach` if the arm is too short, or cannot fold that far, or is stretched or folded to its end while it moves; its joint is
+    /// `bend`. `Origin` if the end is at the shoulder, where the first link may have any direction.
     pub(crate) fn angles<N: Number>(&self, [u, w]: [N; 2], elbow: Elbow, bend: u8) -> Result<[N; 2], KinematicsError> {
         let (a, b) = (self.first, self.second);
         let square = u * u + w * w;
@@ -35,7 +35,7 @@ impl TwoLinks {
             return Err(KinematicsError::Origin);
         }
         let inverse = 1.0 / (2.0 * a * b);
-        // 1 - cos and 1 + cos of the bend, neither with a cancellation that matters.
+        // 1 - cos and 1 + cos of the bend, neither with a significant cancellation.
         let stretched = (N::constant(longest) - square) * inverse;
         let folded = (square - shortest) * inverse;
         if stretched.value().min(folded.value()) < N::LEAST_BEND {

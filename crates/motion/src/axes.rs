@@ -26,9 +26,9 @@ use crate::masters::master::Master;
 #[derive(Debug)]
 pub(crate) struct Axes {
     axes: Vec<Axis>,
-    /// The feedback of the present tick is there.
+    /// The exchange of the present tick has happened: the actual positions are those of this tick.
     pub(crate) exchanged: bool,
-    /// One of them has an execution target of output cams.
+    /// At least one axis has an execution target of output cams.
     pub(crate) have_output_cams: bool,
 }
 
@@ -58,7 +58,7 @@ impl Axes {
         Some(axis)
     }
 
-    /// Every axis, to be changed: wakes all.
+    /// Every axis, mutable. Wakes all of them.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
         for axis in &mut self.axes {
             axis.dormant = false;
@@ -71,20 +71,20 @@ impl Axes {
         self.axes.iter_mut().filter(|axis| !axis.dormant)
     }
 
-    /// Every axis, without waking it: for what leaves a dormant axis as it is.
+    /// Every axis, without waking it; for changes that leave a dormant axis dormant.
     pub(crate) fn all_mut(&mut self) -> impl Iterator<Item = &mut Axis> {
         self.axes.iter_mut()
     }
 
-    /// Lets those axes be dormant that nothing in the next tick would change.
+    /// Makes those axes dormant that nothing in the next tick would change.
     pub(crate) fn let_rest(&mut self) {
         for axis in self.awake_mut() {
             axis.dormant = axis.can_be_dormant();
         }
     }
 
-    /// A master as its slaves read it now. A master without torque moves where its drive does. Before the exchange of a tick, the
-    /// actual position is the one that is expected of it.
+    /// The state of a master axis as its slaves read it in the present tick. The reference of a master without torque is its actual motion.
+    /// Before the exchange of a tick, the actual position is the expected one.
     pub(crate) fn master_at(&self, master: AxisId, reference: Reference, clock: &Clock) -> MasterAt {
         let axis = &self[master];
         let commanded = matches!(axis.state, AxisState::Running | AxisState::Starting);
@@ -104,7 +104,7 @@ impl Axes {
     }
 
     /// The master follower of a motion that begins on an axis at the present tick; its link is the active one from now on.
-    pub(crate) fn lead(
+    pub(crate) fn begin_follower(
         &mut self,
         axis: AxisId,
         driven_by: DrivenBy,
@@ -129,8 +129,8 @@ impl Axes {
         MasterFollower::begin(beginning, &link.master, &at, clock)
     }
 
-    /// Brings the followers of an axis to where their masters are at the present tick: its links, the moves that they drive, its
-    /// cams and its gear.
+    /// Updates the followers of an axis (its links, the moves that they drive, its cams and its gear) to the positions of their masters
+    /// at the present tick.
     pub(crate) fn follow_masters(&mut self, axis: AxisId, clock: &Clock) {
         self.read_links(axis, clock);
         self.follow_cams(axis, clock);
@@ -218,7 +218,7 @@ pub(crate) struct AxisList<const MOST: usize> {
 }
 
 impl<const MOST: usize> AxisList<MOST> {
-    /// Adds an axis that is not in the list; one for which there is no room is left out.
+    /// Adds an axis that is not in the list; a full list ignores it.
     pub(crate) fn add(&mut self, axis: AxisId) {
         if !self.contains(&axis)
             && let Some(end) = self.axes.get_mut(self.count)
@@ -265,7 +265,7 @@ impl<const MOST: usize> FromIterator<AxisId> for AxisList<MOST> {
     }
 }
 
-/// Whether two lists of axes have one in common.
+/// The two lists have an axis in common.
 pub(crate) fn share(some: &[AxisId], others: &[AxisId]) -> bool {
     some.iter().any(|axis| others.contains(axis))
 }

@@ -1,4 +1,4 @@
-//! Data of a call that stand in tags: the image of the tags reads them beside the tick, when the call is made.
+//! The data of a call that stand in tags; the tag memory copies them beside the tick when the call is made.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -9,28 +9,27 @@ use arcline_instruction_set::MotionError;
 use crate::output::OutputCam;
 use crate::path_data::PathMove;
 
-/// The data that go into the tick with a call.
+/// The data that enter the tick with a call.
 ///
-/// The tick only reads the memory behind them. The sender keeps an [`Arc`] of its own until that is the last one, so that the
-/// tick never frees anything.
+/// The tick only reads their memory. The sender keeps its own [`Arc`] until no other one is left, so the tick never frees memory.
 #[derive(Clone, Debug)]
 pub enum CallData {
-    /// The instruction was calculated beside the tick: it is done once its operands are verified.
+    /// The instruction was calculated beside the tick; it is done once its operands are verified.
     Done,
-    /// It errs, once its operands are verified.
+    /// The instruction fails with an error once its operands are verified.
     Refused {
-        /// Why.
+        /// The error.
         error: MotionError,
-        /// The element of a cam that is to blame: SEGMENT.
+        /// The element of a cam at fault: SEGMENT.
         element: u32,
     },
     /// A calculated cam profile.
     Cam(Arc<Profile>),
-    /// The tags of a path move, as they were.
+    /// The values of a path move's tags at the call.
     Path(PathMove),
     /// An output cam, and the values of the tags of its output and its input.
     OutputCam(Arc<OutputCam>, [u32; 2]),
-    /// For the numbers that the instruction calculates in the tick.
+    /// The memory for the numbers that the instruction calculates in the tick.
     Results(Arc<Results>),
     /// Frames of MCTO.
     Frames(Frames),
@@ -41,20 +40,20 @@ pub enum CallData {
 /// The tags of MCTPO.
 #[derive(Clone, Debug)]
 pub struct Calculation {
-    /// Of the work and the tool.
+    /// The frames of the work and the tool.
     pub frames: Frames,
     /// Robot Configuration, for Inverse.
     pub configuration: i32,
     /// Turns Counter, for Inverse.
     pub turns: [i16; 4],
-    /// For the position; Forward gives Robot Configuration and Turns Counter behind it.
+    /// The memory for the calculated position; Forward adds Robot Configuration and Turns Counter behind it.
     pub results: Arc<Results>,
 }
 
-/// Where a work and a tool are, for MCTO and MCTPO.
+/// The frames of a work piece and a tool, for MCTO and MCTPO.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frames {
-    /// The work, in the frame of the robot's base.
+    /// The work piece, in the frame of the robot's base.
     pub work: Frame,
     /// The tool centre, in the frame of the end of the arm.
     pub tool: Frame,
@@ -63,13 +62,14 @@ pub struct Frames {
 /// A POSITION_DATA (spec/coordinated-instructions.md §22.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// What ActiveWorkFrameID or ActiveToolFrameID shows; without effect on motion.
+    /// The number that ActiveWorkFrameID or ActiveToolFrameID shows; it has no effect on motion.
     pub id: i32,
-    /// X, Y, Z in position units, Rx, Ry, Rz in degrees, as the tag has them.
+    /// X, Y, Z in position units, Rx, Ry, Rz in degrees, as in the tag.
     pub coordinates: [f64; 6],
 }
 
-/// The results of an instruction that calculates in the tick: written once there, read when the instruction is done.
+/// The results of an instruction that calculates in the tick: the tick writes them once, and readers take them when the instruction is
+/// done.
 #[derive(Debug, Default)]
 pub struct Results {
     elements: usize,
@@ -81,7 +81,7 @@ pub struct Results {
 const MOST_NUMBERS: usize = 11;
 
 impl Results {
-    /// For an array of so many elements.
+    /// Memory for an array with this number of elements.
     pub fn new(elements: usize) -> Self {
         Results {
             elements,
@@ -114,7 +114,7 @@ impl Results {
 pub(crate) struct ReceivedData(pub(crate) Option<CallData>);
 
 impl ReceivedData {
-    /// The element of a cam that is to blame for an error: SEGMENT.
+    /// The element of a cam at fault: SEGMENT.
     pub(crate) fn element(&self) -> u32 {
         match self.0 {
             Some(CallData::Refused { element, .. }) => element,
@@ -122,7 +122,7 @@ impl ReceivedData {
         }
     }
 
-    /// For the results, where an operand names an array for them.
+    /// The memory for the results, if an operand names an array for them.
     pub(crate) fn results(&self) -> Option<&Results> {
         match &self.0 {
             Some(CallData::Results(results)) => Some(results),
@@ -133,7 +133,7 @@ impl ReceivedData {
     /// Frames of a work and a tool.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why the data do not exist.
     pub(crate) fn frames(&self) -> Result<&Frames, MotionError> {
         match &self.0 {
             Some(CallData::Frames(frames)) => Ok(frames),
@@ -141,10 +141,10 @@ impl ReceivedData {
         }
     }
 
-    /// What MCTPO calculates with.
+    /// The tags of MCTPO.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why the data do not exist.
     pub(crate) fn calculation(&self) -> Result<&Calculation, MotionError> {
         match &self.0 {
             Some(CallData::Calculation(calculation)) => Ok(calculation),
@@ -152,10 +152,10 @@ impl ReceivedData {
         }
     }
 
-    /// Of an instruction that was worked out beside the tick.
+    /// The outcome of an instruction that was calculated beside the tick.
     ///
     /// # Errors
-    /// What it errs with; `FeatureNotSupported` where no result has come.
+    /// The error of that calculation; `FeatureNotSupported` if no result has come.
     pub(crate) fn verdict(&self) -> Result<(), MotionError> {
         match &self.0 {
             Some(CallData::Done) => Ok(()),
@@ -167,7 +167,7 @@ impl ReceivedData {
     /// The tags of a path move.
     ///
     /// # Errors
-    /// Why there are none.
+    /// The reason why the data do not exist.
     pub(crate) fn path(&self) -> Result<PathMove, MotionError> {
         match &self.0 {
             Some(CallData::Path(path)) => Ok(*path),
@@ -175,10 +175,10 @@ impl ReceivedData {
         }
     }
 
-    /// An output cam, and what is in the tags of its output and its input.
+    /// An output cam, and the values of the tags of its output and its input.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why the data do not exist.
     pub(crate) fn output_cam(&self) -> Result<(Arc<OutputCam>, [u32; 2]), MotionError> {
         match &self.0 {
             Some(CallData::OutputCam(cam, words)) => Ok((cam.clone(), *words)),
@@ -189,7 +189,7 @@ impl ReceivedData {
     /// The profile of a cam.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why the data do not exist.
     pub(crate) fn cam(&self) -> Result<Arc<Profile>, MotionError> {
         match &self.0 {
             Some(CallData::Cam(profile)) => Ok(profile.clone()),

@@ -1,6 +1,6 @@
-//! Why an instruction ended before its end, and the changes of an axis's faults.
+//! The causes for which instructions end before completion, and the changes of an axis's faults.
 //!
-//! Not here: what ends an instruction (`motion`, `instructions`), and names: both hold indices. Nothing allocates.
+//! Not here: the stops and merges that end an instruction (`motion`, `instructions`), and names: both hold indices. Nothing allocates.
 
 use arcline_instruction_set::{AxisId, ControlSlot, FaultSet, JogEnd, Mnemonic};
 
@@ -9,10 +9,10 @@ use crate::execution::{Execution, Ticket};
 /// The cause of the end of an instruction that did not complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cause {
-    /// Nothing but the instruction itself, or it has not ended this way.
+    /// No other cause than the instruction itself, or the instruction has not ended this way.
     #[default]
     Itself,
-    /// Another instruction: one that stops, or one that takes its place.
+    /// Another instruction: a stop, or one that replaces it.
     Instruction {
         /// The other execution.
         ticket: Ticket,
@@ -28,9 +28,9 @@ pub enum Cause {
         /// The faults, of one update.
         faults: FaultSet,
     },
-    /// A stop of the whole machine, by no instruction.
+    /// A stop of the whole machine that no instruction caused.
     StopAll,
-    /// The end of a jog, by no instruction.
+    /// The end of a jog that no instruction caused.
     Jog(JogEnd),
 }
 
@@ -47,13 +47,13 @@ impl From<Execution> for Cause {
 /// A change of the faults of one axis within one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultChange {
-    /// When.
+    /// The tick.
     pub tick: u64,
     /// Index of the axis.
     pub axis: AxisId,
     /// Faults that were raised.
     pub set: FaultSet,
-    /// Of those, the ones that a reset had just cleared: their cause had never gone.
+    /// Faults among them that a reset had just cleared: their cause was still present.
     pub again: FaultSet,
     /// Faults that were cleared.
     pub clear: FaultSet,
@@ -63,17 +63,17 @@ pub struct FaultChange {
     pub refused: Option<RefusedCommand>,
 }
 
-/// A command that an axis could not have followed, and that its drive never got (spec/axis-and-data-types.md §12). Position units,
+/// A command that the axis could not have followed, and that did not reach its drive (spec/axis-and-data-types.md §12). Position units,
 /// position units/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefusedCommand {
-    /// The instruction that asked for it; [`Cause::Itself`]: none.
+    /// The instruction of the command; [`Cause::Itself`]: none.
     pub by: Cause,
-    /// The kind of motion that asked for it, as a person calls it.
+    /// The name of the kind of motion in messages.
     pub source: &'static str,
     /// Position and velocity of the last set-point.
     pub last: [f64; 2],
-    /// Position and velocity that were asked for.
+    /// Position and velocity of the command.
     pub asked: [f64; 2],
 }
 

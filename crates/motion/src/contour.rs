@@ -1,5 +1,5 @@
-//! Coordinate systems whose moves are travelled as planned contours: between the queue of moves and the
-//! planning, which is done outside the tick.
+//! Coordinate systems that execute their moves as planned contours: the link between the queue of moves and the planning, which runs
+//! outside the tick.
 
 use arcline_instruction_set::SystemId;
 use std::sync::Arc;
@@ -11,18 +11,18 @@ use arcline_planner::{Extension, Installed, MasterMotion};
 use crate::motion::Motion;
 use crate::system::Activity;
 
-/// Moves that are to be planned as one contour.
+/// Moves to plan as one contour.
 #[derive(Clone, Debug)]
 pub struct ContourRequest {
     /// Index of the coordinate system.
     pub system: SystemId,
-    /// Tells this request from others of the same system.
+    /// Distinguishes this request from others of the same system.
     pub generation: u32,
-    /// The moves, to rest.
+    /// The moves; the last one ends at rest.
     pub moves: Vec<ContourMove>,
-    /// The trajectory in execution that they extend; `None`: they begin at rest.
+    /// The trajectory in execution that they extend; `None`: they start from rest.
     pub extends: Option<Extension>,
-    /// Limits of the axes that are kept.
+    /// The axis limits that the trajectory keeps.
     pub limits: AxisLimits,
 }
 
@@ -42,8 +42,8 @@ impl ContourRequest {
         }
     }
 
-    /// Plans the contour; `None` where a trajectory in execution cannot be extended. Not bounded: outside the tick, and
-    /// what it has been given is freed.
+    /// Plans the contour; `None` if the trajectory in execution cannot be extended. Runs outside the tick: its time is not bounded, and it frees
+    /// the extension.
     pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
         let planned = match self.extends.take() {
             None => precise::begin(&self.moves, &self.limits),
@@ -60,7 +60,7 @@ impl Default for ContourRequest {
 }
 
 impl Motion {
-    /// Fills a request for the next contour that is to be planned; false when there is none. Real-time.
+    /// Fills a request for the next contour to plan; returns false if there is none. Real-time.
     pub fn next_contour(&mut self, request: &mut ContourRequest) -> bool {
         for (id, system) in self.systems.ids().zip(self.systems.iter_mut()) {
             if system.activity != Activity::Moving {
@@ -79,7 +79,7 @@ impl Motion {
         false
     }
 
-    /// Begins to travel a planned contour at the present tick, or goes on with it, if it is still wanted and in time.
+    /// Starts a planned contour at the present tick, or extends the one in execution, if the contour is still wanted and in time.
     /// Real-time.
     pub fn install_contour(&mut self, system: SystemId, generation: u32, planned: Option<Arc<Trajectory>>) {
         let id = system;
@@ -87,7 +87,7 @@ impl Motion {
             self.systems.retired.extend(planned);
             return;
         };
-        // One that begins does so at the displacement 0 of its master.
+        // A contour that starts does so at the displacement 0 of its master.
         let driven_by = system.travel.moves().next().and_then(|first| first.data.driven_by);
         let mut base = system.time_base(&self.clock);
         if driven_by.is_some() && system.follower.is_none() {
@@ -96,9 +96,13 @@ impl Motion {
         let installed = system.travel.install(generation, planned, &base);
         match installed {
             Ok(Installed::Started) => {
-                if let Err(error) =
-                    self.systems[id].lead(driven_by, self.clock.now(), &self.axes, &mut self.controls, &self.clock)
-                {
+                if let Err(error) = self.systems[id].activate_link(
+                    driven_by,
+                    self.clock.now(),
+                    &self.axes,
+                    &mut self.controls,
+                    &self.clock,
+                ) {
                     self.systems.refuse(id, error, &mut self.controls);
                     return;
                 }
@@ -116,7 +120,7 @@ impl Motion {
         self.systems.retired.pop()
     }
 
-    /// Keeps a trajectory that could not be freed yet.
+    /// Takes back a trajectory that could not be freed yet.
     pub fn keep_retired(&mut self, trajectory: Arc<Trajectory>) {
         self.systems.retired.push(trajectory);
     }

@@ -1,8 +1,8 @@
-//! Motion control tags: which execution a tag shows, and the life of its bits
+//! Motion control tags: the execution that a tag shows, and the life of its bits
 //! (spec/coordinated-instructions.md §2).
 //!
-//! A tag shows its newest execution. An older one whose tag was used again runs on and reports its changes
-//! under its ticket only.
+//! A tag shows its newest execution. An older execution whose tag was used again continues, and reports its changes under its ticket
+//! only.
 
 use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, MotionError};
 use arcline_planner::profile::Phase;
@@ -11,22 +11,22 @@ use crate::cause::Cause;
 use crate::events::{ArrayWrite, Events};
 use crate::execution::{Execution, Ticket};
 
-/// Places for motion control tags, the unnamed one included.
+/// Slots for motion control tags, the unnamed one included.
 pub const CONTROL_SLOTS: usize = 8192;
 
-/// The place of an instruction without a motion control tag. Executions that share it do not collide.
+/// The slot of instructions without a motion control tag. Executions that share it do not collide.
 pub const UNNAMED: ControlSlot = ControlSlot(CONTROL_SLOTS as u32 - 1);
 
 /// A change of an execution's status within one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When.
+    /// The tick.
     pub tick: u64,
-    /// Whose.
+    /// The execution.
     pub ticket: Ticket,
-    /// The tag it was executed with.
+    /// Its motion control tag.
     pub control: ControlSlot,
-    /// Whether that tag still shows this execution.
+    /// The tag still shows this execution.
     pub owner: bool,
     /// The instruction.
     pub mnemonic: Mnemonic,
@@ -40,7 +40,7 @@ pub struct Event {
     pub exerr: i8,
     /// SEGMENT after the change.
     pub segment: i32,
-    /// The cause of the end of the execution, where this change is its end without PC and without an error.
+    /// The cause of the end, if this change ends the execution without PC and without an error.
     pub cause: Cause,
 }
 
@@ -61,10 +61,10 @@ struct Control {
     word: MotionControl,
     /// FLAGS when the present execution began or was last reported.
     reported: u32,
-    /// Of those, the ones that count as set again when they still are: EN alone survives an edge.
+    /// Bits among them that count as set again if they are still set: EN alone survives an edge.
     kept: u32,
     changed: bool,
-    /// SEGMENT is not what was last reported.
+    /// SEGMENT differs from the last report.
     moved: bool,
     /// The cause of its end.
     cause: Cause,
@@ -77,7 +77,7 @@ pub(crate) struct Controls {
     changed: Vec<u32>,
     events: Vec<Event>,
     lost: u64,
-    /// The cause of the ends of executions from now on.
+    /// The cause with which executions end from now on.
     cause: Cause,
     /// The present tick.
     tick: u64,
@@ -92,10 +92,10 @@ const UNDER_WAY: u32 =
 /// Events that one tick can hold.
 const EVENTS: usize = 2 * CONTROL_SLOTS;
 
-/// Arrays that are written in one tick; one more is lost.
+/// Arrays written in one tick; further ones are lost.
 const ARRAY_WRITES: usize = 1024;
 
-/// FLAGS bits to set and to clear, so that ACCEL and DECEL show what the speed does.
+/// The FLAGS bits to set and to clear such that ACCEL and DECEL show the phase.
 pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
     let (accel, decel) = (Flag::Accel.mask(), Flag::Decel.mask());
     match phase {
@@ -128,17 +128,17 @@ impl Controls {
         }
     }
 
-    /// A tick begins: changes from now on are of this one.
+    /// Begins a tick: later changes carry its number.
     pub(crate) fn begin_tick(&mut self, tick: u64) {
         self.tick = tick;
     }
 
-    /// From now on executions end because of this. Returns what they ended of before, to be put back.
+    /// Sets the cause with which executions end from now on. Returns the earlier cause, for the caller to restore.
     pub(crate) fn because(&mut self, cause: Cause) -> Cause {
         std::mem::replace(&mut self.cause, cause)
     }
 
-    /// The cause of the ends of executions from now on.
+    /// The cause with which executions end from now on.
     pub(crate) fn cause(&self) -> Cause {
         self.cause
     }
@@ -232,14 +232,14 @@ impl Controls {
         self.events.clear();
     }
 
-    /// Ends an instruction that is under way: it will never report again.
+    /// Ends an instruction that is under way; it reports no further changes.
     pub(crate) fn end_move(&mut self, execution: Execution, set: u32) {
-        // Homing is done when it has ended, whichever way.
+        // Homing is done when it ends, even without PC.
         let set = match execution.mnemonic {
             Mnemonic::Mah => set | Flag::Dn.mask(),
             _ => set,
         };
-        // What was calculated for a move that did not come to its end is of no use.
+        // Calculated Data of a move that did not reach its end is invalid.
         let calculated = if set & Flag::Pc.mask() == 0 {
             Flag::CalculatedDataAvailable.mask()
         } else {
@@ -248,20 +248,20 @@ impl Controls {
         self.write(execution, set, (UNDER_WAY | calculated) & !set);
     }
 
-    /// Ends instructions of links, of those that there are.
+    /// Ends the instructions of the links that exist.
     pub(crate) fn end_links(&mut self, ended: impl IntoIterator<Item = Option<Execution>>) {
         for execution in ended.into_iter().flatten() {
             self.end_move(execution, 0);
         }
     }
 
-    /// Writes Calculated Data and says so.
+    /// Writes Calculated Data and sets the bit that announces it.
     pub(crate) fn give(&mut self, execution: Execution, events: &Events) {
         self.write_array(events.write(self.tick));
         self.write(execution, Flag::CalculatedDataAvailable.mask(), 0);
     }
 
-    /// Whether another array can be written in this tick.
+    /// The tick has room for another write to an array.
     pub(crate) fn has_room_for_array(&self) -> bool {
         self.array_writes.len() < ARRAY_WRITES
     }
@@ -279,7 +279,7 @@ impl Controls {
         self.array_writes.clear();
     }
 
-    /// Events that found no room, ever.
+    /// The number of events lost for lack of room since the start.
     pub(crate) fn lost(&self) -> u64 {
         self.lost
     }

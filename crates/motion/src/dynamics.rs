@@ -6,15 +6,15 @@ use arcline_profile::{Jerk, Limits, jerk_from_percent_of_time};
 
 use crate::machine::{Axis, CoordinateSystem};
 
-/// The units of a speed, a rate or a jerk, as far as they mean the same for all of these.
+/// The properties that the units of speeds, rates and jerks share.
 pub(crate) trait Units: Copy {
-    /// Whether the number is a percentage of the maximum.
+    /// The number is a percentage of the maximum.
     fn is_percent_of_maximum(self) -> bool;
 
-    /// Whether master units take the place of time.
+    /// The number is in master units instead of seconds.
     fn is_master_driven(self) -> bool;
 
-    /// The unit of the number where it is a duration.
+    /// The unit of the number if it is a duration.
     fn duration(self) -> Option<Duration>;
 }
 
@@ -64,14 +64,13 @@ pub(crate) struct Maxima {
 }
 
 impl Maxima {
-    /// The limits of a stop at the Maximum Deceleration and, where the motion was an S-curve, the Maximum Deceleration Jerk.
+    /// The limits of a stop at the Maximum Deceleration; of an S-curve, also at the Maximum Deceleration Jerk.
     pub(crate) fn stop(&self, s_curve: bool) -> Limits {
         stop_limits(self.speed, self.deceleration, s_curve.then_some(self.deceleration_jerk))
     }
 }
 
-/// The limits of a stop: an acceleration that is still there is taken back with those of the deceleration. `jerk`: where the motion is
-/// an S-curve.
+/// The limits of a stop; a present acceleration ramps down with the rate and jerk of the deceleration. `jerk` is set for an S-curve.
 pub(crate) fn stop_limits(speed: f64, deceleration: f64, jerk: Option<f64>) -> Limits {
     Limits {
         speed,
@@ -108,7 +107,7 @@ impl From<&CoordinateSystem> for Maxima {
     }
 }
 
-/// How fast a path may be travelled for the sake of robots' joints; infinite where nothing limits it.
+/// The limits of the motion along a path that keep the joints of robots within theirs; infinite if no joint limits it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathLimits {
     /// Along the path, units/s.
@@ -126,7 +125,7 @@ impl PathLimits {
         deceleration: f64::INFINITY,
     };
 
-    /// The lower ones of both.
+    /// The lower limit of each pair.
     pub(crate) fn and(&self, other: &PathLimits) -> PathLimits {
         PathLimits {
             speed: self.speed.min(other.speed),
@@ -135,8 +134,8 @@ impl PathLimits {
         }
     }
 
-    /// The same by the displacement of a master that moves at `nominal` master units/s, more than 0: units per master unit, and by
-    /// the square.
+    /// The same limits over the displacement of a master at `nominal` master units/s (more than 0): units per master unit, and per master
+    /// unit squared.
     pub(crate) fn by_master(&self, nominal: f64) -> PathLimits {
         PathLimits {
             speed: self.speed / nominal,
@@ -146,7 +145,7 @@ impl PathLimits {
     }
 }
 
-/// A jerk as programmed: one in percent of time follows the speed and the rate when these change.
+/// A jerk as programmed; one in percent of time depends on the speed and the rate, and changes with them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum JerkRate {
     /// Units/s³.
@@ -178,7 +177,7 @@ pub(crate) struct Dynamics {
     pub(crate) acceleration: f64,
     pub(crate) deceleration: f64,
     pub(crate) shape: Shape,
-    /// The speed that a jerk in percent of time is computed with while the move's own is 0.
+    /// The speed from which a jerk in percent of time is calculated while the move's own speed is 0.
     pub(crate) last_speed: f64,
 }
 
@@ -200,8 +199,8 @@ impl Dynamics {
         }
     }
 
-    /// The limits of a jog that goes from one velocity to another, both with a sign. A jerk in percent of time makes
-    /// at least that share of each ramp, whatever speed the ramp begins at (spec/axis-and-data-types.md §10.3).
+    /// The limits of a jog from one velocity to another, both with a sign. A jerk in percent of time limits at least that share of each ramp,
+    /// whatever speed the ramp begins at (spec/axis-and-data-types.md §10.3).
     pub(crate) fn jog_limits(&self, from: f64, to: f64) -> Limits {
         let mut limits = self.limits();
         let reference = to.abs().max((from - to).abs());
@@ -211,7 +210,7 @@ impl Dynamics {
         limits
     }
 
-    /// Takes a new speed; the last one that was not 0 is kept for jerks in percent of time.
+    /// Takes a new speed; jerks in percent of time depend on the last one that was not 0.
     pub(crate) fn set_speed(&mut self, speed: f64) {
         self.speed = speed;
         if speed > 0.0 {
@@ -219,12 +218,13 @@ impl Dynamics {
         }
     }
 
-    /// Goes on at the speed of what is merged; jerks in percent of time are of the instruction's own speed (spec/coordinated-instructions.md §5.3, §6.4).
+    /// Continues at the speed of the merged motion; jerks in percent of time still depend on the instruction's own speed
+    /// (spec/coordinated-instructions.md §5.3, §6.4).
     pub(crate) fn keep_speed(&mut self, speed: f64) {
         self.speed = speed;
     }
 
-    /// Takes no more than what the joints of robots let it; jerks in percent of time follow.
+    /// Lowers the dynamics to the limits that the joints of robots set; jerks in percent of time follow.
     pub(crate) fn keep_to(&mut self, limits: &PathLimits) {
         if limits.speed < self.speed {
             self.set_speed(limits.speed);
@@ -278,7 +278,7 @@ pub(crate) fn jerk_in_units(value: f64, units: JerkUnits, maximum: f64) -> JerkR
     }
 }
 
-/// The speed that stands in for a programmed speed of 0 in a jerk in percent of time.
+/// The speed that replaces a programmed speed of 0 in a jerk in percent of time.
 pub(crate) fn reference_speed(speed: f64, maximum: f64) -> f64 {
     if speed > 0.0 { speed } else { maximum }
 }

@@ -7,8 +7,8 @@ use crate::machine::DynamicsBits;
 use crate::motion::Motion;
 
 impl Motion {
-    /// Sets the Dynamics Configuration Bits of an axis or a coordinate system, for the instructions and stops that come after it;
-    /// a ramp that is planned already stays as it is. An object that does not exist changes nothing. Real-time.
+    /// Sets the Dynamics Configuration Bits of an axis or a coordinate system. Later instructions and stops follow them; a ramp that is planned
+    /// already does not change. An index without an object changes nothing. Real-time.
     pub fn set_dynamics_bits(&mut self, object: Object, index: u16, bits: DynamicsBits) {
         match object {
             Object::MotionGroup => {}

@@ -1,8 +1,8 @@
-//! Event Distance and Calculated Data: when a move comes to given distances before its end (spec/coordinated-instructions.md
+//! Event Distance and Calculated Data: the times at which a move reaches given distances before its end (spec/coordinated-instructions.md
 //! §9, the reference page MCCD).
 //!
-//! Times and master distances count from the point where the move began, whatever has changed since. What was passed before
-//! a change keeps its answer. Not here: when answers are due, and the memory of the arrays. Nothing allocates.
+//! Times and master distances count from the start of the move, whatever has changed since. A distance that the move passed before a change
+//! keeps its answer. Not here: the tick at which answers are due, and the memory of the arrays. Nothing allocates.
 
 use arcline_instruction_set::operands::EventOperands;
 use arcline_instruction_set::{MAX_ELEMENTS, MotionError, RealArray, TagAddress, WrittenArray};
@@ -12,11 +12,11 @@ use arcline_planner::{Clock, EventTime, Instant};
 /// A write of an instruction to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArrayWrite {
-    /// When.
+    /// The tick.
     pub tick: u64,
-    /// The tag, by what the directory calls it.
+    /// The tag, by its address in the directory.
     pub tag: TagAddress,
-    /// What.
+    /// The values.
     pub values: Written,
 }
 
@@ -27,23 +27,23 @@ pub enum Written {
     Numbers(RealArray),
     /// Bits of a DINT.
     Bits {
-        /// Which ones.
+        /// The bits to write.
         mask: u32,
         /// Their new values.
         bits: u32,
     },
 }
 
-/// How long Calculated Data must be, beside Event Distance.
+/// The rule for the length of Calculated Data compared with Event Distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Fit {
     /// At least as long: MCLM, MCCM.
     AtLeast,
-    /// As long: MAM.
+    /// Equally long: MAM.
     Exactly,
 }
 
-/// The distances of one instruction and what is answered to them.
+/// The distances of one instruction and the answers to them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Events {
     distances: RealArray,
@@ -52,10 +52,10 @@ pub(crate) struct Events {
 }
 
 impl Events {
-    /// The distances that an instruction asks for; `None`: none.
+    /// The Event Distance operands of an instruction; `None`: it has none.
     ///
     /// # Errors
-    /// `MdscCalculatedDataSize` (101) where the answers have no room.
+    /// `MdscCalculatedDataSize` (101) if the answers do not fit.
     pub(crate) fn of(operands: &EventOperands, fit: Fit) -> Result<Option<Events>, MotionError> {
         let EventOperands {
             event_distance,
@@ -82,7 +82,7 @@ impl Events {
         }))
     }
 
-    /// Computes every answer; false, and none is given, where the move does not come to one of the points.
+    /// Calculates every answer. Returns false and leaves them unchanged if the move does not reach one of the points.
     pub(crate) fn answer(&mut self, reaches: impl Fn(f64) -> EventTime) -> bool {
         let mut answers = self.answers;
         for (answer, distance) in answers.iter_mut().zip(self.distances.as_slice()) {
@@ -101,7 +101,7 @@ impl Events {
         true
     }
 
-    /// The answers as they are.
+    /// The write of the present answers.
     pub(crate) fn write(&self, tick: u64) -> ArrayWrite {
         ArrayWrite {
             tick,
@@ -111,21 +111,22 @@ impl Events {
     }
 }
 
-/// Those of a move of one axis.
+/// The events of a move of one axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MoveEvents {
     pub(crate) events: Events,
-    /// When it began, by what it is a function of.
+    /// The start of the move, in time or master displacement.
     pub(crate) begun: Instant,
-    /// Where it began and where it ends, in its generator's frame.
+    /// The start and the end of the move, in its generator's frame.
     pub(crate) from: f64,
     pub(crate) to: f64,
-    /// The tick at which the answers are to be given next.
+    /// The tick at which the answers are due next.
     pub(crate) due: Option<u64>,
 }
 
 impl MoveEvents {
-    /// Computes every answer by a profile from `start` on, as [`Events::answer`]. `clock` shows what both are functions of.
+    /// Calculates every answer by a profile from `start` on, as [`Events::answer`]. `clock` shows time or master displacement as the
+    /// profile does.
     pub(crate) fn answer(&mut self, profile: &Profile, start: Instant, clock: &Clock) -> bool {
         if !profile.arrives() {
             return false;

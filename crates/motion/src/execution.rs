@@ -8,7 +8,7 @@ use arcline_instruction_set::{ControlSlot, Mnemonic};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Ticket(pub u64);
 
-/// The bits that an execution writes to, wherever they are.
+/// The location of the status bits that an execution writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Execution {
     pub(crate) ticket: Ticket,

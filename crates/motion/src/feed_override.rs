@@ -11,16 +11,15 @@ use crate::system::{Activity, System};
 pub const MAX_OVERRIDE: f64 = 2.0;
 
 impl Motion {
-    /// Takes a share of the programmed speeds, 0 to [`MAX_OVERRIDE`], for the coordinated moves of a system: those
-    /// that are active and pending and all later ones. Accelerations and jerks stay as programmed. 0 holds the
-    /// active move, at rest on its path. Of no effect on a stop that is under way. Anything that is not a
-    /// number, and a system that does not exist, changes nothing. Real-time.
+    /// Sets the share of the programmed speeds, 0 to [`MAX_OVERRIDE`], for all coordinated moves of a system: active, pending and later ones.
+    /// Accelerations and jerks stay as programmed. 0 holds the active move, at rest on its path. A stop under way is not affected. A share that
+    /// is not a number and an index without a system change nothing. Real-time.
     pub fn set_override(&mut self, system: SystemId, share: f64) {
         let clock = self.clock;
         if let Some(system) = self.systems.get_mut(system)
             && !share.is_nan()
         {
-            // Moves whose joints are at their limits cannot be faster.
+            // Under enforced joint limits no move can be faster than programmed.
             let most = match system.description.joint_limits {
                 AxisLimits::Enforce => 1.0,
                 AxisLimits::Ignore => MAX_OVERRIDE,

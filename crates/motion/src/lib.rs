@@ -1,9 +1,9 @@
 //! Motion instructions as a Logix-like controller executes them: axes, coordinate systems, the life of every
 //! instruction and every status bit, tick by tick.
 //!
-//! [`Motion::begin`] brings everything to the next tick, [`Motion::execute`] runs an instruction at that tick,
-//! [`Motion::finish`] closes it. Not here: threads, clocks, rings, tag memory, names (a call holds indices),
-//! logs. Nothing allocates after [`Motion::new`]; the work of a tick is bounded by the machine's description.
+//! [`Motion::begin`] advances the motion to the next tick, [`Motion::execute`] executes an instruction at that tick, and [`Motion::finish`]
+//! ends the tick. Not here: threads, clocks, rings, tag memory, names (a call holds indices), logs. Nothing allocates after
+//! [`Motion::new`]; the work of a tick is bounded by the machine's description.
 //!
 //! Source: spec/coordinated-instructions.md and spec/axis-and-data-types.md; sections are named where used.
 

@@ -1,10 +1,10 @@
 //! The configuration of motion: the axes, coordinate systems and transforms of a motion group, and their limits.
 //!
-//! `arcline-config` makes it. It holds nothing that changes while the machine runs, and nothing of the drives behind the axes: those are
+//! `arcline-config` makes it. It holds no data that change while the machine runs, and none of the drives behind the axes: those are
 //! configured beside it (`arcline_controller::machine`).
 //!
 //! Units: positions in the axis's own units (u), speeds u/s, rates u/s², jerks u/s³, times in
-//! nanoseconds or seconds as named. Places (`u16`) count from 0 in configuration order.
+//! nanoseconds or seconds as named. Indices (`u16`) count from 0 in configuration order.
 
 mod axis;
 mod home;
@@ -30,7 +30,7 @@ pub use arcline_planner::profile::Bounds as DynamicsBits;
 
 use arcline_instruction_set::{AxisId, SystemId};
 
-/// The motion group: everything that motion controls.
+/// The motion group: all axes, coordinate systems and transforms that motion controls.
 ///
 /// Motion relies on these properties of it: names are unique without regard to case among group, axes, systems and transforms; every
 /// identity (`CoordinateSystem::axes`, `Transform::source`) exists; numbers are finite and within the ranges of their fields.
@@ -66,22 +66,22 @@ impl MotionGroup {
         self.period_ns as f64 / 1e9
     }
 
-    /// Place of the axis of that name, case ignored.
+    /// The axis of that name, case ignored.
     pub fn axis(&self, name: &str) -> Option<AxisId> {
         index_of(self.axes.iter().map(|axis| axis.name.as_str()), name).map(AxisId)
     }
 
-    /// Place of the coordinate system of that name, case ignored.
+    /// The coordinate system of that name, case ignored.
     pub fn system(&self, name: &str) -> Option<SystemId> {
         index_of(self.systems.iter().map(|system| system.name.as_str()), name).map(SystemId)
     }
 
-    /// Place of the transform of that name, case ignored.
+    /// The index of the transform of that name, case ignored.
     pub fn transform(&self, name: &str) -> Option<u16> {
         index_of(self.transforms.iter().map(|transform| transform.name.as_str()), name)
     }
 
-    /// Whether the motion group has that name, case ignored.
+    /// The motion group has that name, case ignored.
     pub fn is_group(&self, name: &str) -> bool {
         self.group.eq_ignore_ascii_case(name)
     }
@@ -92,9 +92,9 @@ impl MotionGroup {
 pub struct Transform {
     /// Name of the link.
     pub name: String,
-    /// Place of the source system in [`MotionGroup::systems`].
+    /// The source system in [`MotionGroup::systems`].
     pub source: SystemId,
-    /// Place of the target system in [`MotionGroup::systems`], another one.
+    /// The target system in [`MotionGroup::systems`]; differs from the source.
     pub target: SystemId,
 }
 

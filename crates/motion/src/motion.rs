@@ -57,21 +57,21 @@ pub struct Motion {
     pub(crate) transforms: Transforms,
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
-    /// Stops that transforms are looked at with.
+    /// The stopping motions with which transforms check their targets ahead.
     pub(crate) ahead: Ahead,
     pub(crate) link_numbers: LinkNumbers,
-    /// Words that became others, which output cams are still to see.
+    /// Words that changed and that output cams have not read yet.
     words: Vec<Word>,
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
-    /// Coordinated moves that the controller has not taken yet.
+    /// Accepted coordinated moves that the controller has not read yet.
     pub(crate) accepted: Vec<AcceptedMove>,
     /// Instructions that would begin motion are refused.
     pub(crate) is_inhibited: bool,
 }
 
-/// Words that output cams write in one tick; one more is lost.
+/// Words that output cams can write in one tick; further ones are lost.
 const WORDS: usize = 1024;
 
 impl Motion {
@@ -102,14 +102,14 @@ impl Motion {
         self.clock.tick
     }
 
-    /// Refuses an instruction without looking at it. Real-time.
+    /// Refuses an instruction without verification. Real-time.
     pub fn refuse_call(&mut self, ticket: Ticket, call: &Call, error: MotionError) -> MotionControl {
         let execution = Execution {
             ticket,
             control: call.control,
             mnemonic: call.mnemonic,
         };
-        // A collision with the execution before is the same to its tag.
+        // For the tag, a collision with the earlier execution is a refusal as well.
         let begun = self.controls.begin(execution);
         self.controls.fail(execution, begun.err().unwrap_or(error));
         self.controls.word(call.control)
@@ -120,7 +120,7 @@ impl Motion {
         self.controls.rung_false(control);
     }
 
-    /// Closes the tick: what instructions began at it shows in its commands, and every change is reported.
+    /// Ends the tick: recalculates commands for instructions that began in it, and reports every change.
     pub fn finish(&mut self, report: impl FnMut(&Event)) {
         let mut changed = false;
         for index in self.systems.ids() {
@@ -138,13 +138,13 @@ impl Motion {
         self.controls.drain(report);
     }
 
-    /// The arrays that instructions wrote in this tick, in order: to be called once a tick, behind [`Motion::finish`]. Real-time as
+    /// The arrays that instructions wrote in this tick, in order; to be called once a tick, after [`Motion::finish`]. Real-time as
     /// far as `report` is.
     pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
         self.controls.take_array_writes(report);
     }
 
-    /// The changes of faults in this tick, axis after axis: to be called once a tick, before [`Motion::finish`] or behind it.
+    /// The changes of faults in this tick, axis after axis; to be called once a tick, before or after [`Motion::finish`].
     /// Real-time as far as `report` is; bounded by the axes.
     pub fn take_fault_changes(&mut self, mut report: impl FnMut(&FaultChange)) {
         for (index, axis) in self.axes.ids().zip(self.axes.all_mut()) {
@@ -157,7 +157,7 @@ impl Motion {
         }
     }
 
-    /// Whether nothing moves and nothing is under way that would end. What waits for a master that stands does not end.
+    /// No motion is under way that would end on its own. Motion that waits for a standing master does not.
     pub fn at_rest(&self) -> bool {
         self.messages.is_empty()
             && self.group_stop.is_none()
@@ -171,7 +171,7 @@ impl Motion {
                 .all(|axis| !axis.will_end() && !axis.is_homed_actively())
     }
 
-    /// Whether no axis moves and none will before another instruction is executed: nothing has a speed, no cam runs by time, no axis is being
+    /// No axis moves, and none will before another instruction is executed: all velocities are 0, no time cam runs, and no axis is being
     /// homed. Unlike [`Motion::at_rest`], this holds while a move with a speed of 0 is in process, and not while an axis jogs.
     pub fn is_still(&self) -> bool {
         self.messages.is_empty()
@@ -180,7 +180,7 @@ impl Motion {
             })
     }
 
-    /// Stops everything that moves, every axis by itself; the instructions end without PC. Real-time.
+    /// Stops all motion, each axis separately; the instructions end without PC. Real-time.
     pub fn stop_all(&mut self) {
         self.controls.because(Cause::StopAll);
         for index in self.systems.ids() {
@@ -194,13 +194,13 @@ impl Motion {
         self.controls.because(Cause::Itself);
     }
 
-    /// Refuses instructions that would begin motion with error 53, or does so no more. What moves is not stopped by it. Real-time.
+    /// Starts or ends the refusal of instructions that would begin motion (error 53). Motion under way continues. Real-time.
     pub fn inhibit(&mut self, is_inhibited: bool) {
         self.is_inhibited = is_inhibited;
     }
 
     /// Stops the jog that an instruction began on an axis, at the axis's full deceleration, and makes the stops that are under way
-    /// on the axis as hard. It cannot be refused; a jog that another instruction began goes on. Real-time.
+    /// on the axis as hard. It cannot be refused; a jog of another instruction continues. Real-time.
     pub fn end_jog(&mut self, axis: AxisId, ticket: Ticket, why: JogEnd) {
         if self.axes.get(axis).is_none() {
             return;
@@ -224,7 +224,7 @@ impl Motion {
         })
     }
 
-    /// Events that found no room, ever.
+    /// The number of events lost for lack of room since the start.
     pub fn lost_events(&self) -> u64 {
         self.controls.lost()
     }
@@ -250,8 +250,8 @@ impl Motion {
     }
 }
 
-/// The coordinate systems of a machine. A corner may change the velocity of an axis by what its Maximum
-/// Acceleration allows within one update (spec/coordinated-instructions.md §7.5).
+/// The coordinate systems of a machine. At a corner the velocity of an axis may change by its Maximum Acceleration times one
+/// update (spec/coordinated-instructions.md §7.5).
 fn systems(machine: &MotionGroup) -> Systems {
     let step = |axis: &AxisId| {
         let axis = machine.axes.get(usize::from(*axis));
@@ -272,7 +272,7 @@ fn systems(machine: &MotionGroup) -> Systems {
     machine.systems.iter().map(system).collect()
 }
 
-/// The limits of its axes that planned contours of a coordinate system keep.
+/// The limits of its axes that planned contours of a coordinate system must keep.
 fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) -> AxisLimits {
     let unlimited = Point::repeat(f64::INFINITY);
     let mut limits = AxisLimits {

@@ -1,8 +1,8 @@
-//! The order in which axes are computed within a tick when some follow others: a master comes before its followers.
+//! The order in which a tick computes axes when some follow others: a master comes before its followers.
 //!
-//! It is worked out when a link or a transform is made: a list of edges (a step needs another one first), sorted topologically. A link
-//! or transform that ended since leaves an order that is still right. Not here: the computation of a step. Nothing allocates after
-//! [`Order::new`]; working an order out is bounded by the axes, their masters, and the pairs of transforms.
+//! It is planned when a link or a transform is made: a list of edges (a step needs another one first), sorted topologically. The order
+//! remains valid when a link or transform ends. Not here: the computation of a step. Nothing allocates after [`Order::new`]; planning an
+//! order is bounded by the axes, their masters, and the pairs of transforms.
 
 use crate::axes::share;
 use crate::machine::MAX_SYSTEM_AXES;
@@ -11,7 +11,7 @@ use crate::transforms::compute::Part;
 use crate::transforms::transform::Transform;
 use arcline_instruction_set::{AxisId, SystemId};
 
-/// A part of the computation of one tick.
+/// A step of the computation of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
     /// The coordinated move of a system that is linked to a master.
@@ -28,12 +28,12 @@ pub(crate) enum Step {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Circle;
 
-/// An order has been worked out and can be taken.
+/// A planned order, ready to take effect.
 #[derive(Debug)]
 #[must_use]
 pub(crate) struct PlannedOrder(());
 
-/// Something that is to follow from the next tick on.
+/// A follower to add to the order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Follower<'a> {
     /// An axis and its master.
@@ -44,12 +44,12 @@ pub(crate) enum Follower<'a> {
     Target(TransformId, &'a Transform),
 }
 
-/// Masters of one axis at most: of its gear, its cams, its links, and its moves that links which were replaced since have begun.
+/// Most masters of one axis: of its gear, its cams, its links, and its moves that began by links replaced since.
 const MOST_MASTERS: usize = 17;
-/// Masters of one coordinate system at most: of its links, of one more, and of the move under way.
+/// Most masters of one coordinate system: of its links, of a new link, and of the active move.
 const MOST_SYSTEM_MASTERS: usize = 4;
 
-/// The order of a tick's steps; empty when nothing follows.
+/// The order of a tick's steps; empty without followers.
 #[derive(Debug)]
 pub(crate) struct Order {
     steps: Vec<Step>,
@@ -58,7 +58,7 @@ pub(crate) struct Order {
     visits: Vec<Visit>,
 }
 
-/// Which steps need which others first.
+/// The edges of the order: the steps that each step needs first.
 #[derive(Debug)]
 pub(crate) struct Edges {
     /// A step, the edge's own number, and the step that is needed first.
@@ -77,7 +77,7 @@ enum Visit {
 }
 
 impl Order {
-    /// For a machine of so many axes and coordinate systems. The only allocation.
+    /// For a machine with these numbers of axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
         let edges = Edges::new(axes, systems);
         let most = edges.steps.len();
@@ -101,15 +101,15 @@ impl Order {
         self.steps.get(step_index).copied()
     }
 
-    /// Nothing follows any more.
+    /// Empties the order: no axis follows another.
     pub(crate) fn clear(&mut self) {
         self.steps.clear();
     }
 
-    /// Works out the order in which steps with these edges can be computed. The present order stays until [`Order::take`].
+    /// Plans the order of the steps with these edges. The present order stays in effect until [`Order::take`].
     ///
     /// # Errors
-    /// When there is none.
+    /// If the edges form a circle.
     pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<PlannedOrder, Circle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
@@ -122,12 +122,12 @@ impl Order {
         Ok(PlannedOrder(()))
     }
 
-    /// The order that was planned last is that of the next tick.
+    /// Puts the last planned order into effect from the next tick on.
     pub(crate) fn take(&mut self, _planned: PlannedOrder) {
         std::mem::swap(&mut self.steps, &mut self.next);
     }
 
-    /// A step behind all that it needs. As deep as there are steps at most.
+    /// Adds a step after all steps that it needs. The depth is at most the number of steps.
     fn visit(&mut self, step: u16) -> Result<(), Circle> {
         let step_index = usize::from(step);
         match self.visits[step_index] {
@@ -168,7 +168,7 @@ impl Edges {
         }
     }
 
-    /// Every axis needs its own generators first, and none follows another one.
+    /// Resets the edges: every axis needs its own generators first, and none follows another axis.
     fn begin(&mut self) {
         self.list.clear();
         for axis in AxisId::first(self.axes) {
@@ -176,7 +176,7 @@ impl Edges {
         }
     }
 
-    /// A coordinate system of these axes follows masters, if there are any.
+    /// Adds a coordinate system with these axes and its masters, if it has any.
     pub(crate) fn system(&mut self, index: SystemId, axes: &[AxisId], masters: impl Iterator<Item = AxisId>) {
         let system = Step::System(index);
         let before = self.list.len();
@@ -190,12 +190,12 @@ impl Edges {
         }
     }
 
-    /// An axis follows a master.
+    /// Adds an axis that follows a master.
     pub(crate) fn axis(&mut self, slave: AxisId, master: AxisId) {
         self.need(Step::Own(slave), Step::Whole(master));
     }
 
-    /// Transforms under way.
+    /// Adds the active transforms.
     pub(crate) fn transforms<'a>(&mut self, get: impl Fn(TransformId) -> Option<&'a Transform>) {
         let systems = self.systems;
         let ids = || SystemId::first(systems).map(TransformId::of_target);
@@ -228,7 +228,7 @@ impl Edges {
                     self.need(set_points, part(Part::SetPoints));
                 }
             }
-            // The feedback from a robot's joints depends on where the source leads them.
+            // The feedback from a robot's joints depends on the positions to which the source leads them.
             if transform.robot().is_some() {
                 self.need(feedback, before);
             }

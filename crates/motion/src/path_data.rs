@@ -1,6 +1,6 @@
-//! The tags of a path move: where a path leads, and how fast (spec/coordinated-instructions.md §23.1, §23.2).
+//! The tags of a path move: its path and its dynamics (spec/coordinated-instructions.md §23.1, §23.2).
 //!
-//! They are read beside the tick when the instruction is sent. Nothing is checked here: what the members may be is MCPM's to say.
+//! They are read beside the tick when the instruction is sent. This module checks nothing; MCPM verifies the members.
 
 use arcline_instruction_set::enumerations::{
     InterpolationType, MoveType, TerminationType, TimeUnits, UnitsMode, VelocityProfile,
@@ -9,9 +9,9 @@ use arcline_instruction_set::enumerations::{
 /// A PATH_DATA.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathData {
-    /// `None`: a number that is none of its values, as of all words here.
+    /// `None`: the number is not one of its values; the same holds for all words here.
     pub interpolation_type: Option<InterpolationType>,
-    /// X, Y, Z in position units; Rx, Ry, Rz, fixed X-Y-Z angles in degrees. The three reserved elements are not kept.
+    /// X, Y, Z in position units; Rx, Ry, Rz, fixed X-Y-Z angles in degrees. The three reserved elements are left out.
     pub position: [f64; 6],
     /// Flags of the arm's pose.
     pub robot_configuration: i32,
@@ -19,7 +19,7 @@ pub struct PathData {
     pub turns_counters: [i16; 4],
     /// Absolute or incremental.
     pub move_type: Option<MoveType>,
-    /// How the move ends.
+    /// The termination type.
     pub termination_type: Option<TerminationType>,
     /// The tolerance of termination type 6, position units.
     pub command_tolerance_linear: f64,
@@ -42,7 +42,7 @@ pub struct DynamicsData {
     pub orientation: [f64; 3],
 }
 
-/// The operands that an MCPM has from its two tags.
+/// The operands of an MCPM from its two tags.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathMove {
     /// Its Path.

@@ -1,8 +1,8 @@
-//! How far from 0 axes can be: 2³² coarse updates at Maximum Speed (spec/coordinated-instructions.md §4.6, "The range of positions").
+//! The range of positions about 0: 2³² coarse updates at Maximum Speed (spec/coordinated-instructions.md §4.6, "The range of positions").
 //!
-//! Beyond it a position has so few digits left that its rounding would show in the motion: at the end of the range a digit is a
-//! millionth of the way that the axis goes in one update at Maximum Speed. Not here: the range of every number
-//! (`arcline_instruction_set::Range`). Units: position units.
+//! Beyond it a position has so few digits left that its rounding would be visible in the motion: at the end of the range a digit is a
+//! millionth of the distance of one update at Maximum Speed. Not here: the range of every number (`arcline_instruction_set::Range`).
+//! Units: position units.
 
 use arcline_instruction_set::{MotionError, OperandIndex};
 use arcline_planner::geometry::{Path, Point};
@@ -11,10 +11,10 @@ use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::system::{System, component, numbered};
 
-/// An axis can be at a position.
+/// Checks that a position is within the range of an axis.
 ///
 /// # Errors
-/// `ParameterOutOfRange` (13) with the operand that leads there.
+/// `ParameterOutOfRange` (13) with the operand of the position.
 pub(crate) fn verify(axis: &Axis, position: f64, operand: OperandIndex) -> Result<(), MotionError> {
     if position.abs() <= axis.range {
         Ok(())
@@ -23,10 +23,10 @@ pub(crate) fn verify(axis: &Axis, position: f64, operand: OperandIndex) -> Resul
     }
 }
 
-/// The axes of a coordinate system can be at a point.
+/// Checks that a point is within the ranges of the axes of a coordinate system.
 ///
 /// # Errors
-/// `ParameterOutOfRange` (13) with the operand that leads there.
+/// `ParameterOutOfRange` (13) with the operand of the point.
 pub(crate) fn verify_point(
     system: &System,
     axes: &Axes,
@@ -41,11 +41,11 @@ pub(crate) fn verify_point(
     Ok(())
 }
 
-/// No point of a path is further from 0 than an axis can be. An arc goes no further from its start than its length or its
+/// Checks that every point of a path is within the ranges of the axes. No point of an arc is further from its start than its length or its
 /// diameter.
 ///
 /// # Errors
-/// `ParameterOutOfRange` (13) with the operand that leads there.
+/// `ParameterOutOfRange` (13) with the operand of the path.
 pub(crate) fn verify_path(system: &System, axes: &Axes, path: &Path, operand: OperandIndex) -> Result<(), MotionError> {
     let Path::Arc(arc) = path else {
         return verify_point(system, axes, &path.end(), operand);

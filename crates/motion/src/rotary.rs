@@ -1,12 +1,12 @@
-//! Rotary axes: positions within one turn, and where a programmed position lies from there
+//! Rotary axes: positions within one turn, and the targets of programmed positions
 //! (spec/axis-and-data-types.md §3.4, spec/coordinated-instructions.md §12.2, §13.6).
 //!
-//! Units: position units of the axis. Commands are not unwound: a position is a whole number of turns and the position that
-//! the axis shows, from 0 to below the unwind.
+//! Units: position units of the axis. Commands are not unwound: a position is a whole number of turns plus the position that the axis
+//! shows, from 0 to below the unwind.
 
 use crate::tolerance::{SAME_POSITION_SHARE, UNWIND_SHARE};
 
-/// A position within one turn.
+/// The position within one turn.
 pub(crate) fn shown(position: f64, unwind: f64) -> f64 {
     let shown = position.rem_euclid(unwind);
     if shown >= unwind * (1.0 - UNWIND_SHARE) {
@@ -16,7 +16,7 @@ pub(crate) fn shown(position: f64, unwind: f64) -> f64 {
     }
 }
 
-/// A position of a rotary axis, from which programmed ones are counted.
+/// The position of a rotary axis, from which programmed positions are reached.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
     unwind: f64,
@@ -36,13 +36,13 @@ impl Turn {
         }
     }
 
-    /// Whether a position lies within one turn.
+    /// A position lies within one turn.
     pub(crate) fn contains(unwind: f64, position: f64) -> bool {
         (0.0..unwind).contains(&position)
     }
 
-    /// By comparison, not the shorter way: a negative position is its positive equivalent, one beyond the unwind passes
-    /// more than one turn (MAM Absolute).
+    /// The target of an absolute move. Its direction follows from comparing the positions, not from the shorter distance: a negative position
+    /// is its positive equivalent, and a position beyond the unwind is more than one turn away (MAM Absolute).
     pub(crate) fn absolute(&self, position: f64) -> f64 {
         if position < 0.0 {
             self.in_turn(shown(position, self.unwind), 0.0)
@@ -51,7 +51,7 @@ impl Turn {
         }
     }
 
-    /// Forwards to a position within one turn, less than a turn.
+    /// The target of a forward move to a position within one turn, less than a turn away.
     pub(crate) fn forward(&self, position: f64) -> f64 {
         let more = if position >= self.shown { 0.0 } else { 1.0 };
         let distance = position - self.shown + more * self.unwind;
@@ -59,7 +59,7 @@ impl Turn {
         self.in_turn(position, if whole { more - 1.0 } else { more })
     }
 
-    /// Backwards to a position within one turn, less than a turn.
+    /// The target of a backward move to a position within one turn, less than a turn away.
     pub(crate) fn backward(&self, position: f64) -> f64 {
         let less = if position <= self.shown { 0.0 } else { 1.0 };
         let distance = self.shown - position + less * self.unwind;
@@ -67,7 +67,7 @@ impl Turn {
         self.in_turn(position, if whole { 1.0 - less } else { -less })
     }
 
-    /// To a position within one turn the short way; half a turn is made forwards.
+    /// The target of the shortest move to a position within one turn; a distance of half a turn is covered forward.
     pub(crate) fn shortest(&self, position: f64) -> f64 {
         let ahead = (position - self.shown).rem_euclid(self.unwind);
         if ahead <= 0.5 * self.unwind {
@@ -77,8 +77,8 @@ impl Turn {
         }
     }
 
-    /// The sign is the direction, the magnitude the position within one turn (MCLM, MCCM Absolute). `None` when the
-    /// magnitude is beyond the unwind.
+    /// The target by a sign for the direction and a magnitude for the position within one turn (MCLM, MCCM Absolute). `None` if the magnitude is
+    /// beyond the unwind.
     pub(crate) fn signed(&self, position: f64) -> Option<f64> {
         if position.abs() > self.unwind {
             return None;
@@ -91,14 +91,14 @@ impl Turn {
         })
     }
 
-    /// The equivalent of a position that lies nearest to another one.
+    /// The equivalent of a position that is nearest to another position.
     pub(crate) fn nearest(unwind: f64, position: f64, to: f64) -> f64 {
         position + unwind * ((to - position) / unwind).round()
     }
 
     fn in_turn(&self, position: f64, more: f64) -> f64 {
         let turns = self.turns + more;
-        // Exact where the axis is in its first turn.
+        // Exact if the axis is in its first turn.
         if turns == 0.0 {
             position
         } else {

@@ -1,4 +1,4 @@
-//! An axis and a coordinate system at one tick, as the outside sees them.
+//! The state of an axis and of a coordinate system at one tick, for publication.
 
 use arcline_instruction_set::FaultSet;
 use arcline_planner::ContourRests;
@@ -20,11 +20,11 @@ pub struct AxisSnapshot {
     pub motion_faults: [u32; 2],
     /// CIPAxisFaults and CIPAxisAlarms.
     pub cip_faults: [u64; 2],
-    /// Faults since the last reset: those of the words above.
+    /// Faults since the last reset, as in the words above.
     pub faults: FaultSet,
-    /// Commands that did not go out since the machine was built, beyond the axis's command limits.
+    /// Commands beyond the axis's command limits that did not go out since the start of the machine.
     pub refused_commands: u32,
-    /// The offset by which positions were shifted without motion since the machine was built.
+    /// The offset by which positions were shifted without motion since the start of the machine.
     pub redefined: f64,
     /// CIPAxisState.
     pub cip_state: i16,
@@ -52,9 +52,9 @@ pub struct AxisSnapshot {
     pub outputs: u32,
     /// WatchPosition.
     pub watched: f64,
-    /// Of each registration input: the position of the last event, of the last positive edge, of the last negative one.
+    /// Positions of each registration input: at the last event, the last positive edge, and the last negative edge.
     pub registered: [[f64; 3]; 2],
-    /// The same of times, µs since the first tick.
+    /// The times of the same events, µs since the first tick.
     pub registered_at: [[i32; 3]; 2],
 }
 
@@ -81,25 +81,25 @@ pub struct SystemSnapshot {
     pub turns: [i16; 4],
     /// RobotConfiguration.
     pub configuration: i32,
-    /// Of a robot: where its tool is in the frame of its base, position units, while its joints are where they actually are; with the
-    /// tool frame of an MCTO under way, otherwise the end of the arm. NaN where the joints cannot be.
+    /// The position of a robot's tool by the actual positions of its joints, in the frame of its base, position units: the tool centre
+    /// with the tool frame of an active MCTO, otherwise the end of the arm. NaN if the joints are in no possible position.
     pub tool: Option<[f64; 3]>,
-    /// Vector speed of all that coordinated motion does with X, Y and Z, units/s: of both moves where two are superposed, of what ramps
-    /// out beside a merged move, and of axes that brake by themselves in a stop. Not of jogs and moves of single axes. While
-    /// a move only turns the tool: degrees/s.
+    /// Vector speed of all coordinated motion of X, Y and Z, units/s: of both moves of a blend, of a residual that ramps out beside a merged
+    /// move, and of axes that brake separately in a stop. Jogs and moves of single axes do not count. While a move only rotates the tool:
+    /// degrees/s.
     pub path_speed: f64,
-    /// Distance gone on the active move, units: along its path, in a planned contour along the curve that is travelled.
+    /// Distance covered on the active move, units: along its path or, in a planned contour, along the planned curve.
     pub path_position: f64,
-    /// Length of that, units; 0 when nothing is active.
+    /// Length of that path or curve, units; 0 without an active move.
     pub path_length: f64,
-    /// Seconds until the active move is at its end or its successor becomes active, as planned now; `None` where no time is known:
-    /// nothing is active, it is held or stopped, or a master leads it.
+    /// Seconds until the end of the active move, or until its successor becomes active, as planned now; `None` if the time is unknown:
+    /// no move is active, it is held or stopped, or a master leads it.
     pub time_left: Option<f64>,
     /// Share of the programmed speeds, 0 to 2.
     pub feed_override: f64,
-    /// How many moves its queue takes.
+    /// The number of further moves that its queue has room for.
     pub queue_room: u32,
-    /// Rests of planned contours between moves that go on, since the start.
+    /// Rests of planned contours between moves that should follow without a rest, since the start.
     pub contour_rests: ContourRests,
 }
 

@@ -19,7 +19,7 @@ use crate::system::{Activity, System};
 use crate::tolerance::{POSITION_LOCK_UNITS, STANDSTILL_UNITS_PER_S};
 use crate::transforms::shown::Role;
 
-/// One axis as its tag shows it.
+/// The state of one axis in the members of its tag.
 pub(crate) fn axis(axis: &Axis, clock: &Clock) -> AxisSnapshot {
     let actual = axis.actual;
     let [first, second] = &axis.registrations;
@@ -183,7 +183,7 @@ fn motion_word(axis: &Axis, clock: &Clock) -> u32 {
     .fold(0, with)
 }
 
-/// Whether the speed of an axis rises or falls: by its profile if it has one, otherwise by its command.
+/// The phase of the speed of an axis: by its profile if it has one, otherwise by its command.
 fn phase(axis: &Axis) -> Phase {
     let mut active = axis.sum.active();
     if let (Some((_, only)), None) = (active.next(), active.next())
@@ -194,7 +194,7 @@ fn phase(axis: &Axis) -> Phase {
     axis.command.phase()
 }
 
-/// Vector speed of what coordinated motion does, units/s; the rest of it too where the axes brake by themselves.
+/// Vector speed of coordinated motion, units/s, including the axes that brake separately.
 fn path_speed(system: &System, axes: &Axes) -> f64 {
     let Some(stop) = system.stop.filter(|_| !system.is_busy()) else {
         return system.shown.speed;
@@ -212,7 +212,7 @@ fn path_speed(system: &System, axes: &Axes) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// One coordinate system as its tag shows it.
+/// The state of one coordinate system in the members of its tag.
 pub(crate) fn system(system: &System, axes: &Axes, role: Role) -> SystemSnapshot {
     let mut shown = SystemSnapshot {
         path_speed: path_speed(system, axes),

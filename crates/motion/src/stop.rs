@@ -1,4 +1,4 @@
-//! A stop of a coordinate system that is under way (MCS).
+//! An active stop of a coordinate system (MCS).
 
 use crate::execution::Execution;
 use crate::machine::MAX_AXES;
@@ -8,9 +8,9 @@ use arcline_instruction_set::AxisId;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stop {
     pub(crate) execution: Execution,
-    /// Whether coordinated moves are stopped (all Stop Types but Coordinated Transform): none begins meanwhile.
+    /// The stop includes coordinated moves (all Stop Types but Coordinated Transform): no move begins meanwhile.
     pub(crate) of_moves: bool,
-    /// Axes that brake by themselves (Stop Types All and Coordinated Transform).
+    /// Axes that brake separately (Stop Types All and Coordinated Transform).
     pub(crate) braking: AxisSet,
 }
 
@@ -25,7 +25,7 @@ impl AxisSet {
         }
     }
 
-    /// Takes all of some axes in where it has one of them already.
+    /// Adds all of some axes if the set contains one of them.
     pub(crate) fn join(&mut self, axes: &[AxisId]) {
         if axes.iter().any(|axis| self.contains(*axis)) {
             axes.iter().for_each(|axis| self.insert(*axis));
@@ -38,7 +38,7 @@ impl AxisSet {
         }
     }
 
-    /// Whether an axis is one of them.
+    /// The set contains an axis.
     pub fn contains(&self, axis: AxisId) -> bool {
         self.0
             .get(usize::from(axis.0 / 64))

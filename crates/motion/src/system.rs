@@ -1,4 +1,4 @@
-//! One coordinate system: its moves and their motion, its stop, and what its tags show.
+//! One coordinate system: its moves and their motion, its stop, and the status in its tags.
 
 mod advance;
 mod commands;
@@ -29,12 +29,12 @@ use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
 pub(crate) use shown::Shown;
 
-/// When a move is complete (spec/coordinated-instructions.md §7.1).
+/// The condition for the completion of a move (spec/coordinated-instructions.md §7.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Termination {
     /// Type 0: the command is at the target and the axes are within the Actual Tolerance.
     ActualTolerance,
-    /// Any other type: the command is at the target, or a successor has taken over as its ending tells.
+    /// Any other type: the command is at the target, or a successor has taken over according to the ending.
     Command,
 }
 
@@ -44,25 +44,25 @@ pub(crate) struct Planned {
     pub(crate) execution: Execution,
     pub(crate) dynamics: Dynamics,
     pub(crate) termination: Termination,
-    /// How fast it may be for the sake of robots' joints, where that is kept.
+    /// The limits that the joints of robots put on the motion along the path, if they are enforced.
     pub(crate) path_limits: PathLimits,
-    /// How it is master driven.
+    /// The link and lock of a master driven move.
     pub(crate) driven_by: Option<DrivenBy>,
     pub(crate) events: Option<Events>,
-    /// Rx, Ry, Rz at its end, degrees, where it turns.
+    /// Rx, Ry, Rz at its end, degrees, if it rotates.
     pub(crate) heading: Option<Point>,
-    /// It only turns: its way is an angle, in degrees.
+    /// The move only rotates: its path length is an angle, in degrees.
     pub(crate) only_turns: bool,
 }
 
-/// Whose motion the active move is.
+/// The coordinated motion of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Activity {
-    /// Nothing is interpolated.
+    /// No motion is interpolated.
     Idle,
-    /// The instruction that is active.
+    /// The active instruction moves the axes.
     Moving,
-    /// A stop along the path; the instruction has ended.
+    /// A stop brakes along the path; the instruction has ended.
     Stopping,
 }
 
@@ -84,7 +84,7 @@ impl Systems {
         self.systems.get(system.index())
     }
 
-    /// Ends everything that a system travels along; trajectories are freed outside the tick.
+    /// Ends all trajectories of a system; they are freed outside the tick.
     fn retire_all(&mut self, system: SystemId) {
         let trajectories = self.systems[system.index()].travel.clear();
         self.retired.extend(trajectories);
@@ -137,7 +137,7 @@ impl IndexMut<SystemId> for Systems {
 #[derive(Debug)]
 pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
-    /// Whose joints its axes are.
+    /// The robot whose joints are its axes.
     pub(crate) robot: Option<Result<Robot, GeometryError>>,
     /// The same of a robot with a wrist.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
@@ -147,31 +147,32 @@ pub(crate) struct System {
     pub(crate) axis_limits: AxisLimits,
     pub(crate) activity: Activity,
     pub(crate) stop: Option<Stop>,
-    /// Axes that brake by themselves since a coordinated move that took them was ended.
+    /// Axes that brake separately after the end of a coordinated move.
     pub(crate) braking: AxisSet,
     pub(crate) shutdown: bool,
     /// Links to masters (MDCC).
     pub(crate) links: MasterLinks,
-    /// The MDCC whose motion is being stopped.
+    /// The MDCC whose motion brakes.
     pub(crate) stopping_link: Option<Execution>,
-    /// The master displacement that the active move is a function of, where that is not time.
+    /// The master displacement that the active move is a function of; `None`: time.
     pub(crate) follower: Option<MasterFollower>,
-    /// When a master driven move with Actual Tolerance came to its programmed end.
+    /// The instant at which a master driven move with Actual Tolerance reached its programmed end.
     pub(crate) ended: Option<Instant>,
-    /// Since when the commands stand at the end of a move that waits for its axes; they are looked at behind the next exchange.
+    /// The instant since which the commands stand at the end of a move that waits for its axes; the next exchange shows whether they have
+    /// settled.
     pub(crate) settling: Option<Instant>,
-    /// When the axes came within the Actual Tolerance of that end.
+    /// The instant at which the axes came within the Actual Tolerance of that end.
     pub(crate) settled: Option<Instant>,
-    /// The plan that Calculated Data is of, and the tick from which on it is computed again.
+    /// The plan to which Calculated Data belong, and the tick from which on they are calculated again.
     pub(crate) calculated: (u32, u64),
     pub(crate) shown: Shown,
-    /// Something happened since the commands of this tick were computed.
+    /// A move has begun or changed since the commands of this tick were computed.
     pub(crate) stale: bool,
 }
 
 impl System {
-    /// Where the tool of a robot is in the frame of its base while its joints are there; `centre`: of the tool, in the frame of the
-    /// end of an arm with a wrist. NaN where the joints cannot be. Real-time.
+    /// The position of a robot's tool in the frame of its base for given joint positions; `centre`: the tool centre in the frame of the end of an
+    /// arm with a wrist. NaN if the joints are in no possible position. Real-time.
     pub(crate) fn tool(&self, joints: &[f64; MAX_SYSTEM_AXES], centre: &Point) -> Option<[f64; 3]> {
         self.description.robot?;
         let arm = || self.robot.as_ref()?.as_ref().ok()?.forward(three(joints)).ok();
@@ -182,8 +183,8 @@ impl System {
         Some(arm().or_else(wrist).unwrap_or([f64::NAN; 3]))
     }
 
-    /// `corner_step`: the change of velocity of each axis that a corner may make at once, in one update of this period, units/s and
-    /// seconds (spec/coordinated-instructions.md §7.5).
+    /// `corner_step`: the largest velocity step of each axis at a corner, which takes one update of this period, units/s and seconds
+    /// (spec/coordinated-instructions.md §7.5).
     pub(crate) fn new(
         description: &CoordinateSystem,
         corner_step: Point,
@@ -227,7 +228,7 @@ impl System {
         }
     }
 
-    /// The axes that its coordinated moves may have taken: those that they move, and Rx, Ry, Rz, which some of them turn.
+    /// The axes that its coordinated moves may use: those that they move, and Rx, Ry, Rz, which only some of them rotate.
     pub(crate) fn taken(&self) -> &[AxisId] {
         match self.description.orientation {
             Some(_) => &self.description.axes,
@@ -235,7 +236,7 @@ impl System {
         }
     }
 
-    /// The variable that the active move is a function of, at the present tick: time, or the displacement of a master.
+    /// The variable of the active move at the present tick: time, or the displacement of a master.
     pub(crate) fn time_base(&self, time: &Clock) -> TimeBase {
         TimeBase {
             time: *time,
@@ -246,13 +247,13 @@ impl System {
         }
     }
 
-    /// Whether it has masters, active or not: it is computed behind them then.
+    /// It has masters, active or not, and is therefore computed after them.
     pub(crate) fn follows(&self) -> bool {
         self.follower.is_some() || !self.links.is_empty()
     }
 
-    /// Seconds until the active move is at its end or its successor becomes active, as planned now. `None` where no time is known:
-    /// nothing is active, it is held, it is stopped, or a master leads it.
+    /// Seconds until the end of the active move, or until its successor becomes active, as planned now. `None` if the time is unknown:
+    /// no move is active, it is held or stopped, or a master leads it.
     pub(crate) fn time_left(&self, time: &Clock) -> Option<f64> {
         if self.activity != Activity::Moving || self.follower.is_some() {
             return None;
@@ -260,13 +261,13 @@ impl System {
         self.travel.time_left(time)
     }
 
-    /// A move, or a stop, that comes to an end by itself: not one that waits for a master.
+    /// A move or a stop is active that ends on its own; one that waits for a master does not.
     pub(crate) fn will_end(&self, time: &Clock) -> bool {
         let at_end = || self.travel.event(&self.time_base(time)).is_some();
         self.is_busy() && self.follower.is_none_or(|follower| follower.will_go_on() || at_end())
     }
 
-    /// Whether the active move has its full speed by its master's. `planned`: its speed by the master's displacement.
+    /// The master driven active move has reached its programmed speed. `planned`: its speed per master unit.
     pub(crate) fn is_tracking(&self, planned: f64) -> bool {
         self.follower.is_some_and(|follower| follower.has_begun())
             && self.activity == Activity::Moving
@@ -275,7 +276,7 @@ impl System {
             && !self.shown.in_transition
     }
 
-    /// Whether axes brake by themselves since a coordinated move that took them was ended.
+    /// Axes brake separately after the end of a coordinated move that used them.
     pub(crate) fn brakes(&self, axes: &Axes) -> bool {
         !self.braking.is_empty()
             && self.taken().iter().any(|index| {
@@ -284,10 +285,10 @@ impl System {
             })
     }
 
-    /// Puts a move behind the last one.
+    /// Adds a move at the end of the queue.
     ///
     /// # Errors
-    /// [`QueueFull`] when all pending places are taken.
+    /// [`QueueFull`] if the queue has no room.
     pub(crate) fn push(&mut self, motion: Move<Planned>, time: &Clock) -> Result<(), QueueFull> {
         let base = self.time_base(time);
         self.travel.push(motion, &base)?;
@@ -313,7 +314,7 @@ impl System {
         self.travel.active().map(|motion| &motion.data)
     }
 
-    /// Whether what moves it, a stop of that included, is an S-curve: stops have a jerk limit then.
+    /// The active motion, or the stop of it, is an S-curve: stops have a jerk limit then.
     pub(crate) fn is_s_curve(&self) -> bool {
         self.travel.highest_jerk().is_some()
     }
@@ -323,7 +324,7 @@ impl System {
         Maxima::from(&self.description).stop(self.is_s_curve())
     }
 
-    /// The stop on the path with which it is kept from leading a robot where that cannot go: with no less jerk than programmed.
+    /// The stop on the path that keeps a robot within its reach: with no less jerk than programmed.
     pub(crate) fn guarded_stop(&self) -> Limits {
         let maxima = Maxima::from(&self.description);
         let jerk = self.travel.highest_jerk();
@@ -334,22 +335,22 @@ impl System {
         )
     }
 
-    /// Whether a coordinated move of this system is active, pending, or being stopped on its path.
+    /// A coordinated move of this system is active, pending, or braking on its path.
     pub(crate) fn is_busy(&self) -> bool {
         self.activity != Activity::Idle
     }
 
-    /// How many moves it takes: one at least while it is idle.
+    /// The number of further moves that it accepts: at least one while it is idle.
     pub(crate) fn room(&self) -> usize {
         self.travel.room().max(usize::from(!self.is_busy()))
     }
 
-    /// Whether its axes turn a tool besides moving it: MCTO links it, not MCT.
+    /// Its axes rotate a tool besides moving it: MCTO can link it, MCT cannot.
     pub(crate) fn is_oriented(&self) -> bool {
         self.description.orientation.is_some() || self.wrist.is_some()
     }
 
-    /// Whether it moves an axis as a master leads it.
+    /// A coordinated move that a master drives uses the axis.
     pub(crate) fn followers(&self, axis: AxisId) -> bool {
         self.follower.is_some() && self.has(axis)
     }
@@ -358,7 +359,7 @@ impl System {
         self.description.axes.contains(&axis)
     }
 
-    /// Whether this system and another one have an axis in common: its index here.
+    /// The index in this system of an axis that another system has, too.
     pub(crate) fn shared_axis(&self, other: &System) -> Option<AxisIndex> {
         let mut axes = numbered(&self.description.axes);
         axes.find(|(_, axis)| other.has(*axis)).map(|(index, _)| index)
@@ -366,13 +367,13 @@ impl System {
 }
 
 impl Termination {
-    /// Whether a type holds the command at the end until the axes have settled.
+    /// The termination type holds the command at the end until the axes have settled.
     pub(crate) fn settles(self) -> bool {
         self == Termination::ActualTolerance
     }
 }
 
-/// Axes of a coordinate system, with the indices that they have there.
+/// Axes of a coordinate system with their indices.
 pub(crate) fn numbered(axes: &[AxisId]) -> impl Iterator<Item = (AxisIndex, AxisId)> {
     (0..).map(AxisIndex).zip(axes.iter().copied())
 }

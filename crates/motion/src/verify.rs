@@ -1,9 +1,8 @@
-//! The order in which an instruction is verified: the first hit wins
+//! The order of the checks of an instruction: the first error counts
 //! (spec/coordinated-instructions.md §11.1, spec/axis-and-data-types.md §1.7).
 //!
-//! Step 1 (control tag) is in `control`, step 5 (operands) in the catalogue, step 10 (geometry) and the
-//! conflicts of step 11 with the instructions. Steps 2 and 3 cannot fail: the controller is always in Run and a
-//! machine has exactly one group.
+//! Step 1 (control tag) is in `control`, step 5 (operands) in the catalogue, step 10 (geometry) and the conflicts of step 11 with the
+//! instructions. Steps 2 and 3 cannot fail: the controller is always in Run, and a machine has exactly one group.
 
 use arcline_instruction_set::{AxisId, AxisIndex, Culprit, MotionError};
 
@@ -14,7 +13,7 @@ use crate::axis::Axis;
 use crate::axis::state::AxisState;
 use crate::system::{Activity, System, component, numbered};
 
-/// Step 8: no axis in shutdown, every axis with its servo on and without fault. Lowest index first.
+/// Step 8: no axis is shut down, and every axis has its servo on and no fault. The axis with the lowest index is reported first.
 pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError> {
     axes_on(system, axes)?;
     match first(system, axes, Axis::is_faulted) {
@@ -23,7 +22,7 @@ pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError
     }
 }
 
-/// Step 8 of a stop: no axis in shutdown, every axis with its servo on but for those that a fault has switched off.
+/// Step 8 of a stop: no axis is shut down, and every axis has its servo on, except those that a fault has switched off.
 pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
     if let Some(member) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
         return Err(MotionError::ShutdownState(member));
@@ -34,7 +33,7 @@ pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
     }
 }
 
-/// Step 8, after [`axes_ready`]: no axis is homed. Lowest index first.
+/// Step 8, after [`axes_ready`]: no axis is being homed. The axis with the lowest index is reported first.
 pub(crate) fn not_homing(system: &System, axes: &Axes) -> Result<(), MotionError> {
     match first(system, axes, Axis::is_homed_actively) {
         Some(member) => Err(MotionError::HomeInProcess(member)),
@@ -42,7 +41,7 @@ pub(crate) fn not_homing(system: &System, axes: &Axes) -> Result<(), MotionError
     }
 }
 
-/// Step 9: every started motion must be stoppable, by the system and by each axis.
+/// Step 9: the system and each axis have the rates to stop every motion that begins.
 pub(crate) fn stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(), MotionError> {
     if system.description.max_deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::CoordinateSystem));
@@ -67,14 +66,14 @@ pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionErr
     if let Some(member) = first(system, axes, Axis::is_stopping) {
         return Err(MotionError::NotAllowedWhileStopping(member));
     }
-    // A transform that failed stops moves on their path as well.
+    // A failed transform also stops moves on their path.
     if system.activity == Activity::Stopping || system.stop.is_some_and(|stop| stop.of_moves) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }
     Ok(())
 }
 
-/// Step 12, overtravel: no axis outside of its travel moves on a point further out.
+/// Step 12, overtravel: no axis outside of its travel moves further out.
 pub(crate) fn no_overtravel(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
     let out = |(member, axis): (AxisIndex, AxisId)| {
         let axis = axes.get(axis);

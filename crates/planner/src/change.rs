@@ -1,4 +1,4 @@
-//! Changes of a move that is under way: its limits, and the share of the programmed speeds.
+//! Changes of an active move: its limits, and the override of the programmed speeds.
 //!
 //! Bounded.
 
@@ -14,9 +14,9 @@ use crate::running::{AccelerationRemoval, Move, Running, scaled_limits};
 use crate::tolerance::ROUNDING_SHARE;
 
 impl<T: Copy> Planner<T> {
-    /// Gives the active move new limits from the present tick on: the profile is planned again from the
-    /// present state, in two stages when the end can no longer be met (spec/motion-core.md §5). Rates with which a
-    /// corner that the motion is to pass could no longer be met hold from there on only (§5.3).
+    /// Gives the active move new limits from the present tick on. Its profile is planned again from the present state, in two stages if the
+    /// end cannot be met any more (spec/motion-core.md §5). Rates that do not suffice for a corner ahead hold only from that corner on
+    /// (§5.3).
     pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
         let limits = self.allowed(&limits);
         let Some(running) = &mut self.active else {
@@ -29,7 +29,7 @@ impl<T: Copy> Planner<T> {
         if met == Met::All || same_rates(&before, &limits) {
             return;
         }
-        // The old rates before those of the moves that the motion was already braking along, and these before the new ones.
+        // The rates of the moves on which the motion brakes already are tried first, then the old ones; of equal results the last one counts.
         let following = self.queue.front().map_or(limits, |next| next.limits);
         let mut best = (met, limits);
         for rates in [following, before] {
@@ -52,12 +52,12 @@ impl<T: Copy> Planner<T> {
         self.replan(ran, clock)
     }
 
-    /// Changes all pending moves; `limits` are those that the active one is to have. [`Planner::change_limits`] then makes it take effect.
+    /// Changes all pending moves; `limits` are the future ones of the active move. [`Planner::change_limits`] then puts the change into effect.
     pub fn change_pending(&mut self, limits: &Limits, clock: &Clock, change: impl FnMut(&mut Move<T>)) {
         let distance = self.active.map_or(0.0, |running| {
             let now = running.trajectory.state(clock);
             let top = now.velocity.max(limits.speed * self.queue.rate());
-            // By a master's displacement: as much as may be.
+            // Over a master's displacement, the distance of an update is unknown.
             let distance = if clock.period_ns == 0 {
                 f64::INFINITY
             } else {
@@ -68,8 +68,8 @@ impl<T: Copy> Planner<T> {
         self.queue.change_all(distance, change);
     }
 
-    /// Takes a share (at least 0) of the programmed speeds of the active move, the pending and all later ones, from the
-    /// present tick on; 0 holds. Of no effect on a stop that is under way.
+    /// Sets the override, a share (at least 0) of the programmed speeds of the active, the pending and all later moves, from the present
+    /// tick on; 0 holds. Without effect on an active stop.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         let most = self.most_rate();
         let ran = self.active.map(|running| Ran::new(&running, self.queue.rate(), clock));
@@ -79,7 +79,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Plans the active move again from its present state; so far it ran in another way.
+    /// Plans the active move again from its present state. `ran`: its profile before the change.
     fn replan(&mut self, ran: &Ran, clock: &Clock) -> Met {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return Met::All;
@@ -126,7 +126,7 @@ impl<T: Copy> Planner<T> {
             let beside = self.beside_again(&running, from, &limits, ran, planned, clock);
             beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
         };
-        // A path that waits for what ramps out goes on waiting.
+        // A path that waits until a residual has ramped out continues to wait.
         let waits = running.trajectory.residual.is_some() && running.trajectory.start.elapsed(clock) < 0.0;
         let at = if waits { running.trajectory.start } else { clock.now() };
         running.follow(&plan, profile, at);
@@ -135,8 +135,9 @@ impl<T: Copy> Planner<T> {
         Met::by(&plan)
     }
 
-    /// A change to a programmed speed may overshoot that and the old one by half (spec/coordinated-instructions.md §5.4), and go on to
-    /// where the profile so far was to come. `share`: the share of the limits that the profile may use.
+    /// The removal of an acceleration at a change of the programmed speed. The profile may overshoot that speed and the old one by half
+    /// (spec/coordinated-instructions.md §5.4), and may reach the speed that the earlier profile would have reached. `share`: the profile's
+    /// share of the limits.
     fn relief_of(&self, ran: &Ran, speed: f64, share: f64) -> AccelerationRemoval {
         if !self.bounds.overshoot {
             return AccelerationRemoval::NONE;
@@ -148,7 +149,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Whether a pause would need more way with the limits of the move than with those so far, or would turn back where these
+    /// With the limits of the move, a pause would need a longer distance than with the earlier ones, or would reverse where the earlier ones
     /// do not.
     fn needs_more(&self, running: &Running<T>, from: KinematicState, ran: &Limits) -> bool {
         if !self.bounds.overshoot {
@@ -166,13 +167,13 @@ impl<T: Copy> Planner<T> {
             || (turns_back(&from, &limits) && !turns_back(&from, &ran))
     }
 
-    /// A speed as it is programmed and an override raises it. An override below 1 lowers the speed, and a motion that still slows down
-    /// to it, or speeds up, keeps the time that its acceleration needs.
+    /// The programmed speed, raised by an override above 1. An override below 1 lowers the speed, and a motion that is still changing its
+    /// speed to that keeps the time that its acceleration needs.
     pub(crate) fn programmed_speed(&self, speed: f64) -> f64 {
         raised(speed, self.queue.rate())
     }
 
-    /// The profile of a path beside what still ramps out; `None` where nothing does.
+    /// The profile of a path whose residual still ramps out; `None` without a residual.
     fn beside_again(
         &self,
         running: &Running<T>,
@@ -198,14 +199,14 @@ impl<T: Copy> Planner<T> {
             bound: present.max(programmed),
         };
         let old = ran.limits.jerk.map_or(0.0, |jerk| jerk.acceleration);
-        // A hold is no faster than any other change.
+        // A hold reduces the acceleration no faster than any other change.
         let below = running.removal.lead(from, limits).map_or(0.0, |lead| lead.jerk);
         let removal = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
         let found = beside.profile(from, limits, removal, &plan);
         Some(found.unwrap_or_else(|| beside.waiting(from, limits, removal, &plan)))
     }
 
-    /// The way to the start of the active path, which has other rates, is planned again. The state there.
+    /// Plans the approach to the start of the active path again, which has other rates. Returns the state at the start.
     fn approach_again(&self, running: &mut Running<T>, mut approach: Approach, clock: &Clock) -> KinematicState {
         let elapsed = approach.start.elapsed(clock);
         let mut from = approach.profile.at(elapsed);
@@ -225,7 +226,7 @@ impl<T: Copy> Planner<T> {
             speed: limits.speed.max(exit),
             ..limits
         };
-        // Where the acceleration is not 0 by the start of the path, the profile of that takes the rest of it away.
+        // If the approach cannot remove its acceleration before the start of the path, the profile of the path removes the rest.
         let early = level.position > length;
         let target = if early { level.position } else { length };
         approach.profile = Profile::led(lead, from, |level| Profile::to_position(level, target, exit, &capped));
@@ -242,14 +243,14 @@ impl<T: Copy> Planner<T> {
         running.trajectory.start = clock.now().after(distance, clock);
         running.trajectory.approach = Some(approach);
         running.removal = if early { removal } else { AccelerationRemoval::NONE };
-        // Beyond the place, it comes back to rest there.
+        // The approach overshoots the start, and returns to rest there.
         KinematicState {
             position: 0.0,
             ..if early { profile.at(distance) } else { profile.end() }
         }
     }
 
-    /// The highest speed with which the active path can be begun.
+    /// The highest speed with which the active path can begin.
     fn entry(&self, running: &Running<T>) -> f64 {
         let limits = self.limits(running);
         let end = self.queue.run_end(running.run_start + running.motion.path.length());
@@ -260,7 +261,7 @@ impl<T: Copy> Planner<T> {
             .min(entry_speed(distance, self.queue.speed(bound), &limits))
     }
 
-    /// The profile of the active path from its beginning, which lies ahead.
+    /// Plans the profile of the active path from its start, which lies ahead.
     fn plan_from(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) -> Met {
         let (plan, profile) = self.planned(&running, from);
         running.trajectory.profile = profile;
@@ -274,14 +275,14 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// The demands behind the end of a plan that it meets.
+/// The demands of the queue that a plan meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Met {
-    /// The path is left at a corner.
+    /// None: the motion leaves the path at a corner.
     Nothing,
     /// The corners.
     Corners,
-    /// The speeds and rests too.
+    /// The corners, speeds and rests.
     All,
 }
 
@@ -297,15 +298,15 @@ impl Met {
     }
 }
 
-/// How a move ran until its limits changed.
+/// The motion of a move before a change of its limits.
 struct Ran {
-    /// Within these.
+    /// The limits.
     limits: Limits,
-    /// Its programmed speed, as the override raised it.
+    /// The programmed speed, raised by the override.
     programmed: f64,
-    /// The highest speed that was to come.
+    /// The highest speed that was planned.
     ahead: f64,
-    /// Where a deceleration may be too much for the jerk of the move: the jerk that takes it away.
+    /// The jerk that reduces a deceleration too high for the jerk of the move, if there is one.
     forward: Option<f64>,
 }
 
@@ -315,7 +316,7 @@ impl Ran {
         let own = scaled_limits(&running.in_force, 1.0, trajectory.share());
         let programmed = raised(running.motion.limits.speed, rate);
         let ran = Ran::along(&trajectory.profile, trajectory.start.elapsed(clock), own, programmed);
-        // So may it be one that began on an earlier move, with the rates of that.
+        // The deceleration of a profile that began on an earlier move, with its rates, may also be too high.
         let earlier = running.kept || trajectory.offset != 0.0;
         Ran {
             limits: running.in_force,
@@ -324,7 +325,7 @@ impl Ran {
         }
     }
 
-    /// How the predecessor ran to the start of the active path.
+    /// The motion of the predecessor to the start of the active path.
     fn approaching(approach: &Approach, rate: f64, elapsed: f64) -> Ran {
         let programmed = raised(approach.limits.speed, rate);
         let ran = Ran::along(&approach.profile, elapsed, approach.limits, programmed);
@@ -337,7 +338,7 @@ impl Ran {
     fn along(profile: &Profile, elapsed: f64, limits: Limits, programmed: f64) -> Ran {
         let now = profile.at(elapsed);
         let braking = now.velocity > 0.0 && now.acceleration < 0.0;
-        // A lead is under way.
+        // A preliminary phase is active.
         let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + ROUNDING_SHARE));
         Ran {
             limits,
@@ -348,15 +349,15 @@ impl Ran {
     }
 }
 
-/// A speed as an override raises it.
+/// A speed, raised by an override above 1.
 fn raised(speed: f64, rate: f64) -> f64 {
     speed * rate.max(1.0)
 }
 
-/// The jerk that takes a deceleration away.
+/// The jerk that reduces a deceleration.
 fn taking(limits: &Limits) -> Option<f64> {
     limits.jerk.map(|jerk| jerk.deceleration)
 }
 
-/// Seconds to an instant that does not come.
+/// Seconds to an instant that never comes.
 const NEVER: f64 = 1e9;

@@ -1,8 +1,8 @@
 //! The variables that moves are functions of: time, as an integer number of ticks and a fraction of one (spec/motion-core.md §12.3), or
 //! the displacement of a master (§10.4).
 //!
-//! A master's displacement has no ticks: a clock of it shows the displacement itself, in master units. Everything that is planned over it has
-//! master units where it has seconds otherwise. How fast it goes on is its [`MasterRate`].
+//! A master's displacement has no ticks: its clock shows the displacement in master units. A plan over it has master units in place of
+//! seconds. The rate of the displacement in time is its [`MasterRate`].
 
 use arcline_profile::KinematicState;
 
@@ -10,14 +10,14 @@ use crate::Sample;
 
 const NANOSECONDS: f64 = 1e9;
 
-/// The present tick and what a tick is worth; or where on its way a master is.
+/// The present tick with the length of a tick, or the displacement of a master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Coarse updates since the start; tick 0 is the first.
     pub tick: u64,
     /// Coarse update period, nanoseconds; more than 0. 0: the clock shows a master's displacement.
     pub period_ns: u64,
-    /// The displacement of a master, master units; seconds behind the tick where the clock shows time.
+    /// The displacement of a master, master units; of a clock that shows time, seconds after the tick.
     displacement: f64,
 }
 
@@ -31,7 +31,7 @@ impl Clock {
         }
     }
 
-    /// A master has gone so far, master units.
+    /// A master's displacement, master units.
     pub const fn of_displacement(displacement: f64) -> Self {
         Clock {
             tick: 0,
@@ -59,7 +59,7 @@ impl Clock {
         }
     }
 
-    /// The clock `seconds` later, between two ticks too: only to be read. Master units by a master's displacement.
+    /// The clock `seconds` later, also between two ticks; only for reading. Master units for a master's displacement.
     #[must_use]
     pub fn later(&self, seconds: f64) -> Clock {
         Clock {
@@ -77,19 +77,18 @@ impl Clock {
     }
 }
 
-/// A point in time between two ticks: exact however long the controller has been running. On a clock of a master's displacement: a
-/// place on it.
+/// A point in time between two ticks, exact at any run time of the controller. On a clock of a master's displacement: a displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
     tick: u64,
-    /// Seconds after `tick`, at least 0 and less than a period; or the way.
+    /// Seconds after `tick`, at least 0 and less than a period; or the displacement.
     offset: f64,
 }
 
 impl Instant {
-    /// Seconds from this instant to the clock's tick; negative when the instant lies ahead. Master units by a master's displacement.
+    /// Seconds from this instant to the clock's tick; negative if the instant lies ahead. Master units for a master's displacement.
     pub fn elapsed(&self, clock: &Clock) -> f64 {
-        // Centuries are not exact.
+        // f64 does not hold the nanoseconds of centuries exactly.
         let nanoseconds = |ticks: u64| {
             let exact = ticks.checked_mul(clock.period_ns);
             exact.map_or(ticks as f64 * clock.period_ns as f64, |exact| exact as f64)
@@ -117,7 +116,7 @@ impl Instant {
     }
 }
 
-/// How a master's displacement goes on: what turns derivatives by the displacement into derivatives by time, and back.
+/// The rate of a master's displacement: it converts derivatives by the displacement to derivatives by time, and back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MasterRate {
     /// Master units/s, at least 0.
@@ -127,7 +126,7 @@ pub struct MasterRate {
 }
 
 impl MasterRate {
-    /// A state by the displacement as one by time.
+    /// Converts a state over the displacement to one over time.
     pub fn in_time(&self, state: KinematicState) -> KinematicState {
         KinematicState {
             velocity: state.velocity * self.speed,
@@ -136,7 +135,7 @@ impl MasterRate {
         }
     }
 
-    /// A state by time as one by the displacement; at rest where that does not change.
+    /// Converts a state over time to one over the displacement; at rest if the displacement does not change.
     pub fn by_displacement(&self, state: KinematicState) -> KinematicState {
         if self.speed <= 0.0 {
             return KinematicState {
@@ -152,7 +151,7 @@ impl MasterRate {
         }
     }
 
-    /// A sample by the displacement as one by time. What its phase says stays that of the move itself.
+    /// Converts a sample over the displacement to one over time. Its phase remains that of the move itself.
     pub fn sample(&self, sample: Sample) -> Sample {
         Sample {
             acceleration: sample.acceleration * (self.speed * self.speed) + sample.velocity * self.acceleration,
@@ -166,31 +165,31 @@ impl MasterRate {
     }
 }
 
-/// The variables that moves are functions of, at one instant: time, or the displacement of a master.
+/// The variables of moves at one instant: time, and the displacement of a master.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeBase {
     /// Time.
     pub time: Clock,
-    /// The master of the active move, where it has one.
+    /// The master of the active move, if it has one.
     pub master: Option<MasterMotion>,
 }
 
 /// The master of a driven move, as the move reads it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MasterMotion {
-    /// How far it has gone since the lock, master units.
+    /// Its displacement since the lock, master units.
     pub displacement: f64,
-    /// How the displacement goes on.
+    /// The rate of the displacement.
     pub rate: MasterRate,
 }
 
 impl TimeBase {
-    /// Time alone.
+    /// Time without a master.
     pub fn of_time(time: Clock) -> Self {
         TimeBase { time, master: None }
     }
 
-    /// The variable that the active move is a function of, as a clock.
+    /// The variable of the active move, as a clock.
     pub fn clock(&self) -> Clock {
         self.master
             .map_or(self.time, |master| Clock::of_displacement(master.displacement))

@@ -1,14 +1,13 @@
-//! A queue whose moves are travelled as planned contours (`corner = "precise"`, `axis_limits = "enforce"`).
+//! A queue whose moves are executed as planned contours (`corner = "precise"`, `axis_limits = "enforce"`).
 //!
-//! Planning a contour is not bounded, so it is done elsewhere: the queue says which moves are to be planned
-//! ([`ContourQueue::batch`]), gets a finished [`Trajectory`] back ([`ContourQueue::install`]) and evaluates it. A stop
-//! slows down the pace at which the trajectory's own time runs, so it never leaves the path
-//! (spec/motion-core.md §10.3), and so does an override below 100 % (`pace`), within all limits (`guard`).
-//! Nothing here allocates or frees: trajectories are handed back.
+//! The planning time of a contour is not bounded, so it is planned elsewhere: the queue selects the moves to plan ([`ContourQueue::batch`]),
+//! receives the finished [`Trajectory`] ([`ContourQueue::install`]) and evaluates it. A stop lowers the pace of the trajectory's own time, so
+//! it never leaves the path (spec/motion-core.md §10.3); so does an override below 100 % (`pace`), within all limits (`guard`).
+//! Nothing here allocates or frees: the queue returns trajectories to its caller.
 //!
-//! Moves over a master's displacement are planned by time too, for a master at the speed of their [`crate::Parameter`], and travelled by the
-//! time that a master at that speed would have taken for its way: all clocks that a queue is given show that, but where
-//! they are said to show time. Limits are by time ([`crate::Parameter::in_time`]).
+//! Moves over a master's displacement are planned by time as well, for a master at the nominal speed of their [`crate::Parameter`]. Their
+//! variable is the time that a master at that speed needs for the displacement: all clocks passed to a queue show it, unless they are
+//! documented to show time. Limits are by time ([`crate::Parameter::in_time`]).
 
 mod change;
 mod events;
@@ -41,17 +40,17 @@ pub struct ContourQueue<T> {
     run: Option<Run>,
     asked: Option<Asked>,
     generation: u32,
-    /// When the last move was queued, and the first of those that wait.
+    /// The instants at which the last move was queued, and the first of the unplanned ones.
     grown: Option<Instant>,
     gathering: Option<Instant>,
     /// The override: share of the programmed speeds.
     rate: f64,
-    /// Counts what changes when moves come to their ends.
+    /// Counts the plans that change the ends of moves.
     plans: u32,
-    /// Rests between moves that go on, and the end of a contour that would have gone on, had there been another move.
+    /// Rests between moves that should follow without one, and the end of the last contour whose last move would have permitted a successor.
     rests: ContourRests,
     open_end: Option<Instant>,
-    /// The program was too slow for the last contour: before the next one more moves are waited for.
+    /// The program was too slow for the last contour: the next one waits for more moves.
     is_late: bool,
 }
 
@@ -60,12 +59,12 @@ pub struct ContourQueue<T> {
 pub enum ContourEvent {
     /// The active move is complete and the next one of the trajectory is active.
     Next,
-    /// The trajectory is at its end, or a stop is.
+    /// The trajectory has reached its end, or a stop its rest.
     End,
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// An empty queue with `depth` pending places. The only allocation.
+    /// An empty queue with room for `depth` pending moves. The only allocation.
     pub fn new(depth: usize) -> Self {
         ContourQueue {
             moves: VecDeque::with_capacity(depth + 1),
@@ -84,18 +83,18 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Where its contours may deviate from the programmed path.
+    /// Sets the permitted deviation of its contours from the programmed path.
     #[must_use]
     pub fn deviating(self, deviation: Deviation) -> Self {
         ContourQueue { deviation, ..self }
     }
 
-    /// Whether every pending place is taken.
+    /// The queue has no room for a further pending move.
     pub fn is_full(&self) -> bool {
         self.room(0) == 0
     }
 
-    /// How many moves it takes until `depth` of them wait; `others`: the moves in front of it that are not in this queue.
+    /// The number of further moves until `depth` of them wait; `others`: moves in front of it that are not in this queue.
     pub(crate) fn room(&self, others: usize) -> usize {
         (self.depth + 1).saturating_sub(self.moves.len() + others)
     }
@@ -112,13 +111,13 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.get(1).filter(|_| run.passed + 1 < run.trajectory.moves())
     }
 
-    /// The speed of a master that the trajectory in execution, or the next one, is planned for, master units/s; 1 for time.
+    /// The nominal speed of a master for the trajectory in execution, or the next one, master units/s; 1 for time.
     pub(crate) fn nominal(&self) -> f64 {
         let next = || self.moves.front().map(|motion| motion.parameter.speed);
         self.run.as_ref().map(|run| run.nominal).or_else(next).unwrap_or(1.0)
     }
 
-    /// The programmed jerk of a trajectory that is being stopped: its moves have left the queue.
+    /// The programmed jerk of a trajectory that brakes: its moves have left the queue.
     pub(crate) fn jerk_of_stop(&self) -> Option<f64> {
         let run = self.run.as_ref().filter(|run| run.state == RunState::Stopping)?;
         run.trajectory.least_rates().jerk
@@ -129,12 +128,12 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.iter()
     }
 
-    /// Takes the first move out.
+    /// Removes the first move.
     pub fn pop(&mut self) -> Option<Move<T>> {
         self.moves.pop_front()
     }
 
-    /// Takes the last move out, unless it is the active one of a trajectory.
+    /// Removes the last move, unless it is the active one of a trajectory.
     pub fn pop_pending(&mut self) -> Option<Move<T>> {
         if self.is_running() && self.moves.len() <= 1 {
             return None;
@@ -142,15 +141,15 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.pop_back()
     }
 
-    /// Whether a trajectory is being travelled.
+    /// A trajectory is in execution.
     pub fn is_running(&self) -> bool {
         self.run.is_some()
     }
 
-    /// Puts a move behind the last one. `time` shows time, whatever the move is a function of.
+    /// Adds a move at the end. `time` shows time, whatever the variable of the move.
     ///
     /// # Errors
-    /// [`QueueFull`] when all places are taken.
+    /// [`QueueFull`] if the queue has no room.
     pub fn push(&mut self, motion: Move<T>, time: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
@@ -164,14 +163,14 @@ impl<T: Copy> ContourQueue<T> {
         Ok(())
     }
 
-    /// Forgets every move and the trajectory, which is handed back to be freed elsewhere.
+    /// Removes every move and the trajectory; the caller frees the trajectory elsewhere.
     pub fn clear(&mut self) -> Option<Arc<Trajectory>> {
         self.moves.clear();
         self.asked = None;
         self.run.take().map(|run| run.trajectory)
     }
 
-    /// The trajectory is at its end, and its last move complete.
+    /// Ends the trajectory at its end, where its last move is complete.
     pub(crate) fn end(&mut self, time: &Clock) -> Option<Arc<Trajectory>> {
         self.plans = self.plans.wrapping_add(1);
         let last = self.moves.pop_front();
@@ -179,7 +178,7 @@ impl<T: Copy> ContourQueue<T> {
         self.finish()
     }
 
-    /// The trajectory is at its end: hands it back.
+    /// Ends the trajectory at its end and returns it.
     pub fn finish(&mut self) -> Option<Arc<Trajectory>> {
         self.run.take().map(|run| run.trajectory)
     }
@@ -199,7 +198,7 @@ impl<T: Copy> ContourQueue<T> {
         (more && now.position >= next - SAME_INSTANT_S).then_some(ContourEvent::Next)
     }
 
-    /// The active move of the trajectory is complete: takes it out.
+    /// Removes the active move of the trajectory, which is complete.
     pub fn pass(&mut self, clock: &Clock) -> Option<Move<T>> {
         if let Some(run) = &mut self.run {
             let own = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
@@ -212,24 +211,24 @@ impl<T: Copy> ContourQueue<T> {
         self.moves.pop_front()
     }
 
-    /// The active move's data, to change.
+    /// The active move's data, mutable.
     pub fn active_data(&mut self) -> Option<&mut T> {
         self.run.as_ref()?;
         self.moves.front_mut().map(|motion| &mut motion.data)
     }
 
-    /// The moves, the active one first, to change; [`ContourQueue::change`] makes it take effect.
+    /// The moves, the active one first, mutable; [`ContourQueue::change`] puts a change into effect.
     pub fn moves_mut(&mut self) -> impl Iterator<Item = &mut Move<T>> {
         self.asked = None;
         self.moves.iter_mut()
     }
 
-    /// How many moves are on the trajectory in execution, or still to come on it.
+    /// The number of moves on the trajectory in execution that are not complete.
     fn planned(&self) -> usize {
         self.run.as_ref().map_or(0, |run| run.trajectory.moves() - run.passed)
     }
 
-    /// Length of the curve on which the active move is travelled, units: its part of rounded corners, not what was programmed.
+    /// Length of the planned curve of the active move, units: with its part of rounded corners, not the programmed length.
     pub fn length(&self) -> f64 {
         self.run.as_ref().map_or(0.0, |run| {
             let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
@@ -237,7 +236,7 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 
-    /// Whether the corner before or behind the active move is being rounded at the present tick.
+    /// The motion is in the rounded corner before or after the active move at the present tick.
     pub fn in_transition(&self, clock: &Clock) -> bool {
         self.run.as_ref().is_some_and(|run| {
             let own = run.pace.at(clock).position;
@@ -246,7 +245,7 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 
-    /// Where the coordinate system is at the present tick.
+    /// The motion of the coordinate system at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
         Some(run.at(run.pace.at(clock)))

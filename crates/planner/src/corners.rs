@@ -1,6 +1,6 @@
-//! Corners that lie so near to each other that one update may see several of them: their turns add up.
+//! Corners so close to each other that several may lie within one update: their changes of direction add up.
 //!
-//! Not here: one corner alone (`junction`). Position units, seconds. Real-time: nothing allocates, [`MOST`] corners are looked at.
+//! Not here: a single corner (`junction`). Position units, seconds. Real-time: nothing allocates, at most [`MOST`] corners are examined.
 
 use arcline_geometry::{Path, Point};
 
@@ -11,22 +11,22 @@ use crate::junction::{corner_speed, turn};
 pub(crate) struct Corners {
     near: [Corner; MOST],
     count: usize,
-    /// The coarse update period, seconds; 0: each corner counts for itself.
+    /// The coarse update period, seconds; 0: each corner counts separately.
     period: f64,
 }
 
-/// A corner that was passed.
+/// A passed corner.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
-    /// From it to the start of the newest move, along the path.
+    /// Its distance to the start of the newest move, along the path.
     distance: f64,
-    /// How much it and those behind it turn.
+    /// The sum of its change of direction and those of the corners behind it.
     turn: Point,
 }
 
-/// Corners that are so many updates apart, at the speed of the second, are never seen by the same one.
+/// Corners at least this many updates apart, at the speed of the second, never lie within the same update.
 const APART: f64 = 2.0;
-/// Corners that may lie within one update.
+/// Most corners within one update.
 const MOST: usize = 8;
 
 impl Corners {
@@ -42,13 +42,13 @@ impl Corners {
         }
     }
 
-    /// The path begins anew, from rest or out of another motion.
+    /// Forgets the corners, for a path that begins at rest or from another motion.
     pub(crate) fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Takes the place between the newest move so far and the next one. Returns the highest speed, units/s, at which the corner
-    /// there, with those before it that would lie in the same update, changes no axis's velocity by more than its step.
+    /// Takes the corner between the newest move and the next one. Returns the highest speed, units/s, at which this corner, together with earlier
+    /// ones within the same update, changes no axis's velocity by more than its step.
     pub(crate) fn pass(&mut self, before: &Path, next: &Path, corner_step: &Point) -> f64 {
         let own = turn(before, next);
         let is_corner = own != Point::zeros();

@@ -1,4 +1,4 @@
-//! How the oldest pending move becomes the active one: from rest, blending, at a speed, or with the profile running on.
+//! The change of the active move to the oldest pending one: from rest, with a blend, at a speed, or on a continued profile.
 
 use arcline_profile::{KinematicState, Lead, Limits, Profile};
 
@@ -11,7 +11,7 @@ use crate::tolerance::DISTANCE_SHARE;
 use crate::{Clock, Instant};
 
 impl<T: Copy> Planner<T> {
-    /// The oldest pending move becomes active at an instant: from rest, blending, or at the speed of the junction.
+    /// Makes the oldest pending move active at an instant: from rest, with a blend, or at the speed of the junction.
     pub fn hand_over(&mut self, at: Instant, clock: &Clock) -> Option<&mut T> {
         let last = self.active.take();
         let early = self.hand_over_at.take().is_some();
@@ -21,7 +21,7 @@ impl<T: Copy> Planner<T> {
             self.start(next, at, clock);
             return self.active_data();
         };
-        // What has come to its end blends with nothing any more. Between different clocks everything has, and does not know the new one.
+        // An ended residual or blend affects no later move. At a change of the clock, all have ended, and do not refer to the new clock.
         let other = last.motion.parameter != next.parameter;
         if other || self.tail.is_some_and(|tail| tail.is_over_at(&at, clock)) {
             self.tail = None;
@@ -79,8 +79,7 @@ impl<T: Copy> Planner<T> {
         self.active_data()
     }
 
-    /// Begins a move within its tolerance before its path, with its own rates; not where these are too low for what
-    /// lies ahead.
+    /// Begins a move within its tolerance before its path, with its own rates, unless these are too low for the junctions ahead.
     fn overtake(&mut self, last: &Running<T>, next: Move<T>, at: Instant, clock: &Clock) -> bool {
         let mut from = last
             .trajectory
@@ -90,7 +89,7 @@ impl<T: Copy> Planner<T> {
         let trajectory = MoveTrajectory {
             path: next.path,
             rotation: next.rotation,
-            lead: (from.position < 0.0).then_some(last.motion.path),
+            run_up: (from.position < 0.0).then_some(last.motion.path),
             approach: None,
             profile: Profile::rest(0.0),
             start: at,
@@ -111,8 +110,8 @@ impl<T: Copy> Planner<T> {
         safe
     }
 
-    /// The next of several joined moves becomes active, and its profile is planned from where the one so far has come: the move has
-    /// another speed, or the run of equal rates ends before it and the acceleration was not 0 by then.
+    /// Makes the next of several joined moves active, and plans its profile from the present state: the move has another speed, or the run of
+    /// equal rates ends before it with an acceleration that is not 0.
     fn plan_on(
         &mut self,
         next: Move<T>,
@@ -130,22 +129,22 @@ impl<T: Copy> Planner<T> {
         }
         trajectory.replan(trajectory.profile, at);
         let running = Running {
-            blended: trajectory.lead.is_some(),
+            blended: trajectory.run_up.is_some(),
             removal,
             ..Running::new(next, trajectory)
         };
         self.begin(running, from, clock);
     }
 
-    /// The next of several joined moves becomes active: the profile runs on. A pause that keeps older limits goes on with them: the
-    /// rates of the new move may not brake in time.
+    /// Makes the next of several joined moves active on the same profile. A pause on older limits keeps them: the rates of the new move may
+    /// not brake in time.
     fn go_on(&mut self, last: &Running<T>, next: Move<T>, trajectory: MoveTrajectory, at: Instant, clock: &Clock) {
         let kept = last.kept && next.limits.speed * self.queue.rate() == 0.0;
         let in_force = Limits {
             speed: next.limits.speed,
             ..if kept { last.in_force } else { next.limits }
         };
-        let blended = trajectory.lead.is_some();
+        let blended = trajectory.run_up.is_some();
         self.active = Some(Running {
             begun: at,
             exit: last.exit,
@@ -162,12 +161,12 @@ impl<T: Copy> Planner<T> {
 }
 
 impl MoveTrajectory {
-    /// The same profile on the path of the next of several joined moves.
+    /// Continues a profile on the path of the next of several joined moves.
     fn onto<T>(&self, next: &Move<T>, between: Junction) -> MoveTrajectory {
         MoveTrajectory {
             path: next.path,
             rotation: next.rotation,
-            lead: matches!(between, Junction::Overtake { .. }).then_some(self.path),
+            run_up: matches!(between, Junction::Overtake { .. }).then_some(self.path),
             approach: None,
             offset: self.offset + self.path.length(),
             ..*self
@@ -175,7 +174,7 @@ impl MoveTrajectory {
     }
 }
 
-/// The state in which a junction is passed, on the path behind it.
+/// The state at which a profile passes a junction, on the path behind it.
 fn passing(end: KinematicState) -> KinematicState {
     KinematicState { position: 0.0, ..end }
 }

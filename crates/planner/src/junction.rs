@@ -1,4 +1,4 @@
-//! Where one move becomes the next (spec/coordinated-instructions.md §7).
+//! The junction between two moves (spec/coordinated-instructions.md §7).
 
 use arcline_geometry::{Path, Point};
 use arcline_profile::Limits;
@@ -6,7 +6,7 @@ use arcline_profile::Limits;
 use crate::Move;
 use crate::tolerance::{COLLINEAR_SINE, SAME_TANGENT_SINE};
 
-/// The kind of the end of a move that has a successor.
+/// The ending of a move with a successor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ending {
     /// The successor starts from rest (termination types 0 and 1).
@@ -17,9 +17,9 @@ pub enum Ending {
         /// Position units; [`f64::INFINITY`]: as soon as braking begins.
         tolerance: f64,
     },
-    /// The path is followed exactly and the speed kept as far as the corner allows (types 4 and 5).
+    /// The motion follows the path exactly, and keeps its speed as far as the corner permits (types 4 and 5).
     Contour {
-        /// Whether the successor must be able to stop within its own length (type 4).
+        /// The successor must be able to stop within its own length (type 4).
         constrained: bool,
     },
 }
@@ -29,15 +29,15 @@ pub enum Ending {
 pub(crate) enum Junction {
     /// Rest in between.
     Rest,
-    /// Two lines in one direction and a tolerance: the successor's limits hold from there on.
+    /// Two collinear lines with a tolerance: the successor's limits hold from the tolerance on.
     Overtake { tolerance: f64 },
     /// Superposition.
     Blend { tolerance: f64 },
-    /// The junction is passed at a speed. `early`: the successor is active from where braking begins.
+    /// The motion passes at a speed. `early`: the successor becomes active when braking begins.
     Pass { constrained: bool, early: bool },
 }
 
-/// The shape that geometry and endings give a junction: it stays when speeds and rates change.
+/// The geometry and endings of a junction, which stay when speeds and rates change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shape {
     Rest,
@@ -46,7 +46,7 @@ enum Shape {
     Pass { constrained: bool, in_line: bool },
 }
 
-/// How `first` goes over into `second`; `blended` tells that something blended into `first`.
+/// The junction from `first` to `second`; `blended`: another move blended into `first`.
 pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Junction {
     match shape(first, second, blended) {
         Shape::Rest => Junction::Rest,
@@ -88,8 +88,8 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     }
 }
 
-/// The tolerance within the halves of the moves that may be blended at their other end too (spec/coordinated-instructions.md §7.3). No Decel
-/// is not limited. A way that stands, of what only turns, has a unit of its own: it bounds only another such one.
+/// The tolerance, limited to half of a move that may have blends at both ends (spec/coordinated-instructions.md §7.3). No Decel has no limit.
+/// The path length of a rotation alone has its own unit, and limits only another rotation.
 fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, blended: bool) -> f64 {
     if tolerance.is_infinite() {
         return tolerance;
@@ -108,27 +108,27 @@ fn effective_tolerance<T>(tolerance: f64, first: &Move<T>, second: &Move<T>, ble
     }
 }
 
-/// What a junction demands of a profile that comes to it.
+/// The demand of a junction on the profile that reaches it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum JunctionDemand {
-    /// Nothing: the profile goes on.
+    /// None: the profile continues.
     Free,
     /// The second move is slower: its programmed speed.
     Slower { speed: f64 },
     /// Rest.
     Rest,
-    /// A speed with acceleration 0: at most the lower programmed one and what the corner allows. `constrained`: and
-    /// what the second move can slow down from.
+    /// A speed with acceleration 0: at most the lower programmed one and the limit of the corner. `constrained`: also at most a speed
+    /// from which the second move can slow down.
     Pass { speed: f64, corner: f64, constrained: bool },
 }
 
 impl JunctionDemand {
-    /// Whether one profile cannot lead over the junction.
+    /// A profile must end at the junction.
     pub(crate) fn ends_run(&self) -> bool {
         !matches!(self, JunctionDemand::Free | JunctionDemand::Slower { .. })
     }
 
-    /// The highest speed that programmed ones leave.
+    /// The highest speed by the programmed ones.
     pub(crate) fn programmed(&self) -> f64 {
         match self {
             JunctionDemand::Free => f64::INFINITY,
@@ -137,7 +137,7 @@ impl JunctionDemand {
         }
     }
 
-    /// The highest speed that the corner leaves.
+    /// The highest speed by the corner.
     pub(crate) fn corner(&self) -> f64 {
         match self {
             JunctionDemand::Pass { corner, .. } => *corner,
@@ -146,29 +146,28 @@ impl JunctionDemand {
         }
     }
 
-    /// Whether the second move has to be able to slow down in time.
+    /// The second move must be able to slow down in time.
     pub(crate) fn is_constrained(&self) -> bool {
         !matches!(self, JunctionDemand::Pass { constrained: false, .. })
     }
 }
 
-/// The place between two moves, without their speeds and rates.
+/// The joint of two moves, without their speeds and rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Joint {
     shape: Shape,
-    /// The highest speed that the corner leaves, of the parameter.
+    /// The highest speed by the corner, in units per second or master unit.
     corner: f64,
 }
 
 impl Joint {
-    /// Nothing before it.
+    /// The joint before the first move.
     pub(crate) const FIRST: Joint = Joint {
         shape: Shape::Rest,
         corner: 0.0,
     };
 
-    /// `blended` tells that something blended into `first`; `corner_step` bounds the change of each axis's velocity in a corner,
-    /// units/s.
+    /// `blended`: another move blended into `first`; `corner_step`: the largest change of each axis's velocity at a corner, units/s.
     pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Joint {
         let shape = shape(first, second, blended);
         let mut corner = match shape {
@@ -181,7 +180,7 @@ impl Joint {
         Joint { shape, corner }
     }
 
-    /// The same place, passed no faster than at a speed where it has a corner.
+    /// The same joint with a limit on the speed at its corner, if it has one.
     pub(crate) fn at_most(self, corner: f64) -> Joint {
         if self.corner.is_finite() {
             let corner = self.corner.min(corner);
@@ -190,7 +189,7 @@ impl Joint {
         self
     }
 
-    /// Whether the path is followed from the one to the other without a rest.
+    /// The motion follows the path across the joint without a rest.
     pub(crate) fn is_passed(&self) -> bool {
         match self.shape {
             Shape::Overtake { .. } => true,
@@ -199,7 +198,7 @@ impl Joint {
         }
     }
 
-    /// The highest speed that the corner leaves, of the parameter; one profile leads over what is not a corner.
+    /// The highest speed by the corner, in units per second or master unit; infinite without a corner, where one profile continues.
     pub(crate) fn corner(&self) -> f64 {
         match self.shape {
             Shape::Overtake { .. } => f64::INFINITY,
@@ -208,19 +207,19 @@ impl Joint {
         }
     }
 
-    /// Whether the first move is superposed on, or overtaken by, the second.
+    /// The second move is superposed on the first one, or overtakes it.
     pub(crate) fn blends(&self) -> bool {
         matches!(self.shape, Shape::Blend { .. } | Shape::Overtake { .. })
     }
 
-    /// The demand of the junction of two moves with these limits. One profile can lead over both where the path goes on without a corner,
-    /// the rates are the same, and the second one is to be able to stop in time (spec/motion-core.md §7).
+    /// The demand of the junction of two moves with these limits. One profile can continue across it if the path has no corner there, the rates
+    /// are the same, and the second move can stop in time (spec/motion-core.md §7).
     pub(crate) fn demand(&self, first: &Limits, second: &Limits) -> JunctionDemand {
         let rates_stay = same_rates(first, second);
         match self.shape {
             Shape::Rest | Shape::Blend { .. } => JunctionDemand::Rest,
             Shape::Overtake { .. } if rates_stay => JunctionDemand::Free,
-            // Where it is safe, the successor slows down from its tolerance on.
+            // The successor slows down from its tolerance on, if that is safe.
             Shape::Overtake { .. } => JunctionDemand::Pass {
                 speed: first.speed,
                 corner: f64::INFINITY,
@@ -247,7 +246,7 @@ impl Joint {
     }
 }
 
-/// Whether two limits differ in their speed at most.
+/// The limits differ in their speed at most.
 pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
     Limits {
         speed: second.speed,
@@ -255,7 +254,7 @@ pub(crate) fn same_rates(first: &Limits, second: &Limits) -> bool {
     } == *second
 }
 
-/// The change of direction of a corner; zeros where the paths are tangent, or lines in one direction.
+/// The change of direction at a corner; zeros for tangent paths and collinear lines.
 pub(crate) fn turn(first: &Path, second: &Path) -> Point {
     let turn = second.start_tangent() - first.end_tangent();
     if turn.norm() <= SAME_TANGENT_SINE || collinear(first, second) {
@@ -280,7 +279,7 @@ fn collinear(first: &Path, second: &Path) -> bool {
     before.dot(&after) > 0.0 && before.cross(&after).norm() <= COLLINEAR_SINE
 }
 
-/// Whether a velocity runs along a tangent: the same sense, within the angle of collinear lines.
+/// A velocity runs along a tangent, in the same direction, within the angle of collinear lines.
 pub(crate) fn is_along(velocity: &Point, tangent: &Point) -> bool {
     velocity.dot(tangent) > 0.0 && velocity.cross(tangent).norm() <= COLLINEAR_SINE * velocity.norm()
 }

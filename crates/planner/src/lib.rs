@@ -1,13 +1,12 @@
-//! Path × profile: where a coordinate system is at any instant.
+//! Paths with profiles: the motion of a coordinate system at any instant.
 //!
-//! A [`Move`] is a geometric path with the limits of its speed along it, and perhaps a turn of the orientation. A [`Planner`] holds the active
-//! move, the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from
-//! tick to tick, so the trajectory is the same at every update period (spec/motion-core.md §1, §12). What lies
-//! between two moves stands in `junction`, how one becomes the next in `hand_over`, what the queue allows in `queue`, how all of
-//! it is changed in `change`, a merge in `merge`. A [`ContourQueue`] has moves that are planned as one curve outside of the tick. [`Travel`] is
-//! the one interface to both.
+//! A [`Move`] is a geometric path with the limits of its speed along it, and perhaps a rotation of the orientation. A [`Planner`] holds the
+//! active move and the pending ones behind it, and evaluates the active one in closed form: nothing is integrated from tick to tick, so the
+//! trajectory is the same at every update period (spec/motion-core.md §1, §12). `junction` describes the junction of two moves, `hand_over`
+//! the change from one to the next, `queue` the speeds that the queue permits, `change` all changes, and `merge` a merge. A [`ContourQueue`]
+//! has moves that are planned as one curve outside of the tick. [`Travel`] is the common interface to both.
 //!
-//! Not here: instructions, status bits, axes, drives, and anything that knows what a tick does. Units:
+//! Not here: instructions, status bits, axes, drives, and the order of a tick. Units:
 //! position units, seconds; master units in place of seconds for moves that are functions of a master's displacement
 //! ([`Parameter`]). Nothing here allocates after [`Planner::new`].
 

@@ -1,11 +1,11 @@
-//! The aim of a profile: the next junction that binds it, at the speed that the queue behind it allows, and when the
-//! successor takes over.
+//! The aim of a profile: the next junction that binds it, at the speed that the queue behind it permits, and the instant at which the
+//! successor becomes active.
 //!
-//! Whatever changes, and whenever: a profile ends with acceleration 0 at a place from which the rest of the queue can
-//! be travelled, or where a stop has led it. A place within a run of equal rates that is met too fast or too slow is no
-//! such place: it is led over. At the end of a run the speed may then be higher than programmed, but never such that
-//! the path must be left. A corner that is met faster than the axes can follow it is a rest: the motion goes beyond it along
-//! the end tangent, as beyond an end, and comes back. Bounded: a fixed number of bounds is looked at (spec/motion-core.md §7).
+//! At any change, a profile ends with acceleration 0 at a point from which the rest of the queue can be executed, or at the end of a stop. A
+//! junction within a run of equal rates that is reached too fast or too slowly is not such a point: the profile continues across it. At the
+//! end of a run the speed may then be higher than programmed, but never so high that the motion must leave the path. A corner that is
+//! reached faster than the axes can follow it becomes a rest: the motion overshoots it along the end tangent, as at a programmed end, and
+//! returns. Bounded: a fixed number of bounds is examined (spec/motion-core.md §7).
 
 use arcline_profile::{Jerk, KinematicState, Limits, Passing, Profile, passing_speed};
 
@@ -16,17 +16,17 @@ use crate::running::{Running, scaled_limits};
 use crate::tolerance::ROUNDING_SHARE;
 use crate::{Clock, Instant};
 
-/// Slower moves of a run that a profile may lead over.
+/// Slower moves of a run that one profile may cross.
 const LED_OVER: usize = 6;
 
 impl<T: Copy> Planner<T> {
-    /// The aim of the profile of a move that is in state `from`.
+    /// The aim of the profile of a move in state `from`.
     pub(crate) fn plan(&self, running: &Running<T>, from: KinematicState) -> Plan {
         let limits = self.limits(running);
         let length = running.motion.path.length();
         let mut cap = limits.speed;
         if running.trajectory.residual.is_some() {
-            // Its compensation moves with the speed along the path, so the path ends at rest.
+            // The compensation of a residual moves with the speed along the path, so the path ends at rest.
             return Plan {
                 target: length,
                 exit: 0.0,
@@ -73,14 +73,14 @@ impl<T: Copy> Planner<T> {
         let distance = end.at - running.run_start - from.position;
         let beyond = distance < -ROUNDING_SHARE * (running.run_start + from.position).abs();
         if beyond && end.demand.corner().is_finite() {
-            // It comes back to a corner, and turns there.
+            // The motion returns to the corner and continues there.
             return Plan {
                 ends: Ends::Overshooting,
                 ..towards(&end, 0.0, cap)
             };
         }
         if beyond {
-            // Where the path goes on straight, the motion does: the next move is planned while the acceleration is taken away.
+            // On a straight path the motion continues: the next move is planned while the acceleration ramps down.
             return Plan {
                 target: from.position,
                 joined: queue.moves_before(&end) + 1,
@@ -120,14 +120,14 @@ impl<T: Copy> Planner<T> {
         plan
     }
 
-    /// The limits that the profile along the path keeps.
+    /// The limits of the profile along the path.
     pub(crate) fn limits(&self, running: &Running<T>) -> Limits {
         scaled_limits(&running.keeps(), self.queue.rate(), running.trajectory.share())
     }
 
-    /// A profile that does what a plan says.
+    /// The profile of a plan.
     pub(crate) fn profile(&self, running: &Running<T>, from: KinematicState, plan: &Plan) -> Profile {
-        // The exit speed may be above that of a move that is held.
+        // The exit speed may exceed the speed of a held move.
         let limits = Limits {
             speed: plan.cap.max(plan.exit),
             ..self.limits(running)
@@ -135,8 +135,8 @@ impl<T: Copy> Planner<T> {
         Profile::to_position(from, plan.target, plan.exit, &limits)
     }
 
-    /// After the queue has grown, or more of it has been looked at: the active move may go over into what lies behind
-    /// it, or end faster than it was planned to.
+    /// Plans the active move again after the queue has grown, or after more of it was examined: the move may continue into the following ones,
+    /// or end faster than planned.
     pub(crate) fn raise_exit(&mut self, clock: &Clock) {
         let Some(mut running) = self.active.filter(|running| !running.stopped) else {
             return;
@@ -148,7 +148,7 @@ impl<T: Copy> Planner<T> {
             running.trajectory.state(clock)
         };
         let (plan, profile) = self.planned(&running, from);
-        // A corner that was not known may lie behind what was to be passed.
+        // A corner unknown before may lie behind the planned junction.
         let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING_SHARE);
         if plan.exit > running.exit || plan.joined != running.joined || too_fast {
             if approaching {
@@ -161,7 +161,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Finds when the successor takes over, if it does so before the programmed end; not before `since`.
+    /// Determines the instant at which the successor becomes active, if that is before the programmed end; not before `since`.
     pub(crate) fn schedule(&mut self, since: Instant, clock: &Clock) {
         self.plans = self.plans.wrapping_add(1);
         self.hand_over_at = None;
@@ -170,7 +170,7 @@ impl<T: Copy> Planner<T> {
         };
         let trajectory = &running.trajectory;
         let profile = &trajectory.profile;
-        // A pause may end behind the active path where the profile runs over several.
+        // A profile over several moves may pause behind the active path.
         let paused = !profile.arrives();
         if paused && running.joined == 0 {
             return;
@@ -204,7 +204,7 @@ impl<T: Copy> Planner<T> {
                     0.0
                 };
                 let begins = profile.brakes_from().max(within).max(since);
-                // To its rest, and to that of what ramps out beside it.
+                // To the rest of the move, and of its residual.
                 let braking = trajectory.duration(clock) - begins;
                 let limits = Limits {
                     speed: next.limits.speed * self.queue.rate(),
@@ -214,7 +214,7 @@ impl<T: Copy> Planner<T> {
                 begins + (braking - rising.accelerates_until()).max(0.0)
             }
         };
-        // Not while the end of the move before the active one is still being travelled.
+        // Not before the motion has left the end of the previous move.
         let begun = if profile.start().position < trajectory.offset {
             reaches(length).unwrap_or(0.0)
         } else {
@@ -226,7 +226,7 @@ impl<T: Copy> Planner<T> {
             return;
         }
         if let Some(tail) = &self.tail {
-            // Two moves overlap at most: a third waits.
+            // At most two moves overlap: a third waits.
             at = at.max(tail.duration(clock) + elapsed - tail.start.elapsed(clock));
         }
         if at < trajectory.duration(clock) || matches!(between, Junction::Overtake { .. }) {
@@ -242,36 +242,35 @@ pub(crate) struct Plan {
     pub(crate) target: f64,
     /// Speed there.
     pub(crate) exit: f64,
-    /// Pending moves on the way.
+    /// Pending moves that the profile crosses.
     pub(crate) joined: usize,
-    /// The speed limit on the way.
+    /// The speed limit on the profile.
     pub(crate) cap: f64,
-    /// The speed there from which the corners behind it can be met.
+    /// The speed at the target from which the corners behind it can be met.
     pub(crate) corners: f64,
     pub(crate) ends: Ends,
 }
 
-/// How a profile meets what lies ahead.
+/// The quality of the end of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ends {
-    /// Such that the rest of the queue can be travelled.
+    /// The rest of the queue can be executed from it.
     AsItMust,
-    /// With more speed than the corner, or the way behind it, allows; or before the acceleration is 0; or turning back. Where the
-    /// axes could not follow the corner, with a rest there.
+    /// With more speed than the corner, or the distance behind it, permits; or with an acceleration; or after a reversal. If the axes could not
+    /// follow the corner, the motion rests there.
     TooFast,
-    /// Beyond the rest that it was to come to, and back.
+    /// Beyond the planned rest, with a return to it.
     Overshooting,
 }
 
-/// Whether the motion can come to rest within a way, where it cannot come down to a lower speed: with a limited jerk, the last of a
-/// deceleration to rest takes less way than the one to a speed above (a move that came into the queue since has such a speed at its
-/// beginning).
+/// The motion can come to rest within a distance. It may be able to even where it cannot come down to a lower speed: with a limited jerk, the
+/// final part of a deceleration to rest is shorter than that to a speed above 0, such as that at the beginning of a move queued meanwhile.
 fn can_rest(from: KinematicState, distance: f64, limits: &Limits) -> bool {
     let rest = Profile::stop(from, limits).end().position - from.position;
     (0.0..=distance * (1.0 + ROUNDING_SHARE)).contains(&rest)
 }
 
-/// Whether a deceleration can only be taken back when the motion has passed through rest.
+/// A deceleration cannot ramp down before the motion has passed through rest.
 pub(crate) fn turns_back(from: &KinematicState, limits: &Limits) -> bool {
     let relieved = |jerk: Jerk| 0.5 * from.acceleration * from.acceleration / jerk.deceleration;
     let least = (1.0 + ROUNDING_SHARE) * from.velocity;

@@ -1,9 +1,9 @@
-//! A merge: what is terminated ramps out beside the new path, `P = path(s) + r - D s / length`, where `D` is the whole of `r`
+//! A merge: the terminated motion ramps out beside the new path, `P = path(s) + r - D s / length`, where `D` is the final value of `r`
 //! (spec/coordinated-instructions.md §6.3).
 //!
-//! The velocity is split along and across the path. What is along it begins the path's profile; the rest ramps out (`ramp_out`), over
-//! no more distance than a stop with the old dynamics takes. Both together are never faster than the fastest of the present, the old
-//! and the new speed (`path_with_residual`); where the path turns towards what ramps out, everything ramps out before the path begins.
+//! The velocity is split along and across the path. The part along it begins the path's profile; the rest ramps out (`ramp_out`), over a
+//! distance no longer than a stop with the old dynamics. The sum is never faster than the fastest of the present, the old and the new speed
+//! (`path_with_residual`). If the path turns towards the residual, everything ramps out before the path begins.
 //!
 //! Position units and seconds (master units in place of seconds). Bounded; no allocation.
 
@@ -20,7 +20,7 @@ use crate::running::{AccelerationRemoval, InitialMotion, Move, scaled_limits};
 use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE, SPLIT_VELOCITY_SHARE};
 
 impl<T: Copy> Planner<T> {
-    /// Starts a move at the present tick out of another motion.
+    /// Starts a move at the present tick from another motion.
     pub fn merge(&mut self, mut motion: Move<T>, initial: InitialMotion, clock: &Clock) {
         self.queue.forget_corners();
         self.tail = None;
@@ -76,7 +76,7 @@ impl<T: Copy> Planner<T> {
             across: 1.0,
         };
         let rate = self.queue.rate();
-        // A path without length cannot compensate: what ramps out comes back by itself.
+        // A path without length cannot compensate: the residual returns by itself.
         let pieces = if path.length() == 0.0 {
             Pieces {
                 parts: out.and_back(),
@@ -93,18 +93,18 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// A path and what ramps out beside it.
+/// A path and its residual.
 struct Pieces {
     parts: [Part; 3],
-    /// Where the path begins.
+    /// The start state on the path.
     from: KinematicState,
     /// Its limits.
     limits: Limits,
-    /// How the path is travelled; `None`: as its limits let it.
+    /// The profile of the path; `None`: planned by its limits.
     profile: Option<Profile>,
 }
 
-/// Path and residual together, no faster than `bound`.
+/// Path and residual, no faster in sum than `bound`.
 fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>) -> Pieces {
     let path = &motion.path;
     let level = |factor| RampOut { across: factor, ..out };
@@ -160,7 +160,7 @@ fn pieces<T: Copy>(motion: &Move<T>, out: RampOut, rate: f64, bound: Option<f64>
     last
 }
 
-/// All of the motion ramps out; the path begins from rest.
+/// Ramps out all of the motion; the path begins from rest.
 fn apart<T>(motion: &Move<T>, out: &RampOut) -> Pieces {
     Pieces {
         parts: out.parts(out.initial.velocity, out.initial.acceleration),
@@ -170,7 +170,8 @@ fn apart<T>(motion: &Move<T>, out: &RampOut) -> Pieces {
     }
 }
 
-/// What is along the path, compensation included, begins it; `None` where nothing is, or where the path is too short to tell.
+/// Splits the motion: the part along the path, with compensation, begins the path. `None` if no motion is along it, or the path is too short
+/// to decide.
 fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
     let path = &motion.path;
     let InitialMotion {
@@ -186,7 +187,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
             velocity: velocity.dot(&direction) / square,
             acceleration: acceleration.dot(&direction) / square,
         };
-        // What is across the path but for rounding is across it.
+        // A velocity along the path within rounding counts as across it.
         let forward = along.velocity * square.sqrt();
         if square < LEAST_WAY || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
             return None;
@@ -197,7 +198,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
         );
         let before = drift;
         drift = parts.iter().map(Part::total).sum::<Point>() / path.length();
-        // The velocity steps by this.
+        // The splitting causes a step of the velocity.
         if (drift - before).norm() * along.velocity <= SPLIT_VELOCITY_SHARE * velocity.norm() {
             return Some(Pieces {
                 parts,
@@ -210,8 +211,8 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
     None
 }
 
-/// Factors by which an acceleration across the velocity may be taken away faster.
+/// Factors for a faster removal of an acceleration across the velocity.
 const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 const SPLITTINGS: usize = 32;
-/// Square of the share of a path that a compensation may leave.
+/// Square of the least share of a path that the compensation must leave.
 const LEAST_WAY: f64 = 0.01;

@@ -1,9 +1,9 @@
 //! A merge that keeps the limits of the axes (`axis_limits = "enforce"`).
 //!
-//! What is terminated ramps out axis by axis while the path is travelled, `P = path(s) + r - r_end s / length`, each with half of
-//! every limit, so that the sum keeps it: an acceleration above the half comes down as fast as the other one may rise. The
-//! path waits for what still speeds up, which needs all of the jerk. Where the sum would be too fast, or an axis must
-//! turn back first, the path waits until everything has ramped out, and both have the whole limits. Position units, seconds.
+//! The terminated motion ramps out axis by axis during the path, `P = path(s) + r - r_end s / length`, each part with half of every limit, so
+//! that the sum keeps the limit: an acceleration above its half ramps down as fast as that of the path may rise. The path waits for
+//! a residual that still accelerates, which needs all of the jerk. If the sum would be too fast, or an axis must reverse first, the path waits
+//! until the residual has ramped out, and both parts have the full limits. Position units, seconds.
 
 use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
@@ -15,18 +15,18 @@ use crate::running::{InitialMotion, Move};
 use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
 use crate::{Clock, Instant};
 
-/// The share of the limits of the axes that a path may use.
+/// The share of the limits of the axes for a path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Within {
     axes: AxisLimits,
     path: Path,
     share: f64,
-    /// The part of the residual that every unit of the path takes back.
+    /// The displacement of the residual that each unit of the path compensates.
     drift: Point,
 }
 
 impl<T: Copy> Planner<T> {
-    /// As [`Planner::merge`], within the limits of the axes. They hold for later changes of this move too.
+    /// As [`Planner::merge`], within the limits of the axes. The limits hold for later changes of this move, too.
     pub fn merge_within(&mut self, motion: Move<T>, initial: InitialMotion, axes: &AxisLimits, clock: &Clock) {
         self.tail = None;
         let own = motion.limits;
@@ -80,12 +80,12 @@ impl<T: Copy> Planner<T> {
         );
     }
 
-    /// The limits that a change of the active move may have.
+    /// The permitted limits for a change of the active move.
     pub(crate) fn allowed(&self, limits: &Limits) -> Limits {
         self.within.map_or(*limits, |within| within.limits(limits))
     }
 
-    /// The largest override with which the axes keep their limits on the active move.
+    /// The largest override at which the axes keep their limits on the active move.
     pub(crate) fn most_rate(&self) -> f64 {
         let Some((within, running)) = self.within.zip(self.active) else {
             return f64::INFINITY;
@@ -117,7 +117,7 @@ impl<T: Copy> Planner<T> {
     }
 }
 
-/// Path and residual at once, if that keeps the limits.
+/// Path and residual at the same time, if that keeps the limits.
 fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<ResidualPlan> {
     let own = &motion.limits;
     if motion.path.length() <= 0.0 {
@@ -130,7 +130,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
         if a == 0.0 {
             continue;
         }
-        // An axis that turns back speeds up again, with all of the jerk.
+        // An axis that reverses accelerates again, with all of the jerk.
         if v * a < 0.0 && turns(&part.profile, v) {
             return None;
         }
@@ -144,7 +144,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
         share: HALF,
         drift: drift(&parts, &motion.path),
     };
-    // As fast as an override may make it, at any time, and so slow as a hold.
+    // At any time from a hold to the highest override.
     let limits = within.limits(&Limits {
         speed: MOST_RATE * own.speed,
         ..*own
@@ -169,7 +169,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
     kept.then_some(ResidualPlan { parts, wait, within })
 }
 
-/// How a residual and a path are travelled.
+/// The plan of a residual and a path.
 struct ResidualPlan {
     parts: [Part; 3],
     /// Seconds that the path waits.
@@ -177,7 +177,7 @@ struct ResidualPlan {
     within: Within,
 }
 
-/// Whether the velocity goes on along a path, with nothing across it: less than the 0.1 degree of other merges.
+/// The velocity continues along a path, with a component across it below the 0.1 degree of other merges.
 fn kept(path: &Path, initial: &InitialMotion) -> bool {
     let tangent = path.start_tangent();
     let along = tangent.dot(&initial.acceleration);
@@ -189,12 +189,12 @@ fn kept(path: &Path, initial: &InitialMotion) -> bool {
         && across <= NO_ACCELERATION_SHARE * initial.acceleration.norm()
 }
 
-/// What the axes do is ramped out with a share of their limits, and of the programmed deceleration. A path without length
-/// cannot compensate: what ramps out comes back by itself.
+/// Ramps out the motion of the axes with a share of their limits, and of the programmed deceleration. A path without length cannot
+/// compensate: the residual returns by itself.
 fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [Part; 3] {
     let speed = initial.velocity.norm();
     let moving = initial.acceleration != Point::zeros();
-    // Along the direction of motion where nothing but the velocity is to be ramped out.
+    // Along the direction of motion if only a velocity ramps out.
     let most = |vector: f64, limits: &Point| {
         (0..3).fold(vector, |most, axis| {
             most.min(share * limits[axis] * speed / initial.velocity[axis].abs())
@@ -213,13 +213,13 @@ fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &P
         let deceleration = rate(axis, own.deceleration, &axes.acceleration);
         let jerk = own.jerk.map(|jerk| {
             let limits = axes.jerk.unwrap_or(Point::repeat(f64::INFINITY));
-            // An acceleration comes down as fast as that of the path may rise.
+            // The acceleration ramps down as fast as that of the path may rise.
             let slow = match limits[axis] {
                 own if moving && own.is_finite() => share * own,
                 _ => rate(axis, jerk.deceleration, &limits),
             };
             Jerk {
-                // What speeds up has all of the jerk: only so it surely stays below the axis's speed.
+                // An accelerating part gets all of the jerk: only then it surely stays below the axis's speed.
                 acceleration: if limits[axis].is_finite() { limits[axis] } else { slow },
                 deceleration: slow,
             }
@@ -246,7 +246,7 @@ fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &P
     })
 }
 
-/// Whether a stop passes through rest.
+/// A stop passes through rest and reverses.
 fn turns(stop: &Profile, velocity: f64) -> bool {
     stop.segment_times()
         .iter()
@@ -260,7 +260,7 @@ fn drift(parts: &[Part; 3], path: &Path) -> Point {
 }
 
 impl Within {
-    /// Limits along the path with which no axis exceeds its share of its own.
+    /// Limits along the path at which no axis exceeds its share of its own.
     pub(crate) fn limits(&self, own: &Limits) -> Limits {
         match &self.path {
             Path::Line(line) => self.on_line(own, &(line.direction() - self.drift)),
@@ -271,7 +271,7 @@ impl Within {
         }
     }
 
-    /// The distance of every axis for a unit of the path; along an arc the largest one.
+    /// The displacement of every axis for a unit of the path; for an arc the largest one.
     fn most_tangent(&self) -> Point {
         match &self.path {
             Path::Line(line) => line.direction() - self.drift,
@@ -289,7 +289,7 @@ impl Within {
             Some(axes) => least(vector, axes, self.share),
             None => vector,
         };
-        // The compensation moves along.
+        // Includes the compensation.
         let compensated = 1.0 / direction.norm().max(1.0);
         Limits {
             speed: least(own.speed * compensated, &self.axes.speed, 1.0),
@@ -320,7 +320,7 @@ impl Within {
                 .min(libm::cbrt(j_of(axis) / (across(axis) * curvature * curvature)))
         });
         let speed = own.speed / (1.0 + self.drift.norm());
-        // An override may double the speed later.
+        // A later override may double the speed.
         let coupled = most_speed.min(MOST_RATE * speed);
         let rate = each().fold(f64::INFINITY, |rate, axis| {
             rate.min(a_of(axis) / along(axis))
@@ -339,16 +339,16 @@ impl Within {
     }
 }
 
-/// The most of a unit vector in a plane that each axis can have.
+/// The largest component of a unit vector in a plane along each axis.
 fn in_plane(normal: &Point) -> Point {
     normal.map(|n| (1.0 - n * n).max(0.0).sqrt())
 }
 
-/// The share of the limits that residual and path have each.
+/// The shares of the limits for residual and path.
 const HALF: f64 = 0.5;
-/// An override may make a move so much faster.
+/// The highest override of a move.
 const MOST_RATE: f64 = 2.0;
-/// Instants at which the sum of both is looked at.
+/// Samples of the sum of both.
 const LOOKS: u32 = 100;
-/// How much tighter than its radius a spiral within what is accepted may turn.
+/// Factor by which an accepted spiral may be tighter than its radius.
 const TIGHTER: f64 = 1.05;

@@ -1,4 +1,4 @@
-//! When the active move comes to its end, to the place where its successor takes over, and to points before it.
+//! The times at which the active move reaches its end, the takeover by its successor, and points before its end.
 
 use crate::junction::Ending;
 use crate::planner::Planner;
@@ -6,32 +6,32 @@ use crate::running::Running;
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Clock, Instant};
 
-/// A point on the way of the active move that lies at or before the present tick.
+/// An event of the active move at or before the present tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MoveEvent {
     /// The successor is to become active: [`Planner::hand_over`].
     HandOver(Instant),
-    /// The programmed end is reached and nothing has taken over.
+    /// The programmed end is reached without a takeover.
     Reached(Instant),
 }
 
-/// When the active move comes to a point before its end.
+/// The time at which the active move reaches a point before its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EventTime {
-    /// So long after it became active: seconds, or master units.
+    /// The time after it became active: seconds, or master units.
     At(f64),
-    /// It was there before the present plan began.
+    /// Before the beginning of the present plan.
     Passed,
-    /// Not by the present plan: it is paused before.
+    /// Not by the present plan: the move pauses before.
     Never,
 }
 
 impl<T: Copy> Planner<T> {
-    /// The next point on the way that lies at or before the present tick.
+    /// The next event at or before the present tick.
     pub fn event(&self, clock: &Clock) -> Option<MoveEvent> {
         let running = self.active.as_ref()?;
         let elapsed = running.trajectory.start.elapsed(clock);
-        // A stop is over when it stands, to the last bit.
+        // A stop ends at an exact velocity of 0.
         let rounding = if running.stopped { 0.0 } else { SAME_INSTANT_S };
         let instant = |seconds: f64| running.trajectory.start.after(seconds.min(elapsed), clock);
         if let Some(at) = self.hand_over_at
@@ -46,8 +46,8 @@ impl<T: Copy> Planner<T> {
         (elapsed >= end - rounding).then(|| MoveEvent::Reached(instant(end)))
     }
 
-    /// When the distance to go of the active move falls to `distance`, at least 0, along its path. With 0, where its
-    /// successor is superposed, when that begins.
+    /// The time at which the active move has `distance` (at least 0) left along its path. With 0 and a blend, the time at which its successor
+    /// begins.
     pub fn reaches(&self, distance: f64, clock: &Clock) -> EventTime {
         let Some(running) = &self.active else {
             return EventTime::Never;
@@ -83,8 +83,8 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Seconds, or master units, until the active move is at its end, or its successor becomes active; `None` while nothing is active
-    /// or it is paused. Real-time.
+    /// Seconds, or master units, until the end of the active move, or until its successor becomes active; `None` without an active move, or
+    /// while it is paused. Real-time.
     pub fn time_left(&self, clock: &Clock) -> Option<f64> {
         let running = self.active.as_ref()?;
         let end = match self.hand_over_at {
@@ -95,7 +95,7 @@ impl<T: Copy> Planner<T> {
         Some((end - running.trajectory.start.elapsed(clock)).max(0.0))
     }
 
-    /// When everything of the active move has come to its end, after the start of its trajectory.
+    /// The time at which the active move, with its blend and residual, has ended, after the start of its trajectory.
     fn end_of(&self, running: &Running<T>, clock: &Clock) -> f64 {
         let mut end = running.trajectory.duration(clock);
         if let (Some(out), true) = (&self.ramping_out, running.exit == 0.0) {

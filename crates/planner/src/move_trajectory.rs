@@ -1,4 +1,4 @@
-//! One path in execution: the geometry, the profile along it, and what is superposed.
+//! One path in execution: the geometry, the profile along it, and the motion superposed on it.
 
 use arcline_geometry::{Path, PathPoint, Point, Rotation, RotationState};
 use arcline_profile::{Bounds, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
@@ -11,42 +11,41 @@ use crate::{Clock, Instant, MasterRate};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MoveTrajectory {
     pub(crate) path: Path,
-    /// How the orientation turns along `path`.
+    /// The rotation of the orientation along `path`.
     pub(crate) rotation: Option<Rotation>,
     /// The distance before the start of `path`, on a collinear predecessor.
-    pub(crate) lead: Option<Path>,
-    /// The predecessor's own way to the start of `path`, where the move became active before its end.
+    pub(crate) run_up: Option<Path>,
+    /// The predecessor's remaining motion to the start of `path`, if the move became active before its end.
     pub(crate) approach: Option<Approach>,
     pub(crate) profile: Profile,
     pub(crate) start: Instant,
-    /// Where on the profile the path begins: not at 0 when the profile runs over several joined paths.
+    /// The position of the path's start on the profile: not 0 if the profile runs over several joined paths.
     pub(crate) offset: f64,
     pub(crate) residual: Option<Residual>,
 }
 
-/// A predecessor that is still being interpolated to its end.
+/// A predecessor that still runs to its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
     pub(crate) path: Path,
     pub(crate) profile: Profile,
     pub(crate) start: Instant,
-    /// Where on the profile the path begins.
+    /// The position of the path's start on the profile.
     pub(crate) offset: f64,
-    /// The limits that its profile keeps, as programmed.
+    /// The programmed limits of its profile.
     pub(crate) limits: Limits,
-    /// Whether its deceleration may be one of other limits.
+    /// Its deceleration may stem from other limits.
     pub(crate) kept: bool,
 }
 
-/// Motion of what was terminated that ramps out while its displacement is compensated in proportion to the
-/// distance gone on the path (spec/coordinated-instructions.md §6.3).
+/// Terminated motion that ramps out while its displacement is compensated in proportion to the distance covered on the path
+/// (spec/coordinated-instructions.md §6.3).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
-    /// Along the old velocity, and across it where the acceleration was not along the velocity; or axis by axis.
+    /// Along the old velocity, and across it if the acceleration was not along the velocity; or axis by axis.
     pub(crate) parts: [Part; 3],
     pub(crate) start: Instant,
-    /// Share of the move's limits that its own profile may use, so that path and compensation together keep
-    /// them: at most 1.
+    /// Share of the move's limits for its own profile, such that path and compensation together keep them: at most 1.
     pub(crate) share: f64,
 }
 
@@ -55,11 +54,11 @@ pub(crate) struct Residual {
 pub(crate) struct Part {
     pub(crate) direction: Point,
     pub(crate) profile: Profile,
-    /// The displacement at its end.
+    /// The final displacement.
     whole: f64,
 }
 
-/// Where a trajectory, or a whole coordinate system, is at one instant.
+/// The motion of a trajectory, or of a whole coordinate system, at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Position of the axes, position units.
@@ -70,9 +69,9 @@ pub struct Sample {
     pub acceleration: Point,
     /// State along the path: distance from its start, speed, tangential acceleration.
     pub along: KinematicState,
-    /// Whether the speed along the path rises or falls.
+    /// The phase of the speed along the path.
     pub phase: Phase,
-    /// The orientation, and its rates in radians/s and radians/s², while a move turns it.
+    /// The orientation, and its rates in radians/s and radians/s², while a move rotates it.
     pub rotation_state: Option<RotationState>,
 }
 
@@ -81,15 +80,15 @@ impl MoveTrajectory {
         let elapsed = self.start.elapsed(clock);
         if let (Some(approach), true) = (&self.approach, elapsed < 0.0) {
             return Sample {
-                // Only what keeps its orientation is approached.
+                // Only a move without a rotation has an approach.
                 rotation_state: self.rotation.map(|rotation| rotation.at(0.0)),
                 ..approach.sample(clock)
             };
         }
         let along = self.along(elapsed);
         let phase = self.profile.phase(elapsed);
-        let mut sample = match &self.lead {
-            Some(lead) if along.position < 0.0 => at(lead, lead.length() + along.position, along, phase),
+        let mut sample = match &self.run_up {
+            Some(run_up) if along.position < 0.0 => at(run_up, run_up.length() + along.position, along, phase),
             _ => at(&self.path, along.position, along, phase),
         };
         if let Some(residual) = &self.residual {
@@ -107,17 +106,17 @@ impl MoveTrajectory {
         sample
     }
 
-    /// As [`MoveTrajectory::sample`], but behind the end of its path on those of a trail: at most as many as a profile leads over.
+    /// As [`MoveTrajectory::sample`], but behind the end of its path on the paths of a trail: at most as many as a profile crosses.
     pub(crate) fn sample_along<'a>(&self, trail: impl Iterator<Item = &'a Path>, clock: &Clock) -> Sample {
         let mut sample = self.sample(clock);
-        let (mut length, mut place) = (self.path.length(), sample.along.position);
+        let (mut length, mut distance) = (self.path.length(), sample.along.position);
         for path in trail {
-            if place <= length || self.is_approaching(clock) {
+            if distance <= length || self.is_approaching(clock) {
                 break;
             }
-            place -= length;
+            distance -= length;
             length = path.length();
-            let on = at(path, place, sample.along, sample.phase);
+            let on = at(path, distance, sample.along, sample.phase);
             sample = Sample {
                 along: sample.along,
                 rotation_state: sample.rotation_state,
@@ -127,15 +126,15 @@ impl MoveTrajectory {
         sample
     }
 
-    /// How many of these paths, each with the highest speed of the corner before it, the profile leads over: one whose corner it would
-    /// pass faster than the axes can follow is none of them.
+    /// The number of these paths, each with the highest speed at the corner before it, that the profile crosses. A corner that it would pass
+    /// faster than the axes can follow ends the count.
     pub(crate) fn followed<'a>(&self, beyond: impl Iterator<Item = (&'a Path, f64)>) -> usize {
         let mut end = self.path.length();
         let mut count = 0;
         for (path, corner) in beyond {
             let speed = match self.profile.time_at_position(end) {
                 Some(at) => self.profile.at(at).velocity,
-                // It does not get there: what lies behind makes no difference.
+                // The profile does not get there: later paths make no difference.
                 None => return usize::MAX,
             };
             if speed > corner * (1.0 + ROUNDING_SHARE) {
@@ -147,7 +146,7 @@ impl MoveTrajectory {
         count
     }
 
-    /// A sample of the move that blends with the end of this one, with what is left of this one.
+    /// Adds the remaining motion of this move to a sample of the move that blends with its end.
     pub(crate) fn add_rest(&self, mut sample: Sample, clock: &Clock) -> Sample {
         let rest = self.sample(clock);
         sample.position += rest.position - self.path.end();
@@ -173,7 +172,7 @@ impl MoveTrajectory {
         }
     }
 
-    /// The share of the limits of the move that the profile may use.
+    /// The share of the limits of the move for the profile.
     pub(crate) fn share(&self) -> f64 {
         self.residual.map_or(1.0, |residual| residual.share)
     }
@@ -189,26 +188,26 @@ impl MoveTrajectory {
         along
     }
 
-    /// Whether the profile's end is the end of the path, but for the rounding of the offset.
+    /// The profile ends at the end of the path, within the rounding of the offset.
     fn ends_here(&self) -> bool {
         let length = self.path.length();
         (self.profile.end().position - self.offset - length).abs() <= DISTANCE_SHARE * (self.offset + length)
     }
 
-    /// Runs another profile from an instant on, beginning in the state of that instant.
+    /// Continues on another profile from an instant on, beginning in the state at that instant.
     pub(crate) fn replan(&mut self, profile: Profile, at: Instant) {
         if let Some(approach) = self.approach.take()
             && profile.start().position < 0.0
         {
-            self.lead = Some(approach.path);
+            self.run_up = Some(approach.path);
         }
         self.offset = 0.0;
         self.profile = profile;
         self.start = at;
     }
 
-    /// Brakes on its path from the instant that both clocks show: so far it was a function of a master's displacement, from now on of
-    /// time. What ramps out beside the path brakes too.
+    /// Brakes on its path from the instant that both clocks show: until then it was a function of a master's displacement, from then on of time.
+    /// The residual beside the path brakes, too.
     pub(crate) fn stop_in_time(
         &mut self,
         limits: &Limits,
@@ -229,8 +228,8 @@ impl MoveTrajectory {
         self.replan(self.stop_from(from, limits, None, bounds), time.now());
     }
 
-    /// A stop along the path. `limits` are of the axes together, so a path whose compensation makes its way longer has its share of them. It is no
-    /// faster than half more than the limits `before`, or than the profile so far was to become.
+    /// A stop along the path. `limits` apply to the axes together, so a path with a compensation that adds to its length has only its share of
+    /// them. The stop is no faster than the limits `before` and half as much again, or than the planned maximum of the earlier profile.
     pub(crate) fn stop_from(
         &self,
         from: KinematicState,
@@ -263,17 +262,17 @@ impl MoveTrajectory {
         path.at(state.position).curvature * (state.velocity * state.velocity)
     }
 
-    /// Whether the path has not begun: the predecessor is still being interpolated to its end.
+    /// The path has not begun: the predecessor still runs to its end.
     pub(crate) fn is_approaching(&self, clock: &Clock) -> bool {
         self.approach.is_some() && self.start.elapsed(clock) < 0.0
     }
 
-    /// Whether everything of this trajectory has come to its end at an instant.
+    /// The profile, approach and residual of this trajectory have ended at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
         self.start.elapsed(clock) - at.elapsed(clock) >= self.duration(clock) - SAME_INSTANT_S
     }
 
-    /// Seconds after the start at which everything of this trajectory has come to its end.
+    /// Seconds from the start to the end of the profile, the approach and the residual of this trajectory.
     pub(crate) fn duration(&self, clock: &Clock) -> f64 {
         let own = self.profile.duration();
         self.residual.map_or(own, |residual| {
@@ -293,8 +292,8 @@ impl Approach {
 }
 
 impl Residual {
-    /// A residual ramped out beside a path. The compensation makes the way longer than the path where it
-    /// leads away from the target; the path is then travelled so much slower.
+    /// A residual that ramps out beside a path. A compensation that leads away from the target makes the distance longer than the path; the path
+    /// is then slower by that factor.
     pub(crate) fn new(parts: [Part; 3], start: Instant, path: &Path) -> Self {
         Residual {
             parts,
@@ -303,7 +302,7 @@ impl Residual {
         }
     }
 
-    /// How much slower a path is travelled beside what ramps out.
+    /// The factor of the speed of a path beside a residual.
     pub(crate) fn share_of(parts: &[Part; 3], path: &Path) -> f64 {
         let length = path.length();
         let total: Point = parts.iter().map(Part::total).sum();

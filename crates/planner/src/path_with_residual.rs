@@ -1,7 +1,7 @@
-//! The profile of a path beside what ramps out: both together are never faster than a bound.
+//! The profile of a path beside a residual: the sum of both never exceeds a speed.
 //!
-//! Where they would be, the path holds its speed until enough has ramped out. On a line both are at right angles, so holding is
-//! always slow enough. Not here: what ramps out (`ramp_out`), and how a merge begins (`merge`). Position units and seconds.
+//! If it would, the path holds its speed until enough of the residual has ramped out. On a line the two are at right angles, so a hold is
+//! always slow enough. Not here: the residual (`ramp_out`), and the start of a merge (`merge`). Position units and seconds.
 //! Bounded; no allocation.
 
 use arcline_geometry::{Path, Point};
@@ -11,19 +11,19 @@ use crate::move_trajectory::Part;
 use crate::ramp_out::forward;
 use crate::tolerance::{ROUNDING_SHARE, VERTEX_SHARE};
 
-/// A path that is travelled while something ramps out.
+/// A path during which a residual ramps out.
 pub(crate) struct PathWithResidual<'a> {
     pub(crate) path: &'a Path,
     pub(crate) parts: &'a [Part; 3],
-    /// Seconds for which the parts have ramped out when the path is at the beginning of its profile.
+    /// Seconds for which the residual has ramped out at the beginning of the path's profile.
     pub(crate) since: f64,
-    /// The speed that both together may have.
+    /// The highest speed of the sum.
     pub(crate) bound: f64,
 }
 
 impl PathWithResidual<'_> {
-    /// The fastest profile along the path with which both keep the bound: as `plan` makes it, or behind a hold. `removal`: the
-    /// jerk with which an acceleration is taken away before a hold. `None` where a hold is too fast.
+    /// The fastest profile along the path whose sum with the residual keeps the bound: the one of `plan`, or one after a hold. `removal`: the
+    /// jerk that removes an acceleration before a hold. `None` if a hold is too fast.
     pub(crate) fn profile(
         &self,
         from: KinematicState,
@@ -56,7 +56,7 @@ impl PathWithResidual<'_> {
         Some(best)
     }
 
-    /// The path holds its speed until everything has ramped out.
+    /// The profile that holds its speed until the residual has ramped out.
     pub(crate) fn waiting(
         &self,
         from: KinematicState,
@@ -80,7 +80,7 @@ impl PathWithResidual<'_> {
         self.parts.iter().map(Part::total).sum::<Point>() / self.path.length()
     }
 
-    /// How far a unit of the path leads at most, compensation included.
+    /// The largest displacement for a unit of the path, with the compensation.
     fn most_way(&self) -> f64 {
         match self.path {
             Path::Line(line) => (line.direction() - self.drift()).norm(),
@@ -88,8 +88,8 @@ impl PathWithResidual<'_> {
         }
     }
 
-    /// Whether both keep the bound until everything has ramped out: at the joints of all profiles, between them, and at the
-    /// vertices of the parabolas through three such places.
+    /// The sum keeps the bound until the residual has ramped out: at the joints of all profiles, between them, and at the vertices of the
+    /// parabolas through three samples.
     fn keeps(&self, along: &Profile) -> bool {
         let until = self.until();
         let mut times = [until; MOST_JOINTS];
@@ -144,7 +144,7 @@ impl PathWithResidual<'_> {
     }
 }
 
-/// The maximum of a smooth function between two instants, of which `looks` are at equal distances; exact where it matters, beside `most`.
+/// The maximum of a smooth function between two instants, from `looks` at equal distances; exact if it is close to `most`.
 fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOOKS + 1], most: f64) -> f64 {
     let (mut begin, mut end, mut looks) = (begin, end, *looks);
     let mut found = vertices(&looks);
@@ -169,7 +169,7 @@ fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOO
     found
 }
 
-/// The highest of some values at equal distances, and of the vertices of the parabolas through three of them.
+/// The highest of samples at equal distances, and of the vertices of the parabolas through three of them.
 fn vertices(looks: &[f64; LOOKS + 1]) -> f64 {
     let vertex = |window: &[f64]| {
         let bend = 0.5 * (window[0] + window[2]) - window[1];
@@ -181,7 +181,7 @@ fn vertices(looks: &[f64; LOOKS + 1]) -> f64 {
     most.max(looks[LOOKS])
 }
 
-/// A plan behind a hold that ends so many seconds from now, unless the plan must slow down before.
+/// A plan after a hold of this duration, unless the plan must slow down earlier.
 fn held(
     from: KinematicState,
     limits: &Limits,
@@ -231,5 +231,5 @@ const BISECTIONS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
 const LOOKS: usize = 4;
-/// Each looks at a half of the interval before, or less.
+/// Narrowings, each of which samples at most half of the interval before.
 const NARROWINGS: usize = 4;

@@ -1,4 +1,4 @@
-//! One coordinate system's active move, the end of the one before it, and its queue.
+//! One coordinate system's active move, the end of the previous one, and the queue.
 //!
 //! Not here: moves, and the running move ([`crate::running`]), the look-ahead over the queue ([`crate::queue`]).
 
@@ -15,7 +15,7 @@ use crate::rotation_residual::RampingOut;
 use crate::running::{AccelerationRemoval, Move, Parameter, Running, scaled_limits};
 use crate::{Clock, Instant, MasterRate};
 
-/// The pending places are all taken.
+/// The queue has no room for another pending move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueueFull;
 
@@ -23,23 +23,23 @@ pub struct QueueFull;
 #[derive(Debug)]
 pub struct Planner<T> {
     pub(crate) active: Option<Running<T>>,
-    /// The end of a move that the active one blends with.
+    /// The end of a previous move with which the active one blends.
     pub(crate) tail: Option<MoveTrajectory>,
-    /// The limits of a stop of the rotation of that end, radians and seconds.
+    /// The limits for a stop of the rotation of that end, radians and seconds.
     pub(crate) tail_turns: Option<Limits>,
-    /// The rest of a rotation that a merge took over.
+    /// The residual of a rotation that a merge took over.
     pub(crate) ramping_out: Option<RampingOut>,
     pub(crate) queue: Queue<T>,
     depth: usize,
-    /// Seconds after the active trajectory's start at which the successor takes over before the programmed end.
+    /// Seconds after the active trajectory's start at which the successor takes over, if before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
-    /// Paths of cancelled moves along which a stop of the active one may have to go on.
+    /// Paths of cancelled moves along which a stop of the active one may have to continue.
     trail: VecDeque<Beyond>,
-    /// The path does not go on behind the trail.
+    /// The path ends behind the trail.
     trail_ends: bool,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
-    /// The share of the limits of the axes that the active move may use, where these are kept.
+    /// The share of the limits of the axes for the active move, if they are enforced.
     pub(crate) within: Option<Within>,
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
@@ -54,15 +54,15 @@ pub(crate) struct Beyond {
 }
 
 impl Beyond {
-    /// The path and the highest speed of the corner before it.
+    /// The path, and the highest speed at the corner before it.
     fn joint(&self) -> (&Path, f64) {
         (&self.path, self.corner)
     }
 }
 
 impl<T: Copy> Planner<T> {
-    /// A planner at rest with `depth` pending places. `corner_step`: the change of velocity that each axis may
-    /// make at once in a corner that is not tangent, units/s. The only allocation.
+    /// A planner at rest with room for `depth` pending moves. `corner_step`: the largest velocity step of each axis at a corner that is not
+    /// tangent, units/s. The only allocation.
     pub fn new(depth: usize, corner_step: Point) -> Self {
         Planner {
             active: None,
@@ -80,13 +80,12 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Sets the Dynamics Configuration Bits, which count from the next instruction on. All are set at first.
+    /// Sets the Dynamics Configuration Bits for later instructions. At first all are set.
     pub fn set_bounds(&mut self, bounds: Bounds) {
         self.bounds = bounds;
     }
 
-    /// The same for updates of a period, seconds: corners that lie within one update change the velocity of an axis by no more
-    /// than one corner may.
+    /// Sets the update period, seconds: corners within one update change the velocity of an axis by no more than a single corner may.
     #[must_use]
     pub fn with_period(mut self, period: f64) -> Self {
         self.queue.set_period(period);
@@ -98,54 +97,54 @@ impl<T: Copy> Planner<T> {
         self.active.as_ref()
     }
 
-    /// The active move's data, to change.
+    /// The active move's data, mutable.
     pub fn active_data(&mut self) -> Option<&mut T> {
         self.active.as_mut().map(|running| &mut running.motion.data)
     }
 
-    /// The oldest move that waits.
+    /// The oldest pending move.
     pub fn next(&self) -> Option<Move<T>> {
         self.queue.front().copied()
     }
 
-    /// The moves that wait, oldest first.
+    /// The pending moves, oldest first.
     pub fn pending(&self) -> impl DoubleEndedIterator<Item = &Move<T>> {
         self.queue.iter()
     }
 
-    /// The newest move that waits.
+    /// The newest pending move.
     pub fn last_pending(&self) -> Option<&Move<T>> {
         self.queue.back()
     }
 
-    /// Whether every pending place is taken.
+    /// The queue has no room for another pending move.
     pub fn is_full(&self) -> bool {
         self.room() == 0
     }
 
-    /// How many moves it takes until `depth` of them wait behind the active one.
+    /// The number of further moves until `depth` of them wait behind the active one.
     pub fn room(&self) -> usize {
         self.depth.saturating_sub(self.queue.len())
     }
 
-    /// Programmed end point of the last move in the queue: where the next one begins.
+    /// Programmed end point of the last move in the queue, at which the next one begins.
     pub fn last_end(&self) -> Option<Point> {
         let last = self.queue.back();
         last.map(|waiting| waiting.path.end())
             .or_else(|| self.active.map(|running| running.motion.path.end()))
     }
 
-    /// Starts a move from rest at an instant, in place of whatever was active.
+    /// Starts a move from rest at an instant, in place of the active one.
     pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
         self.tail = None;
         self.queue.forget_corners();
         self.run(motion, KinematicState::default(), at, None, false, clock);
     }
 
-    /// Puts a move behind the last one. What the active one does at its end may change with it.
+    /// Adds a move at the end of the queue. The end of the active move may change with it.
     ///
     /// # Errors
-    /// [`QueueFull`] when all pending places are taken.
+    /// [`QueueFull`] if the queue has no room.
     pub fn enqueue(&mut self, motion: Move<T>, clock: &Clock) -> Result<(), QueueFull> {
         if self.is_full() {
             return Err(QueueFull);
@@ -160,8 +159,7 @@ impl<T: Copy> Planner<T> {
         Ok(())
     }
 
-    /// Goes on with the look-ahead where it was too long for one tick: to be called at every tick, after
-    /// all that [`Planner::event`] tells.
+    /// Continues the look-ahead if it was too long for one tick: to be called in every tick, after all events of [`Planner::event`].
     pub fn look_on(&mut self, clock: &Clock) {
         if self.queue.continue_pass() {
             self.raise_exit(clock);
@@ -169,22 +167,22 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Whether the active move stays at rest before its end, until its speed is changed.
+    /// The active move rests before its end until its speed changes.
     pub fn is_paused(&self) -> bool {
         self.active.is_some_and(|running| !running.trajectory.profile.arrives())
     }
 
-    /// A number that changes whenever the active move is another one or planned again.
+    /// A number that changes whenever another move becomes active, or the active one is planned again.
     pub fn plans(&self) -> u32 {
         self.plans
     }
 
-    /// Whether the active move goes over into its successor without rest.
+    /// The active move continues into its successor without rest.
     pub fn passes_on(&self) -> bool {
         self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
     }
 
-    /// Ends the active move and forgets it.
+    /// Removes the active move.
     pub fn clear_active(&mut self) -> Option<T> {
         self.clear_trail();
         self.tail = None;
@@ -194,8 +192,8 @@ impl<T: Copy> Planner<T> {
         self.active.take().map(|running| running.motion.data)
     }
 
-    /// Takes the oldest pending move out of the queue. Where the profile of the active one leads over it, or the speed was kept for
-    /// it, its path is kept for [`Planner::stop`].
+    /// Removes the oldest pending move from the queue. If the profile of the active move crosses it, or keeps its speed for it, its
+    /// path stays for [`Planner::stop`].
     pub fn cancel_pending(&mut self) -> Option<T> {
         self.hand_over_at = None;
         let passed = self.queue.is_passed_to();
@@ -211,8 +209,8 @@ impl<T: Copy> Planner<T> {
         Some(cancelled.data)
     }
 
-    /// Whether the profile of the active move, or the speed that it keeps, leads over the move so many places behind it. A move is
-    /// passed to when no rest is asked for before it.
+    /// The profile of the active move, or its exit speed, leads onto the pending move with this index. `is_passed_to`: there is no
+    /// rest before that move.
     fn leads_over(&self, index: usize, is_passed_to: bool) -> bool {
         self.active
             .is_some_and(|running| index < running.joined || (running.exit > 0.0 && is_passed_to))
@@ -223,14 +221,14 @@ impl<T: Copy> Planner<T> {
         self.trail_ends = false;
     }
 
-    /// Whether two moves are superposed at the present tick.
+    /// Two moves are superposed at the present tick.
     pub fn in_transition(&self, clock: &Clock) -> bool {
         self.tail
             .is_some_and(|tail| tail.start.elapsed(clock) < tail.duration(clock))
     }
 
-    /// Brakes the active move on its path from the present tick on, and what still blends with it. The path goes on
-    /// along the cancelled moves that the profile was leading over.
+    /// Brakes the active move on its path from the present tick on, and the end of a move that still blends with it. The path continues along the
+    /// cancelled moves that the profile was to cross.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);
@@ -248,7 +246,7 @@ impl<T: Copy> Planner<T> {
         self.end_trail();
     }
 
-    /// A trail ends before the first corner that a stop, which may be a gentle one, would pass faster than the axes can follow it.
+    /// Ends the trail before the first corner that a stop, which may be a gentle one, would pass faster than the axes can follow it.
     pub(crate) fn end_trail(&mut self) {
         let Some(trajectory) = self.active.as_ref().map(|running| &running.trajectory) else {
             return;
@@ -257,8 +255,8 @@ impl<T: Copy> Planner<T> {
         self.trail.truncate(followed);
     }
 
-    /// The paths along which a stop that began now could lead, with the highest speeds of the corners before them: those of cancelled moves,
-    /// and those of the pending moves that [`Planner::cancel_pending`] would keep.
+    /// The paths along which a stop that began now could lead, with the highest speeds at the corners before them: those of cancelled moves,
+    /// and those of the pending moves whose paths [`Planner::cancel_pending`] would keep.
     pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Path, f64)> {
         let pending = (self.trail.len()..).zip(self.queue.joints());
         let kept = pending
@@ -267,8 +265,8 @@ impl<T: Copy> Planner<T> {
         self.trail.iter().map(Beyond::joint).chain(kept)
     }
 
-    /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows it, and `rate` how it goes
-    /// on. From now on the planner's clock is `time`.
+    /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows the displacement, and `rate` is its
+    /// rate. From now on the planner's clock is `time`.
     pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
         self.hand_over_at = None;
         self.ramp_out_in_time(rate, clock, time);
@@ -286,7 +284,7 @@ impl<T: Copy> Planner<T> {
         self.end_trail();
     }
 
-    /// Where the coordinate system is at the present tick.
+    /// The motion of the coordinate system at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let mut sample = self.active.as_ref()?.trajectory.sample_along(self.trail(), clock);
         if let Some(tail) = &self.tail {
@@ -315,7 +313,7 @@ impl<T: Copy> Planner<T> {
         let trajectory = MoveTrajectory {
             path: motion.path,
             rotation: motion.rotation,
-            lead: None,
+            run_up: None,
             approach: None,
             profile: Profile::rest(0.0),
             start: at,
@@ -329,7 +327,7 @@ impl<T: Copy> Planner<T> {
         self.begin(running, from, clock);
     }
 
-    /// As [`Planner::run`] at the present tick, out of another motion along the path.
+    /// As [`Planner::run`] at the present tick, from another motion along the path.
     pub(crate) fn run_relieved(
         &mut self,
         motion: Move<T>,
@@ -347,7 +345,7 @@ impl<T: Copy> Planner<T> {
         self.schedule(clock.now(), clock);
     }
 
-    /// As [`Planner::run`] at the present tick, beside what ramps out; along a profile, if there is one.
+    /// As [`Planner::run`] at the present tick, beside a residual; along a given profile, if there is one.
     pub(crate) fn run_beside(
         &mut self,
         motion: Move<T>,
@@ -363,7 +361,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// Begins a move on a trajectory whose profile is still to be planned from `from`, where an acceleration may be being taken away.
+    /// Begins a move on a trajectory, and plans its profile from `from`, which may be in the removal of an acceleration.
     pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
         running.run_start = self.queue.relink(&running.motion, running.blended);
@@ -377,7 +375,7 @@ impl<T: Copy> Planner<T> {
         self.schedule(running.begun, clock);
     }
 
-    /// The aim of the profile of a move, and the profile, behind the removal of a present acceleration.
+    /// The aim of a move's profile, and the profile, after the removal of a present acceleration.
     pub(crate) fn planned(&self, running: &Running<T>, from: KinematicState) -> (Plan, Profile) {
         let lead = running.removal.lead(from, &self.limits(running));
         let level = lead.map_or(from, |lead| lead.end());
@@ -386,13 +384,13 @@ impl<T: Copy> Planner<T> {
         (plan, lead.map_or(profile, |lead| lead.then(&profile)))
     }
 
-    /// The limits that the active profile keeps, the override included.
+    /// The limits of the active profile, including the override.
     pub fn before(&self) -> Option<Limits> {
         let rate = self.queue.rate();
         self.active.map(|running| scaled_limits(&running.in_force, rate, 1.0))
     }
 
-    /// The acceleration that the curvature of the paths gives at the present tick: it ends with them, and nothing limits it.
+    /// The acceleration from the curvature of the paths at the present tick: it ends with them, and is not limited.
     pub fn centripetal(&self, clock: &Clock) -> Point {
         let trajectories = self.active.iter().map(|running| &running.trajectory).chain(&self.tail);
         trajectories.map(|trajectory| trajectory.centripetal(clock)).sum()

@@ -1,16 +1,16 @@
-//! The moves that wait, and how fast the places between them may be passed: the look-ahead (spec/motion-core.md §7).
+//! The pending moves, and the speeds at the junctions between them: the look-ahead (spec/motion-core.md §7).
 //!
-//! Moves that go over into one another smoothly with the same rates are a *run*: one profile may lead over all of them,
-//! at rest nowhere and with any acceleration in between. Runs end where the acceleration has to be 0: at corners,
-//! rests, and changes of rates. Within a run a slower move is a place that is to be passed at its speed at most.
+//! Moves that continue smoothly into one another with the same rates are a *run*: one profile may cross all of them, without a rest and with
+//! any acceleration in between. Runs end at points that need an acceleration of 0: at corners, rests, and changes of rates. A slower move
+//! within a run limits the speed at its start.
 //!
-//! Every such place, a [`Bound`], keeps the speed from which all that lies behind it can be kept. A new move changes
-//! the bounds before it, backwards, until one of them stays as it was. A place of type 5 does not ask whether the moves behind
-//! it can stop, but no speed is kept for it at which a corner behind it would be passed too fast. What takes longer than a tick should is carried
-//! on later: bounds are then too low, never too high for what must be kept.
+//! Every such point, a [`Bound`], holds the highest speed from which all bounds behind it can be met. A new move changes the bounds before it,
+//! backwards, until one of them stays the same. A bound of type 5 does not require that the moves behind it can stop, but its speed never
+//! exceeds one from which a corner behind it can be met. Work beyond the budget of a tick continues later: bounds are then too low, never too
+//! high for the mandatory limits.
 //!
-//! Where the dynamics of all pending moves change, all bounds are found anew and are 0 at first. Those of the nearest moves are computed at
-//! once, the others backwards within a few ticks. Position units, seconds.
+//! A change of the dynamics of all pending moves resets all bounds to 0. Those of the nearest moves are computed at once, the others backwards
+//! within a few ticks. Position units, seconds.
 
 mod bounds;
 
@@ -25,33 +25,33 @@ use crate::corners::Corners;
 use crate::junction::{Joint, JunctionDemand};
 use crate::running::Move;
 
-/// Pending moves, oldest first, each known by its number.
+/// Pending moves, oldest first, each with a number.
 #[derive(Debug)]
 pub(crate) struct Queue<T> {
     moves: VecDeque<Waiting<T>>,
-    /// The oldest move.
+    /// The number of the oldest move.
     first: MoveNumber,
-    /// Slower moves within runs.
+    /// The bounds at slower moves within runs.
     slower: VecDeque<Bound>,
-    /// Ends of runs.
+    /// The bounds at the ends of runs.
     ends: VecDeque<Bound>,
     backward_pass: Option<BackwardPass>,
     corner_step: Point,
-    /// Those before the newest move.
+    /// The corners before the newest move.
     corners: Corners,
     /// Share of the programmed speeds.
     rate: f64,
 }
 
-/// Which of all moves that ever waited a move is, in their order.
+/// The number of a move, in the order in which moves were queued.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct MoveNumber(u64);
 
 impl MoveNumber {
-    /// No move has this number: the first one has the next.
+    /// The number before the first one.
     const BEFORE_ALL: MoveNumber = MoveNumber(0);
 
-    /// The number so many moves later.
+    /// The number of the move that is this many moves later.
     fn plus(self, moves: usize) -> MoveNumber {
         MoveNumber(self.0 + moves as u64)
     }
@@ -61,7 +61,7 @@ impl MoveNumber {
         MoveNumber(self.0 - 1)
     }
 
-    /// Moves from an earlier one to it.
+    /// The number of moves from an earlier one to this one.
     fn since(self, earlier: MoveNumber) -> usize {
         (self.0 - earlier.0) as usize
     }
@@ -71,11 +71,11 @@ impl MoveNumber {
 #[derive(Clone, Copy, Debug)]
 struct Waiting<T> {
     motion: Move<T>,
-    /// Where on its run it begins.
+    /// The position on its run at which it begins.
     start: f64,
-    /// Whether the move before it blends into it.
+    /// The previous move blends into it.
     blended: bool,
-    /// The place before it.
+    /// The joint before it.
     joint: Joint,
 }
 
@@ -94,17 +94,17 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// Corners of one update of this period, seconds, count together.
+    /// Sets the update period, seconds: corners within one update count together.
     pub(crate) fn set_period(&mut self, period: f64) {
         self.corners = Corners::new(period);
     }
 
-    /// The next move begins a path anew.
+    /// Marks the beginning of a new path.
     pub(crate) fn forget_corners(&mut self) {
         self.corners.clear();
     }
 
-    /// The number behind that of the last move.
+    /// The number of the next move to be queued.
     fn behind(&self) -> MoveNumber {
         self.first.plus(self.moves.len())
     }
@@ -125,25 +125,25 @@ impl<T: Copy> Queue<T> {
         self.moves.iter().map(|waiting| &waiting.motion)
     }
 
-    /// Whether the path goes on to the oldest move: no rest before it, and nothing superposed.
+    /// The path continues to the oldest move: without a rest before it, and without superposition.
     pub(crate) fn is_passed_to(&self) -> bool {
         self.moves.front().is_some_and(|waiting| waiting.joint.is_passed())
     }
 
-    /// The highest speed that the corner before the oldest move leaves, by what that is a function of.
+    /// The highest speed at the corner before the oldest move, in its variable.
     pub(crate) fn corner(&self) -> f64 {
         self.moves.front().map_or(0.0, |waiting| waiting.joint.corner())
     }
 
-    /// The pending moves, the oldest first: whether the path goes on to each ([`Queue::is_passed_to`]), and the highest speed that the corner
-    /// before it leaves ([`Queue::corner`]).
+    /// The pending moves, the oldest first: whether the path continues to each ([`Queue::is_passed_to`]), and the highest speed at the corner
+    /// before it ([`Queue::corner`]).
     pub(crate) fn joints(&self) -> impl Iterator<Item = (&Move<T>, bool, f64)> {
         self.moves
             .iter()
             .map(|waiting| (&waiting.motion, waiting.joint.is_passed(), waiting.joint.corner()))
     }
 
-    /// Whether a run ends before the oldest move.
+    /// A run ends before the oldest move.
     pub(crate) fn run_ends_here(&self) -> bool {
         self.ends.front().is_some_and(|end| end.next == self.first)
     }
@@ -157,7 +157,7 @@ impl<T: Copy> Queue<T> {
         bound.next.since(self.first)
     }
 
-    /// Puts a move behind the last one. `active` is the move before the first, and where on its run that begins.
+    /// Adds a move at the end. `active` is the move before the first one, with its beginning on its run.
     pub(crate) fn push(&mut self, motion: Move<T>, active: Option<(&Move<T>, bool, f64)>) {
         let next = self.behind();
         let before = match self.moves.back() {
@@ -192,7 +192,7 @@ impl<T: Copy> Queue<T> {
         self.continue_pass();
     }
 
-    /// Takes the oldest move out.
+    /// Removes the oldest move.
     pub(crate) fn pop(&mut self) -> Option<Move<T>> {
         let waiting = self.moves.pop_front()?;
         self.first = self.first.plus(1);
@@ -204,8 +204,8 @@ impl<T: Copy> Queue<T> {
         Some(waiting.motion)
     }
 
-    /// What lies between the active move and the first pending one is found anew. Returns where on its run the active
-    /// move begins.
+    /// Determines the joint between the active move and the first pending one anew. Returns the position on its run at which the active move
+    /// begins.
     pub(crate) fn relink(&mut self, active: &Move<T>, blended: bool) -> f64 {
         let Some(front) = self.moves.front() else {
             return 0.0;
@@ -241,7 +241,7 @@ impl<T: Copy> Queue<T> {
         start
     }
 
-    /// Changes all moves: what lies between them is found anew. The bounds of the nearest moves, over a distance at least, are computed
+    /// Changes all moves, and determines the joints between them anew. The bounds of the nearest moves, over at least `distance`, are computed
     /// at once, the others backwards from the last within [`Queue::ticks_of_a_change`].
     pub(crate) fn change_all(&mut self, distance: f64, mut change: impl FnMut(&mut Move<T>)) {
         self.slower.clear();
@@ -249,7 +249,7 @@ impl<T: Copy> Queue<T> {
         for waiting in &mut self.moves {
             change(&mut waiting.motion);
         }
-        // What lies before the first one is found when the active one is planned.
+        // The plan of the active move determines the joint before the first one.
         for move_index in 1..self.moves.len() {
             let [before, here] = [&self.moves[move_index - 1], &self.moves[move_index]];
             let demand = here.joint.demand(&before.motion.limits, &here.motion.limits);
@@ -268,7 +268,7 @@ impl<T: Copy> Queue<T> {
         1 + self.moves.len() / WORK_OF_A_CHANGE
     }
 
-    /// The number of moves that reach over a distance, at most so many.
+    /// The number of moves that cover a distance, at most `most`.
     fn within(&self, mut distance: f64, most: usize) -> usize {
         let mut count = 0;
         for motion in self.iter().take(most) {
@@ -281,13 +281,13 @@ impl<T: Copy> Queue<T> {
         count
     }
 
-    /// Takes a share of the programmed speeds.
+    /// Sets the override: a share of the programmed speeds.
     pub(crate) fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
         self.look_again(WORK);
     }
 
-    /// Slower moves of the first run, in their order.
+    /// Bounds at slower moves of the first run, in their order.
     pub(crate) fn slower(&self) -> impl Iterator<Item = &Bound> {
         let end = self.ends.front().map(|end| end.next);
         self.slower
@@ -295,7 +295,7 @@ impl<T: Copy> Queue<T> {
             .take_while(move |bound| end.is_none_or(|end| bound.next < end))
     }
 
-    /// The end of the first run; `end` is that of the active move on it.
+    /// The end of the first run; `end` is the end of the active move on it.
     pub(crate) fn run_end(&self, end: f64) -> Bound {
         self.ends.front().copied().unwrap_or_else(|| Bound {
             next: self.behind(),
@@ -306,7 +306,7 @@ impl<T: Copy> Queue<T> {
         })
     }
 
-    /// Adds the bound before a move, if there is one; `end` is that of the move before it on its run. Returns where on its run
+    /// Adds the bound before a move, if there is one; `end` is the end of the previous move on its run. Returns the position on its run at which
     /// the move begins.
     fn bind(&mut self, next: MoveNumber, end: f64, demand: JunctionDemand) -> f64 {
         let bound = Bound {
@@ -324,7 +324,7 @@ impl<T: Copy> Queue<T> {
         if demand.ends_run() { 0.0 } else { end }
     }
 
-    /// Where the last move ends on its run.
+    /// The end of the last move on its run.
     fn end(&self) -> Option<f64> {
         let last = self.moves.back()?;
         Some(last.start + last.motion.path.length())

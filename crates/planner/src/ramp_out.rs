@@ -1,8 +1,8 @@
-//! How terminated motion ramps out: with which limits, along which directions.
+//! The ramping out of terminated motion: its limits and directions.
 //!
-//! A stop out of the motion takes no more distance than one with the old dynamics, is no faster than a bound, and does not pass
-//! through rest: its ramps are hastened, as little as need be. Not here: the path beside it (`merge`, `beside`). Position units and
-//! seconds. Bounded; no allocation.
+//! A stop of the motion takes no longer distance than one with the old dynamics, does not exceed a speed, and does not pass through rest: its
+//! ramps are shortened as little as necessary. Not here: the path beside it (`merge`, `beside`). Position units and seconds. Bounded; no
+//! allocation.
 
 use arcline_geometry::Point;
 use arcline_profile::{Jerk, KinematicState, Lead, Limits, Profile};
@@ -13,19 +13,19 @@ use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
 use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
 
-/// The motion that is terminated, and how it ramps out.
+/// The terminated motion, and the parameters of its ramping out.
 #[derive(Clone, Copy)]
 pub(crate) struct RampOut {
     pub(crate) initial: InitialMotion,
     pub(crate) limits: Limits,
-    /// The way of a stop with the limits that the motion had.
+    /// The distance of a stop with the limits of the motion.
     pub(crate) widest: f64,
-    /// How many times faster an acceleration across the velocity is taken away; infinite: at once.
+    /// The factor by which an acceleration across the velocity is removed faster; infinite: at once.
     pub(crate) across: f64,
 }
 
 impl<T: Copy> Planner<T> {
-    /// The limits of a move with which a stop out of a motion takes no more than a way, and is no faster than `bound`.
+    /// The limits with which a stop from a motion takes at most a distance, and does not exceed `bound`.
     pub(crate) fn ramping_out(&self, initial: &InitialMotion, own: &Limits, widest: f64, bound: f64) -> Limits {
         let speed = initial.velocity.norm();
         let limits = braking(own, speed);
@@ -42,7 +42,7 @@ impl<T: Copy> Planner<T> {
         let mut wider = false;
         let wide = Profile::stop(from, &limits).reach() > widest * (1.0 + ROUNDING_SHARE);
         if let (Some(jerk), Some(old)) = (&mut limits.jerk, old.filter(|_| wide)) {
-            // The old jerk takes the acceleration away in time; the rest of the way is the braking's.
+            // The old jerk removes the acceleration in time; only the braking needs to be shorter.
             jerk.acceleration = jerk.acceleration.max(old.acceleration);
             wider = true;
         }
@@ -94,7 +94,7 @@ impl RampOut {
         [first, second, nothing]
     }
 
-    /// All of the motion ramps out, and comes back.
+    /// Ramps out all of the motion, and returns.
     pub(crate) fn and_back(&self) -> [Part; 3] {
         let mut parts = self.parts(self.initial.velocity, self.initial.acceleration);
         for part in &mut parts {
@@ -105,7 +105,7 @@ impl RampOut {
     }
 }
 
-/// Limits with the jerks that take an acceleration away before a motion is faster than `fastest`, or passes through rest.
+/// Limits with the jerks that remove an acceleration before a motion exceeds `fastest`, or passes through rest.
 fn relieved(from: KinematicState, limits: &Limits, fastest: f64) -> Limits {
     let mut limits = *limits;
     let lead = forward(from, &limits, fastest);
@@ -119,7 +119,7 @@ fn relieved(from: KinematicState, limits: &Limits, fastest: f64) -> Limits {
     limits
 }
 
-/// Limits whose ramps are hastened, as little as need be, until a stop takes no more than a way.
+/// Limits with ramps shortened as little as necessary for a stop within a distance.
 fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + ROUNDING_SHARE);
     let fits = |limits: &Limits| stop_way(from, limits) <= widest;
@@ -134,7 +134,7 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
     if fits(limits) {
         return *limits;
     }
-    // Of the braking alone, or of all.
+    // Shortens only the braking, or all ramps.
     let faster = |factor: f64| {
         let all = limits.hastened(factor);
         let Some((own, all_jerk)) = limits.jerk.zip(all.jerk).filter(|_| braking) else {
@@ -162,7 +162,7 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
     faster(least(less, more, |factor| fits(&faster(factor))))
 }
 
-/// The least of the factors between two, of which the greater one fits, that fits.
+/// The smallest sufficient factor between an insufficient and a sufficient one.
 fn least(mut less: f64, mut more: f64, fits: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = (less * more).sqrt();
@@ -175,8 +175,8 @@ fn least(mut less: f64, mut more: f64, fits: impl Fn(f64) -> bool) -> f64 {
     more
 }
 
-/// Limits that take an acceleration away sooner, as little as need be, and with no more than the jerk of the deceleration. To take it
-/// away slowly and hasten the braking behind it would need a far harder deceleration.
+/// Limits that remove an acceleration earlier, as little as necessary, and with no more than the jerk of the deceleration. A slow removal
+/// with a shorter braking behind it would need a far higher deceleration.
 fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
     let with = |removal: f64| Limits {
         jerk: limits.jerk.map(|jerk| Jerk {
@@ -196,7 +196,7 @@ fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
     }))
 }
 
-/// The way of a stop that does not pass through rest.
+/// The distance of a stop that does not pass through rest.
 fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
     Profile::led(Lead::before_rest(from, limits), from, |from| {
         Profile::stop(from, limits)
@@ -204,7 +204,7 @@ fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
     .reach()
 }
 
-/// Limits with which a stop, on a path that is travelled with a share of them, takes no more than a way.
+/// Limits with which a stop takes at most a distance on a path that has a share of them.
 pub(crate) fn short(from: KinematicState, limits: &Limits, share: f64, widest: f64) -> Limits {
     let own = scaled_limits(limits, 1.0, share);
     if stop_way(from, &own) <= widest * (1.0 + ROUNDING_SHARE) {
@@ -222,7 +222,7 @@ pub(crate) fn short(from: KinematicState, limits: &Limits, share: f64, widest: f
     }
 }
 
-/// The lead that keeps a motion below a speed, and from passing through rest.
+/// The preliminary phase that keeps a motion below a speed, and from passing through rest.
 pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
     if from.velocity * from.acceleration < 0.0 {
         Lead::before_rest(from, limits)
@@ -231,10 +231,10 @@ pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Op
     }
 }
 
-/// How wide an acceleration across the velocity may lead, as a share of the stop.
+/// The largest displacement by an acceleration across the velocity, as a share of the stop.
 const ASIDE: f64 = 0.1;
-/// The most that braking alone is hastened.
+/// The largest factor for braking alone.
 const MOST_HASTE: f64 = 1e6;
-/// How often a stop is hastened twofold at most, and how exactly the least haste is found.
+/// Most doublings of the factor for a stop, and halvings to find the smallest one.
 const DOUBLINGS: usize = 24;
 const HALVINGS: usize = 20;

@@ -1,8 +1,8 @@
 //! The residual of a rotation when a move that keeps the orientation is merged: it ramps out about its present axis beside the path
 //! (spec/coordinated-instructions.md §6.3).
 //!
-//! As with a [`crate::move_trajectory::Residual`] of positions the acceleration across the rate ramps out about an axis of its own. What has
-//! ramped out does not come back: the move has no orientation to end with, and keeps the one in which the tool comes to rest.
+//! As with a [`crate::move_trajectory::Residual`] of positions, the acceleration across the rate ramps out about an axis of its own. The
+//! residual is not compensated: the move has no programmed orientation, and keeps the one in which the tool comes to rest.
 //! Bounded; nothing allocates. Radians, seconds.
 
 use arcline_geometry::{Path, Point, Rotation, RotationState, Spin};
@@ -14,16 +14,16 @@ use crate::running::{Parameter, Running};
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Clock, Instant, MasterRate};
 
-/// How an orientation turns at an instant.
+/// The rotation of an orientation at an instant.
 #[derive(Clone, Copy, Debug)]
 pub struct AngularState {
     /// Fixed angles, degrees.
     pub angles: Point,
     /// Its rate, radians/s.
     pub rate: Point,
-    /// How that changes, radians/s².
+    /// The derivative of the rate, radians/s².
     pub change: Point,
-    /// With what it may be braked, radians and seconds; what has no jerk loses its acceleration at once.
+    /// The limits for braking it, radians and seconds; a rotation without a jerk loses its acceleration at once.
     pub limits: Limits,
 }
 
@@ -37,7 +37,7 @@ pub struct RotationResidual {
 }
 
 impl AngularState {
-    /// By the displacement of a master. `nominal`: how fast that moves in general, master units/s, which limits are meant at.
+    /// The state over the displacement of a master. `nominal`: the speed of the master at which the limits apply, master units/s.
     #[must_use]
     pub fn by_displacement(&self, rate: &MasterRate, nominal: f64) -> AngularState {
         let mut own = *self;
@@ -57,14 +57,14 @@ impl AngularState {
         own
     }
 
-    /// How it comes to rest; `None` where it is.
+    /// The residual that brakes it to rest; `None` if it is at rest.
     #[must_use]
     pub fn ramped_out(&self) -> Option<RotationResidual> {
         let turns = self.rate != Point::zeros() || self.kept_change() != Point::zeros();
         turns.then(|| self.ramp())
     }
 
-    /// The acceleration that is not lost at once.
+    /// The acceleration that does not end at once.
     fn kept_change(&self) -> Point {
         match self.limits.jerk {
             Some(_) => self.change,
@@ -97,7 +97,7 @@ impl AngularState {
 }
 
 impl RotationResidual {
-    /// Rx, Ry, Rz where it comes to rest, degrees.
+    /// Rx, Ry, Rz at rest, degrees.
     #[must_use]
     pub fn end(&self) -> Point {
         self.spin.ended().near
@@ -109,12 +109,12 @@ impl RotationResidual {
 pub(crate) struct RampingOut {
     residual: RotationResidual,
     start: Instant,
-    /// The orientation that moves begin with: where it was to end when it began.
+    /// The orientation with which moves begin: the planned end of the rotation.
     end: RotationState,
 }
 
 impl RampingOut {
-    /// The orientation while `own`, which begins where this was to end, turns too.
+    /// The orientation while `own`, a rotation that begins at the planned end of this one, is active too.
     pub(crate) fn beside(&self, own: Option<RotationState>, clock: &Clock) -> RotationState {
         let elapsed = self.start.elapsed(clock);
         let rest = if elapsed >= longest(&self.residual.profiles) {
@@ -125,17 +125,17 @@ impl RampingOut {
         own.map_or(rest, |own| own.after(&rest, &self.end))
     }
 
-    /// Whether it is at rest at an instant.
+    /// The rotation is at rest at an instant.
     pub(crate) fn is_over_at(&self, at: &Instant, clock: &Clock) -> bool {
         self.start.elapsed(clock) - at.elapsed(clock) >= longest(&self.residual.profiles) - SAME_INSTANT_S
     }
 
-    /// Seconds after an instant at which it is at rest.
+    /// Seconds from an instant until it is at rest.
     pub(crate) fn rests_after(&self, since: &Instant, clock: &Clock) -> f64 {
         longest(&self.residual.profiles) + since.elapsed(clock) - self.start.elapsed(clock)
     }
 
-    /// From the instant that both clocks show it is no function of a master's displacement any more but of time.
+    /// Converts it from a function of a master's displacement to one of time, at the instant that both clocks show.
     fn in_time(&self, parameter: &Parameter, rate: &MasterRate, clock: &Clock, time: &Clock) -> RampingOut {
         let rotation_state = self.beside(None, clock).in_time(rate.speed, rate.acceleration);
         let turning = AngularState {
@@ -153,7 +153,7 @@ impl RampingOut {
 }
 
 impl<T: Copy> Planner<T> {
-    /// The move that was just merged keeps the orientation in which a rotation comes to rest.
+    /// Makes the move that was just merged keep the orientation in which a rotation comes to rest.
     pub fn ramp_out(&mut self, residual: Option<RotationResidual>, clock: &Clock) {
         self.ramping_out = residual.map(|residual| RampingOut {
             residual,
@@ -162,8 +162,8 @@ impl<T: Copy> Planner<T> {
         });
     }
 
-    /// With what that which turns at the present may be braked: the limits of the moves that turn it, radians and seconds. Of two
-    /// that turn it at once the greater. `None` where nothing does.
+    /// The limits for braking the present rotation: those of the moves that rotate, radians and seconds; of two simultaneous ones, the higher.
+    /// `None` without a rotation.
     pub fn turn_limits(&self) -> Option<Limits> {
         let active = self.active.as_ref();
         let own = active.and_then(Running::turn_limits);
@@ -182,12 +182,12 @@ impl<T: Copy> Planner<T> {
         })
     }
 
-    /// The path and the rotation of the move that the active one blends with.
+    /// The path and the rotation of the move with which the active one blends.
     pub fn tail(&self) -> Option<(&Path, Option<&Rotation>)> {
         self.tail.as_ref().map(|tail| (&tail.path, tail.rotation.as_ref()))
     }
 
-    /// What the active move blends with brakes with limits of its own; everything has just been stopped.
+    /// Brakes the move with which the active one blends, with limits of its own; a stop of all has just begun.
     pub fn stop_tail(&mut self, limits: &Limits, clock: &Clock) {
         if let Some(tail) = &mut self.tail {
             let stop = tail.stop_from(tail.state(clock), limits, None, self.bounds);
@@ -201,7 +201,7 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    /// The part of a rotation that still ramps out, as a function of time.
+    /// The residual of a rotation, as a function of time.
     pub(crate) fn ramping_out_in_time(&self, rate: &MasterRate, clock: &Clock, time: &Clock) -> Option<RampingOut> {
         let out = self.ramping_out.filter(|out| !out.is_over_at(&clock.now(), clock))?;
         let parameter = &self.active.as_ref()?.motion.parameter;

@@ -1,4 +1,4 @@
-//! A move as it waits, and as it runs: its path, its limits, and what its profile is planned with.
+//! A move as queued, and in execution: its path, its limits, and the parameters of its profile.
 //!
 //! Units: position units, seconds.
 
@@ -9,15 +9,14 @@ use crate::Instant;
 use crate::junction::Ending;
 use crate::move_trajectory::MoveTrajectory;
 
-/// A path to travel and the limits along it. `T` is whatever the owner wants back with it.
+/// A path and the limits along it. `T` is the owner's own data.
 #[derive(Clone, Copy, Debug)]
 pub struct Move<T> {
     /// The geometric path, by arc length.
     pub path: Path,
-    /// How the orientation turns along it, evenly by arc length, or which one it keeps; `None`: no move of the queue turns it.
+    /// The rotation of the orientation along the path, even by arc length, or the constant orientation; `None`: no move of the queue rotates it.
     pub rotation: Option<Rotation>,
-    /// The highest speed at which it may be begun where the path before it does not go over into it without a corner, by what
-    /// it is a function of; infinite: what the axes let it.
+    /// The highest speed at its start if there is a corner before it, in its variable; infinite: the limits of the axes decide.
     pub corner: f64,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
@@ -29,14 +28,13 @@ pub struct Move<T> {
     pub data: T,
 }
 
-/// The variable that a move is a function of: time, or one of the ways that its owner numbers. All clocks that a planner is given show
-/// that of its active move. Moves of different ones do not go over into each other without rest.
+/// The variable of a move: time, or one of the master displacements that its owner numbers. All clocks passed to a planner show that of its
+/// active move. Between moves with different variables there is a rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// 0: time.
+    /// The number of the displacement; 0: time.
     pub number: u32,
-    /// How fast a way may go on, master units/s, more than 0: what a corner may ask of the axes is meant at this speed. 1 for
-    /// time.
+    /// The nominal speed of the master, master units/s, more than 0, for which corners are limited; 1 for time.
     pub speed: f64,
 }
 
@@ -44,7 +42,7 @@ impl Parameter {
     /// Time.
     pub const TIME: Parameter = Parameter { number: 0, speed: 1.0 };
 
-    /// Limits by the displacement as such by time, while it goes on at its speed.
+    /// Converts limits over the displacement to limits over time, at the nominal speed.
     #[must_use]
     pub fn in_time(&self, limits: &Limits) -> Limits {
         let (once, twice) = (self.speed, self.speed * self.speed);
@@ -66,43 +64,43 @@ pub struct Running<T> {
     /// The move itself.
     pub motion: Move<T>,
     pub(crate) trajectory: MoveTrajectory,
-    /// When it became active.
+    /// The instant at which it became active.
     pub(crate) begun: Instant,
-    /// Speed with which the profile ends.
+    /// Speed at the end of the profile.
     pub(crate) exit: f64,
-    /// Pending moves that the profile runs over too.
+    /// Pending moves that the profile crosses, too.
     pub(crate) joined: usize,
-    /// Whether something blended into it.
+    /// Another move blended into it.
     pub(crate) blended: bool,
-    /// Where on its run of moves it begins.
+    /// Its beginning on its run of moves.
     pub(crate) run_start: f64,
-    /// Whether a stop brakes it: nothing changes that.
+    /// A stop brakes it; no change affects that.
     pub(crate) stopped: bool,
-    /// The limits that its profile keeps, as programmed: others than those of the move where a pause needs less way with them.
+    /// The programmed limits of its profile: not those of the move if a pause is shorter with others.
     pub(crate) in_force: Limits,
-    /// Whether they are others.
+    /// They are not those of the move.
     pub(crate) kept: bool,
-    /// How an acceleration is taken away with which its profile begins.
+    /// The removal of an acceleration at the beginning of its profile.
     pub(crate) removal: AccelerationRemoval,
 }
 
-/// How an acceleration that is present when a profile begins is taken away.
+/// The removal of an acceleration that is present when a profile begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AccelerationRemoval {
-    /// Its jerk is raised so that the speed stays at or below this.
+    /// Raises the jerk such that the speed does not exceed this.
     pub(crate) ceiling: f64,
-    /// And so that the motion does not pass through rest: to this at least, units/s³.
+    /// Raises the jerk to at least this, units/s³, such that the motion does not pass through rest.
     pub(crate) forward: Option<f64>,
 }
 
 impl AccelerationRemoval {
-    /// By the limits of the profile.
+    /// With the limits of the profile.
     pub(crate) const NONE: AccelerationRemoval = AccelerationRemoval {
         ceiling: f64::INFINITY,
         forward: None,
     };
 
-    /// The motion does not pass through rest: where the move before it left a deceleration.
+    /// For a deceleration from the previous move: the motion does not pass through rest.
     pub(crate) const FORWARD: AccelerationRemoval = AccelerationRemoval {
         ceiling: f64::MAX,
         forward: Some(0.0),
@@ -139,7 +137,7 @@ impl<T: Copy> Running<T> {
         }
     }
 
-    /// The limits that it keeps, as programmed, at the programmed speed.
+    /// The programmed limits of its profile, at the programmed speed.
     pub(crate) fn keeps(&self) -> Limits {
         Limits {
             speed: self.motion.limits.speed,
@@ -147,7 +145,7 @@ impl<T: Copy> Running<T> {
         }
     }
 
-    /// How the next move takes a deceleration away that this one leaves: it does not pass through rest with it.
+    /// The removal of a deceleration that this move leaves to the next one, which must not pass through rest.
     pub(crate) fn removal_of_the_next(&self) -> AccelerationRemoval {
         let kept = self.in_force.jerk.filter(|_| self.kept).map(|jerk| jerk.deceleration);
         match self.removal.forward.or(kept) {
@@ -160,14 +158,14 @@ impl<T: Copy> Running<T> {
     }
 }
 
-/// The motion out of which a merge begins.
+/// The motion from which a merge begins.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InitialMotion {
-    /// Velocity of the motion that is terminated, units/s.
+    /// Velocity of the terminated motion, units/s.
     pub velocity: Point,
     /// Its acceleration, units/s², without that of a curved path.
     pub acceleration: Point,
-    /// The limits that it kept; `None`: unknown.
+    /// Its limits; `None`: unknown.
     pub before: Option<Limits>,
 }
 

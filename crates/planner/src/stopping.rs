@@ -1,7 +1,7 @@
-//! A stop on the path as it would be if it began at an instant: for a look before it is needed.
+//! The prediction of a stop on the path that would begin at an instant.
 //!
-//! A [`Stopping`] is what the planner, or a queue of contours, would be after [`Planner::stop_soonest`]; sampling it changes
-//! nothing. Nothing here allocates. Position units, seconds.
+//! A [`Stopping`] is the future state of the planner, or of a queue of contours, after [`Planner::stop_soonest`]; sampling it changes
+//! no state. Nothing here allocates. Position units, seconds.
 
 use arcline_geometry::Path;
 use arcline_profile::{Bounds, Limits};
@@ -11,14 +11,14 @@ use crate::planner::Planner;
 use crate::rotation_residual::RampingOut;
 use crate::{Clock, MasterRate, Parameter, Sample};
 
-/// A stop on the path that has not begun.
+/// A predicted stop on the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopping {
     active: MoveTrajectory,
     tail: Option<MoveTrajectory>,
-    /// The rest of the rotation of a move that a merge ended.
+    /// The residual of the rotation of a move that a merge ended.
     ramping_out: Option<RampingOut>,
-    /// How many of the paths of [`Planner::beyond`] it may lead over.
+    /// The number of paths of [`Planner::beyond`] that it may cross.
     followed: usize,
     /// Seconds from its beginning to rest.
     duration: f64,
@@ -47,8 +47,8 @@ impl<T: Copy> Planner<T> {
         Some(Stopping::of(active, tail, self.ramping_out, followed, clock))
     }
 
-    /// The stop of [`Planner::stop_in_time`], where `clock` shows the displacement that the master will have at `time`, and
-    /// `rate` how that goes on. Real-time.
+    /// The stop of [`Planner::stop_in_time`]; `clock` shows the displacement of the master at `time`, and `rate` is the rate of the
+    /// displacement. Real-time.
     pub fn stopping_in_time(
         &self,
         limits: &Limits,
@@ -68,15 +68,15 @@ impl<T: Copy> Planner<T> {
         Some(Stopping::of(active, tail, out, followed, time))
     }
 
-    /// Where the coordinate system would be at an instant of a stop, which leads along the moves that wait as far as their paths are
-    /// passed without rest. Real-time.
+    /// The motion of the coordinate system at an instant of a predicted stop, which continues along the pending moves up to the first
+    /// rest between them. Real-time.
     pub fn sample_stopping(&self, stopping: &Stopping, clock: &Clock) -> Sample {
         let beyond = self.beyond().map(|(path, _)| path);
         stopping.sample(beyond.take(stopping.followed), clock)
     }
 
-    /// As [`Planner::stop`], but what comes to rest sooner by its own profile goes on with that: nothing is made slower than it
-    /// was programmed. Real-time.
+    /// As [`Planner::stop`], but a motion whose own profile comes to rest sooner continues on that: the stop never takes longer than
+    /// programmed. Real-time.
     pub fn stop_soonest(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);

@@ -1,10 +1,10 @@
-//! The coordinated motion of one system, however its moves are joined: two moves superposed ([`Planner`]), all as a planned contour
-//! ([`ContourQueue`]), or a merged move that is superposed before a contour.
+//! The coordinated motion of one system with any kind of junction: superposed moves ([`Planner`]), planned contours ([`ContourQueue`]), or a
+//! merged move that is superposed before a contour.
 //!
-//! The owner sees one active move and the moves that wait behind it, and never asks which of the three it is. Every method takes the
-//! [`TimeBase`] of the present tick: what a move is a function of, and what a stop is a function of in its place.
+//! The owner sees one active move and the pending ones behind it, and never asks for the kind. Every method takes the [`TimeBase`] of the
+//! present tick: the variables of the active move, and of a stop in its place.
 //! Not here: instructions, status bits and axes. Real-time: bounded, nothing allocates or frees; a [`Trajectory`] that is no longer
-//! needed is returned. How moves are changed stands in `change`, how they stop in `stopping`, where the motion is in `position`.
+//! needed is returned. Changes of moves are in `change`, stops in `stopping`, the present motion in `position`.
 
 mod change;
 mod position;
@@ -30,14 +30,14 @@ pub use stopping::PathStopping;
 #[derive(Debug)]
 pub struct Travel<T> {
     planner: Planner<T>,
-    /// Where moves are planned as contours: those that are, and those that wait for it. A merged move is the planner's.
+    /// The planned and unplanned moves of contours, if moves are planned as such. A merged move belongs to the planner.
     contour: Option<ContourQueue<T>>,
     /// The override: share of the programmed speeds.
     rate: f64,
 }
 
 impl<T: Copy> Travel<T> {
-    /// Moves that are superposed where they blend.
+    /// For superposed moves.
     pub fn superposed(planner: Planner<T>) -> Self {
         Travel {
             planner,
@@ -46,7 +46,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Moves that are planned as contours. The planner has the merged ones.
+    /// For moves planned as contours. The planner has the merged ones.
     pub fn contours(planner: Planner<T>, contour: ContourQueue<T>) -> Self {
         Travel {
             planner,
@@ -55,7 +55,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Sets the Dynamics Configuration Bits, which count from the next instruction on.
+    /// Sets the Dynamics Configuration Bits for later instructions.
     pub fn set_bounds(&mut self, bounds: Bounds) {
         self.planner.set_bounds(bounds);
     }
@@ -69,19 +69,19 @@ impl<T: Copy> Travel<T> {
         self.contour.as_mut().filter(|_| self.planner.active().is_none())
     }
 
-    /// Whether a move may turn an orientation. Contours cannot.
+    /// A move may rotate the orientation. Contours do not support it.
     pub fn can_turn(&self) -> bool {
         self.contour.is_none()
     }
 
-    /// The moves that are active or wait, the active one first.
+    /// The active and the pending moves, the active one first.
     pub fn moves(&self) -> impl Iterator<Item = &Move<T>> {
         let active = self.planner.active().map(|running| &running.motion);
         let contour = self.contour.iter().flat_map(ContourQueue::moves);
         active.into_iter().chain(self.planner.pending()).chain(contour)
     }
 
-    /// The moves that wait, the oldest first.
+    /// The pending moves, the oldest first.
     pub fn waiting(&self) -> impl Iterator<Item = &Move<T>> {
         self.moves().skip(usize::from(self.active().is_some()))
     }
@@ -94,7 +94,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The owner's data of the active move, to change.
+    /// The owner's data of the active move, mutable.
     pub fn active_data(&mut self) -> Option<&mut T> {
         match self.contour_in_force() {
             Some(_) => self.contour.as_mut()?.active_data(),
@@ -102,7 +102,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The move that takes over at the end of the active one without a new plan.
+    /// The move that becomes active at the end of the active one without a new plan.
     pub fn next(&self) -> Option<Move<T>> {
         match self.contour_in_force() {
             Some(contour) => contour.next_planned().copied(),
@@ -110,19 +110,19 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The last move, active or waiting: a new one begins at its end.
+    /// The last move, active or pending: a new one begins at its end.
     pub fn last(&self) -> Option<&Move<T>> {
         let contour = self.contour.as_ref().and_then(|contour| contour.moves().last());
         let active = || self.planner.active().map(|running| &running.motion);
         contour.or_else(|| self.planner.last_pending()).or_else(active)
     }
 
-    /// Whether `depth` moves wait.
+    /// The queue has no room: `depth` moves wait.
     pub fn is_full(&self) -> bool {
         self.room() == 0
     }
 
-    /// How many moves it takes until `depth` of them wait.
+    /// The number of further moves until `depth` of them wait.
     pub fn room(&self) -> usize {
         match &self.contour {
             Some(contour) => contour.room(usize::from(self.planner.active().is_some())),
@@ -130,7 +130,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Whether the active move stays at rest until a speed is changed.
+    /// The active move rests until a speed changes.
     pub fn is_paused(&self) -> bool {
         match self.contour_in_force() {
             Some(contour) => contour.is_paused(),
@@ -138,8 +138,8 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The highest jerk of the moves that determine the motion, a stop of them included, by time; `None` where none of them is an
-    /// S-curve. Of a contour, which is planned as a whole, all its moves count; of other moves the active one.
+    /// The highest jerk of the moves that determine the motion, or its stop, by time; `None` if none of them is an S-curve. For a
+    /// contour, which is planned as a whole, all its moves count; otherwise the active one.
     pub fn highest_jerk(&self) -> Option<f64> {
         let highest = |jerk: Jerk| jerk.acceleration.max(jerk.deceleration);
         match self.contour_in_force() {
@@ -154,8 +154,8 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The limits that the active move keeps by time; `None` where a master drives it, or a stop of a contour has left all its moves
-    /// behind. A contour's are those that its active move was programmed with.
+    /// The limits of the active move by time, of a contour the programmed ones. `None` if a master drives the move, or if a stop of a contour
+    /// has passed the ends of all its moves.
     pub fn limits_in_force(&self, base: &TimeBase) -> Option<Limits> {
         if base.master.is_some() {
             return None;
@@ -166,16 +166,16 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// A number that changes whenever the active move is another one, or comes to its end at another instant.
+    /// A number that changes with the active move, and with the instant of its end.
     pub fn plans(&self) -> u32 {
         let contour = self.contour.as_ref().map_or(0, ContourQueue::plans);
         self.planner.plans().wrapping_add(contour)
     }
 
-    /// Puts a move behind the last one.
+    /// Adds a move at the end of the queue.
     ///
     /// # Errors
-    /// [`QueueFull`] when all pending places are taken.
+    /// [`QueueFull`] if the queue has no room.
     pub fn push(&mut self, mut motion: Move<T>, base: &TimeBase) -> Result<(), QueueFull> {
         match &mut self.contour {
             Some(contour) => {
@@ -186,7 +186,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Whether a move that takes over a motion begins in this tick: else it waits, for the active one or for its plan.
+    /// A move that takes over a motion begins in this tick; otherwise it waits for the active one or for its plan.
     pub fn begins_at_once(&self, initial: &InitialMotion) -> bool {
         match self.contour {
             Some(_) => initial.velocity != Point::zeros() || initial.acceleration != Point::zeros(),
@@ -194,7 +194,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Begins a move out of a motion, and out of a turn that ramps out beside it. `kept`: limits of the axes that it keeps.
+    /// Begins a move from a motion, and from a rotation that ramps out beside it. `kept`: limits of the axes that it keeps.
     pub fn merge(
         &mut self,
         motion: Move<T>,
@@ -206,7 +206,7 @@ impl<T: Copy> Travel<T> {
         let clock = base.clock();
         match kept {
             Some(limits) => {
-                // Also after the merge: no override leads beyond the limits of the axes.
+                // Also after the merge, no override exceeds the limits of the axes.
                 self.planner.set_rate(self.rate, &clock);
                 self.planner.merge_within(motion, initial, limits, &clock);
                 self.planner.set_rate(self.rate, &clock);
@@ -216,19 +216,19 @@ impl<T: Copy> Travel<T> {
         self.planner.ramp_out(residual, &clock);
     }
 
-    /// Before [`Travel::event`] at every tick.
+    /// To be called before [`Travel::event`] in every tick.
     pub fn steer(&mut self, base: &TimeBase) {
         let clock = self.contour_clock(base);
         if let Some(contour) = self.contour_in_force_mut() {
             contour.steer(&clock);
-            // A stop goes on over the ends of moves, which have left the queue.
+            // A stop continues across the ends of moves, which have left the queue.
             while contour.moves().next().is_none() && contour.event(&clock) == Some(ContourEvent::Next) {
                 contour.pass(&clock);
             }
         }
     }
 
-    /// The next event of the active move that lies at or before the present tick.
+    /// The next event of the active move at or before the present tick.
     pub fn event(&self, base: &TimeBase) -> Option<MoveEvent> {
         let now = || base.clock().now();
         match self.contour_in_force() {
@@ -240,12 +240,12 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Whether the active move goes over into its successor without rest.
+    /// The active move continues into its successor without rest.
     pub fn passes_on(&self) -> bool {
         self.planner.passes_on()
     }
 
-    /// The active move is complete, and [`Travel::next`] becomes active at an instant.
+    /// Completes the active move, and makes [`Travel::next`] active at an instant.
     pub fn hand_over(&mut self, at: Instant, base: &TimeBase) {
         let clock = self.contour_clock(base);
         match self.contour_in_force_mut() {
@@ -258,19 +258,19 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Goes on with the look-ahead, behind all events of a tick.
+    /// Continues the look-ahead, after all events of a tick.
     pub fn look_on(&mut self, base: &TimeBase) {
         self.planner.look_on(&base.clock());
     }
 
-    /// Takes a waiting move out: the newest of a contour, since its plan may be on the way, else the oldest.
+    /// Removes a pending move: the newest one of a contour, since its plan may be under way, otherwise the oldest.
     pub fn cancel_waiting(&mut self) -> Option<T> {
         let contour = self.contour.as_mut().and_then(ContourQueue::pop_pending);
         let data = contour.map(|motion| motion.data);
         data.or_else(|| self.planner.cancel_pending())
     }
 
-    /// The active move's data, whose path goes on without it until [`Travel::end`].
+    /// The active move's data; its path continues without them until [`Travel::end`].
     pub fn detach_active(&mut self) -> Option<T> {
         match self.contour_in_force() {
             Some(_) => self.contour.as_mut()?.pop().map(|motion| motion.data),
@@ -278,7 +278,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Ends the active move: what waits stays, and is planned from rest.
+    /// Ends the active move: the pending ones stay, and are planned from rest.
     pub fn end(&mut self, base: &TimeBase) -> Option<Arc<Trajectory>> {
         if self.planner.clear_active().is_some() {
             return None;
@@ -286,29 +286,29 @@ impl<T: Copy> Travel<T> {
         self.contour.as_mut()?.end(&base.time)
     }
 
-    /// Forgets the active move, and all that wait for a plan.
+    /// Removes the active move and all unplanned ones.
     pub fn clear(&mut self) -> Option<Arc<Trajectory>> {
         self.planner.clear_active();
         self.contour.as_mut()?.clear()
     }
 
-    /// Rests of its contours on the way.
+    /// Unwanted rests of its contours.
     pub fn contour_rests(&self) -> ContourRests {
         self.contour
             .as_ref()
             .map_or_else(ContourRests::default, ContourQueue::rests)
     }
 
-    /// The moves that are to be planned as a contour now ([`ContourQueue::batch`]).
+    /// The moves to plan as a contour now ([`ContourQueue::batch`]).
     pub fn batch(&mut self, base: &TimeBase, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
         let clock = self.contour_clock(base);
         self.contour_in_force_mut()?.batch(&clock, &base.time, take)
     }
 
-    /// Takes a plan ([`ContourQueue::install`]). One that begins does so at the displacement 0 of its master.
+    /// Takes a plan ([`ContourQueue::install`]). A plan that begins does so at the displacement 0 of its master.
     ///
     /// # Errors
-    /// The plan itself when it cannot be used.
+    /// The plan itself if it cannot be used.
     pub fn install(
         &mut self,
         generation: u32,
@@ -322,7 +322,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The first move of a contour that was to begin: it cannot. What waits stays.
+    /// Removes the first move of a contour, which was to begin but cannot. The pending moves stay.
     pub fn refuse(&mut self) -> (Option<T>, Option<Arc<Trajectory>>) {
         let Some(contour) = &mut self.contour else {
             return (None, None);
@@ -331,15 +331,14 @@ impl<T: Copy> Travel<T> {
         (contour.pop().map(|motion| motion.data), trajectory)
     }
 
-    /// The variable that contours are functions of: time, or the time that a master at the speed that they are planned for would have taken for its
-    /// displacement.
+    /// The variable of contours: time, or the time that a master at its nominal speed needs for the displacement.
     fn contour_clock(&self, base: &TimeBase) -> Clock {
         base.master.as_ref().map_or(base.time, |master| {
             Clock::of_displacement(master.displacement / self.nominal())
         })
     }
 
-    /// How that goes on, where a master leads.
+    /// The rate of that variable if a master leads.
     fn contour_rate(&self, base: &TimeBase) -> MasterRate {
         let rate = base.master.as_ref().map(|master| master.rate).unwrap_or_default();
         MasterRate {

@@ -1,4 +1,4 @@
-//! What a planned contour shows at every tick: how far its active move has come, what its speed does, and where it rounds a corner.
+//! The reports of a planned contour at every tick: the distance covered on its active move, the phase of its speed, and its roundings of corners.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
-//! An acceleration that is present when the dynamics change: how it is taken away so that the speed stays within bounds
+//! The removal of an acceleration that is present when the dynamics change, such that the speed stays within bounds
 //! (spec/coordinated-instructions.md §5.4, the Dynamics Configuration Bits of spec/axis-and-data-types.md §9.2 and §10.4).
 //!
-//! A ramp takes a present acceleration away with its own jerk. Where that jerk is much lower than the one that built the
-//! acceleration up, the speed overshoots by `a² / 2j`, or passes through rest and comes back. A [`Lead`] takes the acceleration
-//! away with a higher jerk first; the plan begins behind it.
+//! A ramp removes a present acceleration with its own jerk. If that jerk is much lower than the one that built the acceleration up, the speed
+//! overshoots by `a² / 2j`, or passes through rest and returns. A [`Lead`] removes the acceleration with a higher jerk first; the plan begins
+//! after it.
 //!
 //! Position units and seconds. Real-time safe, as the rest of the crate.
 
@@ -16,11 +16,11 @@ use crate::tolerance::LIMIT_SHARE;
 /// The Dynamics Configuration Bits of an axis or a coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bounds {
-    /// Bit 0, Reduce S-Curve Stop Delay: a stop takes a present acceleration away with the larger of both jerks.
+    /// Bit 0, Reduce S-Curve Stop Delay: a stop removes a present acceleration with the larger of both jerks.
     pub stop_delay: bool,
     /// Bit 1, Prevent S-Curve Velocity Reversals: a stop that begins while an S-curve brakes does not pass through rest.
     pub reversals: bool,
-    /// Bit 2, Reduced Extreme Velocity Overshoot: a change takes a present acceleration away in time.
+    /// Bit 2, Reduced Extreme Velocity Overshoot: a change removes a present acceleration in time.
     pub overshoot: bool,
 }
 
@@ -32,7 +32,7 @@ impl Bounds {
         overshoot: true,
     };
 
-    /// Of the attribute, 0 to 7; higher bits mean nothing.
+    /// From the attribute, 0 to 7; higher bits are ignored.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Bounds {
         Bounds {
@@ -55,23 +55,24 @@ impl Default for Bounds {
     }
 }
 
-/// How much faster than the programmed speeds a change of dynamics may make a motion (spec/axis-and-data-types.md §10.4: the overshoot stays below 50 %).
+/// Largest speed after a change of dynamics, as a multiple of the programmed speeds (spec/axis-and-data-types.md §10.4: the overshoot
+/// stays below 50 %).
 pub const MOST_OVERSHOOT: f64 = 1.5;
 
-/// What comes before a plan: the acceleration of a state is taken away with a constant jerk, then the speed is held.
+/// A phase before a plan: it removes the acceleration of a state with a constant jerk, then holds the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
-    /// Where it begins.
+    /// Its start state.
     pub from: KinematicState,
-    /// Position units per second cubed, above 0. What has no time to be taken away is dropped at once.
+    /// Position units per second cubed, above 0. An acceleration whose removal takes no time ends at once.
     pub jerk: f64,
-    /// Seconds for which the speed is held afterwards.
+    /// Seconds for which the speed is held after the removal.
     pub hold: f64,
 }
 
 impl Lead {
-    /// The lead that keeps the speed of what is planned from a state at or below `ceiling`; `None` where the jerks of the
-    /// limits do. What passes through rest counts with its speed on the other side.
+    /// The lead that keeps the speed of a plan from a state at or below `ceiling`; `None` if the jerks of the limits suffice. A
+    /// motion that passes through rest counts with its speed on the other side.
     #[must_use]
     pub fn below(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
         let Shape::SCurve(own) = limits.shape() else {
@@ -101,7 +102,7 @@ impl Lead {
         })
     }
 
-    /// The lead that takes a deceleration away before the motion passes through rest; `None` where the jerk of the limits does.
+    /// The lead that removes a deceleration before the motion passes through rest; `None` if the jerk of the limits suffices.
     #[must_use]
     pub fn before_rest(from: KinematicState, limits: &Limits) -> Option<Lead> {
         let Shape::SCurve(own) = limits.shape() else {
@@ -115,13 +116,13 @@ impl Lead {
         })
     }
 
-    /// Seconds until it ends.
+    /// Its duration in seconds.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.relief() + self.hold
     }
 
-    /// The state in which it ends: at a constant speed.
+    /// Its end state, at a constant speed.
     #[must_use]
     pub fn end(&self) -> KinematicState {
         let mut level = self.level();
@@ -129,7 +130,7 @@ impl Lead {
         level
     }
 
-    /// A plan from [`Lead::end`], with this before it.
+    /// The lead, followed by a plan from [`Lead::end`].
     #[must_use]
     pub fn then(&self, plan: &Profile) -> Profile {
         let mut whole = Profile::rest(0.0);
@@ -176,7 +177,7 @@ impl Lead {
 }
 
 impl Profile {
-    /// A plan from a state, behind the lead if there is one.
+    /// A plan from a state, after the lead if there is one.
     #[must_use]
     pub fn led(lead: Option<Lead>, from: KinematicState, plan: impl FnOnce(KinematicState) -> Profile) -> Profile {
         match lead {
@@ -185,9 +186,8 @@ impl Profile {
         }
     }
 
-    /// A stop within the bounds (spec/coordinated-instructions.md §5.4). With bits 0 and 1 its speed neither passes through rest nor rises
-    /// above 1.5 times that of `before`: the limits with which the motion ran so far. Where these are not known it is 1.5 times the present
-    /// speed.
+    /// A stop within the bounds (spec/coordinated-instructions.md §5.4). With bits 0 and 1 its speed neither passes through rest nor
+    /// exceeds 1.5 times that of `before`, the limits of the motion so far; if these are unknown, 1.5 times the present speed.
     #[must_use]
     pub fn stop_within(from: KinematicState, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
         let mut limits = *limits;
@@ -197,7 +197,7 @@ impl Profile {
                     let speed = from.velocity.abs();
                     let own = before.and_then(|before| before.jerk);
                     let ceiling = MOST_OVERSHOOT * before.map_or(speed, |before| before.speed);
-                    // Where it is above its ceiling already, it may overshoot its own speed by half.
+                    // A speed already above the ceiling may increase by half.
                     let room = if ceiling > speed {
                         ceiling - speed
                     } else {
@@ -226,7 +226,7 @@ impl Profile {
             .fold(self.at(t).velocity.abs().max(self.end.velocity.abs()), f64::max)
     }
 
-    /// How far from its start the motion comes, to either side.
+    /// The largest distance of the motion from its start, to either side.
     #[must_use]
     pub fn reach(&self) -> f64 {
         (0..self.len)
@@ -246,7 +246,7 @@ impl Profile {
 }
 
 impl Limits {
-    /// The same ramps in so many times less time: over as much less way.
+    /// The same ramps, shorter in time by a factor, and in distance by the same factor.
     #[must_use]
     pub fn hastened(&self, factor: f64) -> Limits {
         let square = factor * factor;
@@ -262,7 +262,7 @@ impl Limits {
     }
 }
 
-/// The jerk that takes a deceleration away as the motion comes to rest.
+/// The jerk that removes a deceleration exactly when the motion comes to rest.
 fn critical_jerk(from: &KinematicState) -> Option<f64> {
     let brakes = from.velocity * from.acceleration < 0.0;
     let jerk = 0.5 * from.acceleration * from.acceleration / from.velocity.abs();

@@ -1,4 +1,4 @@
-//! Where planned segments go: into a profile, or into a displacement only.
+//! The targets of planned segments: a profile, or a displacement only.
 
 use crate::KinematicState;
 use crate::profile::{Profile, Segment};
@@ -7,17 +7,17 @@ use crate::profile::{Profile, Segment};
 /// ([`crate::Lead`]).
 pub(crate) const MAX_SEGMENTS: usize = 14;
 
-/// Takes constant-jerk segments one after the other.
+/// Receives constant-jerk segments one after the other.
 pub(crate) trait Sink {
     fn velocity(&self) -> f64;
     fn acceleration(&self) -> f64;
-    /// Goes on for `time` with `jerk`. Times that are not above 0 are left out.
+    /// Adds a segment of `time` with `jerk`. Times that are not above 0 are left out.
     fn push(&mut self, time: f64, jerk: f64);
     /// Replaces the computed velocity and acceleration by their exact values.
     fn set(&mut self, velocity: f64, acceleration: f64);
 }
 
-/// Displacement, velocity and acceleration; what a trial needs.
+/// Displacement, velocity and acceleration: the result of a trial.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trial {
     pub(crate) x: f64,
@@ -51,7 +51,7 @@ impl Sink for Trial {
     }
 }
 
-/// Multiplied, since a division takes three times as long.
+/// Multiplication, since a division takes three times as long.
 const THIRD: f64 = 1.0 / 3.0;
 
 /// Collects the segments of a profile. Works in a mirrored frame (`sign` -1) where displacement
@@ -62,12 +62,12 @@ pub(crate) struct Builder<'a> {
     pub(crate) time: f64,
     pub(crate) len: usize,
     sign: f64,
-    /// Filled in place: it is too large to be copied about.
+    /// Filled in place, as copies of it are expensive.
     profile: &'a mut Profile,
 }
 
 impl<'a> Builder<'a> {
-    /// Plans anew, in the frame mirrored by `sign`, from the profile's start state.
+    /// Starts a new plan, in the frame mirrored by `sign`, from the profile's start state.
     #[inline]
     pub(crate) fn new(profile: &'a mut Profile, sign: f64) -> Builder<'a> {
         let start = profile.start;
@@ -116,7 +116,7 @@ impl<'a> Builder<'a> {
         )
     }
 
-    /// Goes back to the start of a segment and forgets it and all later ones.
+    /// Returns to the start of a segment and removes it and all later ones.
     pub(crate) fn rewind(&mut self, index: usize, now: Trial) {
         self.time = self.profile.times[index];
         self.now = now;
@@ -160,13 +160,13 @@ impl<'a> Builder<'a> {
         profile.len = self.len;
         profile.duration = self.time;
         profile.arrives = arrives;
-        // No negative zeros.
+        // Avoids negative zeros.
         profile.end = KinematicState {
             position: end.position,
             velocity: end.velocity + 0.0,
             acceleration: end.acceleration + 0.0,
         };
-        // From displacements in the mirrored frame to the caller's positions.
+        // Converts displacements in the mirrored frame to the caller's positions.
         for Segment { state, jerk } in profile.segments.iter_mut().take(self.len) {
             state.position = profile.start.position + self.sign * state.position;
             state.velocity *= self.sign;
@@ -187,7 +187,7 @@ impl Sink for Builder<'_> {
 
     #[inline(always)]
     fn push(&mut self, time: f64, jerk: f64) {
-        // What the clock cannot tell from nothing moves the state, but is no segment.
+        // A time below the resolution of the clock changes the state, but adds no segment.
         if self.time + time > self.time && self.len < MAX_SEGMENTS {
             let Trial { x, v, a } = self.now;
             self.profile.times[self.len] = self.time;

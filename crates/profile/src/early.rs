@@ -1,9 +1,8 @@
-//! The run towards the limit left before it speeds up (spec/motion-core.md §3.4, step 5), to end at rest.
+//! The early exit from the run towards the limit, before it speeds up (spec/motion-core.md §3.4, step 5), to end at rest.
 //!
-//! Two things can be left: the relaxing of a deceleration (stop relaxing while some is left, and slow
-//! down again), and the braking of a motion away from the target (pass through rest with less
-//! acceleration, which decides how far the motion comes back). Either way the displacement is a closed
-//! form of one acceleration, monotone, so that a few Newton steps in a bracket find it.
+//! Two phases have an early exit: the relaxing of a deceleration (stop relaxing while some is left, and slow down again), and the braking of a
+//! motion away from the target (pass through rest with less acceleration, which determines how far the motion returns). Either way the
+//! displacement is a closed form of one acceleration, monotone, so that a few Newton steps in a bracket find it.
 //!
 //! In the frame in which the needed direction is positive; position units and seconds.
 
@@ -32,9 +31,8 @@ pub(crate) fn relaxed_to(state: &Trial, x: f64, side: &Side) -> f64 {
     solve(most, 0.0, miss)
 }
 
-/// While moving away with speed `v > 0` and deceleration `0 <= b <= most`, `x` ahead of the place: the
-/// acceleration, at most `c`, with which to pass through rest, so that the motion then levels off, slows
-/// down and ends at rest at `x`.
+/// While moving away with speed `v > 0` and deceleration `0 <= b <= most`, `x` ahead of the target: the acceleration, at most `c`, with which to
+/// pass through rest, so that the motion then levels off, slows down and ends at rest at `x`.
 pub(crate) fn passed_with(v: f64, b: f64, x: f64, c: f64, limits: &SCurve) -> f64 {
     let (j, j_up) = (limits.down.per_jerk, limits.up.per_jerk);
     let least = (b * b - 2.0 * limits.down.jerk * v).max(0.0).sqrt();
@@ -58,8 +56,8 @@ pub(crate) fn passed_with(v: f64, b: f64, x: f64, c: f64, limits: &SCurve) -> f6
     solve(least, c, miss)
 }
 
-/// The place between `below`, where `f` is not above 0, and `above`, where it is not below, at which `f`
-/// is 0. `f` returns its value and derivative and is not asked at the ends. At most `MAX_STEPS` steps.
+/// The zero of `f` between `below`, where `f` is not above 0, and `above`, where it is not below. `f` returns its value and derivative and is not
+/// evaluated at the ends. At most `MAX_STEPS` steps.
 fn solve(mut below: f64, mut above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut at = 0.5 * (below + above);
     for _ in 0..MAX_STEPS {
@@ -71,7 +69,7 @@ fn solve(mut below: f64, mut above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
         }
         let newton = at - error / slope;
         let (low, high) = (below.min(above), below.max(above));
-        // Quadratic convergence: the step after one so small is below rounding.
+        // Quadratic convergence: the step after one this small is below rounding.
         if (newton - at).abs() <= NEWTON_STEP_SHARE * at {
             return newton.clamp(low, high);
         }

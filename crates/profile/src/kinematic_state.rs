@@ -1,7 +1,7 @@
 //! Position, velocity and acceleration: one quantity with its first two derivatives by time.
 //!
-//! The arithmetic is that of functions of time: a sum, a product or a quotient has the derivatives that the rules of
-//! differentiation give. Units: those of the quantity, seconds.
+//! The arithmetic is that of functions of time: sums, products and quotients follow the rules of differentiation. Units: those of the quantity,
+//! seconds.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -19,7 +19,7 @@ pub struct KinematicState {
 }
 
 impl KinematicState {
-    /// The state of an axis that stands at a position.
+    /// The state of an axis at rest at a position.
     #[must_use]
     pub fn at_rest(position: f64) -> Self {
         KinematicState {
@@ -29,7 +29,7 @@ impl KinematicState {
         }
     }
 
-    /// What the magnitude of the velocity does.
+    /// The phase of the magnitude of the velocity.
     #[must_use]
     pub fn phase(&self) -> Phase {
         let rising = self.velocity * self.acceleration;

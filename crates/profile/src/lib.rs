@@ -7,10 +7,10 @@
 //!
 //! The limits belong to the sign of speeding up, not to the direction of travel
 //! (spec/motion-core.md §3.1): `acceleration` and its jerk hold while `|v|` grows, `deceleration`
-//! and its jerk while it shrinks, and the smaller acceleration where the motion passes through rest.
+//! and its jerk while it shrinks, and the smaller acceleration when the motion passes through rest.
 //!
-//! Everything here is safe in the tick: no allocation, no unbounded loop, no panic, and a result for
-//! every input (what is not finite counts as 0, magnitudes are kept within 1e-30 to 1e30).
+//! All functions are safe in the tick: no allocation, no unbounded loop, no panic, and a result for
+//! every input (non-finite input counts as 0, magnitudes are clamped to 1e-30 to 1e30).
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
 

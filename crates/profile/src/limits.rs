@@ -1,4 +1,4 @@
-//! Limits of a profile, as given and as the planner takes them; jerk in per cent of time.
+//! Limits of a profile, as programmed and as the planner uses them; jerk in per cent of time.
 
 /// Limits of speed, acceleration and jerk, all above 0. A speed of 0 is a pause.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub fn percent_of_time_from_jerk(speed: f64, acceleration: f64, jerk: f64) -> f6
     200.0 / (1.0 + jerk * speed / (acceleration * acceleration))
 }
 
-/// Limits that the S-curve's arithmetic takes: positive, finite, of a size whose products stay finite.
+/// Limits for the S-curve's arithmetic: positive, finite, of a size whose products stay finite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SCurve {
     pub(crate) speed: f64,
@@ -46,7 +46,7 @@ pub(crate) struct SCurve {
     pub(crate) down: Side,
 }
 
-/// Acceleration and jerk of one sign of speeding up, and what a plan would divide by again and again.
+/// Acceleration and jerk of one sign of speeding up, with their reciprocals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Side {
     /// Largest acceleration.
@@ -69,7 +69,7 @@ impl Side {
     }
 }
 
-/// Limits of a trapezoid, sane as those of [`SCurve`].
+/// Limits of a trapezoid, sanitised as those of [`SCurve`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trapezoid {
     pub(crate) speed: f64,
@@ -114,7 +114,7 @@ impl Limits {
     }
 }
 
-/// A finite number of bounded size; what is not a number is 0.
+/// A finite number of bounded size; NaN becomes 0.
 pub(crate) fn sane(value: f64) -> f64 {
     if value.is_nan() || value.abs() < SMALLEST {
         0.0
@@ -123,7 +123,7 @@ pub(crate) fn sane(value: f64) -> f64 {
     }
 }
 
-/// The way between two positions; one so short that its products would vanish is none.
+/// The displacement between two positions; one so short that its products would vanish is 0.
 pub(crate) fn displacement(from: f64, to: f64) -> f64 {
     let displacement = to - from;
     if displacement.abs() < SMALLEST {
@@ -141,10 +141,10 @@ fn sane_limit(value: f64) -> f64 {
     }
 }
 
-/// Magnitudes whose products of all that a plan multiplies stay finite.
+/// Magnitudes whose products in a plan stay finite.
 const LARGEST: f64 = 1e30;
 const SMALLEST: f64 = 1e-30;
-/// An acceleration reached within the inverse of this (s) is a trapezoid's (spec/motion-core.md §4).
+/// A profile that reaches its acceleration within the inverse of this (s) counts as a trapezoid (spec/motion-core.md §4).
 const FASTEST_RISE: f64 = 1e9;
-/// Jerk above this is a trapezoid's (spec/motion-core.md §4).
+/// A profile with a jerk above this counts as a trapezoid (spec/motion-core.md §4).
 const LARGEST_JERK: f64 = 1e15;

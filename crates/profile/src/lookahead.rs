@@ -1,8 +1,8 @@
-//! Small tools of a look-ahead over a queue (spec/motion-core.md §3.5, §7): how far, and how fast at most,
-//! between two places at which the acceleration is 0. Not plans: nothing here makes a profile.
+//! Tools of a look-ahead over a queue (spec/motion-core.md §3.5, §7): distances, and the highest speeds, between two points at which the
+//! acceleration is 0. They are not plans: none of them makes a profile.
 //!
 //! Units: position units and seconds; speeds along the direction of the move. Real-time safe:
-//! constant time but for one case of [`exit_speed`], which is bounded. What is not finite counts as 0.
+//! constant time but for one case of [`exit_speed`], which is bounded. Non-finite input counts as 0.
 
 use crate::KinematicState;
 use crate::builder::Trial;
@@ -19,10 +19,10 @@ pub fn stop_distance(speed: f64, limits: &Limits) -> f64 {
 
 /// The largest speed from which `end_speed` can be reached within `length`, slowing down with
 /// acceleration 0 at both ends; `end_speed` for a length of 0. The speed limit is not read: the caller
-/// has its own bounds. Grows with `length`, but not always with `end_speed`: with limited jerk the last
-/// of the deceleration takes less way at a lower speed.
+/// has its own bounds. The speed grows with `length`, but not always with `end_speed`: with limited jerk the
+/// final part of the deceleration is shorter at a lower speed.
 ///
-/// Rounded such that the way down is not longer than `length`.
+/// Rounded such that the deceleration is not longer than `length`.
 #[must_use]
 pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
     let (length, slow) = (sane(length).max(0.0), sane(end_speed).abs());
@@ -38,9 +38,9 @@ pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
 /// ahead of `from` (which may accelerate, slow down or move away; a trapezoid's acceleration is not
 /// read). In the direction of positive positions; `from.position` is not read.
 ///
-/// Where the way is too short even to bring the acceleration to 0, it is the speed that results when
-/// that is begun at once; where it is too short to come down to the speed limit, it is that limit.
-/// [`Profile::to_position`](crate::Profile::to_position) then ends with more than was asked, and the
+/// If `length` is too short even to bring the acceleration to 0, the result is the speed at which an
+/// immediate removal ends; if it is too short to slow down to the speed limit, the result is that limit.
+/// [`Profile::to_position`](crate::Profile::to_position) then ends with a higher speed than requested, and the
 /// next move must brake.
 #[must_use]
 pub fn exit_speed(from: KinematicState, length: f64, limits: &Limits) -> f64 {
@@ -73,7 +73,7 @@ fn slowing_distance(fast: f64, slow: f64, shape: &Shape) -> f64 {
     }
 }
 
-/// By how much a speed above `slow` changes over `length` with a constant acceleration.
+/// The change of a speed above `slow` over `length` with a constant acceleration.
 fn gained(length: f64, slow: f64, acceleration: f64) -> f64 {
     let square = 2.0 * acceleration * length;
     if square > 0.0 {
@@ -91,7 +91,7 @@ fn gained_with_jerk(length: f64, slow: f64, side: &Side) -> f64 {
     let time = side.most * side.per_jerk;
     let dv = side.most * time;
     if length >= (2.0 * slow + dv) * time {
-        // Constant acceleration is reached: w^2 + b w = c. In this case c is at least half its minuend.
+        // With a phase of constant acceleration: w^2 + b w = c. In this case c is at least half its minuend.
         let b = 2.0 * slow + dv;
         let c = 2.0 * (side.most * length - slow * dv);
         return 2.0 * c / (b + (b * b + 4.0 * c).sqrt());
@@ -137,7 +137,7 @@ fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
     if let Some(more) = peak::rise_within(rising.v, rising.a, length - rising.x, limits) {
         return rounded_down((low + more).min(most), low, fits);
     }
-    // Half the square of the acceleration: over the jerk, the velocity it takes to bring it to 0.
+    // Half the square of the acceleration: over the jerk, the change of velocity that brings it to 0.
     let spent = 0.5 * now.a * now.a;
     let turns = now.v < 0.0 || (now.a < 0.0 && now.v * limits.down.jerk < spent);
     if !turns {
@@ -161,7 +161,7 @@ fn exit_by_s_curve(now: Trial, length: f64, limits: &SCurve) -> f64 {
     rounded_down(least + more, least, fits)
 }
 
-/// Takes rounding errors of `speed` away, never below `least`.
+/// Removes rounding errors of `speed`, never below `least`.
 fn rounded_down(mut speed: f64, least: f64, fits: impl Fn(f64) -> bool) -> f64 {
     let mut ulps = 1.0;
     for _ in 0..ROUNDING_STEPS {

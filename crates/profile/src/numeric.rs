@@ -1,7 +1,7 @@
 //! Numerical methods that several crates share.
 
-/// Halves a bracket so many times: the lowest value found at which the condition holds, where it does not hold at `below` and
-/// holds at `above`, and not again further down. The condition is not asked at the ends.
+/// Halves a bracket `halvings` times. Returns the lowest value found at which the condition holds; it must not hold at `below`, hold at `above`,
+/// and change once between. The condition is not evaluated at the ends.
 pub fn bisect(mut below: f64, mut above: f64, halvings: usize, mut holds: impl FnMut(f64) -> bool) -> f64 {
     for _ in 0..halvings {
         let middle = 0.5 * (below + above);
@@ -14,7 +14,7 @@ pub fn bisect(mut below: f64, mut above: f64, halvings: usize, mut holds: impl F
     above
 }
 
-/// The rest of a distance within one turn: 0 to below `turn`.
+/// The remainder of a distance by a turn: 0 to below `turn`.
 pub fn modulo(distance: f64, turn: f64) -> f64 {
     let rest = distance - turn * (distance / turn).floor();
     if rest >= turn { 0.0 } else { rest }

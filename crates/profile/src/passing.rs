@@ -1,7 +1,7 @@
-//! How fast a place ahead is passed with acceleration 0, when it cannot be passed as fast, or as slowly, as wanted.
+//! The speed at which a point ahead is passed with acceleration 0, if it cannot be passed as fast, or as slowly, as wanted.
 //!
-//! Position units and seconds; speeds along the direction of the move. Not a plan: nothing here makes a profile.
-//! Real-time safe: at most a fixed number of ramps is tried. What is not finite counts as 0.
+//! Position units and seconds; speeds along the direction of the move. Not a plan: no function makes a profile.
+//! Real-time safe: at most a fixed number of ramps is tried. Non-finite input counts as 0.
 
 use crate::KinematicState;
 use crate::builder::Trial;
@@ -11,23 +11,23 @@ use crate::ramp::ramp;
 use crate::root;
 use crate::tolerance::DISTANCE_SHARE;
 
-/// How a place ahead is passed.
+/// The state at which a point ahead is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passing {
     /// Position units per second.
     pub speed: f64,
-    /// Whether the acceleration is 0 there: the way is long enough for that.
+    /// The acceleration is 0 there: the distance suffices for that.
     pub level: bool,
 }
 
-/// The speed nearest to `wanted` (at least 0) at which the place `length` ahead of `from` can be passed with
-/// acceleration 0. `limits.speed` bounds what is sped up to; `from.position` is not read.
+/// The speed nearest to `wanted` (at least 0) at which a point `length` ahead of `from` can be passed with
+/// acceleration 0. `limits.speed` bounds the speed after an acceleration; `from.position` is not read.
 ///
-/// Too slow for `wanted`, it is [`exit_speed`]. Too fast, it is the least speed above `wanted` that braking leads to,
-/// unless braking to rest takes less way than there is: then it is the highest one below `wanted`. (With limited jerk a
-/// lower speed may be met within a way that is too short for a higher one.) A motion that can stop before the place
-/// can stop behind it too from what this returns. Where the way is too short even to bring the acceleration to 0, it
-/// is the speed that results when that is begun at once.
+/// If the motion is too slow for `wanted`, the result is [`exit_speed`]. If it is too fast, the result is the least speed above `wanted` that
+/// braking leads to, unless braking to rest takes a shorter distance: then it is the highest one below `wanted`. (With limited jerk a
+/// lower speed may be met within a distance that is too short for a higher one.) A motion that can stop before the point can also stop behind
+/// it from this speed. If the distance is too short even to bring the acceleration to 0, the result is the speed at which an immediate removal
+/// ends.
 #[must_use]
 pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Limits) -> Passing {
     let (length, wanted) = (sane(length).max(0.0), sane(wanted).max(0.0));
@@ -58,7 +58,7 @@ pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Li
     }
 }
 
-/// As [`passing_speed`] where `wanted` is not too much to speed up to.
+/// As [`passing_speed`] if `wanted` is not above the reachable speed.
 fn brake(now: Trial, length: f64, wanted: f64, limits: &SCurve) -> Passing {
     let misses_by = |speed: f64| {
         let mut trial = now;

@@ -1,7 +1,7 @@
-//! How fast a move gets: speed up, cruise, slow down, over a given distance (spec/motion-core.md §3.2).
+//! The peak speed of a move: speed up, cruise, slow down, over a given distance (spec/motion-core.md §3.2).
 //!
-//! One unknown, the peak speed. Every distance here is a closed form of it, so this one solve is all
-//! that most profiles need. Units: position units, seconds; all velocities in the direction of the move.
+//! The peak speed is the only unknown. Every distance is a closed form of it, so most profiles need this solution only. Units: position
+//! units, seconds; all velocities in the direction of the move.
 
 use crate::limits::{SCurve, Side};
 use crate::tolerance::{NEWTON_STEP_SHARE, ROUNDED_SHARE};
@@ -16,7 +16,7 @@ pub(crate) struct Peak {
 }
 
 /// The fastest move over `distance` from `(v, a)`, `a >= 0`, to `(vf, 0)`, `vf >= 0`, that begins by
-/// speeding up. `None` when even the lowest peak leads beyond `distance`.
+/// speeding up. `None` if even the lowest peak leads beyond `distance`.
 ///
 /// Expects that the acceleration can return to 0 below the speed limit. At most
 /// `MAX_STEPS` Newton steps.
@@ -62,7 +62,7 @@ pub(crate) fn peak(v: f64, a: f64, distance: f64, vf: f64, limits: &SCurve) -> O
     })
 }
 
-/// How far the speed can rise above `v + a^2/(2 ja)` over `distance` from `(v, a)`, `a >= 0`, with
+/// The largest rise of the speed above `v + a^2/(2 ja)` over `distance` from `(v, a)`, `a >= 0`, with
 /// acceleration 0 at the end, and not above the limit; `None` if the distance is too short for any rise.
 pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> Option<f64> {
     let relieved = 0.5 * a * a * limits.up.per_jerk;
@@ -81,7 +81,7 @@ pub(crate) fn rise_within(v: f64, a: f64, distance: f64, limits: &SCurve) -> Opt
     Some(solve(&length, distance, start, most))
 }
 
-/// About the rise above `low` that takes the distance `more`, rather too much. The distance of the
+/// An estimate, rather too high, of the rise above `low` that takes the distance `more`. The distance of the
 /// parts with constant acceleration is `held (low w + w^2/2)`, that of those with jerk at least
 /// `sqrt(jerky w^3)`; each alone gives an upper bound.
 fn guess(more: f64, low: f64, held: f64, jerky: f64) -> f64 {
@@ -106,7 +106,7 @@ fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, start: f64, most: f
         } else {
             above = w;
         }
-        // The step in y as a factor, so that no root of w is needed.
+        // The step in y as a factor, to avoid a root of w.
         let step = error / (2.0 * w * slope);
         let newton = w * (1.0 - step) * (1.0 - step);
         let inside = step < 1.0 && newton >= below && newton <= above;
@@ -145,7 +145,7 @@ pub(crate) fn ramp_time(dv: f64, side: &Side) -> (f64, f64) {
     }
 }
 
-/// The way up from `(v, a)` with one trapezoid of acceleration.
+/// The rise from `(v, a)` with one trapezoid of acceleration.
 enum Rise<'a> {
     /// The later part of a ramp that began with acceleration 0 at a lower speed.
     Ramp {
@@ -154,7 +154,7 @@ enum Rise<'a> {
         raised: f64,
         side: &'a Side,
     },
-    /// The acceleration is above its limit and is lowered first.
+    /// The acceleration is above its limit and decreases to it first.
     Lowered { spent: f64, v: f64, x: f64, side: &'a Side },
 }
 

@@ -1,10 +1,9 @@
 //! S-curve to a position: one monotone family of candidates, one root (spec/motion-core.md §3.4).
 //!
-//! Works in a frame mirrored so that the needed direction is positive. `x0` is where the stop from
-//! here (or the ramp to the end speed) ends. The up-run speeds up towards the limit; the profile
-//! follows it, then ramps down. Where it is left while it speeds up, the peak speed is solved for in
-//! closed terms (`peak`); where it is left earlier (still slowing down, or turning round), the
-//! switch time is the root of a monotone function (`root`).
+//! Works in a frame mirrored so that the needed direction is positive. `x0` is the end of a stop from the start state (or of the ramp to the end
+//! speed). The up-run speeds up towards the limit; the profile follows it, then ramps down. If it leaves the up-run while speeding up, the peak
+//! speed has a closed solution (`peak`); if it leaves earlier (still slowing down, or turning round), the switch time is the root of a monotone
+//! function (`root`).
 
 use crate::KinematicState;
 use crate::builder::{Builder, Sink, Trial};
@@ -37,7 +36,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     if (x - x0).abs() <= CLOSE_DISPLACEMENT_SHARE * x.abs().max(x0.abs()) {
         let farthest;
         (x0, farthest) = ramp_excursion(from, end_speed, limits);
-        // A ramp that comes back knows its end to the digits of the way out only, and so does who asked for its end speed.
+        // A ramp that returns has its end only to the digits of its excursion; the same holds for the caller's end speed.
         near = near.max(4.0 * nearness(from, target, 0.0, farthest));
     }
     if (x - x0).abs() <= near {
@@ -52,7 +51,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     };
     let (x, x0, end_speed) = (sign * x, sign * x0, sign * end_speed);
     if x < x0 {
-        // Too short for the end speed: the straight ramp as far as the target.
+        // Too short for the end speed: the straight ramp up to the target.
         let mut builder = Builder::new(profile, sign);
         ramp(&mut builder, end_speed, limits);
         if !builder.cut_at(x, target) {
@@ -89,14 +88,14 @@ pub(crate) fn to_position_two_stage(profile: &mut Profile, target: f64, limits: 
     builder.finish(arrived(target, 0.0), true)
 }
 
-/// The fastest profile over `x`, at least as far as the ramp to `end_speed >= 0` leads.
+/// The fastest profile over `x`, which is at least the displacement of the ramp to `end_speed >= 0`.
 fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64, limits: &SCurve) {
     let mut builder = Builder::new(profile, sign);
     let end = arrived(target, sign * end_speed);
     let from_above = !approach(&mut builder, limits.speed, limits);
     let Trial { x: run_up, v, a } = builder.now;
     let found = if from_above {
-        // The up-run came down to the limit from above; nothing is left of it.
+        // The up-run came down to the limit from above and has no rest.
         let down = limits.speed - end_speed;
         let cruise = x - run_up - peak::ramp(end_speed, down, &limits.down);
         (cruise >= 0.0).then_some(Peak {
@@ -120,7 +119,7 @@ fn forward(profile: &mut Profile, sign: f64, x: f64, target: f64, end_speed: f64
     builder.finish(end, true)
 }
 
-/// As [`leave_early`] for an end at rest, where the part to be left has a closed form; else false.
+/// As [`leave_early`] for an end at rest, if the phase of the exit has a closed form; otherwise returns false.
 fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
     let Some(last) = builder.len.checked_sub(1) else {
         return false;
@@ -156,8 +155,7 @@ fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
     true
 }
 
-/// Below this share of the velocity change that its deceleration implies, a velocity has too few digits
-/// for differences of closed forms.
+/// Below this share of the velocity change that its deceleration implies, a velocity has too few digits for differences of closed forms.
 const LEAST_SHARE: f64 = 1e-3;
 
 /// Rewinds the builder to the instant from which the ramp to `end_speed` ends at `x`.
@@ -200,7 +198,7 @@ fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurv
     }
 }
 
-/// Up, along, down.
+/// Adds the rise, the cruise and the fall of a peak.
 #[inline(always)]
 fn run(builder: &mut Builder<'_>, peak: &Peak, end_speed: f64, limits: &SCurve) {
     let acceleration = builder.acceleration();
@@ -222,16 +220,16 @@ fn stop(profile: &mut Profile, target: f64, limits: &SCurve) {
     builder.finish(end, end.position == target)
 }
 
-/// No stop from here ends farther away than this, to either side: the acceleration is brought to 0 at
-/// most twice (the motion passes through rest between), and what is left is less than a stop from the
-/// largest speed there can be.
+/// No stop from this state ends farther away than this, to either side: the acceleration is brought to 0 at
+/// most twice (the motion passes through rest between), and the rest is less than a stop from the
+/// largest possible speed.
 fn farthest_stop(from: &KinematicState, limits: &SCurve) -> f64 {
     let relieving = from.acceleration.abs() * limits.up.per_jerk.max(limits.down.per_jerk);
     let fastest = from.velocity.abs() + 0.5 * from.acceleration.abs() * relieving;
     (1.0 + ABOVE_ROUNDING_SHARE) * fastest * (2.0 * relieving + 0.5 * peak::ramp_time(fastest, &limits.down).0)
 }
 
-/// Displacement of the stop from here in closed form, to a few digits less than [`ramp_displacement`].
+/// Displacement of the stop from this state in closed form, with a few digits less than [`ramp_displacement`].
 fn stop_displacement(from: &KinematicState, limits: &SCurve) -> f64 {
     let (up, down) = (&limits.up, &limits.down);
     let mirrored = from.velocity < 0.0 || (from.velocity == 0.0 && from.acceleration < 0.0);
@@ -268,7 +266,7 @@ fn ramp_displacement(from: &KinematicState, velocity: f64, limits: &SCurve) -> f
     ramp_excursion(from, velocity, limits).0
 }
 
-/// The displacement of a ramp, and the largest size of one at the ends of its segments.
+/// The displacement of a ramp, and its largest magnitude at the ends of the segments.
 fn ramp_excursion(from: &KinematicState, velocity: f64, limits: &SCurve) -> (f64, f64) {
     let mut excursion = Excursion {
         trial: Trial {
@@ -282,7 +280,7 @@ fn ramp_excursion(from: &KinematicState, velocity: f64, limits: &SCurve) -> (f64
     (excursion.trial.x, excursion.farthest)
 }
 
-/// A trial that notes how far it has been.
+/// A trial that records its largest displacement.
 struct Excursion {
     trial: Trial,
     farthest: f64,

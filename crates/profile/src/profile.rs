@@ -9,7 +9,7 @@ use crate::limits::{Limits, Shape, sane};
 use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE};
 use crate::{position, ramp, trapezoid};
 
-/// What a motion does at an instant.
+/// The phase of a motion at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
     /// The magnitude of the velocity grows.
@@ -30,7 +30,7 @@ pub(crate) struct Segment {
 /// Position over time: planned once, sampled often. `Copy`, without heap.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile {
-    /// Start times of the segments. What stands behind `len` means nothing, here and below.
+    /// Start times of the segments. Entries from `len` on are unused, here and below.
     pub(crate) times: [f64; MAX_SEGMENTS],
     pub(crate) segments: [Segment; MAX_SEGMENTS],
     pub(crate) len: usize,
@@ -58,9 +58,9 @@ impl Profile {
     /// From `from` to `target`, passing it with `end_speed` (spec/motion-core.md §2, §3.4).
     ///
     /// `end_speed` is along the direction of positive positions (negative for the other), at most the
-    /// speed limit. Where it can be met, [`Profile::end`] is exactly `(target, end_speed, 0)`. Where
-    /// the way is too short for it, the profile ends at `target` with the velocity and acceleration
-    /// that the straight ramp towards `end_speed` has there; where the target lies behind, the
+    /// speed limit. If it can be met, [`Profile::end`] is exactly `(target, end_speed, 0)`. If
+    /// the distance is too short for it, the profile ends at `target` with the velocity and acceleration
+    /// that the straight ramp towards `end_speed` has there; if the target lies behind, the
     /// profile ends at rest. With speed limit 0 the motion stops and does not arrive
     /// ([`Profile::arrives`]).
     ///
@@ -73,7 +73,7 @@ impl Profile {
         profile
     }
 
-    /// As [`Profile::to_position`] to rest, but where the target is overshot, in two stages: first the
+    /// As [`Profile::to_position`] to rest, but in two stages if it would overshoot the target: first the
     /// stop, then a move back from rest (spec/motion-core.md §5.2: after a change of dynamics).
     #[must_use]
     #[inline]
@@ -83,7 +83,7 @@ impl Profile {
         profile
     }
 
-    /// From `from` to a velocity (signed), which is kept after the duration (spec/motion-core.md §3.3).
+    /// From `from` to a velocity (signed), which continues after the duration (spec/motion-core.md §3.3).
     /// `limits.speed` is not read.
     #[must_use]
     #[inline]
@@ -93,13 +93,13 @@ impl Profile {
         profile
     }
 
-    /// To rest, wherever that is: [`Profile::to_velocity`] 0.
+    /// To rest at any position: [`Profile::to_velocity`] 0.
     #[must_use]
     pub fn stop(from: KinematicState, limits: &Limits) -> Profile {
         Profile::to_velocity(from, 0.0, limits)
     }
 
-    /// Seconds until the end state.
+    /// Seconds to the end state.
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
@@ -117,14 +117,14 @@ impl Profile {
         self.end
     }
 
-    /// Whether the profile ends at the target it was planned for: false only for a speed limit of 0.
+    /// The profile ends at its target: false only for a speed limit of 0.
     #[must_use]
     pub fn arrives(&self) -> bool {
         self.arrives
     }
 
     /// The state `t` seconds after the start. Before 0 the start state; from the duration on the end
-    /// state, whose velocity goes on. Real-time safe: one pass over at most 14 start times.
+    /// state, whose velocity continues. Real-time safe: one pass over at most 14 start times.
     #[must_use]
     pub fn at(&self, t: f64) -> KinematicState {
         if t >= self.duration {
@@ -150,7 +150,7 @@ impl Profile {
         self.segments[self.segment_at(t)].jerk
     }
 
-    /// What the motion does at `t`, decided by segment and not by sampling: at the joint of two
+    /// The phase at `t`, determined by segment and not by sampling: at the joint of two
     /// segments the later one counts.
     #[must_use]
     pub fn phase(&self, t: f64) -> Phase {
@@ -247,8 +247,7 @@ impl Profile {
         &self.times[..self.len]
     }
 
-    // The plans work in place and their callers are inlined: a profile is too large to be copied for
-    // nothing. Each of them finishes the profile.
+    // The plans work in place and their callers are inlined, to avoid copies of the large profile. Each of them completes the profile.
 
     fn plan_to_position(&mut self, from: KinematicState, target: f64, end_speed: f64, limits: &Limits) {
         let (target, end_speed) = (sane_position(target), sane(end_speed));
@@ -264,7 +263,7 @@ impl Profile {
         self.start = sane_state(&from);
         match limits.shape() {
             Shape::SCurve(limits) => position::to_position_two_stage(self, target, &limits),
-            // Braking to rest, then a move from rest, is what a trapezoid does anyway.
+            // Braking to rest, then a move from rest, is the usual behaviour of a trapezoid.
             Shape::Trapezoid(limits) => trapezoid::to_position(self, target, 0.0, &limits),
         }
     }
@@ -285,7 +284,7 @@ impl Profile {
         builder.finish(end, true);
     }
 
-    /// Room for a plan from `start`.
+    /// An empty profile from `start`, for a plan.
     #[inline]
     fn unplanned(start: KinematicState) -> Profile {
         Profile {
@@ -365,7 +364,7 @@ impl Segment {
     }
 }
 
-/// Multiplied, since a division takes three times as long.
+/// Multiplication, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;
 
 fn sane_state(state: &KinematicState) -> KinematicState {
@@ -376,7 +375,7 @@ fn sane_state(state: &KinematicState) -> KinematicState {
     }
 }
 
-/// Positions keep their bits unless they are not finite or beyond all use.
+/// Positions keep their bits unless they are not finite or beyond every usable range.
 fn sane_position(position: f64) -> f64 {
     if position.is_nan() {
         0.0

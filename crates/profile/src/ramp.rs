@@ -15,12 +15,11 @@ pub(crate) fn ramp<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
     }
 }
 
-/// All of [`ramp`] but its last rise: runs until what is left is to speed up towards `vt` (in the
-/// direction of `vt`) with one trapezoid of acceleration, and returns true; returns false when the
-/// ramp ended without such a rise.
+/// All of [`ramp`] but its last rise: runs until only a rise towards `vt` (in its direction) with one trapezoid of acceleration remains, and
+/// returns true; returns false if the ramp ended without such a rise.
 #[inline(always)]
 pub(crate) fn approach<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) -> bool {
-    // Every pass but the last ends with v = 0 or a = 0; five is the most there are.
+    // Every pass but the last ends with v = 0 or a = 0; there are at most five.
     for _ in 0..MAX_PASSES {
         let (v, a) = (sink.velocity(), sink.acceleration());
         let mirrored = if v != 0.0 {
@@ -56,7 +55,7 @@ fn rise<S: Sink>(sink: &mut S, vt: f64, limits: &SCurve) {
 }
 
 /// Changes the velocity by `dv` in the direction `sign`, from acceleration `a` to `c` (both at least 0,
-/// in that direction), with one trapezoid of acceleration, which is in reach.
+/// in that direction), with one trapezoid of acceleration, which is possible.
 #[inline(always)]
 pub(crate) fn change_by<S: Sink>(sink: &mut S, dv: f64, a: f64, c: f64, sign: f64, side: &Side) {
     let &Side {
@@ -94,7 +93,7 @@ fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: 
         let above = v - relieved - vt;
         let slack = SAME_VELOCITY_SHARE * (v + relieved);
         if v < relieved - slack {
-            // Speed must pass 0 whatever is done.
+            // The speed passes through 0 in any case.
             cross(sink, v, b, sign, side.jerk);
             return false;
         }
@@ -107,8 +106,7 @@ fn slow_down<S: Sink>(sink: &mut S, v: f64, b: f64, vt: f64, sign: f64, limits: 
         sink.set(sign * vt, 0.0);
         return true;
     }
-    // The acceleration with which the motion passes through rest: legal on both sides of it, and
-    // not such that `vt` is overshot.
+    // The acceleration with which the motion passes through rest: legal on both sides of it, and low enough not to overshoot `vt`.
     let most = limits.up.most.min(side.most);
     let square = -2.0 * limits.up.jerk * vt;
     let c = if square < most * most { square.sqrt() } else { most };

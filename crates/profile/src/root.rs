@@ -2,9 +2,9 @@
 
 use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE};
 
-/// The place in `0..=length` where `f`, non-decreasing with `f(0) = at_start <= 0` and
+/// The point in `0..=length` at which `f`, non-decreasing with `f(0) = at_start <= 0` and
 /// `f(length) = at_end >= 0`, is 0 to within `tolerance`: inverse quadratic interpolation inside a
-/// bracket that is halved whenever that is not safe (T. R. Chandrupatla, 1997). At most
+/// bracket that is halved if interpolation is not safe (T. R. Chandrupatla, 1997). At most
 /// [`MAX_EVALUATIONS`] evaluations; the best one is returned.
 pub(crate) fn solve(length: f64, at_start: f64, at_end: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     // (a, b) is the bracket, b the newer end, c the end before.

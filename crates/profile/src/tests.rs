@@ -7,7 +7,7 @@ use crate::*;
 mod lookahead;
 mod passing;
 
-/// SplitMix64: a case is found again from its number.
+/// SplitMix64: the number of a case reproduces it.
 #[derive(Clone)]
 struct Random(u64);
 
@@ -28,7 +28,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Ten to a power between the two.
+    /// Ten to a random power between two.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         libm::exp10(self.between(low, high))
     }
@@ -48,7 +48,7 @@ impl Random {
     }
 
     fn state(&mut self, limits: &Limits) -> KinematicState {
-        // Zeros and exact limits are the cases that go wrong.
+        // Zeros and exact limits are critical cases.
         let velocity = match self.bits() % 8 {
             0 => 0.0,
             1 => limits.speed,
@@ -89,7 +89,7 @@ fn jerk(limits: &Limits) -> Jerk {
     limits.jerk.expect("an S-curve")
 }
 
-/// What went wrong, if anything.
+/// The first violated property, if there is one.
 fn flaw(profile: &Profile, limits: &Limits, tolerance: f64) -> Option<String> {
     let s_curve = limits.jerk.is_some();
     let start = profile.start();
@@ -610,7 +610,7 @@ fn any_number_gives_a_profile() {
     }
 }
 
-/// Spread over ten decades: solved, though not to the last digit (spec/motion-core.md §13).
+/// Limits over ten decades: solved, though not to the last digit (spec/motion-core.md §13).
 #[test]
 fn limits_spread_over_decades() {
     let mut poor = 0;
@@ -691,7 +691,7 @@ fn edge_cases() {
         );
         assert!(!resting.arrives() && resting.duration() == 0.0 && resting.end().position == 0.0);
     }
-    // A profile planned again from any of its own states takes the rest of its time.
+    // A profile planned again from any of its own states takes the remaining time.
     let far = Profile::to_position(moving, 30.0, 0.0, &limits);
     for share in 0..=50 {
         let t = far.duration() * f64::from(share) / 50.0;
@@ -721,7 +721,7 @@ fn times_of_positions_and_phases() {
         let found = profile
             .time_at_position(s)
             .unwrap_or_else(|| panic!("case {case}: {t} {s:?} {profile:?}"));
-        // Near rest the position stands still to rounding while time goes on.
+        // Near rest the position does not change within rounding while time passes.
         assert!(found <= t + 1e-5 * profile.duration(), "case {case}");
         let there = profile.at(found).position;
         assert!(

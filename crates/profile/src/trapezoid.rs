@@ -1,5 +1,5 @@
 //! Trapezoidal profiles in closed form from any velocity (spec/motion-core.md §2). The acceleration of the
-//! start state is not read: a trapezoid's steps.
+//! start state is not read, as that of a trapezoid may jump.
 //!
 //! `v0, vf` entry and exit speed, `vp` peak, `V, A, D` limits, as in the paper.
 
@@ -46,7 +46,7 @@ pub(crate) fn to_position(profile: &mut Profile, target: f64, end_speed: f64, li
     turn(&mut builder, limits);
     let v0 = builder.velocity();
     let left = x - builder.now.x;
-    // Squares as products: no digits lost between like speeds.
+    // Products instead of squares: no loss of digits between similar speeds.
     let excess = (v0 - vf) * (v0 + vf);
     let least = if excess > 0.0 {
         0.5 * excess * per_decel
@@ -128,7 +128,7 @@ fn turn(builder: &mut Builder<'_>, limits: &Trapezoid) {
     }
 }
 
-/// Goes on for `time` with constant acceleration, ending with velocity `end`.
+/// Adds a segment of `time` with constant acceleration and the end velocity `end`.
 fn hold(builder: &mut Builder<'_>, time: f64, acceleration: f64, end: f64) {
     let v = builder.velocity();
     builder.set(v, acceleration);

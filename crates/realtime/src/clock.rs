@@ -1,7 +1,7 @@
-//! What makes ticks pass: the monotonic clock, or the clients that step the machine.
+//! The clock of the ticks: the monotonic clock, or clients that step the machine.
 //!
-//! On the step clock a tick stays open until another one is asked for: commands are executed at its instant and shown at once, no matter how
-//! long it takes in real time. So the machine's state depends on the commands and the steps alone.
+//! On the step clock a tick stays open until a client asks for another one: commands are executed at its instant and shown at once,
+//! whatever the real time. The machine's state thus depends only on the commands and the steps.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,19 +12,19 @@ use arcline_controller::{ContourRequest, Controller};
 
 use crate::rings::Rings;
 
-/// What makes ticks pass.
+/// The clock of the ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Clock {
     /// Real time.
     #[default]
     Real,
-    /// So many times real time.
+    /// A multiple of real time.
     Fast(f64),
     /// A [`Stepper`].
     Step,
 }
 
-/// Lets ticks pass on the step clock. Clones are of one machine.
+/// Executes ticks on the step clock. Clones belong to the same machine.
 #[derive(Clone)]
 pub struct Stepper(Arc<Shared>);
 
@@ -34,13 +34,13 @@ struct Shared {
     asked: Condvar,
 }
 
-/// Ticks that are to pass.
+/// Ticks to execute.
 pub struct Steps {
-    /// How many, at most.
+    /// The number of ticks, at most.
     pub ticks: u32,
-    /// Asked after each tick, and before the first one: true ends the steps.
+    /// Called before the first tick and after each one: true ends the steps.
     pub until: Option<Box<dyn FnMut() -> bool + Send>>,
-    /// Told how many ticks have passed. Dropped without, when the thread ends.
+    /// Called with the number of executed ticks. Dropped without a call if the thread ends.
     pub done: Box<dyn FnOnce(u32) + Send>,
 }
 
@@ -63,13 +63,13 @@ impl Stepper {
         Stepper(Arc::default())
     }
 
-    /// Lets ticks pass. The steps before must be done: those that are replaced before they began are dropped.
+    /// Requests steps. The earlier ones must be done: this call drops steps that have not begun.
     pub fn step(&self, steps: Steps) {
         *self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner) = Some(steps);
         self.0.asked.notify_one();
     }
 
-    /// The next steps; `None`: there were none for a moment, and there may be commands.
+    /// The next steps; `None` if there were none for a moment, so that commands can be executed.
     fn next(&self) -> Option<Steps> {
         let wanted = self.0.wanted.lock().unwrap_or_else(PoisonError::into_inner);
         let none = |wanted: &mut Option<Steps>| wanted.is_none();
@@ -98,7 +98,7 @@ pub(crate) fn run(mut controller: Controller, mut rings: Rings, stepper: &Steppe
             is_new = false;
         }
         if took {
-            // More may wait, which are executed at this instant too.
+            // More commands may wait, which are executed at this instant, too.
             continue;
         }
         if ends {
@@ -130,5 +130,5 @@ pub(crate) fn run(mut controller: Controller, mut rings: Rings, stepper: &Steppe
     }
 }
 
-/// How soon a command is executed that comes while no steps are asked for.
+/// The longest delay of a command while no steps are requested.
 const MOMENT: Duration = Duration::from_micros(500);

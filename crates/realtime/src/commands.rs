@@ -1,17 +1,17 @@
 //! Commands to the controller: one order, in two rings, so that a stop need not wait for the commands that were sent before it.
 //!
-//! Commands are taken in the order in which they were sent, [`MAX_COMMANDS_PER_TICK`] in a tick. A stop before which more commands wait
-//! than one tick takes comes first, and the controller refuses those commands that it overtook and that would move what it stopped.
-//! So nothing is ever reordered while the controller keeps up. Not here: the choice of the instructions that are stops, and the refusal of overtaken commands.
+//! Commands are taken in the order in which they were sent, [`MAX_COMMANDS_PER_TICK`] in a tick. A stop with more waiting commands before it
+//! than one tick takes precedes them, and the controller refuses overtaken commands that would move the stopped axes. The order therefore never
+//! changes while the controller keeps up. Not here: the choice of the instructions that are stops, and the refusal of overtaken commands.
 
 use arcline_controller::{Command, MAX_COMMANDS_PER_TICK, Overtaking};
 
-/// Commands that can wait for the controller: what it takes in 16 ticks, so that no command waits for longer.
+/// Most commands that can wait for the controller: those of 16 ticks, which limits the wait of a command.
 pub const COMMANDS: usize = 16 * MAX_COMMANDS_PER_TICK;
-/// Stops that can wait besides.
+/// Most stops that can wait in addition.
 pub const STOPS: usize = COMMANDS / 2;
 
-/// There is no room for a command; nothing was sent.
+/// There is no room for a command; it was not sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Full;
 
@@ -28,7 +28,7 @@ impl std::error::Error for Full {}
 pub struct CommandSender {
     commands: rtrb::Producer<Command>,
     stops: rtrb::Producer<Overtaking>,
-    /// Commands that were sent, stops aside.
+    /// Number of commands sent, without stops.
     sent: u64,
 }
 
@@ -37,11 +37,11 @@ pub struct CommandSender {
 pub(crate) struct CommandReceiver {
     commands: rtrb::Consumer<Command>,
     stops: rtrb::Consumer<Overtaking>,
-    /// Commands that were taken, stops aside.
+    /// Number of commands taken, without stops.
     taken: u64,
 }
 
-/// Both ends, for so many commands and stops. The only allocation.
+/// Both ends, for these numbers of commands and stops. The only allocation.
 pub(crate) fn link(commands: usize, stops: usize) -> (CommandSender, CommandReceiver) {
     let (command_sender, commands) = rtrb::RingBuffer::new(commands);
     let (stop_sender, stops) = rtrb::RingBuffer::new(stops);
@@ -81,34 +81,34 @@ impl CommandSender {
         self.stops.push(overtaking).map_err(|_| Full)
     }
 
-    /// Commands that find room.
+    /// Room for further commands.
     pub fn slots(&self) -> usize {
         self.commands.slots()
     }
 
-    /// Stops that find room.
+    /// Room for further stops.
     pub fn stop_slots(&self) -> usize {
         self.stops.slots()
     }
 }
 
 impl CommandReceiver {
-    /// Whether there is room for no command more.
+    /// There is no room for another command.
     pub(crate) fn is_full(&self) -> bool {
         self.commands.slots() == self.commands.buffer().capacity()
     }
 
-    /// Commands that wait, stops aside. Real-time.
+    /// Number of waiting commands, without stops. Real-time.
     pub(crate) fn waiting(&self) -> usize {
         self.commands.slots()
     }
 
-    /// Commands that were taken, stops aside. Real-time.
+    /// Number of commands taken, without stops. Real-time.
     pub(crate) fn taken(&self) -> u64 {
         self.taken
     }
 
-    /// A stop before which more commands wait than a tick takes. Real-time.
+    /// A stop with more waiting commands before it than a tick takes. Real-time.
     pub(crate) fn overtaking(&mut self) -> Option<Overtaking> {
         let sent_before = self.stops.peek().ok()?.sent_before;
         if sent_before.saturating_sub(self.taken) <= MAX_COMMANDS_PER_TICK as u64 {
@@ -119,7 +119,7 @@ impl CommandReceiver {
 
     /// The next command in the order in which they were sent. Real-time.
     pub(crate) fn next(&mut self) -> Option<Command> {
-        // Looked at first: a stop that was sent before a command that waits now is seen below.
+        // Read first: a stop that was sent before a command that waits now is then seen below.
         let waits = self.commands.slots() > 0;
         if self.stops.peek().is_ok_and(|stop| stop.sent_before <= self.taken) {
             return self.stops.pop().ok().map(|stop| stop.command);

@@ -1,7 +1,7 @@
 //! Planning contours beside the real-time thread: requests out, trajectories in, old ones out to be freed.
 //!
-//! A request is a buffer that goes round: the tick fills it, the planning thread reads it and sends it back
-//! empty, so neither side makes one while motion runs.
+//! A request is a buffer in circulation: the tick fills it, and the planning thread reads it and returns it empty, so neither side allocates one
+//! during motion.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,9 +12,9 @@ use arcline_controller::{ContourRequest, PlannedContour, Trajectory};
 
 /// Requests under way at once.
 const REQUESTS: usize = 2;
-/// Trajectories that can wait to be taken or freed.
+/// Most trajectories that can wait to be taken or freed.
 const TRAJECTORIES: usize = 64;
-/// How often the planning thread looks for work: nothing in the tick may wake it.
+/// The interval at which the planning thread polls for work: the tick must not wake it.
 const PAUSE: Duration = Duration::from_millis(1);
 
 /// The controller's ends.
@@ -36,7 +36,7 @@ pub struct Planning {
     retired: rtrb::Consumer<Arc<Trajectory>>,
 }
 
-/// Both ends, if the machine has a coordinate system that travels planned contours.
+/// Both ends, if the machine has a coordinate system with planned contours.
 pub(crate) fn link(machine: &Machine) -> Option<(Contours, Planning)> {
     let plans = |system: &arcline_controller::machine::CoordinateSystem| {
         system.corner == Corner::Precise || system.axis_limits == AxisLimits::Enforce
@@ -49,7 +49,7 @@ pub(crate) fn link(machine: &Machine) -> Option<(Contours, Planning)> {
     let (planned, plans) = rtrb::RingBuffer::new(TRAJECTORIES);
     let (retired, old) = rtrb::RingBuffer::new(TRAJECTORIES);
     for _ in 0..REQUESTS {
-        // The ring was made for as many.
+        // The ring has room for all requests.
         let _ = free.push(Box::new(ContourRequest::new()));
     }
     let contours = Contours {
@@ -78,7 +78,7 @@ impl Contours {
 
     pub(crate) fn submit(&mut self) {
         if let Some(request) = self.filling.take() {
-            // There are as many places as requests.
+            // The ring has room for all requests.
             let _ = self.asked.push(request);
         }
     }
@@ -95,7 +95,7 @@ impl Contours {
 }
 
 impl Planning {
-    /// Plans one request, if one waits, and frees what is no longer needed. Returns whether there was one.
+    /// Plans one request, if one waits, and frees retired trajectories. Returns true if there was a request.
     pub fn step(&mut self) -> bool {
         while self.retired.pop().is_ok() {}
         let Ok(mut request) = self.asked.pop() else {
@@ -106,7 +106,7 @@ impl Planning {
             generation: request.generation,
             trajectory: request.plan(),
         };
-        // Each system has one plan under way at most, so there is room for it and for the empty request.
+        // Each system has at most one plan under way, so there is room for it and for the empty request.
         let _ = self.planned.push(planned);
         let _ = self.free.push(request);
         true

@@ -1,9 +1,9 @@
-//! The controller's thread: one tick after another at absolute times, and the rings that join it to the rest.
+//! The controller's thread: a sequence of ticks at absolute times, and the rings that connect it to the rest of the server.
 //!
 //! [`spawn`] splits once: the [`Link`] is for the code that talks to the controller, the [`Handle`] for the code that
-//! ends the process. Without a thread, [`link`] and [`step`] give the same on a clock of the caller's. Not here:
-//! motion, tags, sockets. The loop allocates nothing, takes no lock and makes no system call but its sleep (the
-//! clock is read without one). Times are nanoseconds on the monotonic clock.
+//! ends the process. Without a thread, [`link`] and [`step`] do the same on a clock of the caller. Not here:
+//! motion, tags, sockets. The loop allocates nothing, takes no lock and makes no system call but its sleep (reading the
+//! clock needs none). Times are nanoseconds on the monotonic clock.
 
 #![deny(unsafe_code)]
 

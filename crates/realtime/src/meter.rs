@@ -1,6 +1,6 @@
-//! Lateness, compute time and overruns: counters that one thread writes and any reads.
+//! Lateness, compute time and overruns: counters that one thread writes and all others can read.
 //!
-//! A reader may see the numbers of two neighbouring ticks; each number by itself is whole.
+//! A reader may see the numbers of two neighbouring ticks; each single number is consistent.
 
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -13,7 +13,7 @@ use crate::schedule::Report;
 /// The measurements of one thread.
 #[derive(Debug, Default)]
 pub struct Meter {
-    /// Snapshots that were published.
+    /// Number of published snapshots.
     snapshots: AtomicU64,
     ticks: AtomicU64,
     overruns: AtomicU64,
@@ -43,7 +43,7 @@ struct Histogram {
 }
 
 impl Meter {
-    /// Everything measured so far.
+    /// All measurements so far.
     pub fn health(&self) -> Health {
         let ticks = self.ticks.load(Relaxed);
         Health {
@@ -67,18 +67,18 @@ impl Meter {
         }
     }
 
-    /// How many snapshots were published: who has seen so many has seen the newest one, with the events of its tick.
+    /// The number of published snapshots: a reader of this many has seen the newest one, with the events of its tick.
     pub fn snapshots(&self) -> u64 {
         self.snapshots.load(Acquire)
     }
 
-    /// Counts a snapshot that has been published. Real-time, one thread only.
+    /// Counts a published snapshot. Real-time, one thread only.
     pub(crate) fn publish(&self) {
         self.snapshots
             .store(self.snapshots.load(Relaxed).wrapping_add(1), Release);
     }
 
-    /// Counts a tick: how late it began and how long it took, ns. Real-time, one thread only.
+    /// Counts a tick, with its lateness and its compute time, ns. Real-time, one thread only.
     pub(crate) fn tick(&self, lateness: u64, compute: u64, overran: bool, caught_up: bool) {
         self.lateness.add(lateness);
         self.compute.add(compute);
@@ -134,14 +134,14 @@ impl Histogram {
     }
 }
 
-/// One writer: a load and a store do.
+/// For a single writer a load and a store suffice.
 fn add(counter: &AtomicU64, number: u64) {
     counter.store(counter.load(Relaxed).wrapping_add(number), Relaxed);
 }
 
 /// Time constant of the averages (spec/axis-and-data-types.md §8.8).
 const AVERAGE_TICKS: i64 = 250;
-/// Keeps the averages from sticking below their time constant.
+/// Scale that keeps the averages from sticking below their time constant.
 const AVERAGE_SCALE: u64 = 1024;
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! What crosses the border of the thread: bounded rings for commands, answers and events, a triple buffer for
-//! snapshots. Neither side waits: a full ring is an answer to its sender, or a counted loss.
+//! The rings across the border of the thread: bounded rings for commands, answers and events, a triple buffer for
+//! snapshots. Neither side waits: the sender handles a full ring, or counts a loss.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,35 +19,35 @@ use crate::meter::Meter;
 use crate::samples::{self, SampleSender, Samples};
 use crate::stops::{self, StopReceiver, Stops};
 
-/// Events that can wait for their reader; one tick can make as many.
+/// Most events that can wait for their reader; one tick can cause as many.
 pub const EVENTS: usize = 16_384;
-/// Changes of faults that can wait for their reader.
+/// Most changes of faults that can wait for their reader.
 const FAULT_CHANGES: usize = 4096;
-/// Writes to arrays that can wait for their reader.
+/// Most writes to arrays that can wait for their reader.
 const ARRAY_WRITES: usize = 4096;
-/// Accepted moves that can wait for their reader; more are not shown.
+/// Most accepted moves that can wait for their reader; further ones are not shown.
 pub const ACCEPTED: usize = 2048;
 
-/// What an instruction's tag showed right after it was executed.
+/// The status of an instruction's tag directly after its execution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// The tick it was executed in.
+    /// The tick of the execution.
     pub tick: u64,
-    /// Which execution.
+    /// The execution.
     pub ticket: Ticket,
-    /// What its tag showed.
+    /// The status of its tag.
     pub control: MotionControl,
 }
 
-/// The outer ends.
+/// The ends of the server.
 ///
-/// Everything that a tick says of itself is in its ring before its snapshot is published: a reader who takes a
+/// All reports of a tick are in their rings before its snapshot is published: a reader who takes a
 /// snapshot and then all answers and events up to its tick has the state of that one tick.
 #[derive(Debug)]
 pub struct Link {
     /// Commands to the controller.
     pub commands: CommandSender,
-    /// Requests to stop, which no command is ahead of.
+    /// Requests to stop, which precede all commands.
     pub stops: Stops,
     /// One answer for every call, in the order in which they were executed.
     pub answers: rtrb::Consumer<Answer>,
@@ -55,19 +55,19 @@ pub struct Link {
     pub events: rtrb::Consumer<Event>,
     /// Changes of the faults of axes, in order.
     pub fault_changes: rtrb::Consumer<FaultChange>,
-    /// What instructions wrote to arrays, in order.
+    /// Writes of instructions to arrays, in order.
     pub array_writes: rtrb::Consumer<ArrayWrite>,
-    /// Coordinated moves as they were accepted, in order.
+    /// Accepted coordinated moves, in order.
     pub accepted: rtrb::Consumer<AcceptedMove>,
-    /// A row of samples for every tick; `None`: it was taken.
+    /// A row of samples for every tick; `None` once a reader has taken it.
     pub samples: Option<Samples>,
     /// The newest snapshot.
     pub snapshots: triple_buffer::Output<Snapshot>,
     /// The thread's measurements.
     pub meter: Arc<Meter>,
-    /// What a thread beside the controller plans contours with, where the machine has some.
+    /// The end of the planning thread, if the machine has planned contours.
     pub planning: Option<Planning>,
-    /// Lets ticks pass, on the step clock.
+    /// Executes ticks, on the step clock.
     pub stepper: Option<Stepper>,
 }
 
@@ -76,9 +76,9 @@ pub struct Link {
 pub struct Rings {
     commands: CommandReceiver,
     stops: StopReceiver,
-    /// Commands in the ring that were sent before the newest stop of everything.
+    /// Number of commands in the ring that were sent before the newest stop of all axes.
     before_stop: usize,
-    /// One of them was taken in this tick.
+    /// This tick has taken one of them.
     took_before_stop: bool,
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
@@ -88,43 +88,43 @@ pub struct Rings {
     samples: SampleSender,
     snapshots: triple_buffer::Input<Snapshot>,
     pub(crate) meter: Arc<Meter>,
-    /// The tick that runs or comes next.
+    /// The tick that is under way or next.
     pub(crate) tick: u64,
     stop: Stop,
     contours: Option<Contours>,
-    /// Whether a tick is shown several times, and its samples are sent when it is over.
+    /// The clock is stepped: a tick may be shown several times, and its samples are sent at its end.
     is_stepped: bool,
-    /// The state of the tick as it was shown last, where it is stepped.
+    /// The state of the tick as last shown, on the step clock.
     shown: Snapshot,
 }
 
-/// How far a stop has come.
+/// The progress of a final stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stop {
     No,
-    /// The next command is a stop of everything.
+    /// The next command is a stop of all axes.
     Asked,
-    /// Commands are not taken any more.
+    /// No more commands are taken.
     Under,
 }
 
-/// Rings that have no more room. That of answers always has some: a call that could not be answered is not sent.
+/// The full rings. That of answers is never full: a call without room for its answer is not sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct FullRings {
-    /// That of commands.
+    /// The ring of commands.
     pub commands: bool,
-    /// That of changes of instructions.
+    /// The ring of changes of instructions.
     pub events: bool,
-    /// That of samples.
+    /// The ring of samples.
     pub samples: bool,
 }
 
-/// The room in rings.
+/// The room in the rings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Room {
     /// Commands.
     pub commands: usize,
-    /// Stops besides.
+    /// Additional stops.
     pub stops: usize,
     /// Changes of instructions.
     pub events: usize,
@@ -132,7 +132,7 @@ pub struct Room {
     pub samples_ns: u64,
 }
 
-/// That of the program.
+/// The room in the server.
 impl Default for Room {
     fn default() -> Self {
         Room {
@@ -149,10 +149,10 @@ pub fn link(machine: &Machine) -> (Rings, Link) {
     link_with(machine, Room::default())
 }
 
-/// The same with other room: a simulation lets rings be full.
+/// The same with another room: a simulation of full rings.
 pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
     let (command_sender, commands) = commands::link(room.commands, room.stops);
-    // Every command in the ring may be answered before anybody looks.
+    // All commands in the ring may be answered before a reader takes an answer.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (room.commands + room.stops));
     let (events, event_receiver) = rtrb::RingBuffer::new(room.events);
     let (fault_changes, fault_change_receiver) = rtrb::RingBuffer::new(FAULT_CHANGES);
@@ -200,14 +200,14 @@ pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
 }
 
 impl Rings {
-    /// The first tick is this one, as that of the controller ([`Controller::starting_at`](arcline_controller::Controller::starting_at)).
+    /// Sets the first tick, as for the controller ([`Controller::starting_at`](arcline_controller::Controller::starting_at)).
     #[must_use]
     pub fn starting_at(mut self, tick: u64) -> Self {
         self.tick = tick;
         self
     }
 
-    /// The rings that have no more room.
+    /// The full rings.
     pub fn full(&self) -> FullRings {
         FullRings {
             commands: self.commands.is_full(),
@@ -216,21 +216,21 @@ impl Rings {
         }
     }
 
-    /// From now on the controller takes one command, to stop everything, and no other.
+    /// Makes the controller take one more command, a stop of all axes, and no other.
     pub fn stop(&mut self) {
         if self.stop == Stop::No {
             self.stop = Stop::Asked;
         }
     }
 
-    /// A tick is shown as often as it changes, and over at [`Rings::close`].
+    /// For the step clock: a tick is shown whenever it changes, and ends at [`Rings::close`].
     pub(crate) fn set_stepped(&mut self) {
         self.is_stepped = true;
-        // They are planned where they are executed.
+        // Contours are planned in the tick.
         self.contours = None;
     }
 
-    /// The tick that was shown last is over: sends its samples.
+    /// Ends the tick that was last shown: sends its samples.
     pub(crate) fn close(&mut self) {
         if !self.samples.send(&self.shown) {
             self.meter.lose_samples();
@@ -238,8 +238,8 @@ impl Rings {
         self.tick += 1;
     }
 
-    /// Waits until the readers of samples and events have made room, a second at most: ticks that pass faster than real time must not
-    /// be lost on them. Not for the real-time thread.
+    /// Waits until the readers of samples and events have made room, at most a second: ticks faster than real time must not cause losses. Not for
+    /// the real-time thread.
     pub(crate) fn wait_for_room(&self, ends: &AtomicBool) {
         for _ in 0..PATIENCE {
             if self.samples.has_room()
@@ -256,7 +256,7 @@ impl Rings {
     }
 }
 
-/// Pauses of half a millisecond.
+/// Most pauses of half a millisecond.
 const PATIENCE: u32 = 2000;
 
 impl Port for Rings {
@@ -292,7 +292,7 @@ impl Port for Rings {
             Stop::No => {
                 let taken = self.commands.taken();
                 let command = self.commands.next()?;
-                // Stops begin nothing.
+                // Stops begin no motion.
                 if self.commands.taken() > taken {
                     self.took_before_stop |= self.before_stop > 0;
                     self.before_stop = self.before_stop.saturating_sub(1);
@@ -340,7 +340,7 @@ impl Port for Rings {
     }
 
     fn accepted(&mut self, accepted: &AcceptedMove) {
-        // Without room it is not drawn, and moves all the same.
+        // Without room the move is not drawn, but it is executed.
         let _ = self.accepted.push(*accepted);
     }
 

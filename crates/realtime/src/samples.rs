@@ -3,7 +3,7 @@
 use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, samples};
 
-/// Rows that can wait to be taken, as time, ns, and as memory, bytes.
+/// Limits for waiting rows, as time, ns, and as memory, bytes.
 pub(crate) const WAITING_NS: u64 = 4_000_000_000;
 const WAITING_BYTES: usize = 32 << 20;
 
@@ -14,20 +14,20 @@ pub(crate) struct SampleSender {
     width: usize,
 }
 
-/// The outer end: rows as [`samples::row`] makes them, in order.
+/// The end of the server: rows of [`samples::row`], in order.
 #[derive(Debug)]
 pub struct Samples {
     ring: rtrb::Consumer<f64>,
     width: usize,
 }
 
-/// Both ends, for that time, ns. The only allocation.
+/// Both ends, for rows over a time, ns. The only allocation.
 pub(crate) fn link(machine: &Machine, waiting_ns: u64) -> (SampleSender, Samples) {
     let width = samples::width(machine);
     let rows = (waiting_ns / machine.period_ns.max(1)) as usize;
     let rows = rows.min(WAITING_BYTES / (width * size_of::<f64>())).max(LEAST);
     let (mut sender, mut receiver) = rtrb::RingBuffer::new(rows * width);
-    // Touched, so that no tick meets a page fault.
+    // Touched once, so that no tick causes a page fault.
     if let Ok(all) = sender.write_chunk(rows * width) {
         all.commit_all();
     }
@@ -39,12 +39,12 @@ pub(crate) fn link(machine: &Machine, waiting_ns: u64) -> (SampleSender, Samples
 }
 
 impl SampleSender {
-    /// Whether there is room for a row.
+    /// There is room for a row.
     pub(crate) fn has_room(&self) -> bool {
         self.ring.slots() >= self.width
     }
 
-    /// Sends the row of a tick. False: there is no room, and the row is lost. Real-time.
+    /// Sends the row of a tick. Returns false if there is no room; the row is then lost. Real-time.
     pub(crate) fn send(&mut self, snapshot: &Snapshot) -> bool {
         match self.ring.write_chunk_uninit(self.width) {
             Ok(chunk) => {
@@ -62,14 +62,14 @@ impl Samples {
         self.width
     }
 
-    /// Takes every row that waits, oldest first, in pieces of whole rows.
+    /// Takes every waiting row, oldest first, in pieces of whole rows.
     pub fn take(&mut self, mut give: impl FnMut(&[f64])) {
         let waiting = self.ring.slots() / self.width * self.width;
         let Ok(chunk) = self.ring.read_chunk(waiting) else {
             return;
         };
         let (first, second) = chunk.as_slices();
-        // The ring holds whole rows, so none lies across its end.
+        // The ring has room for whole rows only, so no row crosses its end.
         give(first);
         if !second.is_empty() {
             give(second);
@@ -78,5 +78,5 @@ impl Samples {
     }
 }
 
-/// The fewest rows that can wait.
+/// The least number of rows that can wait.
 const LEAST: usize = 16;

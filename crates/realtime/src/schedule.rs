@@ -1,4 +1,4 @@
-//! What a thread asks the system for so that it runs on time, and what it got.
+//! The requests of a thread to the system for punctual execution, and their results.
 
 use std::fmt;
 use std::num::NonZeroU64;
@@ -8,25 +8,25 @@ use rustix::mm::MlockAllFlags;
 use rustix::process::{Resource, getrlimit};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
 
-/// What the real-time thread obtained.
+/// The results for the real-time thread.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Runs under SCHED_FIFO.
+    /// The thread runs under SCHED_FIFO.
     pub fifo: bool,
     /// Memory is locked.
     pub memory_locked: bool,
-    /// The core it is pinned to.
+    /// The core to which it is pinned.
     pub core: Option<usize>,
-    /// What it did not get, and why.
+    /// The refused requests.
     pub shortfalls: Vec<Shortfall>,
 }
 
-/// Something that the system refused.
+/// A request that the system refused.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortfall {
-    /// What was asked for.
+    /// The request.
     pub what: &'static str,
-    /// Why not.
+    /// The reason.
     pub why: String,
 }
 
@@ -45,7 +45,7 @@ impl Report {
     }
 }
 
-/// Prepares the calling thread. Nothing here is necessary: what cannot be had is reported.
+/// Prepares the calling thread. Every request is optional: a refused one is reported.
 pub(crate) fn prepare(priority: i32, core: Option<usize>) -> Report {
     let mut report = Report::default();
     prefault_stack();
@@ -62,7 +62,7 @@ pub(crate) fn prepare(priority: i32, core: Option<usize>) -> Report {
         Ok(()) => report.fifo = true,
         Err(error) => report.lacks("SCHED_FIFO", error),
     }
-    // Pinned but not preferred, it would wait behind whatever else runs on that core.
+    // Pinned without a priority, the thread would wait for any other process on that core.
     if report.fifo || core.is_some() {
         match pin(core) {
             Ok(core) => report.core = core,
@@ -72,10 +72,10 @@ pub(crate) fn prepare(priority: i32, core: Option<usize>) -> Report {
     report
 }
 
-/// Prepares the calling thread for deadlines of its own beside the tick's: a sleep that ends on time, and SCHED_FIFO at a
-/// priority that never delays the tick. Nothing here is necessary: what cannot be had is reported.
+/// Prepares the calling thread for its own deadlines beside the tick: punctual sleeps, and SCHED_FIFO at a
+/// priority that never delays the tick. Every request is optional: a refused one is reported.
 ///
-/// The thread must bound its own work: it comes before everything that is not real-time.
+/// The thread must bound its own work: it precedes everything that is not real-time.
 pub fn prepare_beside_tick() -> Report {
     let mut report = Report::default();
     if let Err(error) = set_current_timer_slack(NonZeroU64::new(1)) {
@@ -92,7 +92,7 @@ pub fn prepare_beside_tick() -> Report {
 const BESIDE_TICK: i32 = 40;
 
 fn lock_memory() -> Result<(), Errno> {
-    // With a limit, locking what comes later would make later allocations fail: refuse instead.
+    // Under a limit, locking future memory would make later allocations fail, so only present memory is locked.
     let limit = getrlimit(Resource::Memlock).current;
     let flags = match limit {
         None => MlockAllFlags::CURRENT | MlockAllFlags::FUTURE,
@@ -123,7 +123,7 @@ fn pin(core: Option<usize>) -> Result<Option<usize>, Errno> {
 
 #[allow(unsafe_code)]
 fn fifo(priority: i32) -> Result<(), std::io::Error> {
-    // SAFETY: the structure is plain numbers, and all zeros is a value of it.
+    // SAFETY: the structure consists of plain numbers, and all zeros is a valid value.
     let mut parameters: libc::sched_param = unsafe { std::mem::zeroed() };
     parameters.sched_priority = priority;
     // SAFETY: 0 is the calling thread; the pointer is to a live structure that is only read.
@@ -133,7 +133,7 @@ fn fifo(priority: i32) -> Result<(), std::io::Error> {
     }
 }
 
-/// Touches the stack that the ticks will use, so that none of them meets a page fault.
+/// Touches the stack that the ticks will use, so that none of them causes a page fault.
 #[inline(never)]
 fn prefault_stack() {
     let mut pages = [0u8; PREFAULTED_STACK];

@@ -1,8 +1,8 @@
-//! Requests to stop, which the tick looks at before every other command.
+//! Requests to stop, which the tick reads before every other command.
 //!
-//! They do not travel through the ring of commands: each is one atomic word, made at start-up. So a request never waits behind other
-//! commands, never finds the ring full, and needs no lock; a request that repeats one that the tick has not seen yet is the same
-//! request. Not here: what a stop does (`arcline-controller`), and what decides on it.
+//! They do not pass through the ring of commands: each is one atomic word, allocated at start-up. A request therefore never waits for other
+//! commands, never finds the ring full, and needs no lock; repeating a request that the tick has not read yet has no further effect.
+//! Not here: the effect of a stop (`arcline-controller`), and the decision to stop.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use arcline_controller::{StopRequest, Ticket};
 use arcline_instruction_set::{AxisId, JogEnd};
 
-/// The senders' end; clones are the same one. Every method may be called from any thread, and none blocks.
+/// The senders' end; clones are equivalent. Every method may be called from any thread, and none blocks.
 #[derive(Clone, Debug)]
 pub struct Stops(Arc<Shared>);
 
@@ -18,18 +18,18 @@ pub struct Stops(Arc<Shared>);
 #[derive(Debug)]
 pub(crate) struct StopReceiver {
     shared: Arc<Shared>,
-    /// The axis to be looked at next; `None`: nothing was found to be asked for.
+    /// The axis to examine next; `None`: no request was found.
     next: Option<usize>,
 }
 
 #[derive(Debug)]
 struct Shared {
-    /// Something below was written since the tick has looked.
+    /// A word below was written since the tick last read them.
     any: AtomicBool,
     all: AtomicBool,
     /// Motion is inhibited until it is released.
     inhibited: AtomicBool,
-    /// For each axis, the newest ticket whose jog is to end, and why ([`word`]); 0: none.
+    /// For each axis, the newest ticket whose jog must end, and the reason ([`word`]); 0: none.
     jogs: Box<[AtomicU64]>,
 }
 
@@ -55,31 +55,31 @@ fn request(word: u64) -> Option<(Ticket, JogEnd)> {
 }
 
 impl Stops {
-    /// Stops everything that moves, every axis by itself.
+    /// Stops all motion, each axis separately.
     pub fn stop_all(&self) {
         self.0.all.store(true, Ordering::Release);
         self.0.any.store(true, Ordering::Release);
     }
 
-    /// Stops everything that moves, and inhibits motion until [`Stops::release`]: instructions that would begin motion are refused.
+    /// Stops all motion, and inhibits motion until [`Stops::release`]: instructions that would begin motion are refused.
     pub fn inhibit(&self) {
-        // Ahead of the stop: nothing begins behind it.
+        // Before the stop, so that no motion begins after it.
         self.0.inhibited.store(true, Ordering::Release);
         self.stop_all();
     }
 
-    /// Inhibits motion no more.
+    /// Ends the inhibition of motion.
     pub fn release(&self) {
         self.0.inhibited.store(false, Ordering::Release);
     }
 
-    /// Whether motion is inhibited.
+    /// Motion is inhibited.
     pub fn is_inhibited(&self) -> bool {
         self.0.inhibited.load(Ordering::Acquire)
     }
 
-    /// Stops the jog that an instruction began on an axis (by its place in the machine), at the axis's full deceleration. A jog that
-    /// another instruction began goes on. `why` is the cause of its end, if nothing else has ended it.
+    /// Stops the jog that an instruction began on an axis (by its index in the machine), at the axis's full deceleration. A jog of
+    /// another instruction continues. `why` is the cause of its end, unless it has ended otherwise.
     pub fn end_jog(&self, axis: AxisId, ticket: Ticket, why: JogEnd) {
         if let Some(jog) = self.0.jogs.get(usize::from(axis)) {
             // One instruction jogs an axis at a time: the newest.
@@ -89,7 +89,7 @@ impl Stops {
     }
 }
 
-/// Both ends for a machine of so many axes. The only allocation.
+/// Both ends, for a machine with this number of axes. The only allocation.
 pub(crate) fn link(axes: usize) -> (StopReceiver, Stops) {
     let shared = Arc::new(Shared {
         any: AtomicBool::new(false),
@@ -105,7 +105,7 @@ pub(crate) fn link(axes: usize) -> (StopReceiver, Stops) {
 }
 
 impl StopReceiver {
-    /// Whether motion is inhibited. Real-time.
+    /// Motion is inhibited. Real-time.
     pub(crate) fn is_inhibited(&self) -> bool {
         self.shared.inhibited.load(Ordering::Acquire)
     }

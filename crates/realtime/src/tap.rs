@@ -1,4 +1,4 @@
-//! A tick whose snapshot is shown to the caller: a simulation checks every tick, a reader of the triple buffer only the newest.
+//! A tick with access to its snapshot: a simulation checks every tick, while a reader of the triple buffer sees only the newest one.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use arcline_instruction_set::MotionControl;
 
 use crate::rings::Rings;
 
-/// As [`step`](crate::step); `see` gets the snapshot of the tick before it is published. Returns how many changes of instructions and faults
-/// the tick has reported, whether or not the rings had room for them.
+/// As [`step`](crate::step); `see` gets the snapshot of the tick before it is published. Returns the number of changes of instructions and
+/// faults that the tick has reported, whether or not the rings had room for them.
 pub fn step_seen(controller: &mut Controller, rings: &mut Rings, see: &mut dyn FnMut(&Snapshot)) -> u64 {
     let mut tap = Tap {
         rings,
@@ -24,7 +24,7 @@ pub fn step_seen(controller: &mut Controller, rings: &mut Rings, see: &mut dyn F
     reported
 }
 
-/// The rings, with a look at each snapshot.
+/// The rings, with access to each snapshot.
 struct Tap<'r> {
     rings: &'r mut Rings,
     see: &'r mut dyn FnMut(&Snapshot),

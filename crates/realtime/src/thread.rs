@@ -15,18 +15,18 @@ use crate::meter::Meter;
 use crate::rings::{Link, Rings, link};
 use crate::schedule::{self, Report};
 
-/// What the thread asks for.
+/// The options of the thread.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Priority under SCHED_FIFO, 1 to 99.
     pub priority: i32,
-    /// The core to be pinned to; `None`: the last one, when there are several and the priority was granted.
+    /// The core to which it is pinned; `None`: the last one, if there are several and the priority was granted.
     pub core: Option<usize>,
-    /// Ticks that are caught up one after another; when more are missed, the time base moves.
+    /// Most missed ticks that are caught up; if more are missed, the time base moves.
     pub catch_up: u64,
-    /// Longest wait for everything to stand still when the thread is stopped, ticks.
+    /// Longest wait for the end of all motion when the thread is stopped, ticks.
     pub grace: u64,
-    /// What makes ticks pass.
+    /// The clock of the ticks.
     pub clock: Clock,
 }
 
@@ -54,7 +54,7 @@ impl std::fmt::Display for SpawnError {
 
 impl std::error::Error for SpawnError {}
 
-/// The running thread. Dropped, it stops too, without a wait for its end.
+/// The running thread. Dropping it also stops the thread, without a wait for its end.
 #[derive(Debug)]
 pub struct Handle {
     stop: Arc<AtomicBool>,
@@ -63,12 +63,12 @@ pub struct Handle {
 }
 
 impl Handle {
-    /// What the thread obtained from the system.
+    /// The results of the thread's requests to the system.
     pub fn report(&self) -> &Report {
         &self.report
     }
 
-    /// Stops all motion in a controlled way, waits until everything stands still (at most
+    /// Stops all motion in a controlled way, waits until all axes stand (at most
     /// [`Options::grace`] ticks), and ends the thread. Blocks until then.
     pub fn stop(mut self) {
         self.stop.store(true, Ordering::Release);
@@ -85,11 +85,11 @@ impl Drop for Handle {
     }
 }
 
-/// Starts the controller of a machine on a thread of its own. Logs one warning when the system granted less
-/// than was asked for.
+/// Starts the controller of a machine on its own thread. Logs one warning if the system granted less
+/// than was requested.
 ///
 /// # Errors
-/// When the system has no thread left.
+/// If the system has no thread left.
 pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), SpawnError> {
     let (mut rings, mut link) = link(machine);
     let mut period = machine.period_ns.max(1);
@@ -112,13 +112,13 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), Spaw
         .stack_size(STACK)
         .spawn(move || {
             let _abort = AbortOnPanic;
-            // Steps need no deadline.
+            // Steps need no deadlines.
             let report = match &stepper {
                 Some(_) => Report::default(),
                 None => schedule::prepare(options.priority, options.core),
             };
             rings.meter.report(&report);
-            // The process may end before it does.
+            // The process may end before it reads the report.
             let _ = report_sender.send(report);
             match &stepper {
                 Some(stepper) => clock::run(controller, rings, stepper, options.grace, &asked),
@@ -207,7 +207,7 @@ fn sleep_until(due: u64) {
     while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
 }
 
-/// A panic in the tick is a bug, and motion without it must not go on: the process ends.
+/// A panic in the tick is a bug, and motion must not continue without the tick: the process ends.
 struct AbortOnPanic;
 
 impl Drop for AbortOnPanic {

@@ -1,4 +1,4 @@
-//! The instructions that were executed: who called them, from which line, and what ended them.
+//! The executed instructions: their callers, their lines, and the causes of their ends.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -8,10 +8,10 @@ use arcline_instruction_set::{ControlSlot, Mnemonic};
 use crate::end::Erred;
 use crate::program::ProgramId;
 
-/// Calls and their ends that are remembered, so that memory does not grow with the program.
+/// Calls and ends that are stored, so that memory does not grow with the program.
 const REMEMBERED: usize = 1 << 16;
 
-/// Where a call comes from.
+/// The origin of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Origin {
     /// The program; `None`: the caller of the simulation.
@@ -20,7 +20,7 @@ pub struct Origin {
     pub line: usize,
 }
 
-/// A call that was executed.
+/// An executed call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Called {
     pub(crate) origin: Origin,
@@ -31,12 +31,12 @@ pub(crate) struct Called {
 /// The newest calls.
 #[derive(Debug, Default)]
 pub(crate) struct Calls {
-    /// Instructions that were executed: the newest ticket.
+    /// The number of executed instructions: the newest ticket.
     executed: u64,
     newest_calls: VecDeque<Called>,
     /// The newest execution of a motion control tag.
     newest: BTreeMap<ControlSlot, (Ticket, Mnemonic)>,
-    /// What ended executions that did not come to their end.
+    /// The causes of ends before completion.
     causes: BTreeMap<Ticket, Cause>,
     /// The first error of each program.
     erred: BTreeMap<ProgramId, Erred>,
@@ -59,14 +59,14 @@ impl Calls {
         ticket
     }
 
-    /// A call by its ticket; `None`: it is too old.
+    /// A call by its ticket; `None` if it is too old.
     pub(crate) fn get(&self, ticket: Ticket) -> Option<&Called> {
         let first = self.executed + 1 - self.newest_calls.len() as u64;
         let index = usize::try_from(ticket.0.checked_sub(first)?).ok()?;
         self.newest_calls.get(index)
     }
 
-    /// Line of a call; 0: it has none, or is too old.
+    /// Line of a call; 0 if it has none, or is too old.
     pub(crate) fn line_of(&self, ticket: Ticket) -> usize {
         self.get(ticket).map_or(0, |called| called.origin.line)
     }
@@ -76,17 +76,17 @@ impl Calls {
         self.newest.get(&slot).copied()
     }
 
-    /// What ended an execution before its end.
+    /// The cause of an execution's end before completion.
     pub(crate) fn cause(&self, ticket: Ticket) -> Option<Cause> {
         self.causes.get(&ticket).copied()
     }
 
-    /// Executions that did not come to their end, by ticket.
+    /// Executions that ended before completion, by ticket.
     pub(crate) fn causes(&self) -> impl Iterator<Item = (Ticket, Cause)> {
         self.causes.iter().map(|(ticket, cause)| (*ticket, *cause))
     }
 
-    /// An execution ended before its end.
+    /// Records the end of an execution before completion.
     pub(crate) fn end(&mut self, ticket: Ticket, cause: Cause) {
         if self.causes.len() == REMEMBERED {
             self.causes.pop_first();
@@ -94,7 +94,8 @@ impl Calls {
         self.causes.insert(ticket, cause);
     }
 
-    /// An execution erred: remembers the first error of its program. One that is too old counts as the newest program's, without a line.
+    /// Records the error of an execution, if it is the first of its program. An execution that is too old counts as the newest program's,
+    /// without a line.
     pub(crate) fn err(&mut self, ticket: Ticket, erred: impl FnOnce(usize) -> Erred) {
         let forgotten = || Origin {
             program: self.newest_calls.back().and_then(|called| called.origin.program),
@@ -111,12 +112,12 @@ impl Calls {
         self.erred.get(&program)
     }
 
-    /// The same, to add to it.
+    /// The same, mutable.
     pub(crate) fn erred_mut(&mut self, program: ProgramId) -> Option<&mut Erred> {
         self.erred.get_mut(&program)
     }
 
-    /// Forgets the error of a program, and returns it.
+    /// Removes the error of a program, and returns it.
     pub(crate) fn take_erred(&mut self, program: ProgramId) -> Option<Erred> {
         self.erred.remove(&program)
     }

@@ -1,4 +1,4 @@
-//! How runs end, and why statements are refused.
+//! The ends of runs, and the refusals of statements.
 
 use std::fmt;
 
@@ -6,18 +6,18 @@ use arcline_controller::image::{ControlError, ReadError, WriteError};
 use arcline_instruction_set::{BindError, Mnemonic, describe};
 use arcline_structured_text::RunError;
 
-/// How a run ended.
+/// The end of a run.
 #[derive(Clone, Debug)]
 pub enum End {
     /// The program ran to its end and all motion ended.
     Finished,
     /// An instruction erred, and the motion that had begun ended.
     Erred(Erred),
-    /// The program could not go on.
+    /// The program could not continue.
     Wrong(RunError<Refused>),
-    /// So many seconds passed.
+    /// The time limit passed, s.
     TooLong(f64),
-    /// Its observer has seen enough.
+    /// The observer ended the run.
     Left,
 }
 
@@ -34,12 +34,12 @@ pub struct Erred {
     pub err: i16,
     /// EXERR.
     pub exerr: i8,
-    /// The operand at fault, where it was left out.
+    /// The operand at fault, if it was left out.
     pub left_out: Option<&'static str>,
 }
 
 impl Erred {
-    /// The error in words.
+    /// The text of the error.
     pub fn text(&self) -> String {
         let text = describe(self.err, self.exerr, Some(self.mnemonic));
         match self.left_out {
@@ -56,16 +56,16 @@ impl fmt::Display for Erred {
     }
 }
 
-/// Why a statement did not run.
+/// The reason why a statement was not executed.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum Refused {
     /// The operands do not fit.
     #[error(transparent)]
     Bind(#[from] BindError),
-    /// The name cannot be that of a motion control tag.
+    /// The name is not a valid name of a motion control tag.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// The name is of no axis or coordinate system.
+    /// No axis or coordinate system has the name.
     #[error("there is no axis or coordinate system {name}")]
     NoObject {
         /// The name.
@@ -83,11 +83,11 @@ pub enum Refused {
         /// ERR.
         err: i16,
     },
-    /// Nothing that could make the condition of a WAIT true goes on.
+    /// No motion or change is left that could make the condition of a WAIT true.
     #[error("WAIT can no longer come true: every axis is at rest, and nothing has changed for {STILL_SECONDS} s")]
     Still,
 }
 
-/// Simulated seconds that a WAIT lasts while the machine is at rest. Only the program moves a simulated machine, and whatever a drive or
-/// a servo still does is over long before.
+/// Simulated seconds for which a WAIT lasts while the machine is at rest. Only the program moves a simulated machine, and any
+/// remaining motion of a drive or servo has ended long before.
 pub(crate) const STILL_SECONDS: u32 = 60;

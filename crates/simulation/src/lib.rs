@@ -1,7 +1,7 @@
-//! The controller on a virtual clock: ticks pass when the caller says so, and a run can be repeated exactly.
+//! The controller on a virtual clock: the caller executes the ticks, and a run can be repeated exactly.
 //!
-//! [`Simulation`] is a machine with its tags, driven tick by tick. [`Runner`] is the same with programs, which continue in the ticks in which
-//! they have something to do. An [`Observer`] sees what happens; [`Record`] writes it down as text. Times are in seconds.
+//! [`Simulation`] is a machine with its tags, driven tick by tick. [`Runner`] is a simulation with programs, which continue in the ticks in which
+//! they have work. An [`Observer`] receives the changes; [`Record`] writes them as text. Times are in seconds.
 //!
 //! Not here: threads, real clocks, files, sockets, logs.
 

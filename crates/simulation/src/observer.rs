@@ -1,11 +1,11 @@
-//! What a simulation shows.
+//! The reports of a simulation.
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{ArrayWrite, Controller, Event, FaultChange, Ticket};
 use arcline_instruction_set::Call;
 
-/// Sees a simulation, tick by tick. Of one tick the methods are called in the order in which they stand here.
+/// Observes a simulation, tick by tick. In a tick, its methods are called in the order of their definition.
 pub trait Observer {
     /// Before the first tick.
     fn begin(&mut self, machine: &Machine) {
@@ -19,7 +19,7 @@ pub trait Observer {
     fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
         let _ = (change, time, machine);
     }
-    /// An instruction wrote to an array: takes it into the tag memory.
+    /// A write of an instruction to an array: stores it in the tag memory.
     fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
         image.apply_array_write(write);
     }
@@ -27,14 +27,14 @@ pub trait Observer {
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
         let _ = (event, time, image);
     }
-    /// The state at the end of a tick. False: it has seen enough.
+    /// The state at the end of a tick. False ends the run.
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
         let _ = (tick, machine, controller);
         true
     }
 }
 
-/// Looks at nothing.
+/// Ignores all reports.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Blind;
 

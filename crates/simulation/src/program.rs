@@ -1,7 +1,7 @@
-//! A program on a simulation: it runs within a tick until it has to wait, and continues in a later tick in which it has something to do.
+//! A program on a simulation: it runs within a tick until it has to wait, and continues in a later tick in which it has work.
 //!
-//! A program is a future that waits only in its pauses. It owns its interpreter and shares the simulation with the [`Runner`](crate::Runner), which
-//! lets the ticks pass, decides when the pause is over, and polls the program then.
+//! A program is a future that waits only in its pauses. It owns its interpreter and shares the simulation with the
+//! [`Runner`](crate::Runner), which executes the ticks, decides the end of the pause, and then polls the program.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -34,7 +34,7 @@ pub(crate) struct Stage {
     pub(crate) waits: BTreeMap<ProgramId, Wait>,
 }
 
-/// The stage as the runner and the programs share it. Only one of them works at a time: the lock is always free.
+/// The stage, shared by the runner and the programs. Only one of them works at a time, so the lock is always free.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedStage(Arc<Mutex<Stage>>);
 
@@ -51,33 +51,33 @@ impl SharedStage {
     }
 }
 
-/// What a program waits for, and what it has done since time last passed.
+/// The pause of a program, and its actions since the last tick.
 #[derive(Debug)]
 pub(crate) struct Wait {
     policy: Policy,
     wake: Wake,
     /// The pause is over.
     over: Option<Result<(), Refused>>,
-    /// What the WAIT has read so far: the slots and what they showed.
+    /// The slots that the WAIT has read so far, with their status.
     watched: Vec<(ControlSlot, MotionControl)>,
-    /// Whether it has read anything else, which may change in any tick.
+    /// The WAIT has read another value, which may change in any tick.
     reads_motion: bool,
-    /// The first tick since which the program waits for a condition and the machine is at rest.
+    /// The first tick since which the program has waited for a condition with the machine at rest.
     still_since: Option<u64>,
 }
 
-/// When the program continues.
+/// The condition for a program to continue.
 #[derive(Debug)]
 enum Wake {
     /// In the next tick.
     Next,
     /// In the next tick, in which the condition of a WAIT may have changed.
     Condition,
-    /// When a motion control tag that it has read shows something else.
+    /// A change of a motion control tag that it has read.
     Change,
-    /// When there is room for the move.
+    /// Room for the move.
     Room(Box<Call>),
-    /// In that tick.
+    /// The tick has come.
     At(u64),
 }
 
@@ -98,7 +98,7 @@ impl Wait {
         self.over = Some(result);
     }
 
-    /// Whether the program may have something to do in this tick.
+    /// The program may have work in this tick.
     pub(crate) fn is_due(&self, simulation: &Simulation) -> bool {
         let controller = simulation.controller();
         match &self.wake {
@@ -118,7 +118,7 @@ impl Wait {
         (self.policy.on_error == OnError::Stop).then_some(Refused::Erred { err: erred.err })
     }
 
-    /// Whether this is a WAIT during which the machine has been at rest for [`STILL_SECONDS`].
+    /// The pause is a WAIT during which the machine has been at rest for [`STILL_SECONDS`].
     pub(crate) fn is_vain(&mut self, simulation: &Simulation) -> bool {
         if !matches!(self.wake, Wake::Change | Wake::Condition) {
             return false;
@@ -135,7 +135,7 @@ impl Wait {
 }
 
 impl Stage {
-    /// Something was executed: a machine at rest may move again.
+    /// Records an execution: a machine at rest may move again.
     fn note_execution(&mut self) {
         for wait in self.waits.values_mut() {
             wait.still_since = None;
@@ -143,7 +143,7 @@ impl Stage {
     }
 }
 
-/// How a program ended; and what of it can go on with the next piece.
+/// The end of a program, and the part of it that can continue with the next piece.
 pub(crate) type Ended = (ProgramRun<Ticket>, Result<(), RunError<Refused>>);
 
 /// A program under way.
@@ -156,7 +156,7 @@ impl fmt::Debug for Task {
 }
 
 impl Task {
-    /// A program in front of its next statement. The stage has its [`Wait`].
+    /// A program before its next statement. The stage has its [`Wait`].
     pub(crate) fn new(stage: SharedStage, id: ProgramId, mut run: ProgramRun<Ticket>) -> Self {
         Task(Box::pin(async move {
             let mut seat = Seat { stage, id, line: 1 };
@@ -165,7 +165,7 @@ impl Task {
         }))
     }
 
-    /// Lets the program run until it waits. `None`: it does.
+    /// Runs the program until it waits. `None`: it waits.
     pub(crate) fn poll(&mut self) -> Option<Ended> {
         match self.0.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
             Poll::Ready(ended) => Some(ended),
@@ -174,11 +174,11 @@ impl Task {
     }
 }
 
-/// The program's place at the simulation.
+/// The access of the program to the simulation.
 struct Seat {
     stage: SharedStage,
     id: ProgramId,
-    /// Line of the statement that runs.
+    /// Line of the statement in execution.
     line: usize,
 }
 
@@ -190,12 +190,12 @@ impl Seat {
         }
     }
 
-    /// Works on the simulation.
+    /// Calls `work` with the simulation.
     fn with<R>(&self, work: impl FnOnce(&mut Simulation) -> R) -> R {
         work(&mut self.stage.lock().simulation)
     }
 
-    /// Works on the simulation and the pause of this program.
+    /// Calls `work` with the simulation and the pause of this program.
     fn with_wait<R>(&self, work: impl FnOnce(&mut Simulation, &mut Wait) -> R) -> R {
         let mut stage = self.stage.lock();
         let Stage { simulation, waits } = &mut *stage;
@@ -203,7 +203,7 @@ impl Seat {
         work(simulation, wait)
     }
 
-    /// Writes to the tags, unless that is refused or an instruction has erred.
+    /// Writes to the tags, unless the write is refused or an instruction has erred.
     fn change(
         &self,
         write: impl FnOnce(&mut Simulation) -> Result<Option<arcline_controller::image::Edge>, Refused>,
@@ -223,9 +223,9 @@ impl Seat {
     }
 }
 
-/// Reads a tag: a motion control as the controller has it in this moment, everything else from the image.
+/// Reads a tag: a motion control in its present state in the controller, all other tags from the image.
 ///
-/// Nothing but programs executes instructions here: one that has ended, or never began, stays so during a WAIT.
+/// Only programs execute instructions here: an instruction that has ended, or never began, stays so during a WAIT.
 fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<Reading, Refused> {
     let mut settled = false;
     let kind = path
@@ -242,7 +242,7 @@ fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<
         Some(TagKind::Instruction(kind)) => settled = watch(simulation, kind.control),
         Some(TagKind::Plain) => {
             simulation.image_mut().show_uses();
-            // Output cams write it, other programs, and the caller between two ticks.
+            // Output cams, other programs, and the caller between two ticks can write it.
             wait.reads_motion = true;
         }
         Some(TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit) => wait.reads_motion = true,
@@ -250,7 +250,7 @@ fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<
             wait.reads_motion = true;
             simulation.show();
         }
-        // A motion control that is made later in the program.
+        // A motion control tag that the program adds later.
         None => {
             if let Some(value) = unmade_control(path) {
                 return Ok(Reading::Settled(value));

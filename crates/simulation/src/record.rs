@@ -1,4 +1,4 @@
-//! A simulation as text: the trace as CSV, events and faults as JSON lines, each in one big buffer that is written out when it is full.
+//! A simulation as text: the trace as CSV, events and faults as JSON lines, each in a large buffer that is written out when it is full.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -25,7 +25,7 @@ impl fmt::Debug for Record {
 }
 
 impl Record {
-    /// A record that goes to a file, or whatever takes text.
+    /// A record into a file or another writer.
     pub fn new(file: Box<dyn Write + Send>) -> Self {
         Record {
             file,
@@ -34,7 +34,7 @@ impl Record {
         }
     }
 
-    /// Writes what is left.
+    /// Writes the rest of the text.
     ///
     /// # Errors
     /// The text could not be written.
@@ -92,7 +92,7 @@ impl Record {
     /// One change of an instruction's status.
     pub fn event(&mut self, event: &Event, time: f64, tag: &str) {
         if event.set | event.clear == 0 {
-            // A cam has come to another segment.
+            // A cam has reached another segment.
             return;
         }
         let text = &mut self.text;

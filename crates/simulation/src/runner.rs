@@ -1,4 +1,4 @@
-//! A simulation with programs: ticks pass, and programs continue in those in which they have something to do.
+//! A simulation with programs: the runner executes ticks, and programs continue in those in which they have work.
 
 use std::collections::BTreeMap;
 use std::ops::{Deref, DerefMut};
@@ -14,7 +14,7 @@ use crate::observer::Observer;
 use crate::program::{Ended, ProgramId, SharedStage, Stage, Task, Wait};
 use crate::simulation::Simulation;
 
-/// How to run a program to its end.
+/// The options for running a program to its end.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Longest simulated time, s.
@@ -28,29 +28,29 @@ pub struct Options {
 pub struct Piece {
     /// Its statements.
     pub interpreter: Interpreter,
-    /// Lines of the pieces before it.
+    /// Number of lines in the pieces before it.
     pub lines_before: usize,
 }
 
-/// How far ticks may pass.
+/// The limits for executing ticks.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// So many ticks may begin.
+    /// Most ticks that may begin.
     pub ticks: u64,
-    /// No tick begins behind so many seconds of simulated time.
+    /// The simulated time after which no tick begins, seconds.
     pub until: f64,
 }
 
-/// Why no more ticks pass.
+/// The reason why the execution of ticks ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Passed {
-    /// A program has something to do.
+    /// A program has work.
     Due,
-    /// So many ticks have passed; the present tick is open.
+    /// The number of ticks is reached; the present tick is open.
     Ticks,
     /// The simulated time is over; the present tick is closed.
     Time,
-    /// The observer has seen enough; the present tick is closed.
+    /// The observer ended the run; the present tick is closed.
     Left,
 }
 
@@ -62,14 +62,14 @@ pub struct Runner {
     programs: u32,
 }
 
-/// A program under way, or how it ended.
+/// A program under way, or its end.
 #[derive(Debug)]
 enum Program {
     Runs(Task),
     Ended(Result<(), RunError<Refused>>),
 }
 
-/// The simulation of a [`Runner`], to look at and to write to. Not held while ticks pass.
+/// Access to the simulation of a [`Runner`]. Not held while ticks are executed.
 #[derive(Debug)]
 pub struct Locked<'r>(MutexGuard<'r, Stage>);
 
@@ -107,7 +107,7 @@ impl Runner {
         Locked(self.stage.lock())
     }
 
-    /// Starts a program: it runs until it waits. The present tick is open.
+    /// Starts a program: it runs until it waits. The present tick must be open.
     pub fn start(&mut self, program: Interpreter, policy: Policy) -> ProgramId {
         self.programs += 1;
         let id = ProgramId(self.programs);
@@ -115,12 +115,12 @@ impl Runner {
         id
     }
 
-    /// Whether a program runs, waits included.
+    /// The program is under way, including its waits.
     pub fn runs(&self, program: ProgramId) -> bool {
         matches!(self.tasks.get(&program), Some(Program::Runs(_)))
     }
 
-    /// How a program ended; `None`: it runs. Instructions that erred since it was accepted count as its errors too.
+    /// The end of a program; `None` while it is under way. Errors of its instructions after its end count, too.
     pub fn end_of(&self, program: ProgramId) -> Option<Result<(), End>> {
         let Program::Ended(ended) = self.tasks.get(&program)? else {
             return None;
@@ -140,7 +140,7 @@ impl Runner {
         })
     }
 
-    /// Ends a program where it is, and forgets it. Motion that it began goes on.
+    /// Ends a program and removes it. Motion that it began continues.
     pub fn remove(&mut self, program: ProgramId) {
         self.tasks.remove(&program);
         let mut stage = self.stage.lock();
@@ -157,7 +157,7 @@ impl Runner {
         }
     }
 
-    /// The same with further pieces of the program, each asked for when the one before has run.
+    /// The same with further pieces of the program; `next` is called after each piece has run.
     ///
     /// # Errors
     /// Those of `next`.
@@ -214,7 +214,7 @@ impl Runner {
         })
     }
 
-    /// Lets ticks pass, and programs run in them, up to the limits.
+    /// Executes ticks, and the programs in them, up to the limits.
     pub fn step(&mut self, limits: Limits, observer: &mut impl Observer) -> Passed {
         let last = self.simulation().tick().saturating_add(limits.ticks);
         loop {
@@ -231,7 +231,7 @@ impl Runner {
         }
     }
 
-    /// Lets ticks pass until a program has something to do, all motion has ended or time is up.
+    /// Executes ticks until a program has work, all motion has ended or the time is up.
     fn pass(&self, limits: Limits, observer: &mut impl Observer) -> Passed {
         let mut stage = self.stage.lock();
         let mut left = limits.ticks;
@@ -258,7 +258,7 @@ impl Runner {
         Passed::Ticks
     }
 
-    /// Lets ticks pass until all motion has ended.
+    /// Executes ticks until all motion has ended.
     fn come_to_rest(&self, until: f64, observer: &mut impl Observer) -> Result<(), End> {
         let mut stage = self.stage.lock();
         let simulation = &mut stage.simulation;
@@ -304,7 +304,7 @@ impl Runner {
         ended
     }
 
-    /// Lets a program run until it waits.
+    /// Runs a program until it waits.
     fn continue_with(&mut self, id: ProgramId, run: ProgramRun<Ticket>, policy: Policy) {
         self.stage.lock().waits.insert(id, Wait::new(policy));
         let task = Task::new(self.stage.clone(), id, run);
@@ -312,7 +312,7 @@ impl Runner {
         self.poll_one(id);
     }
 
-    /// Lets the programs run whose pauses are over, in the order in which they were started.
+    /// Runs the programs whose pauses have ended, in the order of their starts.
     fn poll(&mut self) {
         let running: Vec<ProgramId> = self.tasks.keys().copied().collect();
         for id in running {
@@ -335,7 +335,7 @@ impl Runner {
     }
 }
 
-/// Ends the pauses for which `look` has a result; whether there were any.
+/// Ends the pauses for which `look` has a result. Returns true if there were any.
 fn wake(
     waits: &mut BTreeMap<ProgramId, Wait>,
     mut look: impl FnMut(ProgramId, &mut Wait) -> Option<Result<(), Refused>>,

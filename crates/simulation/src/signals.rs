@@ -7,7 +7,7 @@ use arcline_tag::TagPath;
 
 use crate::simulation::Simulation;
 
-/// The signals of an axis that are not rounded to the REALs of its tag, in the order of [`Controller::trace`].
+/// The signals of an axis in full precision, not rounded to the REALs of its tag, in the order of [`Controller::trace`].
 pub const AXIS_SIGNALS: [&str; 4] = [
     "CommandPosition",
     "CommandVelocity",
@@ -18,21 +18,21 @@ pub const AXIS_SIGNALS: [&str; 4] = [
 /// A signal.
 #[derive(Clone, Debug)]
 pub enum Signal {
-    /// One of the four of an axis that a trace has ([`AXIS_SIGNALS`]), as 64-bit numbers.
+    /// One of the four signals of an axis in a trace ([`AXIS_SIGNALS`]), as 64-bit numbers.
     Axis {
         /// The axis, in configuration order.
         axis: usize,
-        /// Its place in [`AXIS_SIGNALS`].
+        /// Its index in [`AXIS_SIGNALS`].
         column: usize,
     },
-    /// A tag, as its type holds it.
+    /// A tag, with the precision of its type.
     Tag(TagPath),
 }
 
-/// Why a name is none of a signal.
+/// The reason why a name is not a signal.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum NoSignal {
-    /// It is no path of a tag.
+    /// The name is not a path of a tag.
     #[error("{0:?} is no path of a tag: {1}")]
     Path(String, String),
     /// The tag cannot be read.
@@ -44,7 +44,7 @@ impl Signal {
     /// The signal of a name.
     ///
     /// # Errors
-    /// It is neither a signal of an axis nor a tag.
+    /// The name is neither a signal of an axis nor a tag.
     pub fn new(simulation: &Simulation, name: &str) -> Result<Self, NoSignal> {
         let path: TagPath = name
             .parse()
@@ -69,13 +69,13 @@ impl Signal {
         Some(Signal::Axis { axis, column })
     }
 
-    /// Whether the tags must be brought up to the moment to read it.
+    /// The tags must be updated before the signal is read.
     pub fn is_tag(&self) -> bool {
         matches!(self, Signal::Tag(_))
     }
 }
 
-/// The values of signals at the present moment, into a row of as many numbers.
+/// Samples the signals at the present moment into a row with as many numbers.
 pub fn sample(simulation: &mut Simulation, signals: &[Signal], row: &mut [f64]) {
     if signals.iter().any(Signal::is_tag) {
         simulation.show();
@@ -86,22 +86,22 @@ pub fn sample(simulation: &mut Simulation, signals: &[Signal], row: &mut [f64]) 
         }
     }
     Columns::new(signals).read(simulation.controller(), row);
-    for (signal, place) in signals.iter().zip(row) {
+    for (signal, value) in signals.iter().zip(row) {
         if let Signal::Tag(path) = signal {
-            *place = simulation.image().read(path).map_or(f64::NAN, |value| value.as_f64());
+            *value = simulation.image().read(path).map_or(f64::NAN, |number| number.as_f64());
         }
     }
 }
 
-/// Those of some signals that are axes', in the order of the axes.
+/// The signals of axes among some signals, in the order of the axes.
 #[derive(Clone, Debug)]
 pub struct Columns(Vec<(usize, usize, usize)>);
 
 impl Columns {
     /// The columns of these signals.
     pub fn new(signals: &[Signal]) -> Self {
-        let of_axis = |(place, signal): (usize, &Signal)| match signal {
-            Signal::Axis { axis, column } => Some((*axis, *column, place)),
+        let of_axis = |(row_index, signal): (usize, &Signal)| match signal {
+            Signal::Axis { axis, column } => Some((*axis, *column, row_index)),
             Signal::Tag(_) => None,
         };
         let mut columns: Vec<_> = signals.iter().enumerate().filter_map(of_axis).collect();
@@ -109,12 +109,12 @@ impl Columns {
         Columns(columns)
     }
 
-    /// Reads them into their places of a row.
+    /// Reads them into their columns of a row.
     pub fn read(&self, controller: &Controller, row: &mut [f64]) {
         let mut columns = self.0.iter().peekable();
         for (index, values) in controller.trace().enumerate() {
-            while let Some((_, column, place)) = columns.next_if(|(axis, ..)| *axis == index) {
-                row[*place] = values[*column];
+            while let Some((_, column, row_index)) = columns.next_if(|(axis, ..)| *axis == index) {
+                row[*row_index] = values[*column];
             }
             if columns.peek().is_none() {
                 return;

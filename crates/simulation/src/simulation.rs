@@ -15,8 +15,8 @@ use crate::calls::{Called, Calls, Origin};
 use crate::end::{Erred, Refused};
 use crate::observer::Observer;
 
-/// A controller, its tags, and what was executed on it. Between [`Simulation::begin`] and [`Simulation::end`] a tick is open: instructions are
-/// executed at its instant. A closed tick is over, and the next one has not begun.
+/// A controller, its tags, and the instructions executed on it. Between [`Simulation::begin`] and [`Simulation::end`] a tick is open:
+/// instructions are executed at its instant. Between ticks, the last one is closed.
 #[derive(Debug)]
 pub struct Simulation {
     machine: Arc<Machine>,
@@ -29,7 +29,7 @@ pub struct Simulation {
     is_open: bool,
     calls: Calls,
     events: Vec<Event>,
-    /// What was accepted in this tick.
+    /// The calls accepted in this tick.
     accepted: Vec<(Ticket, Call)>,
 }
 
@@ -40,13 +40,13 @@ impl Simulation {
         Self::of(machine, controller, image)
     }
 
-    /// The same with other drives, in the order of the machine's axes.
+    /// The same with specific drives, in the order of the machine's axes.
     pub fn with_drives(machine: Arc<Machine>, image: Image, drives: Box<dyn Drives>) -> Self {
         let controller = Controller::with_drives(&machine, drives);
         Self::of(machine, controller, image)
     }
 
-    /// The same with simulated drives, of whose axes a model of the mechanics moves some.
+    /// The same with simulated drives, and a model of the mechanics that moves some of their axes.
     pub fn with_model(machine: Arc<Machine>, image: Image, model: Box<dyn MechanicalModel>, axes: &[AxisId]) -> Self {
         let drives = ModelDrives::new(arcline_controller::simulated(&machine), model, axes);
         Self::with_drives(machine, image, Box::new(drives))
@@ -82,13 +82,13 @@ impl Simulation {
         &self.controller
     }
 
-    /// The controller, to do what no instruction does.
+    /// The controller, for operations without an instruction.
     pub fn controller_mut(&mut self) -> &mut Controller {
         self.shown = None;
         &mut self.controller
     }
 
-    /// The tags as they were last refreshed: see [`Simulation::show`].
+    /// The tags as last updated: see [`Simulation::show`].
     pub fn image(&self) -> &Image {
         &self.image
     }
@@ -98,7 +98,7 @@ impl Simulation {
         &mut self.image
     }
 
-    /// The present tick: the open one, or the one that was closed last.
+    /// The present tick: the open one, or the last closed one.
     pub fn tick(&self) -> u64 {
         self.controller.tick_number()
     }
@@ -108,12 +108,12 @@ impl Simulation {
         (self.tick() as f64 * self.machine.period_ns as f64) / 1e9
     }
 
-    /// Whether the present tick has begun and not ended.
+    /// The present tick is open: it has begun and not ended.
     pub fn is_open(&self) -> bool {
         self.is_open
     }
 
-    /// Instructions that were executed.
+    /// The number of executed instructions.
     pub fn executed(&self) -> u64 {
         self.calls.executed()
     }
@@ -132,7 +132,7 @@ impl Simulation {
         self.is_open = true;
     }
 
-    /// Ends the present tick. False: the observer has seen enough.
+    /// Ends the present tick. Returns false if the observer ends the run.
     pub fn end(&mut self, observer: &mut impl Observer) -> bool {
         let (tick, time) = (self.tick(), self.time());
         let Simulation {
@@ -172,7 +172,7 @@ impl Simulation {
         observer.tick(tick, machine, controller)
     }
 
-    /// Executes an instruction at the present tick. Returns its ticket and what its motion control tag shows.
+    /// Executes an instruction at the present tick. Returns its ticket and the status of its motion control tag.
     pub fn execute(&mut self, call: &Call, origin: Origin) -> (Ticket, MotionControl) {
         let (mnemonic, control) = (call.mnemonic, call.control);
         let ticket = self.calls.add(Called {
@@ -195,7 +195,7 @@ impl Simulation {
         (ticket, shown)
     }
 
-    /// Does what a write to the tags asks for. Returns the instruction that was executed.
+    /// Performs the effect of a write to the tags. Returns the executed instruction.
     ///
     /// # Errors
     /// The operands of an instruction tag do not fit.
@@ -216,7 +216,7 @@ impl Simulation {
                 self.shown = None;
             }
             Edge::DynamicsBits => self.set_dynamics_bits(),
-            // Only the caller lets ticks pass.
+            // Only the caller executes ticks.
             Edge::Steps(_) => {}
             Edge::Input => {
                 for input in self.image.take_inputs() {
@@ -238,7 +238,7 @@ impl Simulation {
         Ok(None)
     }
 
-    /// Writes to the tags by a function, and does what the write asks for.
+    /// Writes to the tags by a function, and performs the effect of the write.
     ///
     /// # Errors
     /// The write is refused, or the operands of an instruction tag do not fit.
@@ -258,7 +258,7 @@ impl Simulation {
         self.controller.rung_false(control);
     }
 
-    /// Takes the overrides, injected faults and Dynamics Configuration Bits that the tags have; a hold would have no end, and is none.
+    /// Takes the overrides, injected faults and Dynamics Configuration Bits of the tags; an override of 0 is ignored, as the run would not end.
     pub fn take_overrides(&mut self) {
         for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
             let share = if percent > 0.0 { f64::from(percent) / 100.0 } else { 1.0 };
@@ -280,7 +280,7 @@ impl Simulation {
         }
     }
 
-    /// Brings axes and coordinate systems in the tags up to the present moment.
+    /// Updates axes and coordinate systems in the tags to the present moment.
     pub fn show(&mut self) {
         let tick = self.tick();
         if self.shown != Some(tick) {
@@ -289,13 +289,13 @@ impl Simulation {
         }
     }
 
-    /// The same, also when an instruction was executed since.
+    /// The same, even if an instruction was executed since.
     pub fn show_now(&mut self) {
         self.controller.snapshot(&mut self.snapshot);
         self.image.apply_snapshot(&self.snapshot);
     }
 
-    /// Brings a motion control in the tags up to the present moment, and returns it.
+    /// Updates a motion control in the tags to the present moment, and returns it.
     pub fn show_control(&mut self, slot: ControlSlot) -> MotionControl {
         let control = self.controller.control(slot);
         self.image.set_control(slot, control);
@@ -318,7 +318,7 @@ impl Simulation {
         }
     }
 
-    /// Executions that a fault ended before their end: line, instruction, tag, and the fault.
+    /// Executions that a fault ended before completion: line, instruction, tag, and the fault.
     pub fn stopped(&self) -> Vec<String> {
         let by_fault = self
             .calls
@@ -346,7 +346,7 @@ impl Simulation {
     }
 }
 
-/// The error of a call of that line.
+/// The error of a call on a line.
 fn erred(image: &Image, mnemonic: Mnemonic, control: ControlSlot, err: i16, exerr: i8) -> impl FnOnce(usize) -> Erred {
     move |line| Erred {
         tag: image.control_name(control).to_owned(),

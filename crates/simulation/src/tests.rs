@@ -1,4 +1,4 @@
-//! Steps, programs beside each other, and how numbers are printed.
+//! Steps, concurrent programs, and the format of numbers.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
@@ -99,7 +99,7 @@ fn a_program_in_steps_of_any_length_is_the_program_in_one_run() {
             }
             assert!(matches!(runner.end_of(id), Some(Ok(()))));
         });
-        // The last step may end behind the program.
+        // The last step may end after the program.
         let common = whole.len().min(stepped.len());
         assert!(common > 20_000, "{common} bytes");
         assert_eq!(whole[..common], stepped[..common], "steps of {ticks}");
@@ -199,7 +199,7 @@ fn time_and_observers_end_a_step() {
     assert_eq!(runner.simulation().tick(), 8);
 }
 
-/// A program that waits for a tag goes on when another program, or the caller, has written it.
+/// A program that waits for a tag continues after another program, or the caller, has written it.
 #[test]
 fn a_wait_for_a_plain_tag_sees_the_writes_of_others() {
     let text = [arcline_config::DEFAULT, "\n[[tag]]\nname = \"Go\"\ntype = \"DINT\"\n"].concat();

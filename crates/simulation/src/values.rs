@@ -1,4 +1,4 @@
-//! Values that are given to tags by name, before a run or at the present tick.
+//! Values for tags by name, before a run or at the present tick.
 
 use arcline_controller::image::{ReadError, WriteError};
 use arcline_tag::{Fraction, Misfit, PathSegment, TagPath, WriteValue};
@@ -7,13 +7,13 @@ use crate::calls::Origin;
 use crate::end::Refused;
 use crate::simulation::Simulation;
 
-/// Why a value was not written.
+/// The reason why a value was not written.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum NotWritten {
-    /// The name is no path of a tag.
+    /// The name is not a path of a tag.
     #[error("{0:?} is no path of a tag: {1}")]
     Path(String, String),
-    /// There is no such tag, or it has no such member.
+    /// The tag or its member does not exist.
     #[error("{0}")]
     Read(ReadError),
     /// The tag cannot hold the value, or is read-only.
@@ -22,10 +22,11 @@ pub enum NotWritten {
 }
 
 impl Simulation {
-    /// Writes a value to the tag of a path, of an array its first elements; a write of `EnableIn` executes its instruction at the present tick.
+    /// Writes a value to the tag of a path; for an array, to its first elements. A write to `EnableIn` executes its instruction at
+    /// the present tick.
     ///
     /// # Errors
-    /// There is no such tag, or it cannot hold that value.
+    /// The tag does not exist, or cannot hold the value.
     pub fn write_tag(&mut self, text: &str, value: &WriteValue) -> Result<(), NotWritten> {
         let path: TagPath = text
             .parse()
@@ -44,8 +45,8 @@ impl Simulation {
         }
         let mut misfit = None;
         let written = self.write(Origin::default(), |image| {
-            let (id, place) = image.locate(path)?;
-            if let Some(bit) = place.bit {
+            let (id, location) = image.locate(path)?;
+            if let Some(bit) = location.bit {
                 let on = match value {
                     WriteValue::Bool(on) => *on,
                     WriteValue::Integer(number @ 0..=1) => *number == 1,
@@ -54,19 +55,19 @@ impl Simulation {
                         return Ok(None);
                     }
                 };
-                return image.write_bit(id, place.offset, bit, on);
+                return image.write_bit(id, location.offset, bit, on);
             }
-            let mut bytes = vec![0; place.data_type.size()];
-            if let Err(error) = value.encode(&place.data_type, Fraction::Refuse, &mut bytes) {
+            let mut bytes = vec![0; location.data_type.size()];
+            if let Err(error) = value.encode(&location.data_type, Fraction::Refuse, &mut bytes) {
                 let why = match error {
                     Misfit::OutOfRange => "cannot hold that value",
                     Misfit::Fraction => "holds whole numbers only",
                     Misfit::Kind => "holds values of another kind",
                 };
-                misfit = Some(format!("{text} is a {} and {why}", place.data_type.name()));
+                misfit = Some(format!("{text} is a {} and {why}", location.data_type.name()));
                 return Ok(None);
             }
-            image.write(id, place.offset, &bytes)
+            image.write(id, location.offset, &bytes)
         });
         if let Some(misfit) = misfit {
             return Err(NotWritten::Value(misfit));
@@ -78,7 +79,7 @@ impl Simulation {
         }
     }
 
-    /// Brings the motion control tag of a path up to the present moment.
+    /// Updates the motion control tag of a path to the present moment.
     pub fn show_control_of(&mut self, path: &TagPath) {
         let slot = path
             .tag()

@@ -1,27 +1,27 @@
-//! What is tried for an extension, one after the other, until a motion is found. From a slower motion one is found more easily.
+//! The attempts of an extension, in their order, until one yields a motion. A slower motion is found more easily.
 
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 
-/// One way to extend a running trajectory.
+/// The parameters of one attempt to extend a running trajectory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
-    /// Seconds behind the first possible splice.
+    /// Seconds after the first possible splice.
     pub(crate) later_s: f64,
-    /// When the running motion is left: times of braking before its end.
+    /// The instant at which the warm start leaves the running motion: times of braking before its end.
     pub(crate) brakings: f64,
-    /// Which part of dense chords is slowed down first.
+    /// The part of dense chords that is slowed down first.
     pub(crate) slow_down: SlowDown,
 }
 
-/// How an extension is looked for.
+/// The search for an extension.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Search<'a> {
-    /// From a first guess outside of the limits, by these attempts.
+    /// From a warm start outside of the limits, by these attempts.
     Attempts(Quality, &'a [Attempt]),
-    /// Within all limits from the first guess on, along evenly rounded corners.
+    /// Within all limits from the warm start on, along evenly rounded corners.
     Gentle,
-    /// Within all limits from the first guess on, along the smooth curve of dense chords.
+    /// Within all limits from the warm start on, along the smooth curve of dense chords.
     GentleAndSmooth,
 }
 
@@ -35,7 +35,7 @@ impl Search<'_> {
     }
 }
 
-/// In their order.
+/// The attempts in their order.
 pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.0, 1.0, SlowDown::Outside),
     attempt(0.0, 1.0, SlowDown::Whole),
@@ -45,7 +45,7 @@ pub(crate) const ATTEMPTS: [Attempt; 6] = [
     attempt(0.08, 0.25, SlowDown::Whole),
 ];
 
-/// Where little is left of the running motion: what begins at a slower instant of it is found more often than what only slows down more.
+/// For a short rest of the running motion: a splice at a slower instant succeeds more often than a slower motion only.
 pub(crate) const SHORT_ATTEMPTS: [Attempt; 6] = [
     ATTEMPTS[0],
     ATTEMPTS[3],
@@ -63,7 +63,7 @@ const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
     }
 }
 
-/// Gentle ways to go on: share of the limits along the path with which the speed changes, and of the speed at which nothing is above a limit.
+/// Shares of gentle continuations: of the limits along the path for changes of the speed, and of the speed within all limits.
 pub(crate) const GENTLE: [[f64; 2]; 5] = [[0.3, 0.8], [0.5, 0.8], [0.7, 0.8], [0.88, 0.8], [0.88, 0.4]];
 
 /// The same shares along the smooth curve of dense chords.

@@ -1,4 +1,4 @@
-//! A section that is planned from an instant of a running trajectory on. Position units and seconds.
+//! A section that is planned from an instant of a running trajectory. Position units and seconds.
 
 use crate::extend::attempts::{GENTLE, GENTLE_AND_SMOOTH};
 use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
@@ -16,14 +16,14 @@ use crate::trajectory::{Knot, State};
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
 
-/// What is planned on.
+/// A running trajectory and the moves that continue it.
 pub(crate) struct Continuation<'a> {
     pub(crate) running: &'a Trajectory,
     /// The move of the running trajectory that is the first of `moves`.
     pub(crate) passed: usize,
     pub(crate) moves: &'a [ContourMove],
     pub(crate) limits: &'a AxisLimits,
-    /// Where on the running trajectory the motion is.
+    /// The present time on the running trajectory.
     pub(crate) now: f64,
     /// Moves of the section.
     pub(crate) begin: usize,
@@ -32,8 +32,8 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl Continuation<'_> {
-    /// From `splice` on; the first guess follows the running motion until `leave`. `work` is that of all attempts on timing and shape
-    /// together, set by the first.
+    /// Plans from `splice` on; the warm start follows the running motion until `leave`. `work` is the budget of all attempts on timing and shape
+    /// together; the first attempt sets it.
     pub(crate) fn plan(
         &self,
         splice: f64,
@@ -44,7 +44,7 @@ impl Continuation<'_> {
         self.then(splice, leave, self.quality, |section, followed, back| {
             let section = section.slowing(slow_down);
             let control = warm_start(&section, followed);
-            // On a curve that stays, all of it is for one attempt: it is little.
+            // On a fixed curve, each attempt has the whole budget, which is small.
             if self.quality == Quality::Smooth {
                 *work = None;
             }
@@ -55,8 +55,8 @@ impl Continuation<'_> {
         })
     }
 
-    /// The same on evenly rounded corners, from `earliest` on, from a first guess within all limits. `brakes`: when the running motion begins to slow down
-    /// for its end.
+    /// The same on evenly rounded corners, from `earliest` on, from a warm start within all limits. `brakes`: the instant at which the running
+    /// motion begins to slow down for its end.
     pub(crate) fn plan_gently(&self, earliest: f64, brakes: f64) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
         let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
@@ -83,9 +83,9 @@ impl Continuation<'_> {
             .find_map(|(_, leave, shares)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
-                    let guess = gentle(&SpeedCurve::new(&section), followed, shares)?;
-                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
-                    section.hasten(guess, &mut work)
+                    let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
+                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
+                    section.hasten(control, &mut work)
                 })
             })
     }
@@ -105,14 +105,14 @@ impl Continuation<'_> {
             .find_map(|(_, leave)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                    let guess = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
-                    let mut work = Work::to_continue(guess.points.len(), Quality::Smooth);
-                    section.hasten(guess, &mut work)
+                    let control = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
+                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
+                    section.hasten(control, &mut work)
                 })
             })
     }
 
-    /// What runs until `splice`, then what `tail` plans for the section from there on.
+    /// The running motion until `splice`, then the plan of `tail` for the section from there on.
     fn then(
         &self,
         splice: f64,
@@ -146,7 +146,7 @@ impl Continuation<'_> {
         Some(whole)
     }
 
-    /// Does something with the section from an instant of the running motion on.
+    /// Calls `with` with the section from an instant of the running motion on.
     fn section<R>(
         &self,
         splice: f64,
@@ -163,7 +163,7 @@ impl Continuation<'_> {
             end,
             ..
         } = self;
-        // Some pieces before the one at the splice belong to the reference path: the curve there may be near them too.
+        // The reference path also needs some pieces before the one at the splice: the curve may be near them, too.
         let here = running.move_at(splice).checked_sub(passed).filter(|&here| here < end)?;
         let back = moves[begin.min(here)..here]
             .iter()
@@ -180,7 +180,7 @@ impl Continuation<'_> {
         with(section, followed, back)
     }
 
-    /// As a motion over the same moves that begins at rest earlier, where both are alike.
+    /// A continuation from a motion over the same moves that begins at rest earlier, joined where both are alike.
     fn joined(&self, section: &Section<'_>, followed: Running<'_>, back: usize, work: &mut Work) -> Option<Trajectory> {
         // Two smooth motions are not alike enough.
         if work.is_done() || self.quality == Quality::Smooth {
@@ -208,8 +208,8 @@ impl Continuation<'_> {
     }
 }
 
-/// When the running trajectory is left that is to be followed until `leave`: at the last knot before, or the first one some time behind
-/// `splice`.
+/// The instant at which a warm start leaves the running trajectory, which it follows until about `leave`: at the last knot before, or at the
+/// first one some time after `splice`.
 pub(crate) fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
     let least = splice + TUNING.extend.least_followed_s;
     let before = running.knots.partition_point(|knot| knot.time <= leave);
@@ -217,12 +217,12 @@ pub(crate) fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
     if knot > least {
         return knot;
     }
-    // A knot of its own just behind another one would bend much.
+    // A separate knot just behind another one would bend the curve strongly.
     let behind = running.knots.partition_point(|knot| knot.time < least);
     running.knots.get(behind).map_or(running.duration(), |knot| knot.time)
 }
 
-/// Knots of a running trajectory at which it may be left, the last one first.
+/// Knots at which the running trajectory may be left, the last one first.
 fn leaves(running: &Trajectory, splice: f64, until: f64) -> impl Iterator<Item = f64> + '_ {
     let first = splice + TUNING.extend.least_followed_s;
     let from = running.knots.partition_point(|knot| knot.time < first);
@@ -231,13 +231,13 @@ fn leaves(running: &Trajectory, splice: f64, until: f64) -> impl Iterator<Item =
     (from..to).rev().step_by(steps).map(|k| running.knots[k].time)
 }
 
-/// The largest share of an acceleration limit.
+/// The largest used share of an acceleration limit.
 fn in_use(state: &State, limits: &AxisLimits) -> f64 {
     let share = |axis: usize| state.acceleration[axis].abs() / limits.acceleration[axis];
     (0..3).map(share).fold(0.0, f64::max)
 }
 
-/// Some knots before an instant, and some time.
+/// The instant some knots, and some time, before another instant.
 fn before(running: &Trajectory, instant: f64) -> f64 {
     let latest = instant - TUNING.extend.least_followed_s;
     let at = running.knots.partition_point(|knot| knot.time < instant);
@@ -258,7 +258,7 @@ pub(crate) fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, kep
 }
 
 impl Trajectory {
-    /// Comes to rest at its end and goes on with moves from there.
+    /// Comes to rest at its end and continues with moves from there.
     pub(crate) fn at_rest_then(mut self, moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         self.knots.push(Knot {
             time: self.splice,
@@ -269,7 +269,7 @@ impl Trajectory {
         self
     }
 
-    /// Goes on with a motion that begins at an instant in the state that this one has there.
+    /// Appends a motion that begins at an instant in the state of this one.
     fn join(&mut self, tail: Trajectory, at: f64) {
         self.knots.extend(tail.knots.into_iter().map(|knot| Knot {
             time: knot.time + at,

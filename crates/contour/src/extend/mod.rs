@@ -1,7 +1,7 @@
-//! Extending a trajectory while it runs: its end, where it brakes to rest, is planned anew together with more moves.
+//! Extends a trajectory during its execution: its end, at which it brakes to rest, is planned anew together with more moves.
 //!
-//! From the splice on the new motion starts with the position, velocity and acceleration that the running one has there.
-//! What lies before stays as it is, to the last bit. Position units and seconds.
+//! From the splice on, the new motion starts with the position, velocity and acceleration of the running one. The part before the splice
+//! stays the same, to the last bit. Position units and seconds.
 
 mod attempts;
 mod continuation;
@@ -20,12 +20,13 @@ use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
-/// Plans `moves` on from a running trajectory. The first of them are those that it has left from its `passed`-th on, the
-/// others follow, of which so many are planned as about a second takes; `now` is where on it the motion is, and up to `earliest` it must stay as it is. Seconds on its own time.
+/// Continues a running trajectory with `moves`. The first of them are its own remaining moves, from its `passed`-th on; the others follow, and
+/// the plan includes as many of them as take about a second. `now` is the present time of the motion on it, and until `earliest` it must stay
+/// unchanged. Seconds of its own time.
 ///
-/// The result has its time from the running one and numbers its moves from `moves[0]` on; it equals the running one from
-/// `now` until [`Trajectory::splice`], so it can take its place at any instant between. `None`: there is nothing to
-/// extend, it is too late, or no plan was found; then the running one goes on to its end at rest, which is always safe.
+/// The result keeps the time of the running trajectory and numbers its moves from `moves[0]` on. It equals the running one from `now` until
+/// [`Trajectory::splice`], so it can replace it at any instant between. `None`: there is no move to extend it with, it is too late, or no plan
+/// was found; then the running trajectory continues to its end at rest, which is always safe.
 #[must_use]
 pub fn extend(
     running: &Trajectory,
@@ -36,20 +37,20 @@ pub fn extend(
     earliest: f64,
 ) -> Option<Trajectory> {
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
-    // As long as what runs takes for each; more would take longer to plan, and can be extended by in its turn.
+    // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them.
     let begins = passed
         .checked_sub(1)
         .and_then(|last| running.move_end(last))
         .unwrap_or(0.0);
     let each = (running.duration() - begins) / old as f64;
-    // One that has just begun is extended by little at first: it must not come to its end meanwhile.
+    // The first extension of a new trajectory is short: the trajectory must not end meanwhile.
     let ahead = (running.duration() - now).clamp(TUNING.extend.least_s, TUNING.extend.most_s);
     let most = ((ahead / each) as usize).max(TUNING.extend.least_moves);
     let moves = &moves[..moves.len().min(old.saturating_add(most))];
     if moves.len() <= old {
         return None;
     }
-    // The section that the end belongs to: from behind the last stop on.
+    // The section of the end begins after the last stop.
     let begin = (1..=old)
         .rev()
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
@@ -57,7 +58,7 @@ pub fn extend(
     let end = (old + 1..moves.len())
         .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
         .unwrap_or(moves.len());
-    // What is found first is taken. Dense chords are fastest as a smooth curve; what is gentle is found soonest; less is found more easily.
+    // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let plan = |search: Search<'_>, share: f64| {
         let most = moves.len() - old;
         let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));
@@ -88,14 +89,14 @@ pub fn extend(
         .count();
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
-        // Where little is left, what is gentle leaves still less for the next extension.
+        // Near its end, a gentle plan would leave even less time for the next extension.
         let is_little = left < TUNING.extend.least_s;
         all(Quality::Smooth)
             .or_else(|| plan(Search::GentleAndSmooth, 1.0))
             .or_else(|| is_little.then(|| all(Quality::Full)).flatten())
             .or_else(gently)
     } else {
-        // Sharp corners of lines are passed faster when timing and shape are found together, which takes longest.
+        // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let together = (arcs == 0 && is_ample)
             .then(|| plan(Search::Attempts(Quality::Full, &ATTEMPTS[..1]), 1.0))
@@ -107,7 +108,7 @@ pub fn extend(
     Some(extended.planned_for(&moves[..count], limits))
 }
 
-/// `old` moves are those of the running trajectory.
+/// `old`: the number of moves of the running trajectory.
 fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: Search<'_>) -> Option<Trajectory> {
     let &Continuation {
         running,
@@ -140,7 +141,7 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: 
         Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(soonest, brakes_from(running)),
         Search::Attempts(_, attempts) => attempts,
     };
-    // A continuation that the planner does not find from one instant of the running motion may exist from a later one.
+    // A search that fails from one instant of the running motion may succeed from a later one.
     let (mut work, mut tried) = (None, Vec::new());
     attempts.iter().find_map(|attempt| {
         let splice = splice(

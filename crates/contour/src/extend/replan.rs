@@ -7,11 +7,11 @@ use crate::solve::relax::SlowDown;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
-/// Plans a running trajectory anew: `moves` (the first of them the one that it is on, its `passed`-th) with other speeds or rates
-/// than it was planned with, at the `pace` that it is travelled at, with which it is within all of them.
+/// Plans a running trajectory anew: `moves` (the first of them is its active one, its `passed`-th) have other speeds or rates than those of the
+/// plan, and the trajectory runs at a `pace` within all of them.
 ///
-/// As [`crate::extend`], but from the first instant on, for a second or so, and the result has the time that passes: own seconds
-/// divided by the pace, as have `now` and `earliest`.
+/// As [`crate::extend`], but from the first instant on, for about a second. The result has real time: own seconds divided by the pace, as have
+/// `now` and `earliest`.
 #[must_use]
 pub fn replan(
     running: &Trajectory,
@@ -30,7 +30,7 @@ pub fn replan(
     if earliest > running.duration() - TUNING.extend.least_left_s {
         return None;
     }
-    // Not all that is known: the rest extends it later.
+    // Not all known moves: later extensions add the rest.
     let on = |time: f64| running.move_at(time).saturating_sub(passed);
     let far = on(earliest + TUNING.extend.replan_s).max(on(earliest) + TUNING.extend.replan_least_moves);
     let moves = if far + 1 < old { &moves[..=far] } else { moves };

@@ -1,4 +1,4 @@
-//! The instant at which a running trajectory is left. Position units and seconds.
+//! The splice: the instant at which an extension leaves the running trajectory. Position units and seconds.
 
 use crate::limits::{Bounds, Smoothness};
 use crate::path::reference::nearest;
@@ -6,7 +6,7 @@ use crate::trajectory::Knot;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
-/// The instant from `earliest` on, within a short time, at which the motion has the most freedom left. `moves` are those of the running
+/// The instant from `earliest` on, within a short time, at which the motion uses the least of its limits. `moves` are those of the running
 /// trajectory from its `first`-th on.
 pub(crate) fn splice(
     running: &Trajectory,
@@ -38,7 +38,7 @@ pub(crate) fn splice(
     Some(best.1)
 }
 
-/// How much of the tolerance and the acceleration limits is in use at an instant near some moves.
+/// The used share of the tolerance and the acceleration limits at an instant near some moves.
 fn in_use(running: &Trajectory, near: &[ContourMove], limits: &AxisLimits, t: f64) -> f64 {
     let state = running.at(t);
     let off = near
@@ -54,7 +54,7 @@ fn in_use(running: &Trajectory, near: &[ContourMove], limits: &AxisLimits, t: f6
     used
 }
 
-/// The next knot, if it is near.
+/// The next knot, if it is close.
 fn near_knot(running: &Trajectory, t: f64) -> f64 {
     let next = running.knots.partition_point(|knot| knot.time < t);
     let near = running.knots.get(next).map(|knot| knot.time);
@@ -62,7 +62,7 @@ fn near_knot(running: &Trajectory, t: f64) -> f64 {
         .unwrap_or(t)
 }
 
-/// How long before its end a motion brakes, seconds.
+/// The duration of a motion's braking at its end, seconds.
 pub(crate) fn braking_time(last: &ContourMove, limits: &AxisLimits) -> f64 {
     let smoothness = Smoothness::of(core::slice::from_ref(last));
     let bounds = Bounds::new(last, limits, smoothness);
@@ -79,7 +79,7 @@ pub(crate) fn braking_time(last: &ContourMove, limits: &AxisLimits) -> f64 {
     }
 }
 
-/// When a motion begins to slow down for its end, seconds.
+/// The instant at which a motion begins to slow down for its end, seconds.
 pub(crate) fn brakes_from(running: &Trajectory) -> f64 {
     let slows = |knot: &&Knot| knot.state.velocity.dot(&knot.state.acceleration) <= 0.0;
     let slowing = running.knots.iter().rev().take_while(slows);

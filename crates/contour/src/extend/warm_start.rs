@@ -1,5 +1,5 @@
-//! The first guess of a motion that continues another one: that one up to where it brakes for its end, from there on the
-//! rounded reference path. Position units and seconds.
+//! The warm start of a continuation: the running motion up to its braking at its end, from there on the rounded reference path. Position
+//! units and seconds.
 
 use crate::limits::Smoothness;
 use crate::path::reference::along;
@@ -11,19 +11,19 @@ use crate::timing::speed_profile::{Sample, sample, speeds};
 use crate::tuning::TUNING;
 use crate::{Point, State, Trajectory};
 
-/// What is continued.
+/// A running trajectory to be continued.
 #[derive(Clone, Copy)]
 pub(crate) struct Running<'a> {
     pub(crate) trajectory: &'a Trajectory,
-    /// From when on it is planned anew.
+    /// The instant from which on it is planned anew.
     pub(crate) splice: f64,
-    /// From when on it is no longer followed.
+    /// The instant until which the warm start follows it.
     pub(crate) leave: f64,
-    /// The piece of the section's reference path that it is on at the splice.
+    /// The piece of the section's reference path at the splice.
     pub(crate) piece: usize,
 }
 
-/// A point of the guess.
+/// A point of the warm start.
 #[derive(Clone, Copy)]
 pub(crate) struct Site {
     /// Seconds from the splice.
@@ -72,7 +72,7 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
 }
 
 impl Site {
-    /// The part of the way to the next site that is behind after a time.
+    /// The share of the distance to the next site covered after a time.
     fn part_gone(&self, next: &Site, t: f64) -> f64 {
         let span = next.time - self.time;
         let gone = (self.speed + (next.speed - self.speed) / span * t / 2.0) * t;
@@ -85,7 +85,7 @@ impl Site {
     }
 }
 
-/// The knots of the running motion and those behind it, close together where the route is busy. `left`: the end where there is no route.
+/// The knots of the running motion and those after it, closer where the route changes much. `left`: the end if there is no route.
 fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: f64) -> Vec<f64> {
     let whole = route.last().map_or(left, |site| site.time);
     let busy: Vec<(f64, f64)> = route
@@ -115,8 +115,8 @@ fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: 
     )
 }
 
-/// The knots of the running motion from the splice until it is left, long spans divided, from one span before it on.
-/// On these the curve that is followed is a spline, to the last bit of its limits.
+/// The knots of the running motion from one span before the splice until the warm start leaves it, with long spans divided.
+/// On these knots the followed curve is a spline, so it keeps its limits to the last bit.
 pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
     let most_span = TUNING.warm_start.most_span_nodes * section.allowance.node_s();
     let own = &running.trajectory.knots;
@@ -129,7 +129,7 @@ pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
     for time in inner.chain([running.leave]) {
         let from = times[times.len() - 1];
         let span = time - running.splice - from;
-        // Knots that are nearly the same would be one.
+        // Knots this close to each other would coincide.
         if span < TUNING.warm_start.least_span_s && time < running.leave {
             continue;
         }
@@ -144,7 +144,7 @@ pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
     times
 }
 
-/// The running motion from the splice until it is left.
+/// The running motion from the splice until the warm start leaves it.
 pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
     let reference = &section.reference;
     let left = running.leave - running.splice;
@@ -170,7 +170,7 @@ pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site>
         .collect()
 }
 
-/// From a state near the reference path at arc length `at` along the rounded reference path to its end.
+/// Continues from a state near the reference path at arc length `at` along the rounded reference path to its end.
 fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64, at: f64) {
     let reference = &section.reference;
     let (free, stretches) = section.without_jerk();
@@ -188,7 +188,7 @@ fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64,
     if ahead.len() < 2 {
         return;
     }
-    // The first one is where it is, and the offset from the rounded path fades out.
+    // The first site has the progress of the motion; its offset from the rounded path fades out.
     ahead[0].progress = at;
     let speed = from.velocity.norm();
     let fade = (speed * TUNING.warm_start.fade_s).max(TUNING.warm_start.least_fade_units);

@@ -1,6 +1,6 @@
-//! A first guess of a motion that continues another one, made of two that are both within their limits: the one that runs, and
-//! one over the same moves that begins at rest some moves earlier. Away from where they begin and end both are nearly the same
-//! motion, the fastest one, so where they are most alike the one goes on as the other. Position units and seconds.
+//! A warm start of a continuation from two motions within their limits: the running one, and one over the same moves that begins at rest some
+//! moves earlier. Away from their beginnings and ends both are nearly the same, the fastest motion, so the warm start changes from one to the
+//! other where they are most alike. Position units and seconds.
 
 use crate::extend::warm_start::{Running, Site, followed, knots};
 use crate::section::{Section, Solved};
@@ -8,8 +8,9 @@ use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
 use crate::{AxisLimits, State};
 
-/// Control points of the whole motion from the splice on: as it runs up to where `fresh` is most like it, then that. `fresh` is a plan of the
-/// moves of the section, and of some before them that are `before` long together. `None`: they are nowhere alike.
+/// Control points of the whole motion from the splice on: the running one up to the point at which `fresh` is most like it, then
+/// `fresh`. That is a plan of the moves of the section, and of some before them with the total length `before`. `None`: the two are
+/// alike nowhere.
 pub(crate) fn warm_start_joined(
     section: &Section<'_>,
     running: Running<'_>,
@@ -55,7 +56,7 @@ pub(crate) fn warm_start_joined(
     Some(joined(section, running, fresh, &progress, (time, other)))
 }
 
-/// The motion that runs until `time` after the splice, then the other one from its own time on.
+/// The running motion until `time` after the splice, then the other one from its own time on.
 fn joined(
     section: &Section<'_>,
     running: Running<'_>,

@@ -1,4 +1,4 @@
-//! How far from the reference path the curve may be, by arc length: all of the tolerance about corners and on the chords of a curve, a
+//! The permitted deviation of the curve from the reference path, by arc length: all of the tolerance at corners and on the chords of a curve, a
 //! hundredth of it on other long pieces between the roundings of their corners ([`Deviation::Corners`], spec/motion-core.md §6.4).
 //! Lengths in position units.
 
@@ -11,26 +11,26 @@ use crate::tuning::TUNING;
 use crate::{Deviation, Point};
 use arcline_geometry::Path;
 
-/// Where a section begins.
+/// The start of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Begin {
     /// At rest.
     Rest,
-    /// On a motion that runs: the corner at its start is rounded, however.
+    /// On a running motion: the corner at its start is rounded in any case.
     Running,
 }
 
-/// How far from each piece of a reference path the curve may be.
+/// The permitted deviation of the curve from each piece of a reference path.
 #[derive(Clone, Debug)]
 pub(crate) struct Allowance {
-    /// Of the corner at the end of each piece.
+    /// The tolerances of the corners at the ends of the pieces.
     tolerances: Vec<f64>,
-    /// How far the rounding of that corner reaches along the pieces on both sides of it.
+    /// The length of the rounding of that corner along the pieces on both sides of it.
     reaches: Vec<f64>,
-    /// Whether the curve may be anywhere inside the tolerance of a piece.
+    /// The curve may use all of the tolerance on the whole piece.
     anywhere: Vec<bool>,
     begin: Begin,
-    /// Which plan it is for.
+    /// The plan for which it is.
     quality: Quality,
 }
 
@@ -62,7 +62,7 @@ impl Allowance {
         }
     }
 
-    /// Seconds between two nodes where the motion is busy.
+    /// Seconds between two nodes where the motion changes much.
     pub(crate) fn node_s(&self) -> f64 {
         match self.quality {
             Quality::Smooth => TUNING.smooth.node_s,
@@ -75,12 +75,12 @@ impl Allowance {
         self.tolerances.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Of the corner at the end of a piece.
+    /// The tolerance of the corner at the end of a piece.
     pub(crate) fn corner(&self, piece: usize) -> f64 {
         self.tolerances[piece]
     }
 
-    /// The tolerance at an arc length: of the nearer corner; a piece that is alone has none.
+    /// The tolerance at an arc length: that of the nearer corner; a single piece has none.
     pub(crate) fn tolerance(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
         let middle = 0.5 * (reference.starts[piece] + reference.starts[piece + 1]);
         let (first, last) = (piece == 0, piece + 1 == reference.pieces.len());
@@ -93,12 +93,12 @@ impl Allowance {
         }
     }
 
-    /// How far from a piece the curve may be at an arc length.
+    /// The permitted deviation of the curve from a piece at an arc length.
     pub(crate) fn at(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
         self.within(reference, piece, s, [STRAIGHT, 1.0])
     }
 
-    /// How far from it the optimisation lets it be: beside corners somewhat less, as the curve between the nodes is not looked at.
+    /// The deviation that the optimisation permits: beside corners somewhat less, as it does not examine the curve between the nodes.
     pub(crate) fn aim(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
         self.within(
             reference,
@@ -108,7 +108,7 @@ impl Allowance {
         )
     }
 
-    /// With a share of the tolerance for the straight, and one of the reach of a rounding.
+    /// With a share of the tolerance for the straight part, and one of the length of a rounding.
     fn within(&self, reference: &ReferencePath, piece: usize, s: f64, [straight, share]: [f64; 2]) -> f64 {
         let tolerance = self.tolerance(reference, piece, s);
         if !self.keeps(reference, piece, tolerance) {
@@ -120,7 +120,7 @@ impl Allowance {
         tolerance * (straight + (1.0 - straight) * open)
     }
 
-    /// How far the rounding at the start of a piece reaches along it.
+    /// The length of the rounding at the start of a piece along it.
     fn reach_behind(&self, piece: usize, tolerance: f64) -> f64 {
         match (piece.checked_sub(1), self.begin) {
             (Some(corner), _) => self.reaches[corner],
@@ -129,22 +129,22 @@ impl Allowance {
         }
     }
 
-    /// Whether a piece is kept to between the roundings of its corners, where the tolerance is that.
+    /// The curve must keep close to a piece between the roundings of its corners, for this tolerance.
     fn keeps(&self, reference: &ReferencePath, piece: usize, tolerance: f64) -> bool {
         !self.anywhere[piece] && reference.pieces[piece].length() > LONG * tolerance
     }
 
-    /// Whether there may be pieces that are kept to.
+    /// The curve must keep close to some piece.
     pub(crate) fn keeps_any(&self) -> bool {
         self.anywhere.iter().any(|&anywhere| !anywhere)
     }
 
-    /// Whether a piece is kept to on this side of its middle.
+    /// The curve must keep close to a piece on this side of its middle.
     pub(crate) fn keeps_at(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
         self.keeps(reference, piece, self.tolerance(reference, piece, s))
     }
 
-    /// Whether a point of a piece is near the rounding of one of its piece's corners, or on an arc.
+    /// A point of a piece is near the rounding of one of its corners, or on an arc.
     pub(crate) fn is_near_rounding(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
         let (from, to) = (s - reference.starts[piece], reference.starts[piece + 1] - s);
         let behind = piece.checked_sub(1).map_or(0.0, |corner| self.reaches[corner]);
@@ -153,8 +153,8 @@ impl Allowance {
             || matches!(reference.pieces[piece], Path::Arc(_))
     }
 
-    /// Stretches of the motion in which corners beside pieces that are kept to are rounded: from when until when, for the time at an
-    /// arc length. Nodes are closer there.
+    /// The times at which the motion rounds corners beside pieces that it keeps close to, from and until, by the times of arc lengths. Nodes are
+    /// closer there.
     pub(crate) fn roundings(&self, reference: &ReferencePath, time_at: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let joints = (0..reference.pieces.len()).filter(|&piece| piece + 1 < reference.pieces.len());
         joints
@@ -167,12 +167,12 @@ impl Allowance {
             .collect()
     }
 
-    /// Whether the corner at the end of a piece has nodes of its own on a smooth curve.
+    /// The corner at the end of a piece has nodes of its own on a smooth curve.
     fn is_sharp(&self, reference: &ReferencePath, piece: usize) -> bool {
         self.quality == Quality::Smooth && turn(reference, piece) > TUNING.smooth.sharp
     }
 
-    /// Whether one of the two pieces at a joint is kept to beside it: how far from its corner the curve may be. `None`: neither.
+    /// The permitted deviation at a joint if the curve keeps close to one of its pieces; otherwise `None`.
     pub(crate) fn at_joint(&self, reference: &ReferencePath, joint: usize) -> Option<f64> {
         let tolerance = self.tolerances[joint - 1];
         let kept = self.keeps(reference, joint - 1, tolerance) || self.keeps(reference, joint, tolerance);
@@ -180,9 +180,9 @@ impl Allowance {
         kept.then(|| self.aim(reference, joint - 1, s).min(self.aim(reference, joint, s)))
     }
 
-    /// Points at which the corridor stops narrowing or jumps, each with its piece, ascending: the outer ends of roundings on pieces that
-    /// are kept to, and the middles of pieces between different tolerances. A curve that is inside on both sides of such a point
-    /// may be outside at it.
+    /// Points at which the corridor stops narrowing or jumps, each with its piece, ascending: the outer ends of roundings on pieces
+    /// that the curve keeps close to, and the middles of pieces between different tolerances. A curve that is inside on both sides of
+    /// such a point may be outside at it.
     pub(crate) fn edges(&self, reference: &ReferencePath) -> Vec<(usize, f64)> {
         let mut edges = Vec::new();
         for piece in 0..reference.pieces.len() {
@@ -203,14 +203,14 @@ impl Allowance {
         edges
     }
 
-    /// Half the length of a curve that rounds the corner at the end of a piece, at most.
+    /// Half the largest length of a curve that rounds the corner at the end of a piece.
     pub(crate) fn room(&self, reference: &ReferencePath, piece: usize) -> f64 {
         let tolerance = self.tolerances[piece];
         let kept = self.keeps(reference, piece, tolerance) || self.keeps(reference, piece + 1, tolerance);
         if kept { self.reaches[piece] } else { f64::INFINITY }
     }
 
-    /// How far the rounding of the corner at the end of a piece reaches to either side: at most half a piece.
+    /// The length of the rounding of the corner at the end of a piece to either side: at most half a piece.
     pub(crate) fn rounding(&self, reference: &ReferencePath, piece: usize) -> [f64; 2] {
         let Some(next) = reference.pieces.get(piece + 1) else {
             return [0.0; 2];
@@ -223,8 +223,8 @@ impl Allowance {
         [before, next].map(|piece_| self.reaches[piece].min(0.5 * piece_.length()))
     }
 
-    /// A distance from the reference path as a share of what is allowed there; of a point of the curve that belongs to a piece at `s`. 0 where
-    /// nothing is.
+    /// The distance of a curve point from the reference path as a share of the permitted deviation at its piece and arc length `s`. 0 without a
+    /// permitted deviation.
     pub(crate) fn used(&self, reference: &ReferencePath, q: &Point, piece: usize, s: f64) -> f64 {
         let tolerance = self.tolerance(reference, piece, s);
         let (foot, _) = reference.foot(q, piece);
@@ -245,7 +245,7 @@ impl Allowance {
     }
 }
 
-/// How much the direction changes behind a piece, as the length of the change of a unit vector.
+/// The change of direction at the end of a piece, as the length of the change of a unit vector.
 pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
     let next = reference.pieces.get(piece + 1);
     next.map_or(0.0, |next| {
@@ -253,8 +253,8 @@ pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
     })
 }
 
-/// Which pieces are chords of a curve: short lines between corners so flat that an arc with the same turn would be within half of the
-/// tolerance, and lines among short ones that turn little.
+/// The pieces that are chords of a curve: short lines between corners so flat that an arc with the same change of direction would be within
+/// half of the tolerance, and lines among short ones with small changes of direction.
 fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
     let last = reference.pieces.len() - 1;
     let turns: Vec<f64> = (0..=last).map(|piece| turn(reference, piece)).collect();
@@ -271,7 +271,7 @@ fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
     let is_chord = |piece: usize| {
         let (most, long) = (most(piece), long_of(piece));
         let flat = long <= LONGEST_FLAT_CHORD && long * most / 8.0 <= 0.5;
-        // What comes beside the first one and the last one is not known.
+        // The neighbours of the first and the last piece are unknown.
         let inner = piece > 0 && piece < last;
         let among = inner && most <= TUNING.smooth.sharp && (piece - 1..=piece + 1).all(is_short);
         most > 0.0 && (flat || among)
@@ -279,7 +279,7 @@ fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
     (0..=last).map(is_chord).collect()
 }
 
-/// 0 outside of the rounding, 1 from half of its reach on.
+/// 0 outside of the rounding, 1 from half of its length on.
 fn opened(distance: f64, reach: f64) -> f64 {
     if distance < reach {
         (2.0 * (reach - distance) / reach).min(1.0)
@@ -288,12 +288,12 @@ fn opened(distance: f64, reach: f64) -> f64 {
     }
 }
 
-/// A piece longer than so many tolerances is kept to, unless it is a chord of a curve ([`Deviation::Corners`]).
+/// The curve keeps close to a piece longer than this number of tolerances, unless it is a chord of a curve ([`Deviation::Corners`]).
 const LONG: f64 = 50.0;
-/// A longer one is no chord of a curve, tolerances: between flat corners, and among others that turn little.
+/// Most tolerances of a chord's length: between flat corners, and among others with small changes of direction.
 const LONGEST_FLAT_CHORD: f64 = 100.0;
 const LONGEST_CHORD: f64 = 250.0;
-/// Share of the tolerance that is allowed there.
+/// Share of the tolerance on pieces that the curve keeps close to.
 const STRAIGHT: f64 = 0.01;
 /// Pieces before and behind that a point may belong to.
 const NEIGHBOURS: usize = 2;

@@ -3,9 +3,8 @@
 use crate::Point;
 use crate::path::reference::{ReferencePath, nearest};
 
-/// A point of the curve that must be near one piece of the reference path: a knot, or the point between two
-/// knots that stands for a joint and must be near both its pieces. As every piece's corridor is convex
-/// (a line's, and nearly an arc's), the curve between the points is inside too.
+/// A point of the curve that must be near one piece of the reference path: a knot, or a point between two knots at a joint, which must be
+/// near both its pieces. As every piece's corridor is convex (a line's, and nearly an arc's), the curve between the points is inside, too.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CorridorRow {
     /// The point is a weighted sum of four nodes from this one on.
@@ -14,12 +13,12 @@ pub(crate) struct CorridorRow {
     pub(crate) piece: usize,
     pub(crate) target: f64,
     pub(crate) radius: f64,
-    /// Which part of the span behind its knot has passed, where the point is exactly that of the curve.
+    /// The share of the span behind its knot, if the point is exactly that of the curve.
     part: Option<f64>,
 }
 
 impl CorridorRow {
-    /// The curve at a part of the way from knot `k` to the next, `0 < k`, `k + 2 < count`.
+    /// The point at a share of the chord from knot `k` to the next, `0 < k`, `k + 2 < count`.
     pub(crate) fn new(k: usize, part: f64, piece: usize, radius: f64) -> CorridorRow {
         let (here, next) = (1.0 - part, part);
         CorridorRow {
@@ -37,7 +36,7 @@ impl CorridorRow {
         }
     }
 
-    /// The same, but the point of the curve itself, after a part of the span behind knot `k`: on an arc, and where the corridor is narrow.
+    /// The same, but the exact point of the curve, at a share of the span behind knot `k`: on an arc, and in a narrow corridor.
     pub(crate) fn exact(k: usize, part: f64, piece: usize, radius: f64) -> CorridorRow {
         CorridorRow {
             part: Some(part),
@@ -49,12 +48,12 @@ impl CorridorRow {
         self.part.is_some()
     }
 
-    /// Takes other spans.
+    /// Recalculates the weights for other spans.
     pub(crate) fn weigh(&mut self, spans: &[f64]) {
         let Some(part) = self.part else { return };
         let knot = self.first as isize + 1;
         let span = |k: isize| spans[(knot + k).clamp(0, spans.len() as isize - 1) as usize];
-        // Instants of the knots about it, from two before on; it is at `t`.
+        // Instants of the surrounding knots, from the second one before; the point is at `t`.
         let t = part * span(0);
         let k = [
             -span(-2) - span(-1),
@@ -78,7 +77,7 @@ impl CorridorRow {
         self.weights = mix(left, right, share(k[2], k[3]));
     }
 
-    /// From the nearest point of the piece.
+    /// The offset of the point from the nearest point of the piece.
     pub(crate) fn off(&self, reference: &ReferencePath, points: &[Point]) -> Point {
         let p = &points[self.first..self.first + 4];
         let w = &self.weights;

@@ -1,7 +1,7 @@
-//! How much of the tolerance the knots may use, so that the curve between them stays inside.
+//! The share of the tolerance for the knots, such that the curve between them stays inside.
 //!
-//! Between two knots the curve may be farther off than at both, most of all where it crosses the
-//! bisector of a sharp corner. What is measured there is taken from the corridor of the next run.
+//! Between two knots the curve may be farther off than at both, most of all where it crosses the bisector of a sharp corner. The excess that
+//! is measured there narrows the corridor of the next run.
 
 use crate::Trajectory;
 use crate::path::allowance::Allowance;
@@ -11,7 +11,7 @@ use crate::tuning::TUNING;
 
 /// Shares of the tolerance by arc length of the reference path.
 pub(crate) struct ToleranceMargin {
-    /// Where it is less than usual: from, to, share.
+    /// Stretches with a smaller share: from, to, share.
     tightened: Vec<(f64, f64, f64)>,
     usual: f64,
 }
@@ -33,7 +33,7 @@ impl ToleranceMargin {
         }
     }
 
-    /// Narrows the whole corridor in proportion to what was measured.
+    /// Narrows the whole corridor in proportion to the measured excess.
     pub(crate) fn narrow(&mut self, worst: f64, allowance: &Allowance) {
         let factor = (TUNING.margin.target / worst).clamp(least_factor(allowance), 1.0);
         self.usual *= factor;
@@ -42,8 +42,8 @@ impl ToleranceMargin {
         }
     }
 
-    /// Measures a trajectory and tightens the corridor where it is outside; returns the largest quotient
-    /// of a distance from the reference path and the tolerance.
+    /// Measures a trajectory and narrows the corridor where it is outside. Returns the largest quotient of a distance from the reference path and
+    /// the tolerance.
     pub(crate) fn tighten(
         &mut self,
         trajectory: &Trajectory,
@@ -83,7 +83,7 @@ impl ToleranceMargin {
         worst
     }
 
-    /// Overlapping stretches become one with the least share.
+    /// Joins overlapping stretches to one with the least share.
     fn merge(&mut self, ascending: Vec<(f64, f64, f64)>) {
         for entry in ascending {
             match self.tightened.last_mut() {
@@ -97,7 +97,7 @@ impl ToleranceMargin {
     }
 }
 
-/// The largest quotient that `used` finds from one instant until another.
+/// The largest quotient by `used` from one instant until another.
 fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64) -> f64) -> f64 {
     let mut most = 0.0_f64;
     let step = (until - from) / PARTS as f64;
@@ -113,7 +113,7 @@ fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64)
     most
 }
 
-/// When the motion passes the points at which the corridor stops narrowing, ascending.
+/// The instants at which the motion passes the points at which the corridor stops narrowing, ascending.
 fn edges(
     trajectory: &Trajectory,
     control: &ControlPoints,
@@ -147,7 +147,7 @@ fn edges(
     times
 }
 
-/// Where the largest of some values at 0, 1, ... is, by the parabola through the three about it.
+/// The location of the maximum of values at 0, 1, ..., by the parabola through three of them.
 fn peak(values: &[f64; PARTS + 1]) -> f64 {
     let best = (0..=PARTS)
         .max_by(|&a, &b| values[a].total_cmp(&values[b]))

@@ -1,4 +1,4 @@
-//! The programmed path and how far the curve may be from it.
+//! The programmed path, and the permitted deviation of the curve from it.
 
 pub(crate) mod allowance;
 pub(crate) mod corridor;

@@ -1,6 +1,6 @@
-//! The programmed reference path: the pieces as they were commanded, one behind the other, by arc length.
+//! The programmed reference path: the pieces as commanded, in sequence, by arc length.
 //!
-//! Here is the distance of a point from the reference path, nothing that rounds it. Lengths in position units.
+//! It determines the distance of a point from the reference path, and rounds no corner. Lengths in position units.
 
 use crate::Point;
 use arcline_geometry::{Arc, Path};
@@ -9,7 +9,7 @@ use arcline_geometry::{Arc, Path};
 #[derive(Clone, Debug)]
 pub(crate) struct ReferencePath {
     pub(crate) pieces: Vec<Path>,
-    /// Arc length of the reference path where each piece begins, and the whole length as last element.
+    /// Arc length of the reference path at the start of each piece, and its whole length as last element.
     pub(crate) starts: Vec<f64>,
 }
 
@@ -35,8 +35,8 @@ impl ReferencePath {
         behind.saturating_sub(1).min(self.pieces.len().saturating_sub(1))
     }
 
-    /// The nearest point of the reference path that going downhill from piece `hint` finds, with its piece.
-    /// Its distance is never less than the true one.
+    /// The nearest point of the reference path that a descent from piece `hint` finds, with its piece. Its distance is never less than the true
+    /// one.
     pub(crate) fn foot(&self, q: &Point, hint: usize) -> (Point, usize) {
         let last = self.pieces.len() - 1;
         let mut at = hint.min(last);
@@ -119,5 +119,5 @@ fn nearest_on_arc(arc: &Arc, q: &Point) -> Point {
     }
 }
 
-/// How many pieces to either side are looked at: a short piece may hide a nearer one behind it.
+/// Pieces to either side that are examined: a short piece may hide a nearer one behind it.
 const REACH: usize = 2;

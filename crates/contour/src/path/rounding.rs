@@ -1,10 +1,9 @@
-//! A first curve inside the corridor: the programmed pieces with every corner rounded by itself.
+//! A first curve inside the corridor: the programmed pieces with every corner rounded separately.
 //!
-//! Two lines get a Bezier curve whose inner control points all lie on the corner: run through evenly,
-//! it is what one axis braking while the other accelerates draws, with constant acceleration
-//! (degree 2, trapezoid) or constant jerk (degree 3, S-curve). Everything else gets a quintic that
-//! takes over direction and curvature on both sides (spec/motion-core.md §6.4). This is only where
-//! the optimisation starts from. Lengths in position units.
+//! Two lines get a Bezier curve with all inner control points on the corner: at an even parameter it is the curve of one axis that brakes while
+//! the other accelerates, with constant acceleration (degree 2, trapezoid) or constant jerk (degree 3, S-curve). All other corners get a
+//! quintic that continues direction and curvature on both sides (spec/motion-core.md §6.4). The optimisation only starts from this curve.
+//! Lengths in position units.
 
 use crate::Point;
 use crate::limits::Smoothness;
@@ -15,7 +14,7 @@ use crate::tolerance::SAME_DIRECTION_SINE;
 use crate::tuning::TUNING;
 use arcline_geometry::Path;
 
-/// A stretch of the rounded curve, with the arc length of the reference path that it stands for.
+/// A stretch of the rounded curve, with the corresponding arc length of the reference path.
 #[derive(Clone, Debug)]
 pub(crate) struct Stretch {
     pub(crate) shape: Shape,
@@ -32,7 +31,7 @@ pub(crate) enum Shape {
 }
 
 impl Stretch {
-    /// Whether it is part of an arc of the reference path.
+    /// The stretch is part of an arc of the reference path.
     pub(crate) fn is_arc(&self, reference: &ReferencePath) -> bool {
         matches!(self.shape, Shape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
     }
@@ -78,12 +77,12 @@ impl Stretch {
     }
 }
 
-/// Which curve rounds a corner of two lines.
+/// The curve that rounds a corner of two lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Corners {
-    /// What superposed motions draw.
+    /// The curve of superposed motions.
     Superposed(Smoothness),
-    /// One whose second derivative by the progress is continuous, as is that of the curves beside arcs: it can be run through evenly.
+    /// A curve whose second derivative by the progress is continuous, as that of the curves beside arcs: its progress can be even.
     Even,
 }
 
@@ -105,7 +104,7 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, corners: C
     for index in 0..count {
         let (from, to) = (reference.starts[index], reference.starts[index + 1]);
         let corner = (index + 1 < count).then(|| {
-            // Half of a piece for each of its ends, all of it where the reference path itself ends.
+            // Each end has half of a piece; the ends of the reference path have all of it.
             let before = if index == 0 { to - from } else { 0.5 * (to - from) };
             let behind = reference.starts[index + 2] - to;
             let behind = if index + 2 == count { behind } else { 0.5 * behind };
@@ -136,7 +135,7 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, corners: C
     stretches
 }
 
-/// How far the rounding of the joint behind piece `index` reaches to either side, and its curve.
+/// The length to either side of the rounding of the joint behind piece `index`, and its curve.
 fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, corners: Corners) -> (f64, Shape) {
     let (before, behind) = (&reference.pieces[index], &reference.pieces[index + 1]);
     let (u1, u2) = (before.end_tangent(), behind.start_tangent());
@@ -155,7 +154,7 @@ fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, co
         };
         return (reach, shape);
     }
-    // Shortened until it is inside.
+    // Shortens the rounding until it is inside.
     let mut reach = room.min(most_of_arc(before, behind));
     if are_lines {
         reach = reach.min(reach_of_lines(before, behind, limit, Smoothness::SCurve));
@@ -181,7 +180,7 @@ fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, co
     (0.0, Shape::Piece(index))
 }
 
-/// How far a rounding goes along the shorter of two arcs, at most.
+/// The largest length of a rounding along the shorter of two arcs.
 fn most_of_arc(before: &Path, behind: &Path) -> f64 {
     [before, behind]
         .iter()

@@ -1,9 +1,9 @@
-//! Chords compressed into a smooth curve: the nodes of a dense path moved inside the tolerance to where the least jerk is.
+//! Compresses chords into a smooth curve: moves the nodes of a dense path inside the tolerance to the positions of least jerk.
 //!
-//! Nodes stand at equal times of a first speed profile, so their third difference is the jerk at that speed. Minimised is the sum of
-//! its squares minus the logarithm of the room to the corridor's wall: each round solves a band system in which the barrier is a spring to the
-//! nearest point of the reference path, as stiff as the barrier is steep. Steps are shortened where they would leave the corridor. A
-//! few numbers a node and round. Position units.
+//! Nodes are at equal times of a first speed profile, so their third difference is the jerk at that speed. The objective is the sum of its
+//! squares minus the logarithm of the distance to the corridor's wall: each round solves a band system in which the barrier is a spring to the
+//! nearest point of the reference path, as stiff as the barrier is steep. Steps that would leave the corridor are shortened. A few numbers per
+//! node and round. Position units.
 
 use crate::Point;
 use crate::limits::Bounds;
@@ -16,7 +16,7 @@ use crate::timing::control_points::ControlPoints;
 use crate::timing::grid::sites;
 use crate::tuning::TUNING;
 
-/// Moves the nodes of a curve inside its corridor to where it is smooth. Those that a running motion gives stay.
+/// Moves the nodes of a curve inside its corridor such that it is smooth. The nodes of a running motion stay.
 pub(crate) fn smooth(
     reference: &ReferencePath,
     allowance: &Allowance,
@@ -76,18 +76,18 @@ pub(crate) fn smooth(
 
 /// A point of the curve, and the corridor's wall about it.
 struct Row {
-    /// It is a weighted sum of four nodes from this one on.
+    /// The first of the four nodes whose weighted sum it is.
     first: usize,
     weights: [f64; 4],
-    /// The piece of the reference path that it was nearest to.
+    /// The nearest piece of the reference path at the last update.
     piece: usize,
     /// Share of the corridor.
     share: f64,
-    /// The nearest point of the reference path, and where it is from there.
+    /// The nearest point of the reference path, and the offset from it.
     foot: Point,
     off: Point,
     radius: f64,
-    /// The least that the radius is, where the curve goes on from one that runs.
+    /// The least radius, for a curve that continues a running one.
     begun: f64,
     tangent: Point,
 }
@@ -122,7 +122,7 @@ impl Row {
         p[0] * w[0] + p[1] * w[1] + p[2] * w[2] + p[3] * w[3]
     }
 
-    /// The motion that runs may be nearer to the wall than a smooth curve comes: it is followed there.
+    /// Widens the corridor for the running motion, which may be nearer to the wall than a smooth curve.
     fn begin(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
         self.look(reference, allowance, points);
         let most = TUNING.smooth.most_begun / self.share * self.radius;
@@ -140,13 +140,13 @@ impl Row {
         self.tangent = path.at(at).tangent;
     }
 
-    /// How steep the barrier is.
+    /// The steepness of the barrier.
     fn strength(&self) -> f64 {
         let square = self.radius * self.radius;
         1.0 / (square - self.off.norm_squared()).max(TUNING.smooth.least_room * square)
     }
 
-    /// The part of a step of the nodes that leaves it inside. Along the path it may go anywhere.
+    /// The part of a step of the nodes that stays inside. Along the path it is unlimited.
     fn step(&self, steps: &[Point]) -> f64 {
         let across = |v: &Point| v - self.tangent * self.tangent.dot(v);
         let (off, step) = (across(&self.off), across(&self.of(steps)));
@@ -164,7 +164,7 @@ impl Row {
     }
 }
 
-/// Weights of four nodes whose sum is the jerk about them, by the root of the time that it lasts; in units of the usual time between two nodes.
+/// Weights of four nodes whose sum is the jerk times the root of its duration, in units of the usual time between two nodes.
 fn thirds(control: &ControlPoints) -> Vec<[f64; 4]> {
     let mut time = 0.0;
     let knots: Vec<f64> = core::iter::once(0.0)
@@ -185,7 +185,7 @@ fn thirds(control: &ControlPoints) -> Vec<[f64; 4]> {
         .collect()
 }
 
-/// Nodes held by springs, whose third differences cost.
+/// Nodes on springs, with a cost for their third differences.
 struct Springs {
     /// Lower half of the band: the diagonal, then three to its left.
     band: Vec<[f64; 4]>,
@@ -221,7 +221,7 @@ impl Springs {
         }
     }
 
-    /// Where the nodes come to rest, in `points`: by Cholesky's method without roots.
+    /// Solves for the equilibrium of the nodes, in `points`: by Cholesky's method without roots.
     fn solve(&mut self, stiffness: f64, thirds: &[[f64; 4]]) {
         let Springs { band, points } = self;
         let count = band.len();
@@ -259,5 +259,5 @@ impl Springs {
     }
 }
 
-/// Parts of the way from a knot to the next at which the curve is inside.
+/// Shares of the span between two knots at which the curve must be inside.
 const PARTS: [f64; 2] = [0.0, 0.5];

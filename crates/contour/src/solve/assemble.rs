@@ -1,4 +1,4 @@
-//! The Gauss-Newton matrix of the optimisation and minus its gradient, from the barriers of everything that is limited.
+//! The Gauss-Newton matrix of the optimisation and its negative gradient, from the barriers of all limited quantities.
 //! Units and letters are those of [`crate::solve::problem`].
 
 use crate::Point;
@@ -12,9 +12,9 @@ use crate::tuning::TUNING;
 /// Derivatives of one number by the unknowns of five nodes.
 type Row = [f64; MOST_LOCAL];
 
-/// The part of matrix and gradient about one node.
+/// The part of matrix and gradient for one node.
 struct Local {
-    /// Unknowns that are in use.
+    /// Number of unknowns in use.
     size: usize,
     values: [f64; MOST_LOCAL * MOST_LOCAL],
     slopes: Row,
@@ -26,7 +26,7 @@ impl Local {
         self.slopes.fill(0.0);
     }
 
-    /// The barrier of a number with this slope and curvature.
+    /// Adds the barrier of a number with this slope and curvature.
     fn add(&mut self, row: &Row, slope: f64, curvature: f64) {
         for r in 0..self.size {
             self.slopes[r] += slope * row[r];
@@ -37,7 +37,7 @@ impl Local {
         }
     }
 
-    /// All barriers of a quantity; `rows` are the derivatives of its parts by axis.
+    /// Adds all barriers of a quantity; `rows` are the derivatives of its components by axis.
     fn add_quantity(&mut self, q: &Quantity, rows: &[Row; 3]) {
         let counted = |slope: f64, curvature: f64| (slope * q.weight, curvature * q.weight);
         for axis in 0..3 {
@@ -69,7 +69,7 @@ impl Local {
         }
     }
 
-    /// Derivatives of the part along a direction.
+    /// Derivatives of the component along a direction.
     fn along(&self, rows: &[Row; 3], direction: &Point) -> Row {
         let mut along = [0.0; MOST_LOCAL];
         for axis in 0..3 {
@@ -82,7 +82,7 @@ impl Local {
 }
 
 impl Problem<'_> {
-    /// The Gauss-Newton matrix and minus the gradient.
+    /// The Gauss-Newton matrix and the negative gradient.
     pub(crate) fn assemble(
         &self,
         weight: f64,
@@ -139,7 +139,7 @@ impl Problem<'_> {
         rows
     }
 
-    /// The part about node `i` into the band. Beyond the ends the span is that of the end.
+    /// Adds the part for node `i` to the band. Beyond the ends the span is that of the end.
     fn scatter(&self, i: isize, local: &Local, matrix: &mut Banded, right: &mut [f64]) {
         let (block, n) = (self.block(), self.intervals());
         let variable = |k: usize| -> Option<usize> {
@@ -168,7 +168,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The barrier of one point of the curve.
+    /// Adds the barrier of one point of the curve.
     fn add_corridor(&self, matrix: &mut Banded, right: &mut [f64], corridor: &CorridorRow, off: Point) {
         let block = self.block();
         let scale = 2.0 / (corridor.radius * corridor.radius - off.norm_squared());
@@ -191,7 +191,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Fixes the variables that the solver must not change: nodes that stay, spans of the running motion, and the span behind the last node.
+    /// Fixes the variables that the solver must not change: fixed nodes, spans of the running motion, and the span behind the last node.
     fn fix_given(&self, matrix: &mut Banded, right: &mut [f64]) {
         let block = self.block();
         let mut fix = |variable: usize| {

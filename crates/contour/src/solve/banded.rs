@@ -32,7 +32,7 @@ impl Banded {
         self.values[row * (self.width + 1) + self.width]
     }
 
-    /// Takes a variable out of the system: its row and column become those of the unit matrix.
+    /// Removes a variable from the system: its row and column become those of the unit matrix.
     pub(crate) fn fix(&mut self, variable: usize) {
         let stride = self.width + 1;
         self.values[variable * stride..(variable + 1) * stride].fill(0.0);
@@ -42,8 +42,7 @@ impl Banded {
         }
     }
 
-    /// Solves for `right` in place by Cholesky's method, which destroys the matrix. A pivot that is
-    /// not above `1e-14` of its diagonal is lifted there.
+    /// Solves for `right` in place by Cholesky's method, which destroys the matrix. A pivot not above `1e-14` of its diagonal is raised to that.
     pub(crate) fn solve(&mut self, right: &mut [f64]) {
         let (width, stride) = (self.width, self.width + 1);
         for row in 0..self.rows {

@@ -9,10 +9,10 @@
 use crate::Point;
 use crate::solve::problem::{Limits, Problem};
 
-/// A vector that is limited, and what it depends on: spans of intervals `i-2..=i+2`, nodes `i-1..=i+2`.
+/// A limited vector, and its dependence on the spans of intervals `i-2..=i+2` and the nodes `i-1..=i+2`.
 pub(crate) struct Quantity {
     pub(crate) kind: Kind,
-    /// How much its barrier counts.
+    /// The weight of its barrier.
     pub(crate) weight: f64,
     pub(crate) value: Point,
     pub(crate) by_span: [Point; 5],
@@ -20,11 +20,11 @@ pub(crate) struct Quantity {
     /// Reciprocal limits of the axes and of the vector.
     pub(crate) axes: Point,
     pub(crate) vector: f64,
-    /// A direction, and the reciprocal limits along and against it; without any if they are 0.
+    /// A direction, and the reciprocal limits along and against it; 0 for none.
     pub(crate) along: (Point, f64, f64),
 }
 
-/// What is limited.
+/// The kind of a limited quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Velocity,
@@ -35,7 +35,7 @@ pub(crate) enum Kind {
 /// The nodes and spans about one interval. Index `k` stands for node or interval `i - 2 + k`.
 struct Stencil {
     spans: [f64; 5],
-    /// What turns a difference of nodes into the velocity of the intervals `k` = 1, 2, 3.
+    /// The factors from a difference of nodes to the velocity of the intervals `k` = 1, 2, 3.
     wide: [f64; 3],
     velocities: [Point; 3],
     /// Derivatives of the velocities by each of their spans.
@@ -65,7 +65,7 @@ impl Stencil {
         }
     }
 
-    /// In the middle interval.
+    /// The velocity in the middle interval.
     #[inline]
     fn velocity(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, fade, .. } = self;
@@ -102,7 +102,7 @@ impl Stencil {
         (value, rate, [fade[k - 1] * -rate, both, both, fade[k] * rate])
     }
 
-    /// At the node before the middle interval.
+    /// The acceleration at the node before the middle interval.
     #[inline]
     fn acceleration(&self, limits: &Limits, tangent: Point, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;
@@ -125,7 +125,7 @@ impl Stencil {
         }
     }
 
-    /// In the middle interval.
+    /// The jerk in the middle interval.
     #[inline]
     fn jerk(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;
@@ -174,7 +174,7 @@ impl Problem<'_> {
         let limits = &self.limits[i.clamp(0, n) as usize];
         let relaxed = self.relaxed.get((i + 1) as usize).copied().unwrap_or([1.0; 3]);
         let counted = relaxed.map(|share| [share, Problem::weight_of(share)]);
-        // What the given nodes and spans decide alone is not asked for.
+        // Quantities that depend on given nodes and spans only are left out.
         let free = |first: isize| !self.continues || i >= first;
         let stencil = Stencil::new(
             [node(i - 1), node(i), node(i + 1), node(i + 2)],

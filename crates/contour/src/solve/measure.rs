@@ -1,4 +1,4 @@
-//! Whether the spline through the control points keeps its limits, exactly. Position units and seconds.
+//! The exact check of the limits of the spline through the control points. Position units and seconds.
 
 use crate::Trajectory;
 use crate::limits::Bounds;
@@ -6,17 +6,17 @@ use crate::path::reference::ReferencePath;
 use crate::solve::stages::StageResult;
 use crate::timing::control_points::ControlPoints;
 
-/// A motion with its measure.
+/// A motion with its excess.
 pub(crate) struct Measured {
     pub(crate) trajectory: Trajectory,
     /// The time of each node.
     pub(crate) times: Vec<f64>,
-    /// By what factor the limits are exceeded.
+    /// The factor by which the limits are exceeded.
     pub(crate) excess: f64,
 }
 
-/// The spline through the control points. One that begins at rest is slowed down or sped up as a whole for its limits, where it may
-/// be the plan; one that continues a motion cannot be.
+/// The spline through the control points. A motion from rest whose result may be the plan is slowed down or sped up as a whole to its limits;
+/// a continuation cannot be.
 pub(crate) fn measured(
     control: &ControlPoints,
     bounds: &[Bounds],
@@ -42,7 +42,7 @@ pub(crate) fn measured(
     }
 }
 
-/// By what factor the trajectory must take longer to keep every limit; below 1 it may be shorter.
+/// The factor by which the trajectory must take longer to keep every limit; below 1 it may be shorter.
 fn excess(trajectory: &Trajectory, control: &ControlPoints, bounds: &[Bounds], reference: &ReferencePath) -> f64 {
     let mut factor = 0.0_f64;
     let last = control.progress.len() - 1;

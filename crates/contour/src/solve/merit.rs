@@ -1,10 +1,10 @@
-//! What the optimisation minimises: `weight * time - sum of log(slack)` over everything that is limited.
+//! The objective of the optimisation: `weight * time - sum of log(slack)` over all limited quantities.
 
 use crate::Point;
 use crate::solve::problem::Problem;
 
 impl Problem<'_> {
-    /// The least slack of what is limited at each node.
+    /// The least slack of the limited quantities at each node.
     pub(crate) fn slacks(&self, points: &[Point], spans: &[f64], slacks: &mut [f64]) {
         slacks.fill(f64::INFINITY);
         for i in -1..=self.intervals() {
@@ -29,7 +29,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The function to be minimised; infinite outside the feasible set.
+    /// The objective; infinite outside the feasible set.
     pub(crate) fn merit(&self, time_weight: f64, points: &[Point], spans: &[f64]) -> f64 {
         let mut sum = 0.0;
         for span in spans {

@@ -1,4 +1,4 @@
-//! The optimisation of timing and shape together: what is limited, and how a faster motion within the limits is found.
+//! The optimisation of timing and shape together: the limited quantities, and the search for a faster motion within the limits.
 
 mod assemble;
 mod banded;

@@ -1,8 +1,8 @@
 //! The joint optimisation of timing and shape by a barrier method.
 //!
-//! Minimised is `weight * time - sum of log(1 - (quantity / limit)²)` over what [`crate::solve::problem`] limits, for growing weights, by
-//! Gauss-Newton steps on a band matrix; a step that would leave the feasible set is shortened, so **every iterate keeps
-//! all limits and the corridor**, and the work can end at any time. Units are those of the problem.
+//! The objective is `weight * time - sum of log(1 - (quantity / limit)²)` over the limited quantities of [`crate::solve::problem`]. It is
+//! minimised for growing weights by Gauss-Newton steps on a band matrix; a step that would leave the feasible set is shortened, so **every
+//! iterate keeps all limits and the corridor**, and the work can end at any time. Units are those of the problem.
 
 use crate::Point;
 use crate::solve::banded::Banded;
@@ -12,7 +12,7 @@ use crate::solve::step_lengths::smooth_lengths;
 use crate::solve::work::Work;
 use crate::tuning::TUNING;
 
-/// Weights of the time and how many steps each may take.
+/// Weights of the time, and the largest number of steps for each.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BarrierSchedule {
     pub(crate) first: f64,
@@ -29,11 +29,11 @@ struct Iterate {
     spans: Vec<f64>,
 }
 
-/// What the steps work on.
+/// The working memory of the steps.
 struct Search {
     now: Iterate,
     trial: Iterate,
-    /// The matrix of timing and shape, and that of the timing alone; the other one is empty.
+    /// The matrix of timing and shape, and that of the timing alone; the unused one is empty.
     matrix: Banded,
     band: Band,
     gradient: Vec<f64>,
@@ -42,7 +42,7 @@ struct Search {
     /// Least slacks by node.
     slack: Vec<f64>,
     trial_slack: Vec<f64>,
-    /// Lengths of the step by node: as each needs it, and smoothed.
+    /// Lengths of the step by node: as each node needs it, and smoothed.
     wanted: Vec<f64>,
     lengths: Vec<f64>,
 }
@@ -72,7 +72,7 @@ impl Search {
 }
 
 impl Problem<'_> {
-    /// Improves `spans` and `points` in place, until the work is done at the latest.
+    /// Improves `spans` and `points` in place, until the work is used up at the latest.
     pub(crate) fn run(&mut self, schedule: BarrierSchedule, work: &mut Work) {
         let mut search = Search::new(self);
         for row in &mut self.corridor {
@@ -86,7 +86,7 @@ impl Problem<'_> {
                 break;
             }
             for step in 0..schedule.steps + TUNING.relax.most_closing {
-                // Before it works harder the limits have to be the full ones.
+                // A higher weight requires the full limits first.
                 if step >= schedule.steps && !self.is_relaxed() {
                     break;
                 }
@@ -121,15 +121,15 @@ impl Problem<'_> {
         1 + self.lateral
     }
 
-    /// Where the start is outside, corridor and limits are wider and close in from step to step. Whether anything has changed.
+    /// Tightens the corridor and the limits, which are wider for a start outside of them. Returns true if one of them has changed.
     fn close_in(&mut self, now: &Iterate) -> bool {
         let weighed = self.weigh_corridor(&now.points, &now.spans);
         let narrower = self.narrow_corridor(&now.points) || weighed;
         self.tighten_limits(&now.points, &now.spans) || narrower
     }
 
-    /// Narrows the corridor to its target, but leaves room where the curve is outside: some of what there
-    /// was, or where that is infinite, a share of the distance.
+    /// Narrows the corridor to its target, but leaves room at a point outside: half of the room that it had or, if that is infinite,
+    /// a share of the distance.
     fn narrow_corridor(&mut self, points: &[Point]) -> bool {
         let mut changed = false;
         for row in self.corridor.iter_mut().filter(|row| row.radius > row.target) {
@@ -145,7 +145,7 @@ impl Problem<'_> {
         changed
     }
 
-    /// Takes other spans for the points of the curve that are exact; one that comes outside its corridor has it widened. Whether there are such.
+    /// Applies other spans to the exact points of the curve, and widens the corridor of a point that comes outside. Returns true if there is one.
     fn weigh_corridor(&mut self, points: &[Point], spans: &[f64]) -> bool {
         let mut changed = false;
         for row in self.corridor.iter_mut().filter(|row| row.is_exact()) {
@@ -181,8 +181,8 @@ impl Problem<'_> {
         -gradient.iter().zip(step.iter()).map(|(g, s)| g * s).sum::<f64>()
     }
 
-    /// Takes the step, shortened where it would leave the feasible set and about there; returns the new value. `None`: no length of it
-    /// is an improvement.
+    /// Takes the step, shortened near the nodes at which it would leave the feasible set. Returns the new value; `None` if no length of it is an
+    /// improvement.
     fn take_step(&self, weight: f64, value: f64, search: &mut Search, work: &mut Work) -> Option<f64> {
         let block = self.block();
         for (i, length) in search.wanted.iter_mut().enumerate() {
@@ -211,7 +211,7 @@ impl Problem<'_> {
         None
     }
 
-    /// The step with its smoothed lengths; returns the value there.
+    /// Tries the step with its smoothed lengths; returns the value there.
     fn try_step(&self, weight: f64, search: &mut Search) -> f64 {
         let block = self.block();
         let Search {
@@ -239,13 +239,13 @@ impl Problem<'_> {
         self.value(weight, trial, trial_slack)
     }
 
-    /// What is minimised; sets the least slacks by node. Infinite outside the feasible set.
+    /// The objective; sets the least slacks by node. Infinite outside the feasible set.
     fn value(&self, weight: f64, at: &Iterate, slacks: &mut [f64]) -> f64 {
         if self.is_timing() {
             return self.timing_merit(weight, &at.spans, slacks);
         }
         self.slacks(&at.points, &at.spans, slacks);
-        // Most attempts end here.
+        // Most attempts fail here.
         if slacks.iter().any(|&slack| slack <= 0.0) {
             return f64::INFINITY;
         }
@@ -254,7 +254,7 @@ impl Problem<'_> {
 }
 
 impl Search {
-    /// About the nodes that come too near to a limit; where there are none, or after too many attempts, everywhere.
+    /// Shortens the step near the nodes that come too close to a limit; without such nodes, or after too many attempts, everywhere.
     fn shorten(&mut self, attempt: u32) {
         let mut local = false;
         if attempt < TUNING.barrier.local_attempts {

@@ -1,10 +1,10 @@
-//! What is optimised: timing and shape of one motion, and everything about it that is limited.
+//! The optimisation problem: timing and shape of one motion, and all its limited quantities.
 //!
-//! A node is a control point of a cubic B-spline in time with the instant that it stands for. Unknown are, for every node
-//! `p[i] = reference + normals * offset`, its offset, and for every interval between nodes the logarithm of the time `h[i]` that it
-//! takes. What is limited are the control points of the spline's derivatives ([`crate::solve::derivatives`]); the spline
-//! lies within their hull, so the limits hold at every instant. Not here: how a better one is found
-//! ([`crate::solve::optimise`]). Units: the first time between two nodes is 1 (limits are scaled to it), lengths are position units.
+//! A node is a control point of a cubic B-spline in time with its instant. The unknowns are, for every node
+//! `p[i] = reference + normals * offset`, its offset, and for every interval between nodes the logarithm of its duration `h[i]`. The
+//! limited quantities are the control points of the spline's derivatives ([`crate::solve::derivatives`]); the spline lies within their hull, so
+//! the limits hold at every instant. Not here: the search for a better motion ([`crate::solve::optimise`]). Units: the first time between two
+//! nodes is 1 (limits are scaled to it), lengths are position units.
 
 use crate::Point;
 use crate::limits::Bounds;
@@ -13,50 +13,50 @@ use crate::path::reference::ReferencePath;
 use crate::solve::relax::SlowDown;
 use crate::tuning::TUNING;
 
-/// What is optimised.
+/// The problem of one stage.
 pub(crate) struct Problem<'a> {
     pub(crate) reference: &'a ReferencePath,
     pub(crate) points: Vec<Point>,
-    /// From node to node, where only the timing is optimised.
+    /// Differences from node to node, if only the timing is optimised.
     pub(crate) differences: Vec<Point>,
     pub(crate) limits: Vec<Limits>,
     pub(crate) normals: Vec<[Point; 2]>,
     pub(crate) tangents: Vec<Point>,
-    /// What keeps the curve near the reference path.
+    /// The points that the corridor keeps near the reference path.
     pub(crate) corridor: Vec<CorridorRow>,
-    /// Nodes that stay where they are.
+    /// Nodes that must not move.
     pub(crate) fixed: Vec<bool>,
     pub(crate) spans: Vec<f64>,
-    /// In how many directions across the path a node may move: 0 (timing only), 1 (a plane) or 2 (space).
+    /// Number of directions across the path in which a node may move: 0 (timing only), 1 (a plane) or 2 (space).
     pub(crate) lateral: usize,
-    /// It continues a motion: the first nodes and spans are given.
+    /// It continues a running motion: the first nodes and spans are given.
     pub(crate) continues: bool,
-    /// How many nodes are close to what the running motion does.
+    /// The number of nodes close to the running motion.
     pub(crate) kept: usize,
-    /// What is slowed down where the start is outside the limits.
+    /// The part that is slowed down if the start is outside the limits.
     pub(crate) slow_down: SlowDown,
-    /// What is left of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, where the start
-    /// is outside of them; empty: all of it.
+    /// The shares of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, for a start outside of them; empty: the full
+    /// limits.
     pub(crate) relaxed: Vec<[f64; 3]>,
 }
 
-/// Reciprocals of the limits at one node, 0 where there is none.
+/// Reciprocals of the limits at one node, 0 for no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limits {
     pub(crate) speed: Point,
     pub(crate) acceleration: Point,
     pub(crate) jerk: Point,
-    /// Of the vector.
+    /// Reciprocal limits of the vector.
     pub(crate) vector_speed: f64,
     pub(crate) vector_acceleration: f64,
     pub(crate) vector_jerk: f64,
-    /// Along the path.
+    /// Reciprocal limits along the path.
     pub(crate) speeding_up: f64,
     pub(crate) slowing_down: f64,
 }
 
 impl Limits {
-    /// Where the first time between two nodes is `span` seconds. A vector's limit beyond the corner of those of the axes is none.
+    /// The reciprocals for a first time between two nodes of `span` seconds. A vector's limit beyond the corner of those of the axes is omitted.
     pub(crate) fn reciprocal(bounds: &Bounds, span: f64) -> Limits {
         let (second, third) = (span * span, span * span * span);
         let inverse = |limit: Point, unit: f64| limit.map(|l| 1.0 / (l * unit));
@@ -76,7 +76,7 @@ impl Limits {
         }
     }
 
-    /// Whether the jerk is limited.
+    /// The jerk is limited.
     #[inline(always)]
     pub(crate) fn has_jerk(&self) -> bool {
         self.jerk != Point::zeros() || self.vector_jerk > 0.0
@@ -101,12 +101,12 @@ impl Problem<'_> {
         self.points.len() as isize - 1
     }
 
-    /// Whether the curve stays and only its timing is optimised.
+    /// The curve is fixed, and only its timing is optimised.
     pub(crate) fn is_timing(&self) -> bool {
         self.lateral == 0
     }
 
-    /// How much the barrier of a limit counts of which a share is left.
+    /// The weight of the barrier of a limit with a share.
     #[inline(always)]
     pub(crate) fn weight_of(share: f64) -> f64 {
         if share < 1.0 { TUNING.relax.weight } else { 1.0 }

@@ -1,25 +1,25 @@
-//! Starts that are outside the limits: from rest everything takes longer; a motion under way is started with relaxed limits
-//! that close in from step to step, as the corridor does.
+//! Starts outside the limits: a motion from rest is slowed down as a whole; a running motion starts with relaxed limits that tighten from step
+//! to step, as the corridor does.
 
 use crate::Point;
 use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
 use crate::tuning::TUNING;
 
-/// What of a timing is slowed down that begins outside its limits and continues a motion.
+/// The part of a continuation's timing that is slowed down if it begins outside its limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SlowDown {
-    /// What is outside, and what leads there.
+    /// The nodes outside, and those that lead there.
     Outside,
-    /// All of it.
+    /// All nodes.
     Whole,
 }
 
 impl Problem<'_> {
-    /// Lengthens all spans until every limit is kept with room to spare.
+    /// Lengthens all spans until every limit is kept with a margin.
     pub(crate) fn make_feasible(&mut self) {
         if self.continues {
-            // A motion under way cannot be slowed down as a whole: the limits give way instead, and close in.
+            // A running motion cannot be slowed down as a whole: the limits are relaxed instead, and tighten.
             self.slow_down();
             self.relaxed = vec![[0.0; 3]; self.points.len() + 1];
             return;
@@ -34,8 +34,9 @@ impl Problem<'_> {
         }
     }
 
-    /// Lengthens the spans behind the given beginning, gradually: of the timing of an S-curve those about what is outside; else all of them,
-    /// of timing and shape where most of what comes there is far from its limits.
+    /// Lengthens the spans behind the given beginning, gradually. For the timing of an S-curve, it lengthens those near nodes outside the limits.
+    /// Otherwise it lengthens all of them: for timing alone if any node is outside the limits, for timing and shape if at least half of the nodes
+    /// exceed them by far.
     fn slow_down(&mut self) {
         let mut factors = vec![0.0; self.points.len()];
         self.for_each_quotient(&self.points, &self.spans, |i, [speed, acceleration, jerk]| {
@@ -48,7 +49,7 @@ impl Problem<'_> {
         let outside = |most: f64| behind.iter().filter(|&&factor| factor > most).count();
         let slow = |factor: f64| factor / TUNING.relax.feasible;
         if self.is_timing() && self.slow_down == SlowDown::Outside && self.limits[0].has_jerk() {
-            // Where it comes to rest few nodes are slow, and come inside by themselves.
+            // At its rest, few nodes are slow, and they come inside without help.
             behind[count.saturating_sub(TUNING.relax.end_nodes)..].fill(0.0);
             for factor in behind.iter_mut() {
                 *factor = if *factor > 1.0 { slow(*factor) } else { 1.0 };
@@ -107,12 +108,12 @@ impl Problem<'_> {
         worst
     }
 
-    /// Closes relaxed limits in, as [`Problem::close_in`] does with the corridor. Whether there are such.
+    /// Tightens relaxed limits, as [`Problem::close_in`] does with the corridor. Returns true if there are relaxed limits.
     pub(crate) fn tighten_limits(&mut self, points: &[Point], spans: &[f64]) -> bool {
         if !self.relaxed.iter().flatten().any(|&share| share < 1.0) {
             return false;
         }
-        // Without them the quotients are those of the full limits.
+        // Without relaxed limits, the quotients are those of the full limits.
         let mut relaxed = core::mem::take(&mut self.relaxed);
         self.for_each_quotient(points, spans, |i, worst| {
             let shares = &mut relaxed[(i + 1) as usize];
@@ -136,7 +137,7 @@ impl Problem<'_> {
     }
 }
 
-/// Brings each value to the largest one of so many to either side of it, and evenly from one to the next.
+/// Replaces each value by the largest one within this number of nodes to either side, and evens the transitions.
 fn spread(values: &mut [f64], nodes: usize) {
     let about = |k: usize| k.saturating_sub(nodes)..(k + nodes + 1).min(values.len());
     let most: Vec<f64> = (0..values.len())
@@ -152,7 +153,7 @@ fn spread(values: &mut [f64], nodes: usize) {
     values.copy_from_slice(&means(&means(&most)));
 }
 
-/// The room that a quotient of 1 or more is given at first.
+/// The initial room for a quotient of 1 or more.
 fn first_slack(off: f64) -> f64 {
     if off < 1.0 - TUNING.relax.inside {
         0.0

@@ -12,21 +12,21 @@ use crate::timing::control_points::{ControlPoints, GIVEN};
 use crate::tolerance::{LEAST_LENGTH_UNITS, SAME_CONTROL_POINT_UNITS, SAME_POINT_UNITS};
 use crate::tuning::TUNING;
 
-/// What a stage is to keep.
+/// The conditions of a stage.
 pub(crate) struct Conditions<'a> {
     pub(crate) reference: &'a ReferencePath,
     pub(crate) allowance: &'a Allowance,
     /// Limits by piece of the reference path.
     pub(crate) limits: &'a [Bounds],
-    /// The same for the nodes that are close to what a running motion does.
+    /// The same for the nodes close to the running motion.
     pub(crate) kept_limits: &'a [Bounds],
-    /// Share of the tolerance that makes the corridor, by node.
+    /// Share of the tolerance for the corridor, by node.
     pub(crate) margins: &'a [f64],
     pub(crate) slow_down: SlowDown,
 }
 
 impl<'a> Conditions<'a> {
-    /// The optimisation of the control points as they stand.
+    /// The optimisation problem of the control points.
     pub(crate) fn problem(&self, control: &ControlPoints, quality: Quality) -> Problem<'a> {
         let span = control.spans[0];
         let progress = control.progress.iter();
@@ -53,7 +53,7 @@ impl<'a> Conditions<'a> {
         }
     }
 
-    /// The same with nodes that may move across the path, where there are any.
+    /// The same with nodes that may move across the path, if there are any.
     fn with_shape(&self, timing: Problem<'a>, control: &ControlPoints, pieces: &[usize]) -> Problem<'a> {
         let plane = plane_of(&control.points);
         let radii = self.radii(control, pieces);
@@ -71,7 +71,7 @@ impl<'a> Conditions<'a> {
         }
     }
 
-    /// Beside a joint the stricter ones of both pieces.
+    /// The limits by node; beside a joint the stricter ones of both pieces.
     fn limits_by_node(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<Limits> {
         let (count, span) = (pieces.len(), control.spans[0]);
         let of_node = |i: usize| {
@@ -105,7 +105,7 @@ impl<'a> Conditions<'a> {
         (0..points.len()).map(of_node).collect()
     }
 
-    /// How far the nodes may be from the reference path; 0 where they stay.
+    /// The permitted distance of the nodes from the reference path; 0 for fixed nodes.
     fn radii(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<f64> {
         let count = pieces.len();
         let given = if control.initial.is_some() { GIVEN } else { 2 };
@@ -121,10 +121,10 @@ impl<'a> Conditions<'a> {
         (0..count).map(of_node).collect()
     }
 
-    /// A radius, less near the ends: the motion leaves and arrives along the programmed direction, as the corridor opens like a cone.
+    /// A radius, smaller near the ends: the motion leaves and arrives along the programmed direction, as the corridor opens like a cone.
     fn coned(&self, control: &ControlPoints, s: f64, radius: f64) -> f64 {
         let left = self.reference.length() - s;
-        // A motion that is continued does not begin at rest.
+        // A continuation does not begin at rest.
         let near = if control.initial.is_some() { left } else { s.min(left) };
         radius.min(TUNING.corridor.cone * near)
     }
@@ -137,7 +137,7 @@ impl<'a> Conditions<'a> {
         let mut rows = Vec::new();
         let edges = allowance.edges(reference);
         let widest = self.margins.iter().copied().fold(0.0, f64::max);
-        // The first points of a curve that continues another have next to no freedom.
+        // The first points of a continuation have next to no freedom.
         let first = if control.initial.is_some() { GIVEN + 1 } else { 0 };
         for i in (first..pieces.len()).filter(|&i| !is_fixed(radii[i])) {
             let (piece, s) = (pieces[i], control.progress[i]);
@@ -147,7 +147,7 @@ impl<'a> Conditions<'a> {
             if is_fixed(radii[i + 1]) {
                 continue;
             }
-            // Where the corridor is narrow the curve between two knots counts too.
+            // In a narrow corridor, the middle of the curve between two knots also counts.
             if exact && piece == pieces[i + 1] && allowance.is_near_rounding(reference, piece, s) {
                 rows.push(row(i, 0.5, piece, 0.5 * (radii[i] + radii[i + 1])));
             }
@@ -161,7 +161,8 @@ impl<'a> Conditions<'a> {
         rows
     }
 
-    /// Where the corridor stops narrowing behind node `i`, a curve inside at both nodes may be outside. One that was has it narrower there.
+    /// Adds the edges of the corridor behind node `i`: a curve inside at both nodes may be outside there. If it was, the corridor is
+    /// narrower there.
     fn add_edges(&self, control: &ControlPoints, i: usize, edges: &[(usize, f64)], rows: &mut Vec<CorridorRow>) {
         let (here, next) = (control.progress[i], control.progress[i + 1]);
         let margin = self.margins[i].min(self.margins[i + 1]);
@@ -180,7 +181,7 @@ impl<'a> Conditions<'a> {
         let start = self.reference.starts[joint];
         let (here, next) = (control.progress[i], control.progress[i + 1]);
         let part = ((start - here) / (next - here)).clamp(0.0, 1.0);
-        // Beside a piece that is kept to, the nodes' corridors are narrower than that of the joint between them.
+        // Beside a piece that the curve keeps close to, the nodes' corridors are narrower than that of the joint between them.
         let width = self.allowance.at_joint(self.reference, joint);
         let row = if width.is_some() {
             CorridorRow::exact
@@ -200,7 +201,7 @@ fn is_fixed(radius: f64) -> bool {
     radius <= SAME_POINT_UNITS
 }
 
-/// The unit normal of the plane that holds all points, when they lie in one that is normal to an axis.
+/// The unit normal of the plane through all points, if there is one that is normal to an axis.
 fn plane_of(points: &[Point]) -> Option<Point> {
     let first = points[0];
     (0..3)

@@ -1,13 +1,13 @@
-//! Which runs of the optimisation make a plan.
+//! The runs of the optimisation that make up a plan.
 
 use crate::limits::Smoothness;
 use crate::solve::optimise::BarrierSchedule;
 use crate::tuning::{StageTuning, TUNING};
 
-/// How good a plan is to be.
+/// The quality of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Quality {
-    /// The least time on corners rounded one by one.
+    /// The least time on separately rounded corners.
     TimingOnly,
     /// The least time on a smooth curve through dense chords ([`crate::path::smooth`]).
     Smooth,
@@ -18,7 +18,7 @@ pub(crate) enum Quality {
 /// One run of the optimisation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
-    /// Which limits it keeps.
+    /// The limits that it keeps.
     pub(crate) limits: Limited,
     pub(crate) schedule: BarrierSchedule,
     pub(crate) result: StageResult,
@@ -29,18 +29,18 @@ pub(crate) struct Stage {
 pub(crate) enum Limited {
     /// Speed and acceleration: without limits of jerk the optimisation is not stiff.
     Acceleration,
-    /// Those of the jerk too.
+    /// Those of the jerk as well.
     Jerk,
 }
 
-/// What the result of a stage is for.
+/// The use of a stage's result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StageResult {
     /// The next stage starts from it.
     Start,
-    /// It is the plan if it is within corridor and limits.
+    /// It is the plan if it is within the corridor and the limits.
     Plan,
-    /// The same; it starts from one that was outside.
+    /// The same, for a stage that starts outside.
     Repair,
 }
 
@@ -95,7 +95,7 @@ pub(crate) fn stages(smoothness: Smoothness, quality: Quality) -> Vec<Stage> {
     stages
 }
 
-/// The same timing again, where the smooth curve was outside.
+/// The same timing again, if the smooth curve was outside.
 fn smooth_repairs(smoothness: Smoothness) -> Vec<Stage> {
     let (limits, timing) = match smoothness {
         Smoothness::Trapezoid => (Limited::Acceleration, &TUNING.stages.timing),
@@ -104,7 +104,7 @@ fn smooth_repairs(smoothness: Smoothness) -> Vec<Stage> {
     vec![Stage::new(limits, timing, StageResult::Repair); TUNING.smooth.repairs]
 }
 
-/// The stages of a plan that is nearly within corridor and limits: one and its repairs.
+/// The stages of a plan that is nearly within the corridor and the limits: one and its repairs.
 pub(crate) fn last_stages(smoothness: Smoothness) -> Vec<Stage> {
     let limits = match smoothness {
         Smoothness::Trapezoid => Limited::Acceleration,

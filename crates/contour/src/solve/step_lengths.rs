@@ -2,8 +2,7 @@
 
 use crate::tuning::TUNING;
 
-/// Step lengths by node that are nowhere above the wanted ones and change slowly from node to node:
-/// a kink in them would be a jerk.
+/// Step lengths by node that nowhere exceed the wanted ones and change slowly from node to node: a kink would cause a jerk.
 pub(crate) fn smooth_lengths(wanted: &[f64], lengths: &mut [f64]) {
     let count = wanted.len();
     if wanted.iter().all(|&w| w >= 1.0) {

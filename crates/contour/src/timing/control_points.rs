@@ -1,40 +1,41 @@
-//! The unknown of a plan: control points of a spline in time, from rest or from the state of a running motion. Position units and
+//! The unknowns of a plan: control points of a spline in time, from rest or from the state of a running motion. Position units and
 //! seconds.
 
 use crate::path::reference::ReferencePath;
 use crate::{Point, State, Trajectory};
 
-/// The curve as control points of a spline. A node is a control point with the instant that it stands for.
+/// The curve as control points of a spline. A node is a control point with its instant.
 #[derive(Clone, Debug)]
 pub(crate) struct ControlPoints {
     pub(crate) points: Vec<Point>,
-    /// Arc length of the reference path that each node stands for, ascending.
+    /// Arc length of the reference path that corresponds to each node, ascending.
     pub(crate) progress: Vec<f64>,
     /// Seconds from node to node.
     pub(crate) spans: Vec<f64>,
-    /// The motion that it continues, at the knot of node 1. The first three nodes and spans are given by it.
+    /// The state of the running motion that it continues, at the knot of node 1. It determines the first three nodes and spans.
     pub(crate) initial: Option<State>,
-    /// How many nodes are close to what the running motion does, and keep their knots from run to run.
+    /// The number of nodes close to the running motion, which keep their knots from run to run.
     pub(crate) kept: usize,
 }
 
-/// Nodes and spans that a running motion gives.
+/// Nodes and spans that a running motion determines.
 pub(crate) const GIVEN: usize = 3;
 
 impl ControlPoints {
-    /// None yet, on the nodes of a grid, for a motion that continues one from a state on: its first `followed` nodes do what that does.
+    /// Without control points, on the nodes of a grid, for the continuation of a motion from a state: its first `followed` nodes
+    /// follow the motion.
     pub(crate) fn continuing(initial: State, grid: &[f64], followed: usize) -> ControlPoints {
         ControlPoints {
             points: Vec::with_capacity(grid.len()),
             progress: Vec::with_capacity(grid.len()),
             spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
             initial: Some(initial),
-            // The end of what is followed is free to be passed faster.
+            // The end of the followed part may become faster.
             kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
         }
     }
 
-    /// All of them are there: the last one rests at the end of the reference path, the first ones are given.
+    /// Completes the control points: the last one rests at the end of the reference path, and the first ones follow from the initial state.
     pub(crate) fn completed(mut self, reference: &ReferencePath) -> ControlPoints {
         let last = self.points.len() - 1;
         self.points[last] = reference.pieces[reference.pieces.len() - 1].end();
@@ -43,22 +44,22 @@ impl ControlPoints {
         self
     }
 
-    /// Sets the first nodes, so that the curve is in that state at the knot of node 1.
+    /// Sets the first nodes such that the curve has the initial state at the knot of node 1.
     pub(crate) fn set_initial(&mut self) {
         let (Some(initial), &[h0, h1, h2, ..]) = (self.initial, self.spans.as_slice()) else {
             return;
         };
-        // The span before the first one is as long as that.
+        // The span before the first one has the same length.
         self.points[0] = blossom(&initial, [-2.0 * h0, -h0, 0.0]);
         self.points[1] = blossom(&initial, [-h0, 0.0, h1]);
         self.points[2] = blossom(&initial, [0.0, h1, h1 + h2]);
     }
 
-    /// The motion. Its time begins at the initial state where there is one.
+    /// The motion. Its time begins at the initial state, if there is one.
     pub(crate) fn spline(&self, spans: &[f64]) -> Trajectory {
         let mut trajectory = Trajectory::spline(&self.points, spans);
         if let Some(initial) = self.initial {
-            // What lies before the knot of node 1 is no part of it.
+            // The part before the knot of node 1 does not belong to the motion.
             trajectory.knots.drain(..2);
             let start = trajectory.knots[0].time;
             for knot in &mut trajectory.knots {
@@ -80,7 +81,7 @@ impl ControlPoints {
         }
     }
 
-    /// When the motion comes to arc length `s` of its reference path; `times` are those of the nodes.
+    /// The time at which the motion reaches arc length `s` of its reference path; `times` are those of the nodes.
     pub(crate) fn time_of(&self, s: f64, times: &[f64]) -> f64 {
         let k = self.progress.partition_point(|&p| p < s).clamp(1, times.len() - 1);
         let (p0, p1) = (self.progress[k - 1], self.progress[k]);
@@ -109,7 +110,7 @@ impl ControlPoints {
     }
 }
 
-/// The control point of three knots, given relative to the instant of a state; one of them must be 0.
+/// The control point of three knots relative to the instant of a state; one of them must be 0.
 pub(crate) fn blossom(state: &State, knots: [f64; 3]) -> Point {
     let [a, b, c] = knots;
     state.position + state.velocity * ((a + b + c) / 3.0) + state.acceleration * ((a * b + b * c + c * a) / 6.0)

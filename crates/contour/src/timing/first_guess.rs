@@ -81,7 +81,7 @@ pub(crate) fn first_guess(
     control
 }
 
-/// When the profile passes an arc length of the reference path.
+/// The time at which the profile passes an arc length of the reference path.
 fn time_at(samples: &[Sample], profile: &Speeds, s: f64) -> f64 {
     let k = samples
         .partition_point(|sample| sample.progress < s)
@@ -91,14 +91,14 @@ fn time_at(samples: &[Sample], profile: &Speeds, s: f64) -> f64 {
     times[k - 1] + (times[k] - times[k - 1]) * ((s - before) / (behind - before)).clamp(0.0, 1.0)
 }
 
-/// The part of the way from sample `i` to the next that is behind at a time.
+/// The share of the distance from sample `i` to the next that is covered at a time.
 fn part_gone(profile: &Speeds, i: usize, time: f64) -> f64 {
     let (v0, v1) = (profile.square[i].sqrt(), profile.square[i + 1].sqrt());
     let (dt, t) = (profile.times[i + 1] - profile.times[i], time - profile.times[i]);
     ((v0 + (v1 - v0) / dt * t / 2.0) * t / profile.length[i]).clamp(0.0, 1.0)
 }
 
-/// Moves the control points of arcs outwards, so that the curve is on the arc where they were.
+/// Moves the control points of arcs outwards, such that the curve passes through their earlier positions on the arc.
 fn pass_through(points: &mut [Point], grid: &[f64], on_arc: &[bool]) {
     let times: Vec<f64> = sites(grid).collect();
     let through: Vec<Point> = (0..points.len())

@@ -1,9 +1,8 @@
-//! When the knots of a motion are: close together where it is busy, far apart where nothing happens. Seconds.
+//! The times of a motion's knots: close where the motion changes much, far apart where it does not. Seconds.
 
 use crate::tuning::TUNING;
 
-/// Where on a grid of knots the control points of a line run through evenly would stand: the means of
-/// three neighbours.
+/// The positions of the control points for an even motion along a line, on a grid of knots: the means of three neighbours.
 pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
     (0..grid.len()).map(|i| match (i.checked_sub(1).map(|k| grid[k]), grid.get(i + 1)) {
         (Some(before), Some(behind)) => (before + grid[i] + behind) / 3.0,
@@ -11,25 +10,25 @@ pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
-/// Where nodes are close together.
+/// The density of nodes.
 pub(crate) struct Density {
-    /// Stretches of a motion in which something happens, ascending.
+    /// Stretches of time in which the motion changes much, ascending.
     pub(crate) busy: Vec<(f64, f64)>,
-    /// Those of them that have a number of nodes of their own, ascending.
+    /// Those of them with a number of nodes of their own, ascending.
     pub(crate) fine: Vec<(f64, f64)>,
     /// Pieces of the reference path.
     pub(crate) pieces: usize,
-    /// Seconds between two nodes where it is busy.
+    /// Seconds between two nodes in busy stretches.
     pub(crate) node_s: f64,
 }
 
 impl Density {
-    /// Seconds between two nodes in busy stretches of a motion that takes `whole`.
+    /// Seconds between two nodes in busy stretches of a motion of duration `whole`.
     fn least_step(&self, whole: f64) -> f64 {
         let tuning = &TUNING.grid;
         let busy: f64 = self.busy.iter().map(|(from, to)| to - from).sum();
         let beside = tuning.quiet_s * self.busy.len().min(tuning.most_quiet) as f64;
-        // An arc is busy all along; beside a corner the nodes are few.
+        // An arc is busy over its whole length; a corner needs few nodes.
         let most_busy = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
         self.node_s
             .max(busy / most_busy.min(tuning.most_nodes))
@@ -38,8 +37,7 @@ impl Density {
     }
 }
 
-/// Times of the nodes from 0 to `whole`: close together within and near busy stretches, farther and farther apart where
-/// nothing happens.
+/// Times of the nodes from 0 to `whole`: close within and near busy stretches, farther and farther apart elsewhere.
 pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
     let Density { busy, fine, .. } = density;
     let least = density.least_step(whole);
@@ -67,7 +65,7 @@ pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
         t += step;
         times.push(t);
     }
-    // Fitted to the whole, which moves every node by less than one of the last steps.
+    // Fitted to the whole duration, which moves every node by less than one of the last steps.
     let scale = whole / t;
     for time in &mut times {
         *time *= scale;
@@ -77,8 +75,8 @@ pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
     times
 }
 
-/// Knots of a motion that goes on from `kept` ones (at least `GIVEN + 1`, ascending) until `whole`, close together where
-/// it is busy. The last span is left out: there the motion comes to rest.
+/// Knots of a continuation after the `kept` ones (at least `GIVEN + 1`, ascending) until `whole`, close in busy stretches. The last span is
+/// left out: in it the motion comes to rest.
 pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
     let from = kept[kept.len() - 1];
     let mut busy = vec![(0.0, density.node_s)];

@@ -1,4 +1,4 @@
-//! Where the control points of a motion stand in time.
+//! The times of a motion's control points.
 
 pub(crate) mod control_points;
 pub(crate) mod first_guess;

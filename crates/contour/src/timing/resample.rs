@@ -1,4 +1,4 @@
-//! The nodes of the next run: at equal times of the curve that the last one found. Position units and seconds.
+//! The nodes of the next run: at equal times of the last run's curve. Position units and seconds.
 
 use crate::limits::Smoothness;
 use crate::path::reference::{ReferencePath, along};
@@ -20,7 +20,7 @@ pub(crate) fn resample(
     let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
-        // A motion that is continued does not begin at rest.
+        // A continuation does not begin at rest.
         if control.initial.is_some() {
             0.0
         } else {
@@ -86,7 +86,7 @@ pub(crate) fn resample(
     }
 }
 
-/// The same for a motion that continues another one: its first nodes stay.
+/// The same for a continuation: its first nodes stay.
 fn resample_continued(
     trajectory: &Trajectory,
     times: &[f64],

@@ -1,4 +1,4 @@
-//! A first guess of the timing, only to place the nodes: dense where the motion will be slow.
+//! A first guess of the timing, used only to place the nodes: dense in slow parts of the motion.
 //!
 //! Speed bounds from curvature and its change, one backward and one forward pass with constant
 //! acceleration. Seconds and position units.
@@ -19,7 +19,7 @@ pub(crate) struct Sample {
     pub(crate) progress: f64,
 }
 
-/// How fast the samples are passed, as a first guess.
+/// The speeds at the samples, as a first guess.
 pub(crate) struct Speeds {
     /// Squares of the speed at the samples.
     pub(crate) square: Vec<f64>,
@@ -33,14 +33,14 @@ pub(crate) struct Speeds {
 }
 
 impl Speeds {
-    /// Whether the motion from one sample to the next has constant velocity.
+    /// The motion from one sample to the next has constant velocity.
     pub(crate) fn is_cruise(&self, i: usize) -> bool {
         let straight = self.curvature[i] == Point::zeros() && self.curvature[i + 1] == Point::zeros();
         self.square[i] == self.square[i + 1] && straight
     }
 
-    /// Not faster than a motion that begins with an acceleration along the path and comes to rest at the end, and changes its acceleration
-    /// by no more than a share of the jerk that is allowed.
+    /// Limits the speeds to those of a motion that begins with an acceleration along the path and comes to rest at the end, and whose
+    /// acceleration changes with no more than a share of the permitted jerk.
     pub(crate) fn go_gently(&mut self, acceleration: f64, bound: &Bounds) {
         let tuning = &TUNING.speed_profile;
         let jerk = tuning.gentle_jerk_share * bound.least_jerk();
@@ -71,7 +71,7 @@ impl Speeds {
         let first = self.square[0].sqrt();
         let least = tuning.gentle_least_share * first;
         bound_by(&begin(first, acceleration), least, &self.length, &mut self.square[1..]);
-        // The end is a beginning from rest in time that runs backwards.
+        // With time reversed, the end is a beginning from rest.
         self.length.reverse();
         self.square.reverse();
         bound_by(&begin(0.0, 0.0), 0.0, &self.length, &mut self.square[1..count - 1]);
@@ -122,8 +122,8 @@ pub(crate) fn sample(reference: &ReferencePath, stretches: &[Stretch]) -> Vec<Sa
     samples
 }
 
-/// Bounds of the speed from curvature and its change, and what the rates along the path leave of them, from a speed
-/// (its square) at the first sample to rest. `bounds[i]` belongs to piece `i` of the reference path.
+/// Bounds of the speed from curvature and its change, lowered to the rates along the path, from a speed (its square) at the first sample to
+/// rest. `bounds[i]` belongs to piece `i` of the reference path.
 pub(crate) fn speeds(
     reference: &ReferencePath,
     samples: &[Sample],
@@ -166,7 +166,7 @@ pub(crate) fn speeds(
     speeds
 }
 
-/// Squares of speeds behind each of some lengths, not above those of a motion, nor of a least speed.
+/// Limits the squares of speeds after some lengths to those of a motion, or of a least speed.
 fn bound_by(motion: &Profile, least: f64, lengths: &[f64], squares: &mut [f64]) {
     let (mut distance, mut time) = (0.0, 0.0);
     for (length, square) in lengths.iter().zip(squares) {
@@ -181,7 +181,7 @@ fn bound_by(motion: &Profile, least: f64, lengths: &[f64], squares: &mut [f64]) 
     }
 }
 
-/// From one sample to the next.
+/// The step from one sample to the next.
 struct Step {
     tangent: Point,
     curvature: [Point; 2],
@@ -189,7 +189,7 @@ struct Step {
 }
 
 impl Step {
-    /// The square of the speed that curvature and its change allow.
+    /// The square of the speed that curvature and its change permit.
     fn most_square(&self, bound: &Bounds, smoothness: Smoothness) -> f64 {
         let share = TUNING.speed_profile.normal_share;
         let mut most = bound.speed * bound.speed;
@@ -225,7 +225,7 @@ impl Step {
     }
 }
 
-/// Backwards and forwards: no square of a speed is farther from the next than the rate allows.
+/// Passes backwards and forwards: no square of a speed differs from the next by more than the rate permits.
 fn pass(square: &mut [f64], rate: &[f64], length: &[f64], start: f64) {
     let share = TUNING.speed_profile.tangent_share;
     let count = square.len();
@@ -235,7 +235,7 @@ fn pass(square: &mut [f64], rate: &[f64], length: &[f64], start: f64) {
     for i in 0..count - 1 {
         square[i + 1] = square[i + 1].min(square[i] + 2.0 * share * rate[i] * length[i]);
     }
-    // Too fast for what lies ahead: it brakes with all it has.
+    // A start that is too fast for the path ahead brakes at the full rate.
     if square[0] < start {
         square[0] = start;
         for i in 0..count - 2 {

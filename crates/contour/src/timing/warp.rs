@@ -1,9 +1,9 @@
-//! Time stretched at the ends of an S-curve. Seconds.
+//! Time warped at the ends of an S-curve. Seconds.
 
 use crate::limits::{Bounds, Smoothness};
 
-/// An S-curve leaves rest with `s = j t³/6`, not `a t²/2`: the time near both ends is warped so that
-/// the nodes follow the cube, and the retiming has no singular start.
+/// An S-curve leaves rest with `s = j t³/6`, not `a t²/2`: the warp makes the nodes near both ends follow the cube, so the timing has no
+/// singular start.
 pub(crate) struct Warp {
     total: f64,
     /// Acceleration over jerk at the start and at the end, seconds; 0: no warp.

@@ -5,10 +5,10 @@ use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
 use proptest::prelude::*;
 
 pub(crate) const SPEED: f64 = 200.0;
-/// How long a plan may take, seconds on the trajectory's own time.
+/// Seconds of the trajectory's own time for a plan.
 pub(crate) const LEAD: f64 = 0.05;
 
-/// Whether the jerk is limited.
+/// The profile of the moves; an S-curve has a jerk limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Profile {
     Trapezoid,
@@ -119,16 +119,16 @@ pub(crate) fn with_stops(moves: &[ContourMove], limits: &AxisLimits) -> f64 {
     moves.chunks(1).map(|one| plan(one, limits).duration()).sum()
 }
 
-/// How moves become known.
+/// The arrival of moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Windows {
-    /// How many at a time.
+    /// Number of moves that arrive at a time.
     pub(crate) moves: usize,
-    /// How long before the end of what is planned, seconds.
+    /// Seconds before the end of the planned moves at which they arrive.
     pub(crate) ahead: f64,
 }
 
-/// What a motion through windows has shown.
+/// The result of a motion whose moves arrive in windows.
 pub(crate) struct Travelled {
     pub(crate) duration: f64,
     /// Windows that could not be joined: a stop each.

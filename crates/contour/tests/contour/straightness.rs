@@ -29,7 +29,7 @@ fn course(legs: &[Leg], tolerance: f64, profile: Profile) -> Vec<ContourMove> {
         .collect()
 }
 
-/// Whether a line counts as a chord of a curve: short, between flat corners, or among short ones that turn little.
+/// A line is a chord of a curve: short, between flat corners, or among short lines with small changes of direction.
 fn is_chord(moves: &[ContourMove], k: usize) -> bool {
     let joints = |k: usize| {
         let both = [k.checked_sub(1), Some(k).filter(|&k| k + 1 < moves.len())];

@@ -13,7 +13,7 @@ const LEAD: f64 = 0.05;
 /// A part of a toolpath.
 #[derive(Clone, Copy, Debug)]
 enum Part {
-    /// So many chords of a curve: their length (mm), the turn at each (rad) and how it changes from chord to chord.
+    /// A number of chords of a curve: their length (mm), the change of direction at each (rad) and its growth from chord to chord.
     Chords(usize, f64, f64, f64),
     /// A line.
     Line(f64),

@@ -1,8 +1,8 @@
-//! The attributes of axes and coordinate systems that no tag shows: numbers of the machine, the progress of moves, faults by their kind,
-//! and the Dynamics Configuration Bits, which can be set.
+//! The attributes of axes and coordinate systems without a tag: numbers of the machine, the progress of moves, faults by kind, and the Dynamics
+//! Configuration Bits, which clients can set.
 //!
-//! The image is the only copy of these bits outside the controller: every way to set them writes them here, and the caller sends the
-//! controller the change ([`Edge::DynamicsBits`]). They begin at the machine's values, and a restart brings those back.
+//! The image is the only copy of these bits outside the controller: every interface that sets them writes them here, and the caller sends the
+//! controller the change ([`Edge::DynamicsBits`]). They start at the machine's values, also after a restart.
 
 use arcline_instruction_set::{Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity, SystemId};
 
@@ -24,16 +24,16 @@ pub struct Progress {
     pub remaining: f64,
     /// Length of its path, units; 0: no move is active.
     pub length: f64,
-    /// Seconds until its end or its successor, as planned now; NaN: not known.
+    /// Seconds until its end or its successor, as planned now; NaN: unknown.
     pub time_left: f64,
 }
 
-/// What attributes show of the newest snapshot and no tag does.
+/// The values of the newest snapshot that only attributes show.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
-    /// Of every coordinate system, in configuration order.
+    /// The active moves of all coordinate systems, in configuration order.
     progress: Vec<Progress>,
-    /// Of every axis, in configuration order.
+    /// The faults of all axes, in configuration order.
     faults: Vec<FaultSet>,
 }
 
@@ -57,7 +57,7 @@ impl Image {
         self.shown.faults.get(usize::from(axis)).copied()
     }
 
-    /// Takes over what only attributes show.
+    /// Takes over the values of a snapshot that only attributes show.
     pub(super) fn show_attributes(&mut self, snapshot: &Snapshot) {
         let Shown { progress, faults } = &mut self.shown;
         progress.clear();
@@ -78,7 +78,7 @@ impl Image {
         axes.chain(systems.map(|(index, bits)| (Object::CoordinateSystem, index, *bits)))
     }
 
-    /// The value of an attribute of an object of the machine that the image was made for; `None`: no such object.
+    /// The value of an attribute of an object of the image's machine; `None`: no such object.
     pub fn attribute(&self, machine: &Machine, attribute: &Attribute, index: u16) -> Option<f64> {
         let index = usize::from(index);
         if attribute.quantity == Quantity::DynamicsConfigurationBits {
@@ -123,8 +123,8 @@ impl Image {
     /// Sets an attribute of an object.
     ///
     /// # Errors
-    /// [`WriteError::NotSettable`] for one that cannot be set, [`WriteError::NotInRange`] for a value that it cannot have,
-    /// [`WriteError::NoSuchTag`] when there is no such object; then nothing has changed.
+    /// [`WriteError::NotSettable`] for a read-only attribute, [`WriteError::NotInRange`] for a value outside of its range,
+    /// [`WriteError::NoSuchTag`] if the object does not exist; the image is unchanged then.
     pub fn set_attribute(&mut self, attribute: &Attribute, index: u16, value: f64) -> Result<Edge, WriteError> {
         let name = attribute.name;
         if !attribute.is_settable() {

@@ -1,4 +1,4 @@
-//! Names for instructions: objects and arrays among the tags, and the call that an instruction tag is.
+//! Names for instructions: objects and arrays among the tags, and the call of an instruction tag.
 
 use arcline_instruction_set::{
     BindError, Call, Directory, Object, TagAddress, WrittenArray, bind, instruction_tag_given, instruction_tag_target,
@@ -9,11 +9,11 @@ use super::{Image, TagId, TagKind};
 use crate::{ArrayWrite, Written};
 
 impl Image {
-    /// The instruction of an instruction tag with the target and operands that it holds now. A target that does
-    /// not exist gives a call without one, which errs with 13, 0 as it does from everywhere.
+    /// The instruction of an instruction tag, with its present target and operands. A target that does not exist gives a call without a target,
+    /// which errs with 13, 0 as on every other interface.
     ///
     /// # Errors
-    /// A name among the operands that means nothing. `None`: not an instruction tag.
+    /// A name among the operands that is unknown. `None`: not an instruction tag.
     pub fn call_of(&self, id: TagId) -> Option<Result<Call, BindError>> {
         let tag = self.tag(id)?;
         let TagKind::Instruction(kind) = tag.kind else {
@@ -26,8 +26,7 @@ impl Image {
         Some(bind(kind.mnemonic, target, kind.control, &given, self))
     }
 
-    /// Takes over what an instruction wrote to a tag. One that is gone meanwhile takes nothing; nothing of it is kept over a
-    /// restart.
+    /// Takes over a write of an instruction to a tag. A tag that no longer exists is ignored; a restart does not retain the values.
     pub fn apply_array_write(&mut self, write: &ArrayWrite) {
         match write.values {
             Written::Numbers(numbers) => self.apply_numbers(write.tag, numbers.as_slice()),
@@ -49,7 +48,7 @@ impl Image {
         self.note_part(id, offset, 4 * numbers.len().min(elements), 0xFF);
     }
 
-    /// Where a REAL array that an instruction writes stands: `tag` is what [`Directory::real_array`] gave.
+    /// The location of a REAL array that an instruction writes; `tag` is the address from [`Directory::real_array`].
     /// Tag, byte offset and number of elements.
     pub fn written_array(&self, tag: TagAddress) -> Option<(TagId, usize, usize)> {
         let (id, offset) = tag_and_offset(tag);
@@ -98,7 +97,7 @@ impl Directory for Image {
 
     fn structure(&self, type_name: &str, name: &str) -> Option<TagAddress> {
         let (id, location) = self.locate(&name.parse().ok()?).ok()?;
-        // INT[4] is an array of four or more.
+        // INT[4] stands for an array of four elements or more.
         let (type_name, least) = match type_name.strip_suffix(']').and_then(|array| array.split_once('[')) {
             Some((element, count)) => (element, count.parse().ok()?),
             None => (type_name, 1),

@@ -1,7 +1,7 @@
 //! Cams and their profiles as the bytes of tags (spec/axis-and-data-types.md §8.9).
 //!
-//! The elements of a CAM_PROFILE array are the segments of its profile, as far as their Status says that there is one;
-//! the last one is the last point. Not here: what instructions do with them ([`super::cams`]).
+//! The elements of a CAM_PROFILE array are the segments of its profile, up to the last one whose Status marks a segment; that one is the last
+//! point. Not here: the instructions that use them ([`super::cams`]).
 
 use arcline_instruction_set::operands::OperandValue;
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
@@ -20,12 +20,12 @@ pub(super) struct ElementRange {
     pub(super) id: TagId,
     /// Byte of the first element.
     pub(super) offset: usize,
-    /// Elements from there on.
+    /// Number of elements from there on.
     pub(super) elements: usize,
 }
 
 impl Image {
-    /// The array that an operand names.
+    /// The array that an operand refers to.
     pub(super) fn array_of(
         &self,
         operand: &OperandValue<Option<TagAddress>>,
@@ -69,13 +69,13 @@ impl Image {
         self.put(range.id, range.offset, &status.to_le_bytes());
     }
 
-    /// The profile that the bytes of these elements are.
+    /// The profile in the bytes of these elements.
     pub(super) fn stored(&self, range: ElementRange) -> Option<Profile> {
         let bytes = self.bytes(range.id).get(range.offset..)?;
         let elements = bytes.chunks_exact(SEGMENT).take(range.elements).enumerate();
         let segments = elements.map_while(|(at, element)| {
             let status = i32::from_le_bytes(word(element, 0));
-            // The first one says how often the profile is used, and that it is calculated once more.
+            // The Status of the first element holds the number of uses, or that the profile is being calculated again.
             let is_one = status >= CALCULATED || (at == 0 && status == BEING_CALCULATED);
             let number = |at: usize| f64::from_le_bytes(word(element, at));
             is_one.then(|| Segment {
@@ -114,7 +114,7 @@ impl ElementRange {
     }
 }
 
-/// How many structures of a size there are from a byte of an array on.
+/// The number of structures of a size from a byte of an array on.
 fn elements_from(data_type: &DataType, elements: usize, offset: usize, size: usize) -> Option<usize> {
     let DataType::Structure(template) = data_type else {
         return None;

@@ -1,7 +1,7 @@
-//! Instructions that work on cam tags: what they need of them goes with the call into the tick, and what they write is
-//! written when they are done (spec/axis-and-data-types.md §3.9, §8.9).
+//! Instructions that work on cam tags: their data from tags enter the tick with the call, and their results are written to tags when they are
+//! done (spec/axis-and-data-types.md §3.9, §8.9).
 //!
-//! Not here: how cams and profiles stand in their tags ([`super::cam_tags`]), the mathematics (`arcline_cam`) and what a cam does.
+//! Not here: the layout of cams and profiles in their tags ([`super::cam_tags`]), the mathematics (`arcline_cam`), and the motion of a cam.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use super::cam_tags::{CAM, ElementRange, SEGMENT};
 use super::shared::Kept;
 use super::{Image, TagId};
 
-/// What an instruction writes to tags when it is done.
+/// The writes of an instruction to tags, which take place when it is done.
 #[derive(Clone, Debug)]
 #[must_use = "a profile stays \"being calculated\" until it is settled"]
 pub struct Staged(Written);
@@ -31,17 +31,17 @@ enum Written {
     Pose([TagAddress; 3], Arc<Results>),
 }
 
-/// Profiles of the tags that something is done with.
+/// Profiles of tags that are being calculated or used.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Profiles {
     calculated: Vec<ElementRange>,
-    /// Kept until this is the last reference to the profile, so that it is freed here and not in the tick.
+    /// Profiles in use. An entry stays until it holds the last reference, so that the memory is freed here and not in the tick.
     used: Kept<(ElementRange, Arc<Profile>)>,
 }
 
 impl Image {
-    /// What a call needs of tags, and what it writes to them: the latter is for [`Image::settle`] once the instruction was
-    /// executed.
+    /// The data of a call that stand in tags, and the writes that it stages: those are for [`Image::settle`] after the execution of the
+    /// instruction.
     pub fn prepare(&mut self, call: &Call) -> (Option<CallData>, Option<Staged>) {
         let prepared = match call.mnemonic {
             Mnemonic::Mccp => self.calculate_profile(call),
@@ -72,7 +72,7 @@ impl Image {
         }
     }
 
-    /// Writes what an instruction has calculated, if it is done.
+    /// Writes the staged results of an instruction, if it is done.
     pub fn settle(&mut self, staged: Staged, control: &MotionControl) {
         let done = control.has(Flag::Dn) && !control.has(Flag::Er);
         match staged.0 {
@@ -81,7 +81,7 @@ impl Image {
                 if done {
                     self.write_profile(range, &profile);
                 } else if self.status(range) == BEING_CALCULATED {
-                    // What was there is there still.
+                    // The profile that the tag already holds is still valid.
                     let status = self.stored(range).map_or(NOT_CALCULATED, |_| CALCULATED);
                     self.set_status(range, status);
                 }
@@ -108,7 +108,7 @@ impl Image {
         }
     }
 
-    /// Shows how many instructions use each profile, and frees those that none uses any more.
+    /// Shows the number of instructions that use each profile, and frees unused profiles.
     pub fn show_uses(&mut self) {
         self.free_output_cams();
         if self.profiles.used.is_empty() {
@@ -123,7 +123,7 @@ impl Image {
         self.profiles.used.retain(|(_, profile)| Arc::strong_count(profile) > 1);
     }
 
-    /// The results that the tick calculates, where the operand names an array for them.
+    /// The results that the tick calculates, if the operand refers to an array for them.
     fn expect_results(array: Option<WrittenArray>) -> (Option<CallData>, Option<Staged>) {
         let Some(array) = array else {
             return (None, None);
@@ -190,7 +190,7 @@ impl Image {
         let profile = Profile::calculate(&points, *start_slope, *end_slope).map_err(|error| match error {
             CalculateError::TooFew { .. } => Refusal::from(MotionError::IllegalCamLength),
             CalculateError::Order { point } => Refusal::element(MotionError::IllegalCamOrder, point),
-            // A number that is none: an operand out of range.
+            // A NaN counts as an operand out of range.
             CalculateError::NotFinite { point } => Refusal {
                 error: cam.out_of_range(),
                 element: point as u32,
@@ -259,7 +259,7 @@ impl Image {
         }
     }
 
-    /// Bytes of a plain tag from where an operand begins.
+    /// Writes bytes of a plain tag, from the first byte of an operand on.
     fn write_bytes(&mut self, tag: TagAddress, behind: usize, bytes: &[u8]) {
         let (id, offset) = tag_and_offset(tag);
         let offset = offset + behind;
@@ -280,14 +280,14 @@ impl Image {
 
 pub(super) type Prepared = Result<(CallData, Option<Staged>), Refusal>;
 
-/// What an instruction errs with, and the element to blame.
+/// The error of an instruction, and the element at fault.
 pub(super) struct Refusal {
     error: MotionError,
     element: u32,
 }
 
 impl Refusal {
-    /// EXERR has one byte: elements behind the 127th show in SEGMENT only.
+    /// EXERR has one byte: only SEGMENT shows elements behind the 127th.
     pub(super) fn element(error: fn(Detail) -> MotionError, element: usize) -> Self {
         Refusal {
             error: error(Detail(element.min(127) as i8)),

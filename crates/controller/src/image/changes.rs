@@ -1,14 +1,14 @@
-//! The difference of two copies of an image.
+//! The difference between two copies of an image.
 
 use super::{Image, TagId};
 
 impl Image {
-    /// Calls `note` with every tag whose bytes differ from those in a copy made `before`, and with every tag that only one of both
-    /// has. What the copies share is not compared.
+    /// Calls `note` with every tag whose bytes differ from those in an earlier copy, and with every tag that exists in only one of
+    /// the two. Shared parts of the copies are not compared.
     pub fn for_each_change(&self, before: &Image, mut note: impl FnMut(TagId)) {
         if self.tags.is_same(&before.tags) {
-            self.bytes.for_each_difference(&before.bytes, |place| {
-                if let Some(tag) = self.tags.get(place) {
+            self.bytes.for_each_difference(&before.bytes, |row| {
+                if let Some(tag) = self.tags.get(row) {
                     note(tag.id);
                 }
             });

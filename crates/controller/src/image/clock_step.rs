@@ -1,5 +1,4 @@
-//! The tag `ClockStep` of a machine on the step clock: it shows the tick, and a number that is written to it lets so many ticks pass
-//! (spec/contract.md §10).
+//! The tag `ClockStep` of a machine on the step clock: it shows the tick, and a number written to it executes that number of ticks
 
 use arcline_tag::{Elementary, TagType};
 
@@ -7,11 +6,11 @@ use super::{Edge, Image, TagId, TagKind, WriteError};
 
 /// Name of the tag.
 pub const CLOCK_STEP_TAG: &str = "ClockStep";
-/// The most ticks that one write lets pass.
+/// Most ticks that one write executes.
 pub const MOST_STEPS: u32 = 1_000_000;
 
 impl Image {
-    /// Adds the tag, where the name is free.
+    /// Adds the tag, if the name is free.
     pub fn add_clock_step(&mut self) {
         if self.find(CLOCK_STEP_TAG).is_none() {
             let tag_type = TagType::scalar(Elementary::Dint);

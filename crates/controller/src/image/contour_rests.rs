@@ -14,7 +14,7 @@ pub const CONTOUR_RESTS_TAG: &str = "ContourRests";
 const SIZE: usize = 8;
 
 impl Image {
-    /// The tag, where there are coordinate systems and the name is free.
+    /// Adds the tag, if there are coordinate systems and the name is free.
     pub(super) fn add_contour_rests(&mut self, machine: &Machine) {
         let systems = machine.systems.len() as u32;
         if systems > 0 && self.find(CONTOUR_RESTS_TAG).is_none() {
@@ -37,7 +37,7 @@ impl Image {
             element
         };
         let shown: Vec<u8> = snapshot.systems.iter().flat_map(numbers).collect();
-        // A write gives the tag memory of its own.
+        // A write would stop the sharing of the tag's memory.
         if self.bytes.get(row).is_some_and(|bytes| bytes != shown.as_slice())
             && let Some(bytes) = self.bytes.get_mut(row).filter(|bytes| bytes.len() == shown.len())
         {

@@ -1,4 +1,4 @@
-//! Motion control tags: which slot of the controller shows where, and what a slot shows.
+//! Motion control tags: the tag of each slot of the controller, and the status of a slot.
 
 use arcline_instruction_set::{ControlSlot, Ending, Flag, MotionControl, predefined};
 use arcline_tag::TagType;
@@ -8,14 +8,14 @@ use crate::machine::Machine;
 use crate::{CONTROL_SLOTS, Cause, UNNAMED};
 
 impl Image {
-    /// The slot of a motion control tag; a name that is not known yet becomes a MOTION_INSTRUCTION tag. The name
-    /// of an instruction tag, or of its member `MotionControl`, is the slot of that member.
+    /// The slot of a motion control tag; for an unknown name the image adds a MOTION_INSTRUCTION tag. The name of an instruction tag,
+    /// or of its member `MotionControl`, is the slot of that member.
     ///
-    /// When every slot is in use, the new tag takes the place of the motion control tag that has not been named by an instruction
-    /// for the longest time and whose own instruction has ended; tags of instructions in process and of the configuration stay.
+    /// If every slot is in use, the new tag replaces the motion control tag whose instruction has ended and that instructions have
+    /// not named for the longest time; tags of instructions in process and of the configuration stay.
     ///
     /// # Errors
-    /// A name of something else, a name that cannot be a tag's, or every slot has an instruction in process.
+    /// A name of another type of tag, a name that is no tag name, or an instruction in process in every slot.
     pub fn control_slot(&mut self, name: &str) -> Result<ControlSlot, ControlError> {
         if let Some(slot) = self.known_control(name)? {
             self.note_use(slot);
@@ -40,7 +40,7 @@ impl Image {
         Ok(slot)
     }
 
-    /// Removes the idle motion control tag whose last use is the oldest. Its slot is free then.
+    /// Removes the idle motion control tag whose last use is the oldest. Its slot is then free.
     fn reclaim_slot(&mut self) -> Option<ControlSlot> {
         let idle = self.tags.iter().filter_map(|tag| match tag.kind {
             TagKind::MotionControl(_) if self.table.configured_controls.contains(&tag.id) => None,
@@ -53,7 +53,7 @@ impl Image {
         Some(slot)
     }
 
-    /// Notes that an instruction names a slot.
+    /// Records the use of a slot by an instruction.
     fn note_use(&mut self, slot: ControlSlot) {
         self.uses += 1;
         let index = slot.0 as usize;
@@ -66,7 +66,7 @@ impl Image {
     /// The slot of a motion control tag that exists.
     ///
     /// # Errors
-    /// A name of something else.
+    /// A name of another type of tag.
     pub fn known_control(&self, name: &str) -> Result<Option<ControlSlot>, ControlError> {
         let (first, member) = name
             .split_once('.')
@@ -92,14 +92,14 @@ impl Image {
         tag.map_or("", |tag| &tag.name)
     }
 
-    /// What a slot shows.
+    /// The status in a slot.
     pub fn control(&self, slot: ControlSlot) -> MotionControl {
         let index = self.controls.get(slot.0 as usize);
         let bytes = index.and_then(|(id, offset)| self.bytes(*id).get(*offset..)?.first_chunk());
         bytes.map_or_else(MotionControl::default, |bytes| MotionControl::from_bytes(*bytes))
     }
 
-    /// Makes a slot show something.
+    /// Sets the status in a slot.
     pub fn set_control(&mut self, slot: ControlSlot, control: MotionControl) {
         let Some((id, offset)) = self.controls.get(slot.0 as usize).copied() else {
             return;
@@ -112,7 +112,7 @@ impl Image {
         }
     }
 
-    /// The cause that ended an instruction, with its names; `None`: the instruction ended by itself.
+    /// The cause that ended an instruction, with its names; `None` if the instruction ended on its own.
     pub fn ending(&self, machine: &Machine, cause: Cause) -> Option<Ending> {
         Some(match cause {
             Cause::Itself => return None,
@@ -132,11 +132,11 @@ impl Image {
     pub(super) fn free_slot(&self) -> Option<ControlSlot> {
         let next = self.controls.len();
         let new = (next < CONTROL_SLOTS && next as u32 != UNNAMED.0).then_some(ControlSlot(next as u32));
-        // One whose tag has gone may still hear of its last instruction: only when there is no other.
+        // Late events of a removed tag may still arrive for its slot, so it is the last choice.
         new.or_else(|| self.table.spare_slots.first().copied().map(ControlSlot))
     }
 
-    /// Makes a slot that [`Image::free_slot`] gave show at an offset of a tag.
+    /// Assigns a slot of [`Image::free_slot`] to an offset of a tag.
     pub(super) fn use_slot(&mut self, slot: ControlSlot, id: TagId, offset: usize) {
         match self.controls.get_mut(slot.0 as usize) {
             Some(index) => {
@@ -148,11 +148,11 @@ impl Image {
     }
 }
 
-/// Whether the instruction of a tag goes on, or is not answered yet.
+/// The instruction of a tag is in process, or is not answered yet.
 fn is_in_process(control: &MotionControl) -> bool {
     let answered = control.has(Flag::Dn) || control.has(Flag::Er);
     control.has(Flag::Ip) || control.has(Flag::En) && !answered
 }
 
-/// Of a name that is none, what is shown, characters.
+/// Characters that are shown of an invalid name.
 const MAX_NAME: usize = 40;

@@ -1,4 +1,4 @@
-//! Snapshots as the bytes of the predefined types: which number goes to which member, found by name when this is compiled.
+//! Snapshots as the bytes of the predefined types: the member for each number, found by name at compile time.
 
 use arcline_instruction_set::predefined::{self, axis_fault};
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
@@ -8,7 +8,7 @@ use super::shared::Memory;
 use crate::Snapshot;
 use crate::machine::Machine;
 
-/// Number of an axis that is shown.
+/// A quantity of an axis, by its index in the snapshot.
 #[derive(Clone, Copy, Debug)]
 enum AxisField {
     Fault,
@@ -25,7 +25,7 @@ enum AxisField {
     Dint(fn(&AxisSnapshot) -> i32),
 }
 
-/// Writes everything that changes. The order of tags is the group, the axes, the coordinate systems.
+/// Writes all changing values. The order of tags is the group, the axes, the coordinate systems.
 #[derive(Clone, Debug)]
 pub(super) struct Encoder {
     is_virtual: Vec<bool>,
@@ -45,7 +45,7 @@ impl Encoder {
         }
     }
 
-    /// `overlapping`: the motion task was still running when its next period began.
+    /// `overlapping`: the motion task was still in execution when its next period began.
     pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, memory: &mut Memory) {
         let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
         let mut faults = 0;
@@ -64,7 +64,7 @@ impl Encoder {
         }
         if let Some(group) = memory.get_mut(GROUP_TAG) {
             put(group, offset!(motion_group "GroupStatus"), GROUP_RUNNING.to_le_bytes());
-            // The group has no bit for motion faults of axes: they show as physical ones.
+            // The group has no bit for motion faults of axes, so they count as physical faults.
             if faults & axis_fault::MOTION_FAULT != 0 {
                 faults |= axis_fault::PHYSICAL_AXIS_FAULT;
             }
@@ -279,9 +279,9 @@ fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {
     }
 }
 
-/// The place of the group's tag; axes are behind it, coordinate systems behind them.
+/// Index of the group's tag; axes follow it, coordinate systems follow them.
 const GROUP_TAG: usize = 0;
-/// The place of the first axis's tag.
+/// Index of the first axis's tag.
 const FIRST_AXIS: usize = 1;
 /// GroupStatus of a running group: GroupSynced and the timer event (spec/axis-and-data-types.md §8.8).
 const GROUP_RUNNING: u32 = 6;

@@ -1,8 +1,8 @@
-//! Why a tag cannot be read, written, or used as a motion control.
+//! The errors of reading a tag, writing a tag, and using it as a motion control.
 
 use arcline_tag::PathError;
 
-/// Why a path gives no value.
+/// The reason why a path has no value.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ReadError {
     /// No tag of that name.
@@ -14,7 +14,7 @@ pub enum ReadError {
     /// The tag has no such part.
     #[error(transparent)]
     Path(#[from] PathError),
-    /// A structure where a number is needed.
+    /// A structure in place of a number.
     #[error("{path} is a {data_type}, expected a number")]
     NotAValue {
         /// The path.
@@ -24,13 +24,13 @@ pub enum ReadError {
     },
 }
 
-/// Why a write was refused. Nothing was written then.
+/// The reason for the refusal of a write. The write has changed nothing.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum WriteError {
     /// No tag of that id.
     #[error("there is no such tag")]
     NoSuchTag,
-    /// Bytes behind the tag's last.
+    /// Bytes beyond the end of the tag.
     #[error("{name} has {size} bytes, the write goes beyond them")]
     BeyondEnd {
         /// The tag.
@@ -38,28 +38,28 @@ pub enum WriteError {
         /// Its size in bytes.
         size: usize,
     },
-    /// Something that only the controller writes.
+    /// A part that only the controller writes.
     #[error("{name} is read-only there")]
     ReadOnly {
         /// The tag.
         name: String,
     },
-    /// More instructions wait for the controller than it can take.
+    /// The controller has no room for another instruction.
     #[error("{name} cannot be executed now, too many instructions wait for the controller: try again")]
     NoRoom {
         /// The instruction tag.
         name: String,
     },
-    /// A number that the tag cannot hold.
+    /// A number outside of the range of the tag's type.
     #[error("{name} cannot be {value}, expected {low} to {high}")]
     OutOfRange {
         /// The tag.
         name: String,
         /// The number.
         value: f32,
-        /// The least it can hold.
+        /// The lowest value of the type.
         low: f32,
-        /// The most.
+        /// The highest value of the type.
         high: f32,
     },
     /// A number outside of the tag's own range.
@@ -78,34 +78,34 @@ pub enum WriteError {
         /// The attribute.
         name: &'static str,
     },
-    /// A number that the attribute cannot have.
+    /// A number outside of the attribute's range.
     #[error("{name} cannot be {value}, expected a whole number from 0 to {most}")]
     NotInRange {
         /// The attribute.
         name: &'static str,
         /// The number.
         value: f64,
-        /// The most it can be.
+        /// Its highest value.
         most: u32,
     },
-    /// A fault that the axis cannot have.
+    /// A fault that does not exist for the axis.
     #[error("{name}[{axis}] cannot be {bits:#x}, expected bits of {possible:#x}")]
     NoSuchFault {
         /// The tag.
         name: String,
-        /// Place of the axis.
+        /// Index of the axis.
         axis: usize,
-        /// What was to be injected.
+        /// The bits to inject.
         bits: u32,
-        /// What can be.
+        /// The possible bits.
         possible: u32,
     },
-    /// The path leads nowhere.
+    /// The path does not exist.
     #[error(transparent)]
     Read(#[from] ReadError),
 }
 
-/// Why a name is no motion control tag.
+/// The reason why a name is not a motion control tag.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ControlError {
     /// A tag of another type.
@@ -114,7 +114,7 @@ pub enum ControlError {
         /// The name.
         name: String,
     },
-    /// It cannot be the name of a tag.
+    /// The name is not a valid tag name.
     #[error("{name:?} cannot be the name of a tag, expected up to 40 letters, digits and underscores")]
     NotAName {
         /// The name, its beginning.

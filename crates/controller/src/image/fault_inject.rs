@@ -1,8 +1,7 @@
-//! The tag `FaultInject`: DINT, an element for each axis in configuration order, a bit for each cause of a fault that is
-//! there ([`FaultSet`]).
+//! The tag `FaultInject`: DINT, an element for each axis in configuration order, a bit for each present cause of a fault ([`FaultSet`]).
 //!
-//! The tag is the only place of injected causes outside the controller: whatever puts one there writes it, and the caller
-//! sends the controller what came of it ([`Edge::FaultInject`]).
+//! The tag is the only copy of injected causes outside the controller: every interface that injects one writes it, and the caller sends the
+//! controller the change ([`Edge::FaultInject`]).
 
 use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_tag::{DataType, Elementary, TagType};
@@ -22,7 +21,7 @@ impl Image {
         elements(tag.map_or(&[], |tag| self.bytes(tag.id))).map(FaultSet::from_bits)
     }
 
-    /// What can be injected into an axis; `None` when there is no such axis.
+    /// The causes that can be injected into an axis; `None` if the axis does not exist.
     pub fn possible_faults(&self, axis: AxisId) -> Option<FaultSet> {
         self.possible_faults.get(usize::from(axis)).copied()
     }
@@ -30,15 +29,15 @@ impl Image {
     /// Sets the injected causes of an axis.
     ///
     /// # Errors
-    /// [`WriteError::NoSuchFault`] for a bit that means nothing for the axis; [`WriteError::NoSuchTag`] when there is no
-    /// such axis, or the tag's name is taken by another one.
+    /// [`WriteError::NoSuchFault`] for a bit without a meaning for the axis; [`WriteError::NoSuchTag`] if the axis does not exist, or
+    /// another tag has the name.
     pub fn inject_faults(&mut self, axis: AxisId, bits: u32) -> Result<Option<Edge>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FaultInject);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(axis), &bits.to_le_bytes())
     }
 
-    /// The tag, where there is an axis and the name is free.
+    /// Adds the tag, if there is an axis and the name is free.
     pub(super) fn add_fault_inject(&mut self, machine: &Machine) {
         let axes = machine.axes.len() as u32;
         if axes == 0 || self.find(FAULT_INJECT_TAG).is_some() {
@@ -48,7 +47,7 @@ impl Image {
         self.add(FAULT_INJECT_TAG, tag_type, TagKind::FaultInject);
     }
 
-    /// Writes bytes of the tag, if every axis can have what its element then says.
+    /// Writes bytes of the tag, if the resulting elements are possible for their axes.
     pub(super) fn write_fault_inject(
         &mut self,
         id: TagId,

@@ -1,7 +1,7 @@
 //! The tag `FeedOverride`: REAL, an element for each coordinate system in configuration order, in percent.
 //!
-//! The tag is the only place of an override outside the controller: whatever sets one writes it, and the caller
-//! sends the controller what came of it ([`Edge::FeedOverride`]).
+//! The tag is the only copy of an override outside the controller: every interface that sets one writes it, and the caller sends the
+//! controller the change ([`Edge::FeedOverride`]).
 
 use arcline_instruction_set::SystemId;
 use arcline_tag::{DataType, Elementary, TagType};
@@ -11,7 +11,7 @@ use crate::machine::Machine;
 
 /// Name of the tag.
 pub const FEED_OVERRIDE_TAG: &str = "FeedOverride";
-/// What an override may be, percent.
+/// The range of an override, percent.
 pub const FEED_OVERRIDE_PERCENT: std::ops::RangeInclusive<f32> = 0.0..=200.0;
 /// The first value: as programmed.
 pub(super) const AS_PROGRAMMED: f32 = 100.0;
@@ -25,7 +25,7 @@ impl Image {
         elements(tag.map_or(&[], |tag| self.bytes(tag.id)))
     }
 
-    /// The last override of a coordinate system that was not 0, in percent: what resuming goes back to.
+    /// The last override of a coordinate system that was not 0, in percent, to which it returns when it resumes.
     pub fn feed_override_before_hold(&self, system: SystemId) -> Option<f32> {
         self.before_hold.get(usize::from(system)).copied()
     }
@@ -33,14 +33,14 @@ impl Image {
     /// Sets the override of a coordinate system, in percent.
     ///
     /// # Errors
-    /// [`WriteError::OutOfRange`] outside of 0 to 200; [`WriteError::NoSuchTag`] when there is no such system.
+    /// [`WriteError::OutOfRange`] outside of 0 to 200; [`WriteError::NoSuchTag`] if the system does not exist.
     pub fn set_feed_override(&mut self, system: SystemId, percent: f32) -> Result<Option<Edge>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(system), &percent.to_le_bytes())
     }
 
-    /// The tag of the overrides, where there is something to override and the name is free.
+    /// Adds the tag of the overrides, if there are coordinate systems and the name is free.
     pub(super) fn add_feed_override(&mut self, machine: &Machine) {
         let systems = machine.systems.len() as u32;
         if systems == 0 || self.find(FEED_OVERRIDE_TAG).is_some() {

@@ -1,6 +1,6 @@
 //! The health of the real-time thread, as the tag `RealTime` shows it.
 //!
-//! Plain numbers: who measures them is `arcline-realtime`. Times are microseconds, but for the coarse update period.
+//! Plain numbers that `arcline-realtime` measures. Times are microseconds, except the coarse update period.
 
 use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, real_time_offset as at};
 use arcline_tag::Value;
@@ -10,7 +10,7 @@ use crate::machine::Machine;
 /// Name of the tag.
 pub const REAL_TIME_TAG: &str = "RealTime";
 
-/// What the real-time thread measured since it began.
+/// Measurements of the real-time thread since its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Health {
     /// Ticks executed.
@@ -19,25 +19,25 @@ pub struct Health {
     pub overruns: u64,
     /// Ticks executed late, one after another without sleeping, to catch up.
     pub caught_up: u64,
-    /// Times the thread was so late that it gave up catching up and moved its time base.
+    /// Times the thread was so late that it stopped catching up and moved its time base.
     pub resynchronised: u64,
-    /// Whether the latest tick overran.
+    /// The latest tick overran.
     pub overlapping: bool,
-    /// Begin of a tick after its due time.
+    /// Delay of a tick's beginning after its due time.
     pub lateness: Measured,
     /// Execution of a tick.
     pub compute: Measured,
-    /// Events that found no room on their way out.
+    /// Events lost on their way out for lack of room.
     pub lost_events: u64,
-    /// Answers that found no room on their way out.
+    /// Answers lost on their way out for lack of room.
     pub lost_answers: u64,
-    /// Ticks whose samples found no room on their way out.
+    /// Ticks whose samples were lost on their way out for lack of room.
     pub lost_samples: u64,
-    /// Whether the thread has a real-time scheduling class.
+    /// The thread has a real-time scheduling class.
     pub fifo: bool,
-    /// Whether memory is locked.
+    /// Its memory is locked.
     pub memory_locked: bool,
-    /// The core it is pinned to.
+    /// The core to which it is pinned.
     pub core: Option<u16>,
 }
 
@@ -52,7 +52,7 @@ pub struct Measured {
     pub mean: f64,
     /// Mean with a time constant of 250 ticks.
     pub average: f64,
-    /// How many fell in each bucket ([`arcline_instruction_set::predefined::histogram_bucket`]).
+    /// The number of values in each bucket ([`arcline_instruction_set::predefined::histogram_bucket`]).
     pub histogram: [u64; HISTOGRAM_BUCKETS],
 }
 
@@ -72,7 +72,7 @@ impl Measured {
         let mut below = 0;
         for (bucket, count) in self.histogram.iter().enumerate() {
             below += count;
-            // In whole numbers: so many of 100 or more.
+            // Integer form of below / all >= of_hundred / 100.
             if below * 100 >= all * of_hundred {
                 return (0.25 * (1u64 << bucket) as f64).min(self.max);
             }
@@ -86,7 +86,7 @@ impl Health {
     pub(super) fn encode(&self, bytes: &mut [u8]) {
         let mut put = |offset: usize, value: Value| {
             // A member is inside its template.
-            let _ = bytes.get_mut(offset..).and_then(|place| value.write(place));
+            let _ = bytes.get_mut(offset..).and_then(|member| value.write(member));
         };
         put(at::TICKS, Value::Lint(self.ticks as i64));
         put(at::OVERRUNS, count(self.overruns));
@@ -113,13 +113,13 @@ impl Health {
     }
 }
 
-/// Writes the coarse update period, which does not change, to the REAL_TIME structure.
+/// Writes the coarse update period, which is constant, to the REAL_TIME structure.
 pub(super) fn encode_period(machine: &Machine, bytes: &mut [u8]) {
     let milliseconds = Value::Real((machine.period_ns as f64 / 1e6) as f32);
     // A member is inside its template.
     let _ = bytes
         .get_mut(at::UPDATE_PERIOD..)
-        .and_then(|place| milliseconds.write(place));
+        .and_then(|member| milliseconds.write(member));
 }
 
 /// A counter as a DINT, at most its largest.

@@ -1,5 +1,5 @@
-//! Plain tags that the machine reads: positions that feed axes, registration inputs, words that enable output cams. A write of one gives
-//! [`Edge::Input`], and the caller sends the controller what came of it ([`Image::take_inputs`]).
+//! Plain tags that the machine reads: positions that feed axes, registration inputs, words that enable output cams. A write to one gives
+//! [`Edge::Input`], and the caller sends the controller the values ([`Image::take_inputs`]).
 
 use arcline_instruction_set::AxisId;
 use arcline_motion::Input;
@@ -8,15 +8,15 @@ use arcline_tag::{Elementary, TagPath, Value};
 use super::{Edge, Image, TagId, TagKind};
 use crate::machine::Machine;
 
-/// What is read from tags, and where it stands.
+/// The tags that the machine reads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Inputs {
     paths: Vec<(TagPath, Means)>,
-    /// As far as there are tags.
+    /// Their locations, of existing tags only.
     tags: Vec<InputTag>,
-    /// The table of tags for which `tags` were found.
+    /// The version of the table of tags for which `tags` is valid.
     found_for: Option<u32>,
-    /// What was written and not taken yet.
+    /// Written values that have not been taken yet.
     written: Vec<Input>,
 }
 
@@ -33,7 +33,7 @@ struct InputTag {
     offset: usize,
     kind: Elementary,
     bit: Option<u8>,
-    /// What a registration input was.
+    /// The last state of a registration input.
     on: bool,
 }
 
@@ -50,7 +50,7 @@ impl Inputs {
             let registration =
                 registration.filter_map(|(input, path)| Some((path.as_ref()?, Means::Registration(axis, input))));
             for (path, means) in feed.into_iter().chain(registration) {
-                // The configuration saw to it that it is a path.
+                // The configuration has checked the path.
                 inputs.paths.extend(path.parse().ok().map(|path| (path, means)));
             }
         }
@@ -59,12 +59,12 @@ impl Inputs {
 }
 
 impl Image {
-    /// What was written to tags that the machine reads since the last call, in order.
+    /// The values written since the last call to tags that the machine reads, in order.
     pub fn take_inputs(&mut self) -> Vec<Input> {
         std::mem::take(&mut self.inputs.written)
     }
 
-    /// Looks at what has been written.
+    /// Records the inputs among written bytes.
     pub(super) fn note_inputs(&mut self, id: TagId, offset: usize, length: usize) -> Option<Edge> {
         if self.inputs.paths.is_empty() && !self.watches_words() {
             return None;

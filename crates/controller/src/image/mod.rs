@@ -1,9 +1,9 @@
 //! The tag memory: every tag of a running machine by name and permanent instance id, as bytes on the wire.
 //!
-//! Synchronous and without I/O. It is refreshed from outside with snapshots, events and the real-time thread's
-//! health ([`Image::apply_snapshot`], [`Image::apply_event`], [`Image::apply_health`]); a caller that applies all events up to
-//! a snapshot's tick together with the snapshot shows the positions and bits of one tick. It executes
-//! nothing: a write of `EnableIn` gives an [`Edge`], and the caller makes a call of it ([`Image::call_of`]).
+//! Synchronous and without I/O. Its owner updates it with snapshots, events and the real-time thread's health ([`Image::apply_snapshot`],
+//! [`Image::apply_event`], [`Image::apply_health`]); an owner that applies all events up to a snapshot's tick together with the snapshot gets the
+//! positions and bits of one tick. It executes nothing: a write to `EnableIn` gives an [`Edge`], from which the caller makes a call
+//! ([`Image::call_of`]).
 //!
 //! All bytes are little-endian, offsets are bytes.
 
@@ -64,17 +64,17 @@ pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, 
 pub use write_rule::{NumberRange, WriteRule, Writers};
 pub use written::Written;
 
-/// How many instructions the controller can still be sent: a write of `EnableIn` beyond that is refused.
+/// The number of instructions for which the controller has room: a write to `EnableIn` beyond that is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct CallRoom {
-    /// Of any kind.
+    /// Instructions of any kind.
     pub calls: usize,
-    /// Of those that only stop or switch off.
+    /// Instructions that only stop or disable.
     pub stops: usize,
 }
 
 impl Default for CallRoom {
-    /// Any number.
+    /// Unlimited.
     fn default() -> Self {
         CallRoom {
             calls: usize::MAX,
@@ -83,7 +83,7 @@ impl Default for CallRoom {
     }
 }
 
-/// Every tag of a machine. A clone shares with the original what neither has changed, so that it is cheap.
+/// Every tag of a machine. A clone shares the unchanged parts with the original, so that it is cheap.
 #[derive(Clone, Debug)]
 pub struct Image {
     tags: Shared<Vec<Tag>>,
@@ -91,47 +91,46 @@ pub struct Image {
     names: Shared<names::Names>,
     programs: Shared<Vec<String>>,
     templates: Shared<BTreeMap<u16, Arc<Template>>>,
-    /// Where the MOTION_INSTRUCTION of a slot stands: tag and offset.
+    /// The location of the MOTION_INSTRUCTION of each slot: tag and offset.
     controls: Shared<Vec<(TagId, usize)>>,
-    /// How often instructions have named a motion control tag.
+    /// The number of times that instructions have named a motion control tag.
     uses: u64,
-    /// Of each slot, the value of `uses` when it was last named; 0: never.
+    /// The value of `uses` when each slot was last named; 0: never.
     last_uses: Kept<u64>,
     encoder: Shared<encode::Encoder>,
-    /// How the table of tags has changed.
+    /// The history of the table of tags.
     table: Shared<table::Table>,
     snapshot_tick: u64,
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
-    /// Parts of plain tags that were written; `None`: they are not recorded.
+    /// Written parts of plain tags; `None`: they are not recorded.
     written: Option<Vec<Written>>,
-    /// What can be injected into each axis.
+    /// The causes that can be injected into each axis.
     possible_faults: Vec<FaultSet>,
-    /// How many instructions the controller can still be sent.
+    /// The number of instructions for which the controller has room.
     room: CallRoom,
-    /// Whether the latest tick overran.
+    /// The latest tick overran.
     overlapping: bool,
-    /// Cam profiles that are calculated or used.
+    /// Cam profiles that are being calculated or used.
     profiles: cams::Profiles,
     /// Tags that the machine reads.
     inputs: inputs::Inputs,
-    /// Output cams that are used.
+    /// Output cams in use.
     outputs: outputs::Outputs,
-    /// Attributes that can be set.
+    /// Settable attributes.
     attributes: Shared<attributes::Attributes>,
-    /// What attributes show of the newest snapshot.
+    /// The values of the newest snapshot that only attributes show.
     shown: attributes::Shown,
     /// The tags of the controller's own program.
     program_tags: Shared<program::ProgramTags>,
-    /// What others change of them.
+    /// Changes of these tags by others.
     notes: program::Notes,
     /// The tag that shows the tick, on the step clock.
     clock_step: Option<TagId>,
 }
 
 impl Image {
-    /// The tags of a machine, at their first values. Names are unique (the configuration saw to that); of two
-    /// equal ones the first is found.
+    /// The tags of a machine, at their first values. The configuration has checked that names are unique.
     pub fn new(machine: &Machine, instruction_tags: &[InstructionTag], plain_tags: &[PlainTag]) -> Self {
         let mut image = Image {
             tags: Shared::default(),
@@ -184,7 +183,7 @@ impl Image {
             image.add_instruction(tag);
         }
         for tag in plain_tags {
-            // The configuration saw to it that there is what an alias stands for.
+            // The configuration has checked that the target of an alias exists.
             let _ = image.add_configured(tag);
         }
         if image.find(REAL_TIME_TAG).is_none() {
@@ -212,7 +211,7 @@ impl Image {
         &self.tags
     }
 
-    /// The programs in whose scopes there are tags.
+    /// The programs with tags in their scopes.
     pub fn programs(&self) -> &[String] {
         &self.programs
     }
@@ -222,7 +221,7 @@ impl Image {
         self.tag(self.names.find(name)?)
     }
 
-    /// The name of a tag with its program: what [`Image::find`] finds.
+    /// The name of a tag with its program, as [`Image::find`] takes it.
     pub fn full_name(&self, tag: &Tag) -> String {
         match tag.program.and_then(|row| self.programs.get(usize::from(row))) {
             Some(program) => format!("Program:{program}.{}", tag.name),
@@ -232,12 +231,12 @@ impl Image {
 
     /// The tag of that id.
     pub fn tag(&self, id: TagId) -> Option<&Tag> {
-        self.tags.get(self.place(id)?)
+        self.tags.get(self.row_of(id)?)
     }
 
-    /// The bytes of a tag; empty when there is none of that id.
+    /// The bytes of a tag; empty if there is none of that id.
     pub fn bytes(&self, id: TagId) -> &[u8] {
-        self.place(id).and_then(|row| self.bytes.get(row)).unwrap_or_default()
+        self.row_of(id).and_then(|row| self.bytes.get(row)).unwrap_or_default()
     }
 
     /// The structure types in use, by ascending template instance id.
@@ -250,12 +249,12 @@ impl Image {
         self.templates.get(&instance).cloned()
     }
 
-    /// The tick of the newest snapshot that was applied.
+    /// The tick of the newest applied snapshot.
     pub fn snapshot_tick(&self) -> u64 {
         self.snapshot_tick
     }
 
-    /// Takes over what happened to an instruction.
+    /// Takes over a change of an instruction's status.
     pub fn apply_event(&mut self, event: &Event) {
         if !event.owner || event.control == UNNAMED {
             return;
@@ -299,7 +298,7 @@ impl Image {
             TagKind::Alias(_) | TagKind::Program(_) => 0,
             _ => tag_type.size(),
         };
-        // At the end, unless ids are used again.
+        // At the end, unless an id is reused.
         let at = self.tags.partition_point(|tag| tag.id < id);
         self.bytes.insert(at, vec![0; size]);
         let scope = program.and_then(|row| self.programs.get(usize::from(row)));
@@ -318,7 +317,7 @@ impl Image {
         id
     }
 
-    /// Adds a tag of the configuration. `None`: what the alias stands for is not there, or no slot is free.
+    /// Adds a tag of the configuration. `None` if the target of an alias does not exist, or no slot is free.
     fn add_configured(&mut self, tag: &PlainTag) -> Option<TagId> {
         if !tag.is_control() {
             return self.add_plain(tag);
@@ -330,7 +329,7 @@ impl Image {
         Some(id)
     }
 
-    /// `None`: what the alias stands for is not there.
+    /// `None` if the target of an alias does not exist.
     fn add_plain(&mut self, tag: &PlainTag) -> Option<TagId> {
         let program = tag.program.as_deref().map(|program| self.add_program(program));
         let kind = match &tag.alias {
@@ -341,7 +340,7 @@ impl Image {
                     offset: row.offset,
                     bit: row.bit,
                 }),
-                // The configuration saw to it that there is such a path.
+                // The configuration has checked that the path exists.
                 Err(_) => return None,
             },
         };
@@ -355,7 +354,7 @@ impl Image {
             TagKind::Alias(alias) => self.tag(alias.tag).map(|tag| tag.access),
             _ => None,
         };
-        if let Some(row) = self.place(id) {
+        if let Some(row) = self.row_of(id) {
             self.tags[row].rule = tag.rule;
             self.tags[row].access = match base {
                 Some(Access::ReadOnly) => Access::ReadOnly,
@@ -365,14 +364,14 @@ impl Image {
         Some(id)
     }
 
-    /// The place of a program, which the list of tags shows from its first tag on.
+    /// The index of a program, which the list of tags contains from its first tag on.
     fn add_program(&mut self, name: &str) -> u16 {
         let known = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name));
         let row = known.unwrap_or(self.programs.len()) as u16;
         if known.is_none() {
             self.programs.push(name.to_owned());
         }
-        // A program whose tags have gone was forgotten.
+        // A program without tags was removed from the list.
         let listed = format!("Program:{name}");
         if self.find(&listed).is_none() {
             self.add(&listed, TagType::scalar(Elementary::Udint), TagKind::Program(row));
@@ -419,7 +418,7 @@ impl Image {
     }
 
     fn bytes_mut(&mut self, id: TagId) -> Option<&mut Vec<u8>> {
-        let row = self.place(id)?;
+        let row = self.row_of(id)?;
         self.bytes.get_mut(row)
     }
 }

@@ -9,7 +9,7 @@ use super::{Edge, Image, TagId, TagKind, WriteError};
 pub const MOTION_INHIBIT_TAG: &str = "MotionInhibit";
 
 impl Image {
-    /// Shows whether motion is inhibited.
+    /// Sets the value of the tag.
     pub fn show_inhibited(&mut self, is_inhibited: bool) {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::MotionInhibit);
         let Some(id) = tag.map(|tag| tag.id) else { return };
@@ -18,7 +18,7 @@ impl Image {
         }
     }
 
-    /// The tag, where the name is free.
+    /// Adds the tag, if the name is free.
     pub(super) fn add_motion_inhibit(&mut self) {
         if self.find(MOTION_INHIBIT_TAG).is_none() {
             let tag_type = TagType::scalar(Elementary::Bool);

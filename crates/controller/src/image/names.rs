@@ -1,6 +1,6 @@
-//! Which tag has a name: case is ignored, and a look-up copies no name.
+//! Tags by name: case is ignored, and a look-up copies no name.
 //!
-//! Only looked up, never listed: [`Image::tags`](super::Image::tags) is the list.
+//! For look-ups only: [`Image::tags`](super::Image::tags) is the list.
 
 use std::borrow::Borrow;
 use std::collections::HashMap;
@@ -15,12 +15,12 @@ use super::TagId;
 pub(super) struct Names(HashMap<Name, TagId>);
 
 impl Names {
-    /// The tag of a name in a program's scope; without program in the controller's.
+    /// The tag of a name in a program's scope; without a program, in the controller's.
     pub(super) fn get(&self, program: Option<&str>, name: &str) -> Option<TagId> {
         self.0.get(&Asked { program, name } as &dyn Scoped).copied()
     }
 
-    /// The tag of a name as it is written: `X`, `Program:Main.X`.
+    /// The tag of a full name: `X`, `Program:Main.X`.
     pub(super) fn find(&self, full: &str) -> Option<TagId> {
         let scoped = full
             .split_once('.')
@@ -31,7 +31,7 @@ impl Names {
         }
     }
 
-    /// Gives a tag a name, unless another one has it.
+    /// Assigns a name to a tag, unless another tag has it.
     pub(super) fn insert(&mut self, program: Option<&str>, name: &str, id: TagId) {
         let name = Name {
             program: program.map(Box::from),
@@ -40,7 +40,7 @@ impl Names {
         self.0.entry(name).or_insert(id);
     }
 
-    /// Takes a name from a tag that has it.
+    /// Removes a name, if this tag has it.
     pub(super) fn remove(&mut self, program: Option<&str>, name: &str, id: TagId) {
         if self.get(program, name) == Some(id) {
             self.0.remove(&Asked { program, name } as &dyn Scoped);
@@ -55,13 +55,13 @@ struct Name {
     name: Box<str>,
 }
 
-/// A name that is looked up.
+/// A name to look up.
 struct Asked<'a> {
     program: Option<&'a str>,
     name: &'a str,
 }
 
-/// What both are, for one comparison of all.
+/// The common form of both, for one comparison.
 trait Scoped {
     fn parts(&self) -> (Option<&str>, &str);
 }
@@ -121,7 +121,7 @@ impl PartialEq for Name {
 
 impl Eq for Name {}
 
-/// The name in lower case, in pieces that need no memory.
+/// Hashes the name in lower case, piece by piece, without memory.
 fn hash_folded<H: Hasher>(name: &str, state: &mut H) {
     for piece in name.as_bytes().chunks(PIECE) {
         let mut folded = [0; PIECE];
@@ -134,7 +134,7 @@ fn hash_folded<H: Hasher>(name: &str, state: &mut H) {
 }
 
 const PIECE: usize = 48;
-/// In no name.
+/// A byte that no name contains.
 const END: u8 = 0xFF;
 
 #[cfg(test)]

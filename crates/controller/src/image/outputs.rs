@@ -1,8 +1,7 @@
-//! Output cams and the tags around them: what MAOC needs of its arrays goes with the call into the tick, words that enable an
-//! output cam are told to the machine when they are written, and its bits are written into its Output (spec/axis-and-data-types.md
-//! §5, §8.9).
+//! Output cams and their tags: the arrays of a MAOC enter the tick with the call, the machine receives changes of words that enable an output
+//! cam, and the bits of the cam are written to its Output (spec/axis-and-data-types.md §5, §8.9).
 //!
-//! The arrays are taken as they are when the instruction executes. Not here: what an output cam does.
+//! The values of the arrays are those at the execution of the instruction. Not here: the function of an output cam.
 
 use std::sync::Arc;
 
@@ -18,15 +17,16 @@ use super::shared::Kept;
 use super::structures::{dint, real, word};
 use super::{Image, TagId};
 
-/// Output cams that the machine may still have.
+/// Output cams that the machine may still use.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outputs {
-    /// With the tags of their output and their input. Kept until this is the last reference to the cam, so that it is freed here and not in the tick.
+    /// With the tags of their output and their input. An entry stays until it holds the last reference, so that the memory is freed
+    /// here and not in the tick.
     used: Kept<([Option<TagAddress>; 2], Arc<OutputCam>)>,
 }
 
 impl Image {
-    /// What a MAOC needs of its tags.
+    /// The data of a MAOC that stand in tags.
     pub(super) fn prepare_output_cam(&mut self, call: &Call) -> Prepared {
         self.free_output_cams();
         let Maoc {
@@ -62,7 +62,7 @@ impl Image {
         Ok((CallData::OutputCam(cam, words), None))
     }
 
-    /// Tells the words around output cams among the bytes that were written.
+    /// Records the words of output cams among written bytes.
     pub(super) fn note_words(&self, id: TagId, offset: usize, length: usize, written: &mut Vec<Input>) {
         for tag in self.outputs.used.iter().flat_map(|(tags, _)| tags.iter().flatten()) {
             let (of, from) = tag_and_offset(*tag);
@@ -74,7 +74,7 @@ impl Image {
         }
     }
 
-    /// Whether output cams write a tag.
+    /// Output cams write the tag.
     pub fn is_output(&self, path: &TagPath) -> bool {
         let Ok((id, at)) = self.locate(path) else {
             return false;
@@ -85,17 +85,17 @@ impl Image {
             .any(|(of, from)| of == id && (from..from + WORD).contains(&at.offset))
     }
 
-    /// Whether there are words to look out for.
+    /// Output cams are in use, so written words matter.
     pub(super) fn watches_words(&self) -> bool {
         !self.outputs.used.is_empty()
     }
 
-    /// Frees output cams that the machine has no more.
+    /// Frees output cams that the machine no longer uses.
     pub(super) fn free_output_cams(&mut self) {
         self.outputs.used.retain(|(_, cam)| Arc::strong_count(cam) > 1);
     }
 
-    /// Writes bits of a word; the others stay as they are.
+    /// Writes bits of a word; the other bits stay unchanged.
     pub(super) fn apply_bits(&mut self, tag: TagAddress, mask: u32, bits: u32) {
         let (id, from) = tag_and_offset(tag);
         let word = (self.word_of(tag) & !mask) | (bits & mask);

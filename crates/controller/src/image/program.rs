@@ -1,7 +1,7 @@
-//! The tags of the controller's own program, which keeps its memory itself: the image shows it to clients, and notes for the program
-//! all that others change. Motion control structures may stand anywhere in these tags.
+//! The tags of the controller's own program, which has its own memory: the image shows that memory to clients, and notes for the program all
+//! changes by others. Motion control structures may be anywhere in these tags.
 //!
-//! Not here: the memory of the program, and the order in which both exchange their changes (`arcline_server`'s `live`).
+//! Not here: the memory of the program, and the order of the exchange of changes (`arcline_server`'s `live`).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,14 +11,14 @@ use arcline_tag::{DataType, TagType};
 use super::{Image, PlainTag, TableError, TagId, TagKind};
 use crate::Event;
 
-/// Changes of tags that the program did not make, since it took the last ones.
+/// Changes of tags by others than the program, since it last took them.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct ForeignChanges {
-    /// Parts of tags, in order. Their bytes are those that the tags have now.
+    /// Parts of tags, in order. Their bytes are the present ones of the tags.
     pub parts: Vec<ChangedPart>,
     /// Changes of instructions, in order.
     pub events: Vec<Event>,
-    /// There were more changes than are listed: any part of any tag may be another one.
+    /// The list of changes was full: any part of any tag may have changed.
     pub is_cut: bool,
 }
 
@@ -35,7 +35,7 @@ pub struct ChangedPart {
     pub mask: u8,
 }
 
-/// The notes for a program; `None`: there is no program. A copy of the image takes none.
+/// The notes for a program; `None` without a program. A copy of the image starts without notes.
 #[derive(Debug, Default)]
 pub(super) struct Notes(pub(super) Option<ForeignChanges>);
 
@@ -45,7 +45,7 @@ impl Clone for Notes {
     }
 }
 
-/// What the image knows of the program's tags.
+/// The tags of the program.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ProgramTags {
     tags: BTreeSet<TagId>,
@@ -54,12 +54,12 @@ pub(super) struct ProgramTags {
 }
 
 impl Image {
-    /// From now on notes changes for the program, until [`Image::take_foreign_changes`] takes them.
+    /// Starts to note changes for the program, until [`Image::take_foreign_changes`] takes them.
     pub fn follow_for_program(&mut self) {
         self.notes.0.get_or_insert_default();
     }
 
-    /// Whether there are changes that the program has not taken.
+    /// The program has not taken all changes.
     pub fn has_foreign_changes(&self) -> bool {
         let noted = self.notes.0.as_ref();
         noted.is_some_and(|noted| !noted.parts.is_empty() || !noted.events.is_empty() || noted.is_cut)
@@ -70,15 +70,15 @@ impl Image {
         self.notes.0.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Whether a tag is the program's.
+    /// The tag belongs to the program.
     pub fn is_of_program(&self, id: TagId) -> bool {
         self.program_tags.tags.contains(&id)
     }
 
-    /// Adds a tag of the program, or takes over a plain one of its name and type with the bytes that it has.
+    /// Adds a tag of the program, or takes over a plain tag of its name and type with its present bytes.
     ///
     /// # Errors
-    /// Another tag has its name, or there is no room; then nothing has changed.
+    /// Another tag has its name, or there is no room; nothing has changed then.
     pub fn add_program_tag(&mut self, tag: &PlainTag) -> Result<TagId, TableError> {
         let tag = PlainTag {
             tag_type: self.adopt_type(&tag.tag_type),
@@ -93,7 +93,7 @@ impl Image {
                 if !self.tag(known).is_some_and(fits) {
                     return Err(TableError::Taken { name: tag.name });
                 }
-                if let Some(row) = self.place(known)
+                if let Some(row) = self.row_of(known)
                     && self.tags[row].kind == TagKind::Plain
                 {
                     self.tags[row].access = tag.access;
@@ -110,7 +110,7 @@ impl Image {
         Ok(id)
     }
 
-    /// Adds another name for a part of a tag, as the program has it; `false`: there is no such part, or another tag has the name.
+    /// Adds an alias of the program; returns `false` if its target does not exist, or another tag has the name.
     pub fn add_program_alias(&mut self, alias: &PlainTag) -> bool {
         if self.names.get(alias.program.as_deref(), &alias.name).is_some() {
             return false;
@@ -120,7 +120,7 @@ impl Image {
         added.is_some()
     }
 
-    /// Removes the tags of the program but for those to keep.
+    /// Removes the tags of the program, except those that `keep` selects.
     pub fn remove_program_tags(&mut self, keep: impl Fn(TagId) -> bool) {
         let gone: Vec<TagId> = self.program_tags.tags.iter().copied().filter(|id| !keep(*id)).collect();
         for id in gone {
@@ -133,7 +133,7 @@ impl Image {
         self.sweep();
     }
 
-    /// The type of a tag, with the instances of structures that clients know.
+    /// The type of a tag, with the structure instances that clients know.
     pub fn adopted(&mut self, tag_type: &TagType) -> TagType {
         let adopted = self.adopt_type(tag_type);
         if let DataType::Structure(template) = &adopted.data_type {
@@ -142,7 +142,7 @@ impl Image {
         adopted
     }
 
-    /// Takes a slot for a motion control structure that [`Image::place_control`] places; `None`: there is none left.
+    /// Reserves a slot for a motion control structure, for [`Image::place_control`]; `None` if no slot is left.
     pub fn reserve_control(&mut self) -> Option<ControlSlot> {
         let slot = self.free_slot()?;
         self.use_slot(slot, TagId(0), 0);
@@ -156,13 +156,13 @@ impl Image {
         row.map(|(slot, _)| ControlSlot(*slot))
     }
 
-    /// Makes a reserved slot show in a tag of the program, from a byte on.
+    /// Places a reserved slot in a tag of the program, from a byte on.
     pub fn place_control(&mut self, slot: ControlSlot, id: TagId, offset: usize, path: &str) {
         self.use_slot(slot, id, offset);
         self.program_tags.controls.insert(slot.0, path.to_owned());
     }
 
-    /// Gives a slot back that stands in no tag any more.
+    /// Frees a slot that is in no tag any more.
     pub fn release_control(&mut self, slot: ControlSlot) {
         if let Some(row) = self.controls.get_mut(slot.0 as usize) {
             *row = (TagId(0), 0);
@@ -176,8 +176,8 @@ impl Image {
         self.program_tags.controls.get(&slot.0).map(String::as_str)
     }
 
-    /// Shows the bytes that the program has in a tag of its own. It is no change for the program, and nothing of it is kept over a
-    /// restart. Bytes of another length are not taken.
+    /// Shows the program's bytes of one of its own tags. This is no change for the program, and is not retained over a restart. Bytes of another
+    /// length are ignored.
     pub fn store(&mut self, id: TagId, data: &[u8]) {
         let is_data = self
             .tag(id)
@@ -190,7 +190,7 @@ impl Image {
         }
     }
 
-    /// Notes a part that has changed, for the program.
+    /// Notes a changed part, for the program.
     pub(super) fn note_part(&mut self, tag: TagId, offset: usize, length: usize, mask: u8) {
         let is_known = self.program_tags.tags.contains(&tag);
         let Some(noted) = self.notes.0.as_mut().filter(|_| is_known && length > 0) else {
@@ -233,9 +233,9 @@ impl Image {
     }
 }
 
-/// Changes that are listed; the program takes them between two rungs.
+/// Most listed changes; the program takes them between two rungs.
 const MAX_NOTES: usize = 4096;
-/// Tags that there can be: what every client can browse.
+/// Most tags, limited by the instances that every client can browse.
 const MAX_TAGS: usize = 0xFFFF;
 
 #[cfg(test)]

@@ -1,20 +1,19 @@
-//! Reading: from a path to a place in a tag, and to the values there.
+//! Reading: from a path to a location in a tag, and to the values there.
 
 use arcline_tag::{DataType, Location, PathError, PathSegment, TagPath, Value, scope};
 
 use super::{Image, ReadError, Tag, TagId, TagKind};
 
 impl Image {
-    /// Where a path leads. A status bit of an instruction tag is found without naming `MotionControl`:
-    /// `Move1.PC` is `Move1.MotionControl.PC`.
+    /// The location of a path. The status bits of an instruction tag need no `MotionControl`: `Move1.PC` is `Move1.MotionControl.PC`.
     ///
     /// # Errors
-    /// [`ReadError::NoSuchTag`], or what the path's rest is wrong about.
+    /// [`ReadError::NoSuchTag`], or the part of the path that does not exist.
     pub fn locate(&self, path: &TagPath) -> Result<(TagId, Location), ReadError> {
         self.resolve(&path.0)
     }
 
-    /// As [`Image::locate`], from the segments of a path: the tag whose bytes are meant, and where in them.
+    /// As [`Image::locate`], from the segments of a path: the tag, and the location in its bytes.
     ///
     /// # Errors
     /// As [`Image::locate`].
@@ -29,10 +28,10 @@ impl Image {
         Ok(self.resolve_in(tag, rest)?)
     }
 
-    /// Where the segments behind a tag's name lead: an alias to what it stands for.
+    /// The location of the segments behind a tag's name; of an alias, in its target.
     ///
     /// # Errors
-    /// Names the member, index or bit that does not exist.
+    /// The member, index or bit that does not exist.
     pub fn resolve_in<S: AsRef<str>>(
         &self,
         tag: &Tag,
@@ -50,7 +49,7 @@ impl Image {
         Ok((alias.tag, location))
     }
 
-    /// The value at a path: of an array its first element from there on.
+    /// The value at a path; of an array, the element at the path or its first one.
     ///
     /// # Errors
     /// [`ReadError::NotAValue`] for a structure, else see [`Image::locate`].

@@ -1,11 +1,11 @@
-//! What copies of an image share until one of them changes it: to copy an image is cheap whatever its tags hold.
+//! Memory that copies of an image share until one of them changes it: a copy is cheap, whatever its tags hold.
 //!
 //! Sizes are bytes.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-/// A value that clones share. A clone that is changed while there are others becomes a copy of its own.
+/// A value that clones share. Changing a shared value makes a copy first.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Shared<T>(Arc<T>);
 
@@ -14,7 +14,7 @@ impl<T> Shared<T> {
         Self(Arc::new(value))
     }
 
-    /// Whether both are one value, so that there is no difference.
+    /// Both share the same value, so there is no difference.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -34,8 +34,8 @@ impl<T: Clone> DerefMut for Shared<T> {
     }
 }
 
-/// What an image keeps for the machine, to free it when it holds the last reference. A copy of the image is only read: it keeps
-/// nothing, and so keeps nothing alive.
+/// Data that the machine uses, which the image frees when it holds the last reference. Copies of the image are only read: they hold no such
+/// data, and so do not keep them from being freed.
 #[derive(Debug)]
 pub(super) struct Kept<T>(Vec<T>);
 
@@ -68,7 +68,7 @@ impl<T> DerefMut for Kept<T> {
 /// The bytes of one tag.
 pub(super) type TagBytes = Shared<Vec<u8>>;
 
-/// The bytes of tags by their place, in groups: a change copies the bytes of one tag and the list of one group.
+/// The bytes of tags by index, in groups: a change copies the bytes of one tag and the list of one group.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Memory(Vec<Shared<Vec<TagBytes>>>);
 
@@ -83,7 +83,7 @@ impl Memory {
         Some(bytes)
     }
 
-    /// Calls `note` with every place whose bytes differ from those of a memory of the same places.
+    /// Calls `note` with every index whose bytes differ from those of a memory with the same indices.
     pub(super) fn for_each_difference(&self, before: &Self, mut note: impl FnMut(usize)) {
         for (number, (now, before)) in self.0.iter().zip(&before.0).enumerate() {
             if now.is_same(before) {
@@ -97,10 +97,10 @@ impl Memory {
         }
     }
 
-    /// Puts bytes at a place; what stood there and behind it moves up.
+    /// Inserts bytes at an index; those at it and behind it move up.
     ///
     /// # Panics
-    /// If the place is not among the others or right behind them.
+    /// If the index is neither among the others nor directly behind them.
     pub(super) fn insert(&mut self, index: usize, bytes: Vec<u8>) {
         let bytes = TagBytes::new(bytes);
         let in_the_last = index / GROUP + 1 == self.0.len();
@@ -138,7 +138,7 @@ impl Memory {
     }
 }
 
-/// Tags of a group. Axes and coordinate systems, which change with every tick, are in the first ones.
+/// Tags of a group. Axes and coordinate systems, which change with every tick, are in the first groups.
 const GROUP: usize = 64;
 
 #[cfg(test)]
@@ -149,7 +149,7 @@ mod tests {
     fn memory_is_a_list_whatever_is_put_in_and_taken_out() {
         let mut memory = Memory::default();
         let mut list: Vec<Vec<u8>> = Vec::new();
-        // Places that are spread over all groups, by a step that has no common factor with any length here.
+        // Indices over all groups, in steps that have no common factor with any length here.
         for step in 0..400_usize {
             let number = step.to_le_bytes().to_vec();
             let index = if step % 3 == 0 {

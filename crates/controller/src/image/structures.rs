@@ -1,8 +1,8 @@
-//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, what else MCTPO reads, and the path and
-//! the dynamics of MCPM, go with the call into the tick as they are when it is made (spec/coordinated-instructions.md §22.8 to
+//! Structure tags that an instruction reads as a whole: the frames of MCTO and MCTPO, the other tags of MCTPO, and the path and the dynamics of
+//! MCPM. Their values at the time of the call enter the tick with it (spec/coordinated-instructions.md §22.8 to
 //! §25).
 //!
-//! Not here: cams, and what an instruction writes to tags (`cams`).
+//! Not here: cams, and the writes of an instruction to tags (`cams`).
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ impl Image {
     /// The frames of a work and a tool.
     ///
     /// # Errors
-    /// A tag that is gone since the call was bound: 13 with the operand.
+    /// A tag removed since the call was bound: 13 with the operand.
     pub(super) fn frames(&self, work: &TagOperand, tool: &TagOperand) -> Result<Frames, MotionError> {
         let [work, tool] = [work, tool].map(|frame| self.frame(frame));
         Ok(Frames {
@@ -30,7 +30,7 @@ impl Image {
     /// The tags that MCTPO reads, and its results.
     ///
     /// # Errors
-    /// As of [`Image::frames`].
+    /// As [`Image::frames`].
     pub(super) fn calculation(&self, operands: &Mctpo) -> Result<Calculation, MotionError> {
         let configuration = self.structure_of(&operands.robot_configuration)?;
         let turns = self.structure_of(&operands.turns_counter)?;
@@ -56,7 +56,7 @@ impl Image {
     /// The path and the dynamics of a call of MCPM.
     ///
     /// # Errors
-    /// A tag that is gone since the call was bound: 13 with the operand.
+    /// A tag removed since the call was bound: 13 with the operand.
     pub(super) fn path_move(&self, operands: &Mcpm) -> Result<PathMove, MotionError> {
         let path = self.structure_of(&operands.path)?;
         let dynamics = self.structure_of(&operands.dynamics)?;
@@ -66,10 +66,10 @@ impl Image {
         })
     }
 
-    /// The bytes from the structure on that an operand names: that and what follows it in its tag.
+    /// The bytes of an operand's structure, and of the rest of its tag behind it.
     ///
     /// # Errors
-    /// There is no such tag any more: 13 with the operand.
+    /// The tag no longer exists: 13 with the operand.
     pub(super) fn structure_of(&self, operand: &TagOperand) -> Result<&[u8], MotionError> {
         let bytes = operand.and_then(|tag| {
             let (id, offset) = tag_and_offset(tag);
@@ -79,7 +79,7 @@ impl Image {
     }
 }
 
-/// An operand that names a tag.
+/// An operand that refers to a tag.
 type TagOperand = OperandValue<Option<TagAddress>>;
 
 fn path_data(bytes: &[u8]) -> PathData {
@@ -108,7 +108,7 @@ fn dynamics_data(bytes: &[u8]) -> DynamicsData {
     }
 }
 
-/// The value of an enumeration at a byte; `None`: a number that is none of its values.
+/// The value of an enumeration at a byte; `None` if the number is not one of its values.
 fn value_of<E: Enumeration>(bytes: &[u8], at: usize) -> Option<E> {
     E::from_number(dint(bytes, at))
 }
@@ -123,7 +123,7 @@ pub(super) fn real(bytes: &[u8], at: usize) -> f64 {
     f64::from(f32::from_le_bytes(word(bytes, at)))
 }
 
-/// Bytes at a place; zeros behind the end.
+/// Bytes at an offset; zeros behind the end.
 pub(super) fn word<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     bytes.get(at..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; N])
 }

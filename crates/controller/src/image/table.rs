@@ -1,5 +1,5 @@
-//! The table of tags as it changes while the machine runs: tags that are created and deleted, and another configuration's
-//! tags and types. What stays keeps its id, its bytes and the instance of its type.
+//! Changes of the table of tags while the machine runs: tags that clients create and delete, and the tags and types of another configuration.
+//! Unchanged tags keep their ids, their bytes and the instances of their types.
 //!
 //! Not here: axes, coordinate systems and the group, which never change. Sizes are bytes.
 
@@ -11,27 +11,27 @@ use arcline_tag::{DataType, TagType, Template, write_string};
 
 use super::{Access, AliasOf, Image, InstructionTag, PlainTag, Tag, TagId, TagKind, index};
 
-/// Plain tags that there can be.
+/// Most plain tags.
 pub const MAX_PLAIN_TAGS: usize = 4096;
 /// Bytes of all plain tags.
 pub const MAX_PLAIN_BYTES: usize = 64 << 20;
 /// Longest name of a tag, characters.
 const MAX_NAME: usize = 40;
-/// Programs that there can be.
+/// Most programs.
 const MAX_PROGRAMS: usize = 1024;
 /// The highest instance that every client can browse (spec/ethernet-ip.md §10).
 const MAX_ID: u32 = 0xFFFF;
 /// Template instances of a configuration's types.
 const OWN_TYPES: std::ops::RangeInclusive<u16> = 0x200..=0xEFF;
 
-/// Whether a tag can have that name: 1 to 40 letters, digits and underscores, no digit first.
+/// The text is a valid tag name: 1 to 40 letters, digits and underscores, no digit first.
 pub fn is_tag_name(text: &str) -> bool {
     text.len() <= MAX_NAME
         && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// What tells the tags of a configuration apart.
+/// The key of a tag of a configuration.
 fn key(program: Option<&str>, name: &str) -> String {
     match program {
         Some(program) => format!("program:{program}.{name}").to_ascii_lowercase(),
@@ -42,30 +42,30 @@ fn key(program: Option<&str>, name: &str) -> String {
 /// The tags of a configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct Configured<'a> {
-    /// Structure types, those that others use first.
+    /// Structure types; a type comes after those that it uses.
     pub data_types: &'a [Arc<Template>],
     /// Instructions as tags.
     pub instructions: &'a [InstructionTag],
-    /// Plain data and aliases, what an alias stands for first.
+    /// Plain data and aliases; an alias comes after its target.
     pub tags: &'a [PlainTag],
 }
 
-/// Why the table of tags stays as it is.
+/// The reason why a change of the table of tags was refused.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum TableError {
-    /// It cannot be the name of a tag.
+    /// The name is not a valid tag name.
     #[error("{name:?} cannot be the name of a tag, expected up to 40 letters, digits and underscores, no digit first")]
     NotAName {
         /// The name, its beginning.
         name: String,
     },
-    /// Something has that name.
+    /// Another tag has that name.
     #[error("there is a tag {name} already")]
     Taken {
         /// The name.
         name: String,
     },
-    /// No more, or no larger ones.
+    /// No room for another tag, or for one of that size.
     #[error("there is no room for another tag of that size")]
     NoRoom,
     /// No tag of that id.
@@ -77,7 +77,7 @@ pub enum TableError {
         /// The name.
         name: String,
     },
-    /// An alias stands for a part of it.
+    /// The target of an alias is a part of it.
     #[error("{name} is what {alias} stands for")]
     InUse {
         /// The name.
@@ -87,44 +87,44 @@ pub enum TableError {
     },
 }
 
-/// How the table has changed.
+/// The history of the table of tags.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Table {
-    /// Counts every tag that was added, removed or has another access.
+    /// Counts the tags that were added or removed, or whose access changed.
     pub(super) changes: u32,
-    /// Counts the configurations that were taken over.
+    /// Counts the configurations taken over.
     reloads: u32,
-    /// The highest id that was ever used.
+    /// The highest id ever used.
     last_id: u32,
-    /// The highest template instance of a configuration's type that was ever used.
+    /// The highest template instance ever used for a type of a configuration.
     last_type: u16,
     /// Types of the configuration, by name in lower case.
     declared: BTreeMap<String, Arc<Template>>,
-    /// Plain tags that no configuration has.
+    /// Plain tags that belong to no configuration.
     created: BTreeSet<TagId>,
-    /// Motion control tags of the configuration, which no other takes the place of.
+    /// Motion control tags of the configuration, which no other tag replaces.
     pub(super) configured_controls: BTreeSet<TagId>,
-    /// Slots whose tags have gone.
+    /// Slots of removed tags.
     pub(super) spare_slots: Vec<u32>,
 }
 
 impl Image {
-    /// Another number after every change of the table of tags.
+    /// A number that changes with every change of the table of tags.
     pub fn table_changes(&self) -> u32 {
         self.table.changes
     }
 
-    /// How often another configuration was taken over.
+    /// The number of configurations taken over.
     pub fn reloads(&self) -> u32 {
         self.table.reloads
     }
 
-    /// Whether a tag was created at run time.
+    /// A client created the tag at run time.
     pub fn is_created(&self, id: TagId) -> bool {
         self.table.created.contains(&id)
     }
 
-    /// Makes known types that tags can be created of.
+    /// Declares types of which clients can create tags.
     pub fn declare(&mut self, types: &[Arc<Template>]) {
         for template in types {
             let template = self.adopt(template);
@@ -141,7 +141,7 @@ impl Image {
     /// Creates a plain tag.
     ///
     /// # Errors
-    /// A name that cannot be or is taken, or no room; then nothing has changed.
+    /// An invalid name, a name that another tag has, or no room; nothing has changed then.
     pub fn create(&mut self, tag: &PlainTag) -> Result<TagId, TableError> {
         let program = tag.program.as_deref();
         if let Some(name) = [Some(tag.name.as_str()), program]
@@ -173,10 +173,10 @@ impl Image {
         Ok(id)
     }
 
-    /// Deletes a plain tag that clients may write or have created, or an alias.
+    /// Deletes an alias, or a plain tag that clients may write or have created.
     ///
     /// # Errors
-    /// It is no such tag, or an alias stands for a part of it; then nothing has changed.
+    /// The tag is of another kind, or the target of an alias is a part of it; nothing has changed then.
     pub fn delete(&mut self, id: TagId) -> Result<(), TableError> {
         let tag = self.tag(id).ok_or(TableError::NoSuchTag)?;
         let name = self.full_name(tag);
@@ -196,15 +196,15 @@ impl Image {
         Ok(())
     }
 
-    /// Takes over the tags and types of another configuration of the same machine. Created tags stay unless it has their
-    /// names; what is the same in `old` and `new` keeps id and bytes.
+    /// Takes over the tags and types of another configuration of the same machine. Created tags stay unless it has their names; tags that are the
+    /// same in `old` and `new` keep id and bytes.
     ///
     /// # Errors
-    /// A name is taken by a tag that is not the configuration's; then nothing has changed.
+    /// A tag that does not belong to the configuration has one of the names; nothing has changed then.
     pub fn reload(&mut self, old: Configured<'_>, new: Configured<'_>) -> Result<(), TableError> {
         let mut next = self.clone();
         next.try_reload(old, new)?;
-        // A copy has no notes for a program.
+        // A copy starts without notes for a program.
         next.notes = std::mem::take(&mut self.notes);
         if next.table.changes != self.table.changes {
             next.table.reloads = next.table.reloads.wrapping_add(1);
@@ -254,14 +254,14 @@ impl Image {
                     }
                     _ => self.remove(*id),
                 },
-                // It stays as one that an instruction has made.
+                // The tag stays, as if an instruction had added it.
                 TagKind::MotionControl(_) if !is.contains_key(name) => {
                     self.table.configured_controls.remove(id);
                 }
                 _ => {}
             }
         }
-        // After what they stand for.
+        // Aliases come after their targets.
         for (id, name, kind) in &known {
             let TagKind::Alias(alias) = kind else { continue };
             if self.is_of_program(*id) {
@@ -299,7 +299,7 @@ impl Image {
         Ok(())
     }
 
-    /// A plain tag stays when the configuration has it with the same type, or when it never was the configuration's.
+    /// Keeps a plain tag that the configuration has with the same type, or that never belonged to it.
     fn reload_plain(&mut self, id: TagId, was: Option<&PlainTag>, is: Option<&PlainTag>) {
         let Some(after) = is else {
             if !self.is_created(id) {
@@ -316,9 +316,9 @@ impl Image {
         if other_access {
             self.table.changes = self.table.changes.wrapping_add(1);
         }
-        // A read-only tag is as it is configured; another one when its first value has changed.
+        // A read-only tag has its configured value; any other tag gets its first value again if that has changed.
         let anew = after.access == Access::ReadOnly || was.is_some_and(|before| before.first != after.first);
-        if let Some(row) = self.place(id) {
+        if let Some(row) = self.row_of(id) {
             self.tags[row].access = after.access;
             self.tags[row].rule = after.rule;
             if let Some(bytes) = self.bytes.get_mut(row).filter(|_| anew) {
@@ -346,9 +346,9 @@ impl Image {
         }
     }
 
-    /// The place of a tag among the tags, and of its bytes.
-    pub(super) fn place(&self, id: TagId) -> Option<usize> {
-        // Nothing below it was removed.
+    /// The index of a tag among the tags, and of its bytes.
+    pub(super) fn row_of(&self, id: TagId) -> Option<usize> {
+        // The row, if no tag with a lower id was removed.
         let row = index(id)?;
         if self.tags.get(row).is_some_and(|tag| tag.id == id) {
             return Some(row);
@@ -356,22 +356,22 @@ impl Image {
         self.tags.binary_search_by_key(&id, |tag| tag.id).ok()
     }
 
-    /// An id that no tag has: one that none ever had as long as there are such.
+    /// An unused id: one that was never used, as long as there is one.
     pub(super) fn next_id(&mut self) -> TagId {
         if self.table.last_id < MAX_ID {
             self.table.last_id += 1;
             return TagId(self.table.last_id);
         }
-        let free = (1..=MAX_ID).map(TagId).find(|id| self.place(*id).is_none());
+        let free = (1..=MAX_ID).map(TagId).find(|id| self.row_of(*id).is_none());
         free.unwrap_or_else(|| {
-            // More than anybody can browse: instruction control tags only, which have slots of their own.
+            // Beyond the ids that clients can browse: only instruction control tags, whose slots limit their number.
             self.table.last_id += 1;
             TagId(self.table.last_id)
         })
     }
 
     pub(super) fn remove(&mut self, id: TagId) {
-        let Some(row) = self.place(id) else { return };
+        let Some(row) = self.row_of(id) else { return };
         let tag = self.tags.remove(row);
         self.bytes.remove(row);
         let program = tag.program.and_then(|row| self.programs.get(usize::from(row)).cloned());
@@ -384,7 +384,7 @@ impl Image {
         if let Some(slot) = slot
             && let Some(control) = self.controls.get_mut(slot.0 as usize)
         {
-            *control = (NOBODY, 0);
+            *control = (NO_TAG, 0);
             self.table.spare_slots.push(slot.0);
         }
         self.table.created.remove(&id);
@@ -392,7 +392,7 @@ impl Image {
         self.table.changes = self.table.changes.wrapping_add(1);
     }
 
-    /// Forgets programs without tags and types that nothing has.
+    /// Removes programs without tags, and unused types.
     pub(super) fn sweep(&mut self) {
         let empty: Vec<TagId> = self
             .tags
@@ -414,7 +414,7 @@ impl Image {
         used.iter().for_each(|template| self.add_template(template));
     }
 
-    /// Notes the instances that a type uses.
+    /// Records the instances that a type uses.
     pub(super) fn note_type(&mut self, template: &Template) {
         if OWN_TYPES.contains(&template.instance) {
             self.table.last_type = self.table.last_type.max(template.instance);
@@ -432,8 +432,8 @@ impl Image {
         }
     }
 
-    /// A configuration's type as it is known here: one of the same name and members keeps its instance, another one gets
-    /// an instance that clients do not know.
+    /// The known form of a configuration's type: a type with the same name and members keeps its instance, another one gets an
+    /// instance unknown to clients.
     fn adopt(&mut self, template: &Arc<Template>) -> Arc<Template> {
         if !OWN_TYPES.contains(&template.instance) {
             return template.clone();
@@ -458,7 +458,7 @@ impl Image {
         if !fresh {
             let used: BTreeSet<u16> = known().map(|known| known.instance).collect();
             let above = (self.table.last_type.saturating_add(1)..=*OWN_TYPES.end()).chain(OWN_TYPES);
-            // There are more instances than types a configuration can have.
+            // There are more instances than types in a configuration.
             own.instance = above
                 .into_iter()
                 .find(|instance| !used.contains(instance))
@@ -471,4 +471,4 @@ impl Image {
 }
 
 /// No tag.
-const NOBODY: TagId = TagId(0);
+const NO_TAG: TagId = TagId(0);

@@ -1,31 +1,31 @@
-//! What a tag is: its id, name, type, and what it stands for. Its bytes are the image's.
+//! The description of a tag: its id, name, type and kind. The image holds its bytes.
 
 use arcline_instruction_set::{AxisId, ControlSlot, Mnemonic, SystemId, predefined};
 use arcline_tag::{DataType, TagPath, TagType};
 
 use super::WriteRule;
 
-/// Symbol instance id of a tag: from 1, never used for another tag while the process runs.
+/// Symbol instance id of a tag: from 1, never reused for another tag while the process runs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct TagId(pub u32);
 
-/// Who may write.
+/// The writers of a tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Access {
     /// Only the controller.
     ReadOnly,
-    /// Clients too, at least some members.
+    /// Clients as well, at least for some members.
     ReadWrite,
 }
 
-/// What a tag stands for.
+/// The object of a tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TagKind {
     /// The motion group.
     MotionGroup,
-    /// An axis, by its place in the machine.
+    /// An axis, by its index in the machine.
     Axis(AxisId),
-    /// A coordinate system, by its place in the machine.
+    /// A coordinate system, by its index in the machine.
     CoordinateSystem(SystemId),
     /// A MOTION_INSTRUCTION.
     MotionControl(ControlSlot),
@@ -35,7 +35,7 @@ pub enum TagKind {
     Plain,
     /// Another name for a plain tag or a part of one.
     Alias(AliasOf),
-    /// A program: the scope of tags, by its place in [`Image::programs`](super::Image::programs).
+    /// A program: the scope of tags, by its index in [`Image::programs`](super::Image::programs).
     Program(u16),
     /// The health of the real-time thread.
     RealTime,
@@ -43,22 +43,22 @@ pub enum TagKind {
     FeedOverride,
     /// The injected causes of faults of every axis.
     FaultInject,
-    /// Whether motion is inhibited.
+    /// The inhibition of motion.
     MotionInhibit,
-    /// The tick, and the ticks that are to pass, on the step clock.
+    /// On the step clock: the tick, and the number of ticks to execute.
     ClockStep,
-    /// How often the planned contours of every coordinate system have come to rest between moves that go on.
+    /// The rests of the planned contours of every coordinate system between moves that should follow without one.
     ContourRests,
 }
 
-/// What an alias stands for.
+/// The target of an alias.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct AliasOf {
     /// The tag.
     pub tag: TagId,
     /// Byte in it.
     pub offset: usize,
-    /// Bit, where it stands for one: 0 to 63 of the integer at `offset`.
+    /// A bit, if the target is one: 0 to 63 of the integer at `offset`.
     pub bit: Option<u8>,
 }
 
@@ -67,7 +67,7 @@ pub struct AliasOf {
 pub struct InstructionKind {
     /// The instruction.
     pub mnemonic: Mnemonic,
-    /// The slot that its member `MotionControl` shows.
+    /// The slot of its member `MotionControl`.
     pub control: ControlSlot,
 }
 
@@ -76,17 +76,17 @@ pub struct InstructionKind {
 pub struct Tag {
     /// Its id.
     pub id: TagId,
-    /// Its name as it was first spelled.
+    /// Its name in its first spelling.
     pub name: String,
-    /// The program in whose scope it is, by its place; `None`: the controller's.
+    /// The program of its scope, by its index; `None`: the controller's.
     pub program: Option<u16>,
     /// Its type.
     pub tag_type: TagType,
-    /// What it stands for.
+    /// Its object.
     pub kind: TagKind,
-    /// Whether clients may write at least a part of it.
+    /// The writers of at least a part of it.
     pub access: Access,
-    /// What it asks of those who write it.
+    /// Its restrictions for writers.
     pub rule: WriteRule,
 }
 
@@ -104,7 +104,7 @@ impl Tag {
 }
 
 impl TagKind {
-    /// Whether clients may write at least a part of such a tag.
+    /// The writers of such a tag, at least of a part.
     pub(super) fn access(self) -> Access {
         match self {
             TagKind::Instruction(_)
@@ -118,33 +118,33 @@ impl TagKind {
     }
 }
 
-/// An instruction as a tag: what the image makes one of.
+/// An instruction tag in the configuration.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct InstructionTag {
     /// Name of the tag.
     pub name: String,
     /// The instruction.
     pub mnemonic: Mnemonic,
-    /// The coordinate system, axis or group that it acts on at first, spelled as in the machine.
+    /// The coordinate system, axis or group of its first target, spelled as in the machine.
     pub target: String,
 }
 
-/// Plain data: what the image makes a tag of.
+/// A plain tag or alias in the configuration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlainTag {
     /// Name of the tag.
     pub name: String,
-    /// The program in whose scope it is; `None`: the controller's.
+    /// The program of its scope; `None`: the controller's.
     pub program: Option<String>,
     /// Its type.
     pub tag_type: TagType,
-    /// Who may write.
+    /// Its writers.
     pub access: Access,
-    /// What it asks of those who write it.
+    /// Its restrictions for writers.
     pub rule: WriteRule,
     /// Its first bytes; empty: zeros.
     pub first: Vec<u8>,
-    /// What it stands for; `None`: itself.
+    /// The path of an alias's target; `None`: not an alias.
     pub alias: Option<TagPath>,
 }
 
@@ -162,15 +162,15 @@ impl PlainTag {
         }
     }
 
-    /// Whether it is a motion control tag: a MOTION_INSTRUCTION of the controller's scope.
+    /// The tag is a motion control tag: a MOTION_INSTRUCTION of the controller's scope.
     pub fn is_control(&self) -> bool {
         let control = DataType::Structure(predefined::motion_instruction());
         self.alias.is_none() && self.program.is_none() && self.tag_type == TagType::scalar(control)
     }
 }
 
-/// A write that the controller is to know of: `EnableIn` of an instruction tag changed, or an override, injected
-/// faults or Dynamics Configuration Bits were written.
+/// The effect of a write that the controller must know: a change of `EnableIn` of an instruction tag, or a write of an override, injected faults
+/// or Dynamics Configuration Bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Edge {
     /// False to true: the instruction executes.
@@ -183,9 +183,9 @@ pub enum Edge {
     FaultInject,
     /// Dynamics Configuration Bits were set: [`Image::dynamics_bits`](super::Image::dynamics_bits).
     DynamicsBits,
-    /// The tag `MotionInhibit` was written: motion stops and stays inhibited, or is released.
+    /// The tag `MotionInhibit` was written: motion stops and stays inhibited, or is permitted again.
     Inhibit(bool),
-    /// The tag `ClockStep` was written: so many ticks are to pass.
+    /// The tag `ClockStep` was written: the number of ticks to execute.
     Steps(u32),
     /// A plain tag that the machine reads was written: [`Image::take_inputs`](super::Image::take_inputs).
     Input,

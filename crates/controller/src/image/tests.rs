@@ -1,4 +1,4 @@
-//! The tag memory: names, paths, who may write, edges, and what events and snapshots make of it.
+//! The tag memory: names, paths, writers, edges, and the effects of events and snapshots.
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{
@@ -185,8 +185,8 @@ fn motion_controls_are_found_or_made() {
     assert_eq!(image.tags().len(), tags);
 }
 
-/// Motion control tags that instructions make are bounded, but a new name is refused only when an instruction of every other one
-/// is in process.
+/// The number of motion control tags that instructions add is limited, but a new name is refused only if every other tag has an instruction in
+/// process.
 #[test]
 fn an_idle_motion_control_tag_makes_room() {
     let mut image = image();
@@ -211,20 +211,20 @@ fn an_idle_motion_control_tag_makes_room() {
     set(&mut image, "Refused", &[Flag::En, Flag::Er]);
     let mut made = 4;
     while image.find("Used").is_some() && image.find("Refused").is_some() {
-        // Named by an instruction over and over.
+        // An instruction names it again and again.
         image.control_slot("Used").expect("its slot");
         image.control_slot(&format!("N{made}")).expect("a slot");
         made += 1;
         assert!(made < 2 * CONTROL_SLOTS, "no tag makes room");
     }
     assert!(made > CONTROL_SLOTS - 20, "{made}: only when no slot is free");
-    // The tag that no instruction has named for the longest time has gone; that of the configuration stays.
+    // The tag that no instruction has named for the longest time is removed; that of the configuration stays.
     assert!(image.find("Configured").is_some());
     assert!(image.find("Refused").is_none());
     for name in ["Moving", "Sent", "Used", "N4"] {
         assert!(image.find(name).is_some(), "{name}");
     }
-    // The next one is N4; its slot is that of the new tag, which shows nothing yet.
+    // The next one to be replaced is N4; its slot now belongs to the new tag, without a status yet.
     let slot = image.known_control("N4").expect("a motion control tag");
     assert_eq!(image.control_slot("Another").ok(), slot);
     assert!(image.find("N4").is_none());
@@ -601,7 +601,7 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     );
     assert_eq!(status(&image), 2.0, "not done: what was there is there still");
 
-    // Two cams use it; freed by whoever had them, it is used no more.
+    // Two cams use the profile; when their owners free it, it is unused.
     let given = [
         name("V"),
         Given::Integer(0),
@@ -611,7 +611,7 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     ];
     let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
     let cams = [image.prepare(&call).0, image.prepare(&call).0];
-    // A copy that readers have is no user.
+    // A copy for readers does not count as a use.
     let published = image.clone();
     image.show_uses();
     assert_eq!(status(&image), 4.0);

@@ -1,4 +1,4 @@
-//! Writing: what clients may write, and the edges of `EnableIn` that come of it.
+//! Writing: the bytes that clients may write, and the edges of `EnableIn` that result.
 
 use arcline_tag::{DataType, TagPath, Value};
 
@@ -6,7 +6,7 @@ use super::read::not_a_value;
 use super::{Access, CallRoom, Edge, Image, MOTION_CONTROL, Tag, TagId, TagKind, WriteError};
 
 impl Image {
-    /// Whether clients may write these bytes of a tag.
+    /// Clients may write these bytes of a tag.
     pub fn writable(&self, id: TagId, offset: usize, len: usize) -> bool {
         let end = offset.saturating_add(len);
         let Some(tag) = self.tag(id) else { return false };
@@ -26,11 +26,11 @@ impl Image {
                         offset < from + member.size() && from < end
                     })
                 };
-                // The host byte of EnableIn holds EnableOut too: it is written bit by bit.
+                // The host byte of EnableIn also holds EnableOut, so clients write it bit by bit.
                 !overlaps(MOTION_CONTROL) && !overlaps(ENABLE_OUT)
             }
             TagKind::Axis(_) => {
-                // "Settable" on its page, and the only such member.
+                // The only member that its page calls "Settable".
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
                     return false;
                 };
@@ -46,7 +46,7 @@ impl Image {
     /// Writes bytes of a tag.
     ///
     /// # Errors
-    /// Nothing is written when there is no such tag, or a byte of it is beyond its end or read-only.
+    /// The tag does not exist, or a byte is beyond its end or read-only; nothing is written then.
     pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
         self.check_write(id, offset, data.len())?;
         match self.tag(id).map(|tag| tag.kind) {
@@ -76,7 +76,7 @@ impl Image {
         }
         let has_no_bits = |tag: &&Tag| matches!(tag.kind, TagKind::FeedOverride | TagKind::ClockStep);
         if let Some(tag) = self.tag(id).filter(has_no_bits) {
-            // One is a REAL, the other asks for ticks by its number as a whole.
+            // One is a REAL, and a write to the other is a whole number of ticks.
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
         }
         if self.tag(id).is_some_and(|tag| tag.kind == TagKind::FaultInject) {
@@ -114,7 +114,7 @@ impl Image {
         })
     }
 
-    /// Writes a value at a path, converted to the type that is there.
+    /// Writes a value at a path, converted to the type there.
     ///
     /// # Errors
     /// As [`Image::locate`] and [`Image::write`].
@@ -132,17 +132,17 @@ impl Image {
         self.write(id, location.offset, bytes)
     }
 
-    /// Whether a bit of a tag is the `EnableIn` of an instruction tag.
+    /// The bit of a tag is the `EnableIn` of an instruction tag.
     pub fn is_enable_in(&self, id: TagId, offset: usize, bit: u8) -> bool {
         self.enable_in(id) == Some((offset + usize::from(bit / 8), 1 << (bit % 8)))
     }
 
-    /// Says how many instructions the controller can still be sent.
+    /// Sets the number of instructions for which the controller has room.
     pub fn set_call_room(&mut self, room: CallRoom) {
         self.room = room;
     }
 
-    /// Counts an instruction that is about to be executed by its tag.
+    /// Counts an instruction that its tag is about to execute.
     fn take_room(&mut self, id: TagId) -> Result<(), WriteError> {
         let tag = self.tag(id).ok_or(WriteError::NoSuchTag)?;
         let stops = matches!(tag.kind, TagKind::Instruction(kind) if kind.mnemonic.is_stop());

@@ -1,4 +1,4 @@
-//! What a tag of the configuration asks of those who write it beside its access: a least role, and a range of its numbers (spec/security.md §6).
+//! Restrictions of a configured tag for writers, besides its access: a least role, and a range of its numbers (spec/security.md §6).
 
 use arcline_tag::{DataType, Elementary, Value};
 
@@ -7,10 +7,10 @@ use super::{Image, TagId, WriteError};
 /// The clients that may write a tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Writers {
-    /// All that may write tags.
+    /// All clients that may write tags.
     #[default]
     Operators,
-    /// From engineers on.
+    /// Engineers and administrators.
     Engineers,
     /// Administrators only.
     Administrators,
@@ -19,32 +19,32 @@ pub enum Writers {
 /// The rule of a tag.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct WriteRule {
-    /// Who may write it; the image leaves it to its user to hold that.
+    /// The clients that may write it; the user of the image enforces this.
     pub writers: Writers,
-    /// The numbers that it and the elements of its array take; the image refuses others.
+    /// The range of its number, or of the elements of its array; the image refuses other numbers.
     pub range: Option<NumberRange>,
 }
 
 /// A range of numbers, both ends included.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NumberRange {
-    /// The least; −∞: there is none.
+    /// The least number; −∞: unlimited.
     pub least: f64,
-    /// The most; ∞: there is none.
+    /// The largest number; ∞: unlimited.
     pub most: f64,
 }
 
 impl NumberRange {
-    /// Whether a number is in it. Not a number is not. Integers are compared as integers.
+    /// The range contains a number. It never contains NaN. Integers are compared as integers.
     pub fn holds(&self, value: Value) -> bool {
         match value.to_whole() {
-            // Casts of numbers beyond the type end at its ends.
+            // The casts saturate for numbers beyond the type.
             Some(whole) => (self.least.ceil() as i128..=self.most.floor() as i128).contains(&whole),
             None => (self.least..=self.most).contains(&value.as_f64()),
         }
     }
 
-    /// Whether a type has such ranges: it is a number.
+    /// The type is a number and can have a range.
     pub fn is_of(kind: Elementary) -> bool {
         use Elementary::{Bool, Byte, Dword, Lword, Word};
         !matches!(kind, Bool | Byte | Word | Dword | Lword)
@@ -62,10 +62,10 @@ impl std::fmt::Display for NumberRange {
 }
 
 impl Image {
-    /// Whether bytes of a tag may become others by its range.
+    /// Checks that the range of a tag permits new bytes.
     ///
     /// # Errors
-    /// [`WriteError::OutsideRange`] with the first element that would be outside.
+    /// [`WriteError::OutsideRange`] with the first element outside of the range.
     pub(super) fn check_range(&self, id: TagId, offset: usize, data: &[u8]) -> Result<(), WriteError> {
         let Some(tag) = self.tag(id) else { return Ok(()) };
         let (Some(range), DataType::Elementary(kind)) = (tag.rule.range, &tag.tag_type.data_type) else {
@@ -79,7 +79,7 @@ impl Image {
                 element.copy_from_slice(before);
             }
             for (at, byte) in element.iter_mut().enumerate() {
-                if let Some(new) = (from + at).checked_sub(offset).and_then(|place| data.get(place)) {
+                if let Some(new) = (from + at).checked_sub(offset).and_then(|index| data.get(index)) {
                     *byte = *new;
                 }
             }

@@ -1,20 +1,20 @@
-//! Which parts of plain tags were written, for the state file, and what they held before.
+//! Written parts of plain tags, for the state file, and the restoration of their retained bytes.
 
 use super::{Image, TagId, TagKind};
 
-/// A part of a plain tag that was written.
+/// A written part of a plain tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Written {
     /// The tag.
     pub id: TagId,
     /// The first byte.
     pub offset: usize,
-    /// Bytes, 1 or more.
+    /// Number of bytes, 1 or more.
     pub length: usize,
 }
 
 impl Image {
-    /// Makes a plain tag hold what it once held. Nothing comes of bytes of another length, or of another tag.
+    /// Restores the retained bytes of a plain tag. Bytes of another length, or for another kind of tag, are ignored.
     pub fn restore(&mut self, id: TagId, kept: &[u8]) {
         let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
         if let Some(bytes) = self.bytes_mut(id).filter(|bytes| plain && bytes.len() == kept.len()) {
@@ -22,29 +22,29 @@ impl Image {
         }
     }
 
-    /// From now on remembers which parts of plain tags are written, until [`Image::take_written`] takes them.
+    /// Starts to record written parts of plain tags, until [`Image::take_written`] takes them.
     pub fn remember_written(&mut self) {
         self.written.get_or_insert_default();
     }
 
-    /// The parts of plain tags that were written since the last call, in order.
+    /// The parts of plain tags written since the last call, in order.
     pub fn take_written(&mut self) -> Vec<Written> {
         self.written.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Notes a part that was written, for the retained state and the program.
+    /// Records a written part, for the retained state and the program.
     pub(super) fn note_written(&mut self, id: TagId, offset: usize, length: usize) {
         self.note_part(id, offset, length, 0xFF);
         self.note_retained(id, offset, length);
     }
 
-    /// As [`Image::note_written`], of some bits of a byte.
+    /// As [`Image::note_written`], for some bits of a byte.
     pub(super) fn note_written_bits(&mut self, id: TagId, offset: usize, mask: u8) {
         self.note_part(id, offset, 1, mask);
         self.note_retained(id, offset, 1);
     }
 
-    /// The tags of a program begin as its file has them.
+    /// Records a part for the retained state. The tags of a program start with the values of its file.
     fn note_retained(&mut self, id: TagId, offset: usize, length: usize) {
         if self.is_of_program(id) {
             return;

@@ -1,7 +1,7 @@
-//! Cubics with one decaying exponential: all that a servo's error, speed and torque ever are between two
-//! switches of its limits, and the first instant at which one rises above 0.
+//! Cubics with one decaying exponential: the form of a servo's error, speed and torque between two switches of its limits; and the first
+//! instant at which one rises above 0.
 //!
-//! Not here: what the curves mean. Units: seconds and whatever the curve is in.
+//! Not here: the quantities of the curves. Units: seconds and the unit of the quantity.
 
 /// `c0 + c1 t + c2 t² + c3 t³ + d exp(-k t)`.
 #[derive(Clone, Copy, Debug)]
@@ -11,15 +11,15 @@ pub(crate) struct Curve {
     pub(crate) k: f64,
 }
 
-/// Instants that cut a span into pieces on which a curve is monotone: its ends, and where the slope changes sign.
-/// The third derivative is monotone, so the curve has at most 4 zeros and its slope 3; one place is spare.
+/// Instants that divide a span into pieces on which a curve is monotone: its ends, and the changes of sign of its slope.
+/// The third derivative is monotone, so the curve has at most 4 zeros and its slope 3; one entry is spare.
 #[derive(Clone, Copy)]
 struct Cuts {
     at: [f64; 6],
     count: usize,
 }
 
-/// Steps in which a zero is enclosed; each halves what is left at least.
+/// Steps to enclose a zero; each at least halves the bracket.
 const STEPS: u32 = 64;
 
 impl Curve {
@@ -83,7 +83,7 @@ impl Curve {
         None
     }
 
-    /// 0, the changes of this curve's sign, `until`.
+    /// 0, the instants at which this curve changes its sign, and `until`.
     fn cuts(&self, until: f64) -> Cuts {
         let first = self.slope();
         let second = first.slope();
@@ -97,7 +97,7 @@ impl Curve {
         cuts
     }
 
-    /// The ends of a span and the zeros between them, given where the curve is monotone.
+    /// The ends of a span and the zeros between them, from instants between which the curve is monotone.
     fn refine(&self, monotone: &Cuts) -> Cuts {
         let mut zeros = Cuts { at: [0.0; 6], count: 1 };
         let mut left = 0.0;
@@ -113,7 +113,7 @@ impl Curve {
         zeros
     }
 
-    /// The zero between two instants with opposite signs of a monotone piece: Newton's steps, each with a halving.
+    /// The zero between two instants with opposite signs on a monotone piece: Newton's steps, each with a halving.
     fn zero(&self, mut left: f64, mut right: f64, rises: bool) -> f64 {
         let slope = self.slope();
         let mut t = 0.5 * (left + right);

@@ -1,9 +1,9 @@
-//! What stands between an axis's command and its actual position.
+//! The path from an axis's command to its actual position.
 //!
-//! An ideal drive follows at once. A [`Servo`] follows through a position loop with velocity feed-forward, within
-//! the speed and the torque it has, and is seen through an encoder ([`Settings`]). Both are solved exactly over
-//! each coarse update period, so what they do does not depend on its length. Not here: faults, the drive's states,
-//! the units of the configuration. Units: position units, seconds. Nothing allocates.
+//! An ideal drive follows at once. A [`Servo`] follows through a position loop with velocity feed-forward, within its limits of speed and
+//! torque, and its position is read through an encoder ([`Settings`]). Both are solved exactly over each coarse update period, so their motion
+//! does not depend on its length. Not here: faults, the drive's states, the units of the configuration. Units: position units, seconds. Nothing
+//! allocates.
 
 use arcline_profile::KinematicState;
 
@@ -11,7 +11,7 @@ use super::tolerance::STANDSTILL_UNITS_PER_S;
 use super::{Servo, Settings};
 use crate::Saturation;
 
-/// A drive with its axis. Copied to look ahead.
+/// A drive with its axis. A copy of it can run ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
     /// Follows the command without error.
@@ -20,7 +20,7 @@ pub enum Drive {
     Servo(Servo),
 }
 
-/// Time constant with which an axis without torque comes to rest, seconds.
+/// Time constant of an axis that coasts to rest without torque, seconds.
 const COAST_TIME_CONSTANT: f64 = 0.1;
 
 impl Drive {
@@ -34,7 +34,7 @@ impl Drive {
         Drive::Servo(Servo::new(position, settings))
     }
 
-    /// What the axis does, as its encoder sees it: the position is a whole number of counts, if it has an encoder.
+    /// The motion of the axis by its encoder: the position is a whole number of counts, if it has an encoder.
     pub fn actual(&self) -> KinematicState {
         match self {
             Drive::Ideal(actual) => *actual,
@@ -42,7 +42,7 @@ impl Drive {
         }
     }
 
-    /// Command minus actual position, as the encoder sees it.
+    /// Command minus actual position by the encoder.
     pub fn error(&self) -> f64 {
         match self {
             Drive::Ideal(_) => 0.0,
@@ -50,10 +50,9 @@ impl Drive {
         }
     }
 
-    /// The following error `seconds` ago, at most a period, if the command stood still since.
+    /// The following error `seconds` ago, at most a period, if the command has not moved since.
     ///
-    /// Infinite where a limit that has ended since makes it unknown, so that who looks for the instant of an error
-    /// never finds one that is too early.
+    /// Infinite if it is unknown because a limit has ended since; a search for the instant of an error then never yields one that is too early.
     pub fn error_before(&self, seconds: f64) -> f64 {
         match self {
             Drive::Ideal(_) => 0.0,
@@ -61,7 +60,7 @@ impl Drive {
         }
     }
 
-    /// Whether the axis is where its command is, at every instant.
+    /// The axis is exactly at its command at every instant.
     pub fn is_exact(&self) -> bool {
         match self {
             Drive::Ideal(_) => true,
@@ -69,7 +68,7 @@ impl Drive {
         }
     }
 
-    /// The command within a period at whose end it is `command`, so long after its beginning.
+    /// The command at `at` seconds after the beginning of a period at whose end it is `command`.
     pub(super) fn command_within(&self, command: KinematicState, period: f64, at: f64) -> KinematicState {
         match self {
             Drive::Ideal(before) => super::servo::command_within(before, &command, period, at),
@@ -77,7 +76,7 @@ impl Drive {
         }
     }
 
-    /// What keeps the drive from following.
+    /// The limit that prevents the drive from following.
     pub fn saturation(&self) -> Saturation {
         match self {
             Drive::Ideal(_) => Saturation::None,
@@ -85,15 +84,15 @@ impl Drive {
         }
     }
 
-    /// The command of the next period comes to rest `seconds` before its end, where that is within the period and it
-    /// is at rest then. Otherwise it is the cubic through both ends of the period, which has no such corner.
+    /// Makes the command of the next period come to rest `seconds` before its end, if that is within the period and the command is then at rest.
+    /// Otherwise the command is the cubic through both ends of the period, without such a corner.
     pub fn rest_for(&mut self, seconds: f64) {
         if let Drive::Servo(servo) = self {
             servo.rest_for(seconds);
         }
     }
 
-    /// Follows the command for one period, at whose end it is `command`. Real-time.
+    /// Follows the command for one period, to `command` at its end. Real-time.
     pub fn cycle(&mut self, command: KinematicState, period: f64) {
         match self {
             Drive::Ideal(actual) => *actual = command,
@@ -101,7 +100,7 @@ impl Drive {
         }
     }
 
-    /// One period without torque: the axis coasts to rest and the command goes with it. Real-time.
+    /// Coasts for one period without torque; the command follows the axis. Real-time.
     pub fn coast(&mut self, period: f64) -> KinematicState {
         let mut now = self.axis();
         if now.velocity != 0.0 {
@@ -117,12 +116,12 @@ impl Drive {
         self.actual()
     }
 
-    /// Removes torque and speed at once: the axis stands where its encoder sees it.
+    /// Removes torque and speed at once: the axis stands at the position that its encoder reads.
     pub fn halt(&mut self) {
         self.set_state(KinematicState::at_rest(self.actual().position));
     }
 
-    /// What the axis really does, between the counts of its encoder.
+    /// The true motion of the axis, between the counts of its encoder.
     pub(super) fn axis(&self) -> KinematicState {
         match self {
             Drive::Ideal(actual) => *actual,

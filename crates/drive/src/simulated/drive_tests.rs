@@ -36,7 +36,7 @@ fn a_loop_without_feedforward_follows_at_speed_over_gain() {
 fn the_response_does_not_depend_on_the_update_period() {
     let run = |period: f64| {
         let mut drive = Drive::servo(0.0, &Settings::unlimited(25.0, 0.4));
-        // x(t) = t² (3 - 2 t): a cubic, so every period sees the same command.
+        // x(t) = t² (3 - 2 t): a cubic, so the command is the same for every period.
         for k in 1..=(1.0 / period).round() as u32 {
             let t = f64::from(k) * period;
             let command = KinematicState {
@@ -121,7 +121,7 @@ fn an_encoder_shows_whole_counts_and_the_loop_acts_between_them() {
         assert_eq!(seen.error(), command.position - position);
         assert_eq!(seen.actual().velocity, true_.actual().velocity);
     }
-    // Off, and on again: no jump, and no error is left.
+    // Disabled and enabled again: no jump, and no error remains.
     seen.halt();
     let at = seen.actual();
     assert_eq!((at.velocity, seen.error()), (0.0, 0.0));

@@ -1,7 +1,7 @@
-//! The simulated machine behind the seam: every axis follows its set-point, and its latches close at exact positions.
+//! The simulated machine: every axis follows its set-point, and its latches close at exact positions.
 //!
-//! A latch closes where the axis, as its encoder sees it, passes the trigger; the instant is found by bisection of what the drive
-//! does within the update. The mechanical stop holds an axis while its latch is armed.
+//! A latch closes when the position of the axis by its encoder passes the trigger; the instant is found by bisection of the drive's motion within
+//! the update. The mechanical stop holds an axis while its latch is armed.
 
 use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_profile::KinematicState;
@@ -16,10 +16,10 @@ use crate::{
 
 /// Halvings of the instant of a latch: to the last bit of an update.
 const HALVINGS: usize = 60;
-/// Axes of one coordinate system that are looked at together.
+/// Axes of one coordinate system whose settling is examined together.
 const MOST_AXES: usize = 3;
 
-/// The drives of a machine, simulated.
+/// Simulated drives of a machine.
 #[derive(Debug)]
 pub struct SimulatedDrives {
     /// `None`: an axis without a drive.
@@ -27,7 +27,7 @@ pub struct SimulatedDrives {
     period: f64,
 }
 
-/// A drive with the axis that it moves and the sensors of it.
+/// A drive with its axis and the sensors of that.
 #[derive(Clone, Copy, Debug)]
 pub struct SimulatedAxis {
     drive: Drive,
@@ -35,13 +35,13 @@ pub struct SimulatedAxis {
     before: Drive,
     sensor: Sensor,
     set_point: SetPoint,
-    /// The latch that closed last.
+    /// The last closed latch.
     closed: Option<u32>,
-    /// The last update changed nothing: the next one with the same set-point changes nothing either.
+    /// The last update changed nothing, so another one with the same set-point changes nothing either.
     rests: bool,
-    /// The marker behind a trigger that has come: the number of the latch, the position, the direction.
+    /// The marker behind a trigger that has come: the number of the latch, the position of the marker, and the direction.
     marker: Option<(u32, f64, f64)>,
-    /// The home input is written to be active, and its newest change, which closes a latch in the next update.
+    /// The home input is written to be active; and its newest change, which closes a latch in the next update.
     home: bool,
     home_edge: Option<Trigger>,
     /// The enable input is written to be inactive.
@@ -49,7 +49,7 @@ pub struct SimulatedAxis {
 }
 
 impl SimulatedAxis {
-    /// An axis that stands at a machine position, switched off.
+    /// An axis at rest at a machine position, disabled.
     pub fn new(position: f64, settings: &Settings, sensor: Sensor) -> Self {
         let drive = Drive::servo(position, settings);
         SimulatedAxis {
@@ -66,7 +66,7 @@ impl SimulatedAxis {
         }
     }
 
-    /// One update. Where nothing changes, the feedback of the last exchange stands.
+    /// Executes one update. If nothing changes, the feedback of the last exchange stays.
     pub(super) fn follow(&mut self, set_point: &SetPoint, period: f64, feedback: &mut Feedback) {
         let off;
         let set_point = if self.is_disabled {
@@ -98,7 +98,7 @@ impl SimulatedAxis {
         let edge = self.home_edge.take();
         latches[HOME_LATCH] = set_point.latches[HOME_LATCH].and_then(|armed| self.latch(&armed, edge, period));
         let motion = self.drive.actual();
-        // Member by member: all of it would be copied once more in every update. A simulated drive has no faults of its own.
+        // Member by member: an assignment of the whole would copy it once more in every update. A simulated drive has no faults of its own.
         feedback.state = if set_point.enable {
             DriveState::Enabled
         } else {
@@ -117,7 +117,7 @@ impl SimulatedAxis {
         feedback.latches = latches;
     }
 
-    /// The home input is written. A change closes a latch where the axis is now.
+    /// Takes a write of the home input. A change closes a latch at the present position of the axis.
     fn write_home(&mut self, on: bool, feedback: &mut Feedback) {
         if self.home != on {
             self.home_edge = Some(if on { Trigger::SwitchOn } else { Trigger::SwitchOff });
@@ -127,7 +127,7 @@ impl SimulatedAxis {
         feedback.inputs.home = on || self.sensor.is_active(self.drive.actual().position);
     }
 
-    /// The axis as an ideal one, where it is.
+    /// The axis with an ideal drive, at its present position.
     pub(super) fn ideal(&self) -> Self {
         SimulatedAxis {
             drive: Drive::Ideal(self.drive.actual()),
@@ -140,12 +140,12 @@ impl SimulatedAxis {
         }
     }
 
-    /// What the axis does, as its encoder sees it.
+    /// The motion of the axis by its encoder.
     pub(super) fn actual(&self) -> KinematicState {
         self.drive.actual()
     }
 
-    /// One update of an ideal axis that something else moves; latches are those of the set-point.
+    /// Executes one update of an ideal axis that a model moves; its latches are those of the set-point.
     pub(super) fn be_moved(&mut self, motion: KinematicState, sent: &SetPoint, period: f64, feedback: &mut Feedback) {
         let there = SetPoint {
             enable: true,
@@ -156,13 +156,13 @@ impl SimulatedAxis {
             latches: sent.latches,
         };
         self.follow(&there, period, feedback);
-        // A mechanical stop would hold a simulated axis.
+        // A mechanical stop may have held the simulated axis; the model alone determines the motion.
         self.drive = Drive::Ideal(motion);
         feedback.motion = motion;
     }
 
-    /// Looks whether a latch has closed in the update, by a written `edge` at its beginning or on the way. A mechanical stop holds the
-    /// axis from then on.
+    /// Checks whether a latch has closed in the update, by a written `edge` at its beginning or by the motion. A mechanical stop then holds the
+    /// axis.
     fn latch(&mut self, armed: &ArmLatch, edge: Option<Trigger>, period: f64) -> Option<Latch> {
         if self.closed == Some(armed.number) {
             return None;
@@ -183,7 +183,7 @@ impl SimulatedAxis {
                     return None;
                 }
                 if armed.then_marker {
-                    // The axis goes on; one that turns is at the marker in the direction in which the trigger came.
+                    // The axis moves on; an axis that reverses meets the marker in the direction in which it met the trigger.
                     let marker = self.sensor.ahead(Trigger::Marker, position, direction);
                     let marker = marker.unwrap_or(direction * f64::INFINITY);
                     self.marker = Some((armed.number, marker, direction));
@@ -225,7 +225,7 @@ impl SimulatedAxis {
         bisect(0.0, period, HALVINGS, |at| passed(position(at)))
     }
 
-    /// The drive so long after the beginning of the update.
+    /// The drive at an instant after the beginning of the update.
     fn within(&self, at: f64, period: f64) -> Drive {
         let mut drive = self.before;
         if !self.set_point.enable {
@@ -238,7 +238,7 @@ impl SimulatedAxis {
 }
 
 impl SimulatedDrives {
-    /// A machine of these axes, at an update period in seconds. The only allocation.
+    /// A machine with these axes, at an update period in seconds. The only allocation.
     pub fn new(axes: Vec<Option<SimulatedAxis>>, period: f64) -> Self {
         SimulatedDrives { axes, period }
     }
@@ -267,11 +267,11 @@ impl Drives for SimulatedDrives {
         Ok(())
     }
 
-    /// The latch closes at the tick, where the axis is then.
+    /// Closes the latch at the tick, at the present position of the axis.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
         let axis = self.axes.get_mut(input.axis.index()).and_then(Option::as_mut);
-        let place = match (input.input, axis) {
-            (DriveInput::Registration(place), _) => place,
+        let number = match (input.input, axis) {
+            (DriveInput::Registration(number), _) => number,
             (DriveInput::Home, Some(axis)) => return axis.write_home(input.on, feedback),
             (DriveInput::Enable, Some(axis)) => {
                 axis.is_disabled = !input.on;
@@ -279,7 +279,7 @@ impl Drives for SimulatedDrives {
             }
             (_, None) => return,
         };
-        let Some(level) = feedback.inputs.registration.get_mut(place) else {
+        let Some(level) = feedback.inputs.registration.get_mut(number) else {
             return;
         };
         *level = input.on;
@@ -289,7 +289,7 @@ impl Drives for SimulatedDrives {
             Trigger::RegistrationOff
         };
         let armed = input.armed.filter(|armed| armed.trigger == trigger);
-        feedback.latches[REGISTRATION_LATCHES[place]] = armed.map(|armed| Latch {
+        feedback.latches[REGISTRATION_LATCHES[number]] = armed.map(|armed| Latch {
             number: armed.number,
             before_end_s: 0.0,
             position: feedback.motion.position,

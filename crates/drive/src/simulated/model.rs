@@ -1,8 +1,8 @@
 //! A model of the mechanics behind the drives, which moves axes of a simulated machine in place of their simulated drives.
 //!
-//! The model finds the answer of the simulated drives, and may change it. From the first tick at which it says that an axis is elsewhere, or moves
-//! otherwise, the axis is the model's: its feedback is measured, and its switch, markers and stops see the position of the model. An axis
-//! that a model has never changed is the axis of the simulated drive, to the bit. Units: position units, seconds. Nothing allocates after
+//! The model receives the answers of the simulated drives, and may change them. From the first tick at which its answer for an axis differs, the
+//! axis belongs to the model: its feedback counts as measured, and its switch, markers and stops act on the position of the model. An axis
+//! that the model has never changed is exactly the axis of the simulated drive. Units: position units, seconds. Nothing allocates after
 //! [`ModelDrives::new`].
 
 use arcline_instruction_set::{AxisId, FaultKind, FaultSet};
@@ -13,26 +13,26 @@ use crate::{DriveState, Drives, ExchangeLost, Feedback, Following, SetPoint, Set
 
 /// A model of the mechanics behind the drives of a machine.
 pub trait MechanicalModel: std::fmt::Debug + Send {
-    /// One tick: `axes` holds the answers of the simulated drives, of an axis that is the model's already its set-point, and gets those of the model. Axes
-    /// that the model does not move are there as well.
+    /// Executes one tick. `axes` holds the answers of the simulated drives, or the set-point of an axis that belongs to the model; the model
+    /// overwrites them with its own answers. Axes that the model does not move are included.
     ///
     /// # Errors
-    /// [`ModelFailed`]: all axes that the model moves have the fault `drive` from now on, and the model is not called any more.
+    /// [`ModelFailed`]: from then on all axes of the model have the fault `drive`, and the model is not called again.
     fn tick(&mut self, set_points: &[SetPoint], axes: &mut [ModelledAxis]) -> Result<(), ModelFailed>;
 }
 
-/// A model that cannot go on. The model itself knows why.
+/// The failure of a model; the model itself reports the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ModelFailed;
 
-/// What a model says of an axis at a tick.
+/// The answer of a model for an axis at a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModelledAxis {
-    /// Where the axis is, of the machine.
+    /// Machine position of the axis.
     pub position: f64,
-    /// Position units per second; `None`: of the way since the last tick.
+    /// Position units per second; `None`: from the displacement since the last tick.
     pub velocity: Option<f64>,
-    /// Position units per second²; `None`: of the change of velocity since the last tick.
+    /// Position units per second²; `None`: from the change of velocity since the last tick.
     pub acceleration: Option<f64>,
     /// The drive reports a fault.
     pub fault: bool,
@@ -43,7 +43,7 @@ pub struct ModelledAxis {
 pub struct ModelDrives {
     drives: SimulatedDrives,
     model: Box<dyn MechanicalModel>,
-    /// Of each axis: what the model has to do with it.
+    /// The share of the model in each axis.
     shares: Vec<Share>,
     /// The simulated axes before the present tick.
     before: Vec<Option<SimulatedAxis>>,
@@ -51,19 +51,19 @@ pub struct ModelDrives {
     failed: bool,
 }
 
-/// What a model has to do with an axis.
+/// The share of a model in an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Share {
-    /// Nothing.
+    /// The model does not move the axis.
     None,
-    /// It may move the axis, and has not done so.
+    /// The model may move the axis, and has not done so yet.
     May,
-    /// It moves the axis.
+    /// The model moves the axis.
     Moves,
 }
 
 impl ModelDrives {
-    /// The axes that the model may move, of the simulated drives of a machine. The only allocation.
+    /// For the simulated drives of a machine, with the axes that the model may move. The only allocation.
     pub fn new(drives: SimulatedDrives, model: Box<dyn MechanicalModel>, axes: &[AxisId]) -> Self {
         let before: Vec<_> = drives.axes().to_vec();
         let mut shares = vec![Share::None; before.len()];
@@ -83,7 +83,7 @@ impl ModelDrives {
         }
     }
 
-    /// The answer of the model for one axis becomes its feedback.
+    /// Makes the model's answer for one axis its feedback.
     fn take(&mut self, index: usize, sent: &SetPoint, feedback: &mut Feedback) {
         let period = self.drives.period();
         let (Some(share), Some(answer)) = (self.shares.get_mut(index), self.answers.get(index)) else {
@@ -174,7 +174,7 @@ impl Drives for ModelDrives {
         self.drives.write_input(input, feedback);
     }
 
-    /// A model tells no instant inside an update.
+    /// Unknown: a model has no instants inside an update.
     fn settled(&self, axes: &[AxisId], tolerance: f64, stood: f64) -> Settled {
         let moves = |axis: &AxisId| self.shares.get(usize::from(*axis)) == Some(&Share::Moves);
         if axes.iter().any(moves) {
@@ -257,7 +257,7 @@ mod tests {
     fn an_axis_that_a_model_leaves_alone_is_that_of_the_simulated_drive() {
         let plain = run(&mut simulated());
         assert_eq!(run(&mut modelled(&Off::default())), plain);
-        // Until the model says that it is elsewhere; the other axis is never its own.
+        // Until the model changes its position; the other axis never belongs to the model.
         let off = run(&mut modelled(&Off {
             offset: 0.25,
             from: 40,

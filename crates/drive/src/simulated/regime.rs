@@ -1,11 +1,11 @@
 //! A servo loop within limits of speed and torque, solved exactly between one switch of its regime and the next.
 //!
-//! With `w` the velocity that the loop asks for, cut to the speed limit, the axis has it, `x' = w`, as long as its
-//! torque suffices; otherwise it accelerates with all its torque towards it, until it has it. In each regime the
-//! following error and the velocity are [`Curve`]s, and what ends the regime is a curve that rises above 0, so the
-//! instant of the switch is found on the exact solution and does not depend on the update period.
+//! Let `w` be the velocity of the loop, cut to the speed limit. The axis has this velocity, `x' = w`, while its torque suffices; otherwise it
+//! accelerates towards it at the full torque, until it reaches it. In each regime the following error and the velocity are [`Curve`]s, and the
+//! end of the regime is a curve that rises above 0, so the instant of the switch is found on the exact solution and does not depend on the
+//! update period.
 //!
-//! Not here: what the axis does after a period without limits ([`crate::servo`]). Units: position units, seconds.
+//! Not here: the motion over a period without limits ([`crate::servo`]). Units: position units, seconds.
 
 use super::curve::Curve;
 use super::servo::Velocity;
@@ -20,7 +20,7 @@ pub(crate) struct Loop {
     pub(crate) feedforward: f64,
 }
 
-/// The limits of a drive, more than 0; infinite where there is none.
+/// The limits of a drive, more than 0; infinite for no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Limits {
     /// Units/s.
@@ -29,14 +29,14 @@ pub(crate) struct Limits {
     pub(crate) torque: f64,
 }
 
-/// What decides the velocity of the axis.
+/// The quantity that determines the velocity of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Regime {
-    /// The loop: the axis has the velocity that it asks for.
+    /// The loop: the axis has the velocity of the loop.
     Linear,
     /// The speed limit, with its direction.
     Speed(f64),
-    /// The torque limit, with its direction: velocity is on the way to what the loop asks for.
+    /// The torque limit, with its direction: the velocity approaches that of the loop.
     Torque(f64),
 }
 
@@ -49,19 +49,19 @@ pub(crate) struct State {
     pub(crate) command: Velocity,
 }
 
-/// What a regime makes of error and velocity, from its beginning on.
+/// Error and velocities in a regime, from its beginning on.
 struct Course {
     error: Curve,
     asked: Curve,
     velocity: Curve,
 }
 
-/// Switches within one period. A torque limit that lets the axis swing gives about `sqrt(K · period / 2)` of them:
-/// 32 at the longest period and the highest bandwidth that there are. The last regime keeps the rest of the period.
+/// Most switches within one period. A torque limit that lets the axis oscillate causes about `sqrt(K · period / 2)` of them: 32 at the longest
+/// period and the highest bandwidth. The last regime holds for the rest of the period.
 pub(crate) const MAX_SWITCHES: usize = 64;
 
 impl Loop {
-    /// `p0 + p1 t + p2 t²`, the following error that the command alone makes, without what is left of the past.
+    /// `p0 + p1 t + p2 t²`: the following error by the command alone, without the decaying part.
     pub(crate) fn particular(&self, velocity: &Velocity) -> [f64; 3] {
         let [c0, c1, c2] = velocity.c;
         let g = 1.0 - self.feedforward;
@@ -72,7 +72,7 @@ impl Loop {
         [p0, p1, p2]
     }
 
-    /// The velocity that the loop asks for.
+    /// The velocity of the loop.
     fn asked(&self, error: &Curve, command: &Velocity) -> Curve {
         let [c0, c1, c2] = command.c;
         let [e0, e1, e2, e3] = error.c;
@@ -86,7 +86,7 @@ impl Loop {
 }
 
 impl Limits {
-    /// The regime of an axis whose velocity has not followed what the loop asks for.
+    /// The regime of an axis whose velocity differs from that of the loop.
     pub(crate) fn regime_at(&self, asked: f64, velocity: f64) -> Regime {
         let wanted = asked.clamp(-self.speed, self.speed);
         if self.torque.is_finite() && wanted != velocity {
@@ -100,7 +100,7 @@ impl Limits {
 }
 
 impl State {
-    /// The state after a span of time, and how long its regime has lasted within it. Bounded.
+    /// The state after a span of time, and the part of the span for which its regime has lasted. Bounded.
     pub(crate) fn after(mut self, control: &Loop, limits: &Limits, span: f64) -> (State, f64) {
         let mut left = span;
         for _ in 0..MAX_SWITCHES {
@@ -144,7 +144,7 @@ impl State {
         cubic([self.error, c0 - velocity, 0.5 * (c1 - rate), c2 / 3.0])
     }
 
-    /// When the regime ends, if that is within a span.
+    /// The instant of the regime's end, if it is within a span.
     fn end(&self, course: &Course, control: &Loop, limits: &Limits, span: f64) -> Option<f64> {
         let mut first = None;
         let mut ends = |curve: Curve| {
@@ -168,7 +168,7 @@ impl State {
         first
     }
 
-    /// How far beyond the limits of speed and torque the loop may be without being limited.
+    /// The excess of the loop over the limits of speed and torque up to which it is not limited.
     fn margins(&self, control: &Loop, limits: &Limits) -> [f64; 2] {
         let [c0, c1, c2] = self.command.c.map(f64::abs);
         let k = control.gain;
@@ -185,7 +185,7 @@ impl State {
         self.command = self.command.from(span);
     }
 
-    /// The next regime. The axis has just come to have what the loop asks for, or is about to lose it.
+    /// Determines the next regime. The axis has just reached the velocity of the loop, or is about to deviate from it.
     fn switch(&mut self, control: &Loop, limits: &Limits) {
         let [c0, c1, _] = self.command.c;
         let asked = control.gain * self.error + control.feedforward * c0;
@@ -197,7 +197,7 @@ impl State {
             self.regime = Regime::Speed(self.velocity);
             return;
         }
-        // Exactly what is asked for, so that rounding does not end a torque limit at once.
+        // Exactly the velocity of the loop, so that rounding does not end a torque limit at once.
         self.velocity = asked;
         self.regime = if rate.abs() > limits.torque + 0.5 * torque {
             Regime::Torque(limits.torque.copysign(rate))

@@ -1,20 +1,20 @@
-//! Home switch, marker and mechanical stops of an axis, seen from where it is (spec/axis-and-data-types.md §11).
+//! Home switch, marker and mechanical stops of an axis, by its position (spec/axis-and-data-types.md §11).
 //!
-//! Machine positions, position units; a direction is 1 or -1. An edge or marker that lies behind by less than
-//! [`SENSOR_WIDTH_SHARE`] is one that the axis stands on. Nothing allocates.
+//! Machine positions, position units; a direction is 1 or -1. An axis stands on an edge or marker that is behind it by less than
+//! [`SENSOR_WIDTH_SHARE`]. Nothing allocates.
 
 use arcline_profile::numeric::modulo;
 
 use super::tolerance::SENSOR_WIDTH_SHARE;
 use crate::Trigger;
 
-/// What an axis passes on its way.
+/// The sensors that an axis passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensor {
-    /// The home switch is active from the first position to the second one, forward; infinite where it has no end. Of a rotary axis
-    /// both lie within one turn, and the interval may lead across 0.
+    /// The home switch is active from the first position to the second one, forward; infinite for an open end. For a rotary axis both are within
+    /// one turn, and the interval may contain 0.
     pub switch: Option<[f64; 2]>,
-    /// The position of one marker, and the distance between two; `None`: there is only one.
+    /// The position of one marker, and the distance between two; `None`: there is only one marker.
     pub marker: Option<(f64, Option<f64>)>,
     /// The mechanical stops.
     pub stops: Option<[f64; 2]>,
@@ -23,7 +23,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// Whether the home switch is active.
+    /// The home switch is active at a position.
     pub fn is_active(&self, machine: f64) -> bool {
         self.switch.is_some_and(|[min, max]| match self.turn {
             None => (min..=max).contains(&machine),
@@ -31,12 +31,12 @@ impl Sensor {
         })
     }
 
-    /// Where the home switch becomes active in a direction, and inactive in the other one; infinite where it has no end.
+    /// The position at which the home switch becomes active in a direction, and inactive in the opposite one; infinite for an open end.
     pub fn edge(&self, direction: f64) -> Option<f64> {
         self.switch.map(|[min, max]| if direction > 0.0 { min } else { max })
     }
 
-    /// The first position at which the trigger comes, from a position on; `None`: there is none in that direction.
+    /// The first position of the trigger in a direction from a position; `None` if there is none.
     pub(super) fn ahead(&self, trigger: Trigger, machine: f64, direction: f64) -> Option<f64> {
         match trigger {
             Trigger::SwitchOn => ahead(machine, self.edge(direction)?, direction, self.turn),
@@ -51,7 +51,7 @@ impl Sensor {
     }
 }
 
-/// The first of the positions `at`, repeated `every` so many units, from a machine position on; `None` when none lies that way.
+/// The first of the positions `at`, repeated `every` units, in a direction from a machine position; `None` if there is none.
 fn ahead(machine: f64, at: f64, direction: f64, every: Option<f64>) -> Option<f64> {
     let distance = direction * (at - machine);
     let width = SENSOR_WIDTH_SHARE * machine.abs().max(1.0);

@@ -1,14 +1,14 @@
-//! A servo: a proportional position loop with velocity feed-forward, and what its limits make of it.
+//! A servo: a proportional position loop with velocity feed-forward, and the effect of its limits.
 //!
-//! With the command `r`, the actual position `x` and the following error `e = r - x`, the loop asks for the velocity
+//! With the command `r`, the actual position `x` and the following error `e = r - x`, the loop requires the velocity
 //!
 //! ```text
 //! u = K e + f r'        K = 2π · bandwidth, f = feed-forward gain
 //! ```
 //!
-//! and without limits the axis has it, `x' = u`: a response of `(K + f s) / (K + s)`. `r` between two updates is the
-//! cubic through both positions and velocities, for which all of this is solved exactly. The limits are in
-//! [`super::regime`]. The loop acts on the true position; the encoder is what is seen from outside.
+//! which the axis has without limits, `x' = u`: a response of `(K + f s) / (K + s)`. Between two updates, `r` is the cubic through both
+//! positions and velocities, for which the response is solved exactly. The limits are in [`super::regime`]. The loop acts on the true
+//! position; the feedback shows that of the encoder.
 
 use std::f64::consts::TAU;
 
@@ -29,9 +29,9 @@ pub struct Servo {
     error: f64,
     actual: KinematicState,
     regime: Regime,
-    /// How long the regime has lasted within the last period.
+    /// Seconds for which the regime has lasted within the last period.
     lasted: f64,
-    /// How long before the end of the next period the command comes to rest.
+    /// Seconds before the end of the next period at which the command comes to rest.
     rest: f64,
 }
 
@@ -81,7 +81,7 @@ impl Servo {
         self.measured_with(self.error)
     }
 
-    /// What the encoder makes of a following error.
+    /// The following error by the encoder, for a true one.
     fn measured_with(&self, error: f64) -> f64 {
         match self.encoder.resolution {
             Some(_) => self.command.position - self.encoder.read(self.command.position - error),
@@ -103,7 +103,7 @@ impl Servo {
         }
         let velocity = self.actual.velocity;
         self.measured_with(match self.regime {
-            // Also where the exponential overflows.
+            // Also if the exponential overflows.
             Regime::Linear if self.error == 0.0 => self.error,
             Regime::Linear => self.error * libm::exp(self.control.gain * seconds),
             Regime::Speed(_) => self.error + seconds * velocity,
@@ -124,7 +124,7 @@ impl Servo {
         self.encoder.resolution.map_or(0.0, |resolution| 1.0 / resolution)
     }
 
-    /// The axis is there, and the command is what the encoder makes of it.
+    /// Sets the motion of the axis; the command is the position by the encoder.
     pub(crate) fn set_state(&mut self, now: KinematicState) {
         self.actual = now;
         self.command = KinematicState {
@@ -156,7 +156,7 @@ impl Servo {
         }
     }
 
-    /// A period, or the part of one that ends where the command comes to rest.
+    /// Executes a period, or the part of one up to the rest of the command.
     fn span(&mut self, command: KinematicState, period: f64) {
         let before = self.command;
         self.command = command;
@@ -198,17 +198,17 @@ impl Servo {
         command_within(&self.command, command, period, at)
     }
 
-    /// The velocity that the loop asks for.
+    /// The velocity of the loop.
     fn asked(&self) -> f64 {
         self.control.feedforward * self.command.velocity + self.control.gain * self.error
     }
 
-    /// Whether the axis does without error whatever is commanded.
+    /// The axis follows any command without an error.
     fn is_rigid(&self) -> bool {
         self.limits.is_none() && self.control.feedforward == 1.0
     }
 
-    /// A whole period without limits.
+    /// Executes a whole period without limits.
     fn linear(&mut self, before: &KinematicState, velocity: &Velocity, period: f64) {
         let command = self.command;
         let [p0, p1, p2] = self.control.particular(velocity);
@@ -232,7 +232,7 @@ impl Servo {
 }
 
 impl Velocity {
-    /// That of the cubic through both ends of a period.
+    /// The velocity of the cubic through both ends of a period.
     fn between(before: &KinematicState, after: &KinematicState, period: f64) -> Self {
         let slope = (after.position - before.position) / period;
         let c1 = (6.0 * slope - 4.0 * before.velocity - 2.0 * after.velocity) / period;
@@ -242,7 +242,7 @@ impl Velocity {
         }
     }
 
-    /// The same from a later instant on.
+    /// The same, relative to a later instant.
     pub(crate) fn from(&self, t: f64) -> Self {
         let [c0, c1, c2] = self.c;
         Velocity {
@@ -251,7 +251,7 @@ impl Velocity {
     }
 }
 
-/// The command so long after the beginning of a period, at whose ends it is `before` and `after`.
+/// The command at `at` seconds after the beginning of a period, from `before` to `after` at its ends.
 pub(super) fn command_within(before: &KinematicState, after: &KinematicState, period: f64, at: f64) -> KinematicState {
     let velocity = Velocity::between(before, after, period);
     let [c0, c1, c2] = velocity.c;

@@ -5,18 +5,18 @@
 pub struct Settings {
     /// Bandwidth of the position loop, Hz, more than 0.
     pub bandwidth: f64,
-    /// Share of the command velocity that is fed forward, 0 to 1.
+    /// Feed-forward share of the command velocity, 0 to 1.
     pub feedforward: f64,
-    /// Highest speed of the motor, units/s, more than 0; infinite: no limit.
+    /// Highest speed of the motor, units/s, more than 0; infinite: unlimited.
     pub speed_limit: f64,
-    /// Acceleration of the axis under the motor's highest torque, units/s², more than 0; infinite: no limit.
+    /// Acceleration of the axis at the motor's highest torque, units/s², more than 0; infinite: unlimited.
     pub torque_limit: f64,
-    /// Encoder counts per unit, more than 0; `None`: the position is seen as it is.
+    /// Encoder counts per unit, more than 0; `None`: the feedback is the true position.
     pub encoder_resolution: Option<f64>,
 }
 
 impl Settings {
-    /// A servo without limits, seen as it is: the transfer function of its loop and nothing else.
+    /// A servo without limits and without an encoder: the transfer function of its loop only.
     pub fn unlimited(bandwidth: f64, feedforward: f64) -> Self {
         Settings {
             bandwidth,
@@ -29,7 +29,7 @@ impl Settings {
 }
 
 impl Default for Settings {
-    /// A bandwidth of 40 Hz, all velocity fed forward, no limits.
+    /// A bandwidth of 40 Hz, full velocity feed-forward, no limits.
     fn default() -> Self {
         Settings::unlimited(40.0, 1.0)
     }

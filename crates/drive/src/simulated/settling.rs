@@ -1,8 +1,8 @@
-//! When axes came near enough to where their commands stand, found between two updates.
+//! The instant between two updates at which axes came within a tolerance of their resting commands.
 //!
-//! Without limits an error only shrinks, and the instant is found by halving. An axis whose torque is spent swings,
-//! and may come near and leave again within one period: it is followed in steps that its speed and its torque do not
-//! let it outrun. Not here: what is near enough, and for whom. Units: position units, seconds.
+//! Without active limits an error only decreases, and the instant is found by bisection. An axis at its torque limit oscillates, and
+//! may enter and leave the tolerance within one period: it is followed in steps short enough for its speed and torque. Not here: the
+//! tolerance, and its use. Units: position units, seconds.
 
 use arcline_profile::KinematicState;
 
@@ -12,7 +12,7 @@ use crate::Saturation;
 
 /// Halvings of a span: to the last bit of a period.
 const HALVINGS: u32 = 60;
-/// Steps along a swing within one period, and halvings of the last of them.
+/// Steps along an oscillation within one period, and halvings of the last one.
 const STEPS: u32 = 32;
 
 /// Drives at the beginning of a period in which their commands come to rest.
@@ -20,13 +20,13 @@ const STEPS: u32 = 32;
 pub struct Settling<const N: usize> {
     /// The drives before the period.
     pub drives: [Drive; N],
-    /// Where their commands stand, units.
+    /// The positions of their resting commands, units.
     pub ends: [f64; N],
-    /// How near the vector of the errors must be to 0, units.
+    /// The largest norm of the errors, units.
     pub tolerance: f64,
     /// The period, seconds.
     pub period: f64,
-    /// How long before the end of the period the commands have come to rest, or longer; seconds.
+    /// Seconds for which the commands have rested at the end of the period, at least.
     pub rest: f64,
 }
 
@@ -34,15 +34,15 @@ pub struct Settling<const N: usize> {
 struct Seen {
     distance: f64,
     speed: f64,
-    /// How fast the speed can grow; 0 where nothing limits the torque, as speed then only shrinks.
+    /// The growth rate of the speed; 0 without a torque limit, as the speed then only decreases.
     growth: f64,
-    /// What one count of every encoder makes of the distance.
+    /// The effect of one count of every encoder on the distance.
     grain: f64,
 }
 
 impl<const N: usize> Settling<N> {
-    /// How long before the end of the period the axes first were within the tolerance, while the commands stood
-    /// still; `None` if they were not. Real-time: bounded.
+    /// Seconds before the end of the period at which the axes first were within the tolerance, with resting commands; `None` if they were not.
+    /// Real-time: bounded.
     pub fn within(&self) -> Option<f64> {
         let available = self.rest.min(self.period);
         let drives = self.at(self.period);
@@ -90,7 +90,7 @@ impl<const N: usize> Settling<N> {
         (seen.distance <= self.tolerance).then(|| self.period - self.entered(outside, self.period))
     }
 
-    /// The instant between two, from the beginning of the period, at which the axes came within the tolerance.
+    /// The instant between two, in seconds from the beginning of the period, at which the axes came within the tolerance.
     fn entered(&self, mut outside: f64, mut inside: f64) -> f64 {
         for _ in 0..STEPS {
             let middle = 0.5 * (inside + outside);
@@ -116,7 +116,7 @@ impl<const N: usize> Settling<N> {
         }
     }
 
-    /// The drives so long after the beginning of the period, when the commands stand.
+    /// The drives at an instant after the beginning of the period, with resting commands.
     fn at(&self, at: f64) -> [Drive; N] {
         let mut drives = self.drives;
         if at > 0.0 {
@@ -130,16 +130,16 @@ impl<const N: usize> Settling<N> {
 }
 
 impl Seen {
-    /// A time in which the axes cannot go further than a distance.
+    /// A time in which the axes cannot move further than a distance.
     fn time_for(&self, distance: f64) -> f64 {
         let root = (self.speed * self.speed + 2.0 * self.growth * distance).sqrt();
-        // Infinite at standstill where nothing accelerates.
+        // Infinite at rest without acceleration.
         2.0 * distance / (self.speed + root)
     }
 }
 
 impl Drive {
-    /// Whether a following error only shrinks while the command stands.
+    /// A following error only decreases while the command rests.
     fn decays(&self) -> bool {
         match self {
             Drive::Ideal(_) => true,

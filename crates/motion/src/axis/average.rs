@@ -1,4 +1,4 @@
-//! AverageVelocity: how far an axis has come within the Average Velocity Timebase (spec/axis-and-data-types.md §9.1).
+//! AverageVelocity: the displacement of an axis within the Average Velocity Timebase (spec/axis-and-data-types.md §9.1).
 //!
 //! Units: position units, seconds. Nothing allocates after [`Average::new`].
 
@@ -10,9 +10,9 @@ pub(crate) struct Average {
     next: usize,
     /// Length of the timebase in whole updates, seconds.
     timebase: f64,
-    /// How far the axis has come within it.
+    /// Displacement of the axis within the timebase.
     displacement: f64,
-    /// For how many updates in a row the position has been the same.
+    /// Consecutive updates with the same position.
     unchanged: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Stops of one axis: of one generator, of what single-axis instructions began, of everything.
+//! Stops of one axis: of one generator, of all motion of single-axis instructions, or of all motion.
 //!
 //! Not here: which instructions stop what (`crate::motion`, `crate::instructions`). Units: position units, seconds. Nothing allocates.
 
@@ -12,8 +12,8 @@ use super::{AfterStop, Axis};
 use crate::execution::Execution;
 
 impl Axis {
-    /// One generator brakes, out of its present motion, and reports to `execution` when it stands. The instruction that
-    /// began it is not ended here. A stop that is under way only becomes harder.
+    /// Brakes one generator from its present motion; `execution` completes when the generator stands. The instruction that
+    /// began the generator does not end here. A stop that is under way only becomes harder.
     pub(crate) fn brake(&mut self, kind: GeneratorKind, limits: &Limits, execution: Option<Execution>, now: Instant) {
         let Some(generator) = self.sum.get_mut(kind) else {
             return;
@@ -27,7 +27,7 @@ impl Axis {
         let kept = stopping(limits, before.as_ref());
         let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
         generator.jerk = generator.highest_jerk();
-        // A stop is a function of time, whatever it stops.
+        // A stop is a function of time, even if the motion that it stops is a function of a master.
         generator.follower = None;
         generator.follow(stop, now);
         generator.keeps(&kept);
@@ -37,7 +37,7 @@ impl Axis {
         generator.brake = Some(*limits);
     }
 
-    /// One generator is being stopped by its own profile, and reports to `execution` when it stands.
+    /// Marks one generator as stopping on its own profile; `execution` completes when the generator stands.
     pub(crate) fn let_rest(&mut self, kind: GeneratorKind, execution: Option<Execution>) {
         if let Some(generator) = self.sum.get_mut(kind) {
             generator.jerk = generator.highest_jerk();
@@ -47,8 +47,8 @@ impl Axis {
         }
     }
 
-    /// The stop with which the axis is kept from leading a robot where that cannot go: at its maxima, with no less jerk than what moves
-    /// it was programmed with.
+    /// The stop of an axis that would lead a robot out of its reach: at the axis's maxima, with no less jerk than the programmed jerk of
+    /// the generators that move it.
     pub(crate) fn guarded_stop(&self) -> Limits {
         let mut limits = self.dynamics.stop(self.is_s_curve());
         if let Some(jerk) = &mut limits.jerk {
@@ -59,8 +59,8 @@ impl Axis {
         limits
     }
 
-    /// Everything on the axis becomes one deceleration, out of its total speed and acceleration, at least as hard as every stop
-    /// under way. The instructions that moved the axis are not ended here.
+    /// Replaces all motion of the axis by one deceleration from its total speed and acceleration, at least as hard as every stop
+    /// under way. The instructions that moved the axis do not end here.
     pub(crate) fn brake_all(&mut self, limits: &Limits, execution: Option<Execution>, now: Instant) {
         let brakes = self.sum.active().filter_map(|(_, generator)| generator.brake);
         let limits = &brakes.fold(*limits, |limits, brake| harder(&limits, Some(&brake)));
@@ -85,7 +85,7 @@ impl Axis {
         self.started_at = started_at;
     }
 
-    /// One deceleration at its Maximum Deceleration becomes all that moves the axis, from a set-point that went out at `began`.
+    /// Replaces all motion of the axis by one deceleration at its Maximum Deceleration, from the set-point that went out at `began`.
     pub(crate) fn brake_from(&mut self, last: KinematicState, began: Instant) {
         let limits = self.dynamics.stop(false);
         self.after_stop = AfterStop::Hold;
@@ -102,8 +102,8 @@ impl Axis {
         self.started_at = started_at;
     }
 
-    /// The motion of single-axis instructions, and a stop of it, becomes one deceleration; that of a coordinate system or a transform
-    /// goes on. The instructions are not ended here.
+    /// Replaces the motion of single-axis instructions, and a stop of such motion, by one deceleration; the motion of a coordinate system
+    /// or a transform continues. The instructions do not end here.
     pub(crate) fn brake_own(&mut self, limits: &Limits, now: Instant) {
         let moved = self.sum.motion_of(GeneratorKind::is_own);
         let from = KinematicState {
@@ -129,7 +129,7 @@ impl Axis {
     }
 }
 
-/// The limits of a stop, an acceleration taken away no slower than before.
+/// The limits of a stop; an acceleration ramps down at least as fast as under the earlier limits.
 fn stopping(limits: &Limits, before: Option<&Limits>) -> Limits {
     let mut limits = *limits;
     limits.speed = before.map_or(0.0, |before| before.speed);
@@ -139,7 +139,7 @@ fn stopping(limits: &Limits, before: Option<&Limits>) -> Limits {
     limits
 }
 
-/// The limits of a stop in place of one that brakes at `under_way` already.
+/// The limits of a stop that replaces one under way with the limits `under_way`.
 fn harder(limits: &Limits, under_way: Option<&Limits>) -> Limits {
     let Some(under_way) = under_way else { return *limits };
     let jerk = limits.jerk.map(|jerk| match under_way.jerk {

@@ -1,6 +1,6 @@
-//! The cams of an axis: those that wait for the end of another, what they have ended, and the last directions.
+//! The cams of an axis: pending cams, instructions of cams that have ended, and the directions of the last profiles.
 //!
-//! Not here: where a cam leads (`crate::masters::cam`). Real-time: nothing allocates.
+//! Not here: the position of a cam (`crate::masters::cam`). Real-time: nothing allocates.
 
 use arcline_instruction_set::AxisId;
 use arcline_planner::Clock;
@@ -13,12 +13,12 @@ use crate::execution::Execution;
 use crate::masters::MasterAt;
 use crate::masters::cam::{self, Cam, Ended, Pending, Source};
 
-/// Cams of one kind on one axis, next to the one that is under way.
+/// The state of the cams of one kind on one axis, besides the active cam.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cams {
-    /// Takes over when the one under way ends.
+    /// The pending cam: it becomes active when the active one ends.
     pub(crate) pending: Option<Pending>,
-    /// The instruction of the one that it took over from, which has not been ended yet.
+    /// The instruction of the cam that the active one replaced, until it is reported as ended.
     pub(crate) ended: Option<Execution>,
     /// 1 when the last profile was added, -1 when it was subtracted.
     pub(crate) direction: Option<f64>,
@@ -27,7 +27,7 @@ pub(crate) struct Cams {
 }
 
 impl Cams {
-    /// Nothing waits or is to be reported.
+    /// No cam is pending and no instruction is still to be reported.
     pub(crate) fn are_idle(&self) -> bool {
         self.pending.is_none() && self.ended.is_none()
     }
@@ -36,16 +36,16 @@ impl Cams {
 /// An offset of a master, in its units (MAM 5, 6).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Offset {
-    /// While no move changes it.
+    /// Its value while no move changes it.
     rest: f64,
-    /// Where the last move of it began: StartMasterOffset.
+    /// The value at which its last move began: StartMasterOffset.
     pub(crate) start: f64,
-    /// At the last MGSP: StrobeMasterOffset.
+    /// The value at the last MGSP: StrobeMasterOffset.
     pub(crate) strobed: f64,
 }
 
 impl Axis {
-    /// The kinds of generators that cams are.
+    /// The kinds of generators that are cams.
     pub(crate) const CAMS: [GeneratorKind; 2] = [GeneratorKind::PositionCam, GeneratorKind::TimeCam];
 
     /// The cams of a kind.
@@ -57,7 +57,7 @@ impl Axis {
         &mut self.cams[usize::from(kind == GeneratorKind::TimeCam)]
     }
 
-    /// The next kind of generators behind `last` that is active, or a cam of which has ended.
+    /// The next kind of generators behind `last` that is active or has a cam that ended.
     pub(crate) fn next_to_report(&self, last: Option<GeneratorKind>) -> Option<GeneratorKind> {
         let ended = |kind: &GeneratorKind| self.cams(*kind).ended.is_some();
         let ended = Axis::CAMS.into_iter().filter(ended);
@@ -80,7 +80,7 @@ impl Axis {
         }
     }
 
-    /// Brings a cam to where its master leads it.
+    /// Updates a cam to the position of its master.
     pub(crate) fn follow_cam(&mut self, kind: GeneratorKind, at: &MasterAt, clock: &Clock) {
         let cams = &mut self.cams[usize::from(kind == GeneratorKind::TimeCam)];
         let Some(generator) = self.sum.get_mut(kind) else {
@@ -126,7 +126,7 @@ impl Axis {
         at
     }
 
-    /// The offset begins to move, or stays where a move of it has ended.
+    /// A move of the offset begins, or one has ended and the offset stays at its end.
     pub(super) fn note_offset(&mut self, begins: bool) {
         let now = self.master_offset().position;
         let offset = &mut self.cams_mut(GeneratorKind::PositionCam).offset;
@@ -136,7 +136,7 @@ impl Axis {
         }
     }
 
-    /// The same with time as the master.
+    /// Updates the time cam; its master is time.
     pub(crate) fn follow_time(&mut self, clock: &Clock) {
         if let Some(Source::Time { since }) = self.cam(GeneratorKind::TimeCam).map(Cam::source) {
             self.follow_cam(GeneratorKind::TimeCam, &cam::time(since, clock), clock);

@@ -1,7 +1,7 @@
 //! The exchange of an axis with its drive: set-point out, feedback in (spec/axis-and-data-types.md §12).
 //!
-//! The drive knows machine positions; what an axis's positions were redefined by is added here. Not here: the exchange of all axes
-//! (`crate::motion`), homing. Units: position units, seconds. Nothing allocates.
+//! The drive knows machine positions; this module adds the offsets by which the positions of an axis were redefined. Not here: the
+//! exchange of all axes (`crate::motion`), homing. Units: position units, seconds. Nothing allocates.
 
 use arcline_drive::{
     ArmLatch, DriveState, Feedback, Following, HOME_LATCH, LATCHES, REGISTRATION_LATCHES, SetPoint, Trigger,
@@ -15,7 +15,7 @@ use super::faults::Observed;
 use super::probes::Registration;
 use super::state::AxisState;
 
-/// Exchanges in a row that an axis does without; one more is a fault.
+/// Consecutive lost exchanges that an axis tolerates; one more is a fault.
 const TOLERATED_LOSSES: u32 = 2;
 
 /// An axis's side of the seam to its drive.
@@ -23,22 +23,22 @@ const TOLERATED_LOSSES: u32 = 2;
 pub(crate) struct DriveLink {
     /// The feedback of the last exchange.
     pub(crate) feedback: Feedback,
-    /// How far the axis was behind its set-point at the last exchange.
+    /// Set-point minus actual motion at the last exchange.
     lag: KinematicState,
-    /// The axis was at its set-point, to the last bit.
+    /// At the last exchange the axis was exactly at its set-point, to the last bit.
     at_set_point: bool,
-    /// The drive has been on since it was asked to be.
+    /// The drive has been enabled since the controller asked for it.
     was_on: bool,
-    /// Exchanges in a row that were lost.
+    /// Consecutive lost exchanges.
     lost: u32,
-    /// How long before the tick the command came to rest, where a coordinated move waits for the axis.
+    /// Seconds before the tick at which the command came to rest, where a coordinated move waits for the axis.
     pub(crate) stood: f64,
     /// The number of the latch that was armed last.
     armed: u32,
 }
 
 impl DriveLink {
-    /// A latch that no other one is taken for.
+    /// A latch with a new number: no earlier latch can be mistaken for it.
     pub(crate) fn arm(&mut self, trigger: Trigger, then_marker: bool) -> ArmLatch {
         self.armed = self.armed.wrapping_add(1);
         ArmLatch {
@@ -50,14 +50,14 @@ impl DriveLink {
 }
 
 impl Axis {
-    /// Whether a drive moves it: not a virtual axis, nor one whose position is written to a tag.
+    /// A drive moves the axis: it is neither virtual nor fed by a tag.
     pub(crate) fn has_drive(&self) -> bool {
         !self.is_virtual && self.feeding.is_none()
     }
 
     /// The set-point of the present tick.
     pub(crate) fn write_set_point(&self, out: &mut SetPoint) {
-        // Few axes have a latch armed, and every axis comes here in every tick.
+        // Few axes have an armed latch, and every axis passes here in every tick.
         if self.arms_latches() || out.latches.iter().any(Option::is_some) {
             out.latches[HOME_LATCH] = self.home_latch();
             for (latch, registration) in REGISTRATION_LATCHES.into_iter().zip(&self.registrations) {
@@ -75,8 +75,8 @@ impl Axis {
         self.homing.is_some() || self.registrations.iter().any(Registration::is_armed)
     }
 
-    /// Takes the feedback of the exchange at which `sent` went out; `None`: it was lost. Without torque, the command is where the axis
-    /// is.
+    /// Takes the feedback of the exchange at which `sent` went out; `None` if the exchange was lost. Without torque, the command position
+    /// follows the actual position.
     pub(crate) fn take_feedback(&mut self, feedback: Option<&Feedback>, sent: &SetPoint, clock: &Clock) {
         if let Some(now) = self.fed(clock) {
             self.sum.set_position(now.position);
@@ -106,7 +106,7 @@ impl Axis {
                 }
             }
             self.take_drive_state();
-            // The first set-point that a drive follows is where the axis is.
+            // The first set-point that a drive follows is its own actual position.
             if !self.has_torque() || self.state == AxisState::Starting {
                 self.rest_at_actual();
             }
@@ -115,12 +115,12 @@ impl Axis {
         self.average.take(self.actual.position - self.redefined);
     }
 
-    /// Whether the next exchange would leave the axis as it is: it brings the same feedback, or the axis has no drive.
+    /// The next exchange would leave the axis unchanged: it brings the same feedback, or the axis has no drive.
     pub(crate) fn is_unchanged_by(&self, feedback: Option<&Feedback>) -> bool {
         !self.has_drive() || feedback.is_some_and(|feedback| *feedback == self.link.feedback)
     }
 
-    /// Whether the same feedback once more would change nothing.
+    /// Another exchange with the same feedback would change nothing.
     pub(super) fn is_link_steady(&self) -> bool {
         let link = &self.link;
         link.lost == 0 && link.stood == 0.0 && link.feedback.latches.iter().all(Option::is_none) && !self.has_gone_off()
@@ -131,13 +131,13 @@ impl Axis {
         self.actual = actual;
     }
 
-    /// The command is where the axis is.
+    /// Sets the command to the actual position, at rest.
     fn rest_at_actual(&mut self) {
         self.stand_at(self.actual.position);
         self.link.lag = self.command - self.actual;
     }
 
-    /// The drive answers what it was asked for.
+    /// Follows the state of the drive: it reports that it has been enabled or disabled as requested.
     fn take_drive_state(&mut self) {
         let on = self.link.feedback.state == DriveState::Enabled;
         match self.state {
@@ -148,12 +148,12 @@ impl Axis {
         self.link.was_on = self.has_torque() && (on || self.link.was_on);
     }
 
-    /// The actual position, with what positions were redefined by.
+    /// Calculates the actual position from the feedback and the offsets of redefined positions.
     pub(super) fn update_actual(&mut self) {
         self.actual.position = self.in_axis_coordinates(self.link.feedback.motion.position);
     }
 
-    /// A machine position of the last feedback as a position of the axis: exactly its command where it is at its set-point.
+    /// Converts a machine position of the last feedback to a position of the axis: exactly its command if the axis is at its set-point.
     fn in_axis_coordinates(&self, position: f64) -> f64 {
         if self.link.at_set_point && self.has_torque() {
             self.command.position
@@ -162,7 +162,8 @@ impl Axis {
         }
     }
 
-    /// The machine position of a latch as a position of the axis: exactly the actual position where it closed at the exchange.
+    /// Converts the machine position of a latch to a position of the axis: exactly the actual position if the latch closed at the
+    /// exchange.
     pub(crate) fn latched_at(&self, position: f64) -> f64 {
         if position == self.link.feedback.motion.position {
             self.actual.position
@@ -171,8 +172,8 @@ impl Axis {
         }
     }
 
-    /// Where the axis is at the present tick, before its feedback comes: as far behind the command as at the last exchange;
-    /// without torque, as fast as then.
+    /// The expected actual motion at the present tick, before its feedback arrives: the command less the lag of the last exchange; without
+    /// torque, the last motion continued at its speed.
     pub(crate) fn expected(&self, clock: &Clock) -> KinematicState {
         if let Some(now) = self.fed(clock) {
             now
@@ -183,14 +184,14 @@ impl Axis {
         }
     }
 
-    /// Whether the axis is where its command is at every instant, and not only when the feedback says so.
+    /// The actual position equals the command at every instant, not only at the exchanges.
     pub(crate) fn follows_exactly(&self) -> bool {
         let link = &self.link;
         let drive = link.feedback.following == Following::Exact && link.feedback.state == DriveState::Enabled;
         self.is_virtual || (drive && link.lost == 0)
     }
 
-    /// Command minus actual position at the last exchange, as motion knows it.
+    /// Command minus actual position at the last exchange, as the motion core calculates it.
     pub(crate) fn behind(&self) -> f64 {
         self.link.lag.position
     }
@@ -200,22 +201,22 @@ impl Axis {
         self.link.lost > 0
     }
 
-    /// The drive has gone off by itself.
+    /// The drive has disabled itself.
     pub(crate) fn has_gone_off(&self) -> bool {
         self.has_drive() && self.link.was_on && self.link.feedback.state != DriveState::Enabled
     }
 
-    /// Following error as the drive tells it; 0 without a drive.
+    /// Following error as the drive reports it; 0 without a drive.
     pub(crate) fn position_error(&self) -> f64 {
         self.link.feedback.error
     }
 
-    /// Whether a watch position, a registration or an output cam waits for what the feedback says.
+    /// A watch position, a registration or an output cam waits for an event of the feedback.
     pub(crate) fn awaits_events(&self) -> bool {
         self.watch.is_armed() || self.registrations.iter().any(Registration::is_armed) || !self.outputs.is_empty()
     }
 
-    /// The quantities that faults look at.
+    /// The quantities that the fault checks observe.
     pub(crate) fn observed(&self) -> Observed {
         let loop_closed = self.has_torque() && self.has_drive();
         let mut drive = FaultSet::default();

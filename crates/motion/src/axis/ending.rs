@@ -1,4 +1,4 @@
-//! How motion of one axis ends together with its instructions: at once, or by a stop.
+//! The end of the motion of one axis together with its instructions: at once, or by a stop.
 //!
 //! Not here: the profiles of stops ([`super::braking`]), and the transforms and coordinate systems that move the axis too
 //! (`crate::motion`). Real-time: nothing allocates.
@@ -23,7 +23,7 @@ impl Axis {
         }
     }
 
-    /// Ends every generator without PC. Transforms that the axis is part of are cancelled before.
+    /// Ends every generator without PC. The caller has cancelled the transforms that the axis is part of.
     pub(crate) fn end_generators(&mut self, controls: &mut Controls) {
         self.end_pending_cams(None, controls);
         for kind in GeneratorKind::ALL {
@@ -31,7 +31,7 @@ impl Axis {
         }
     }
 
-    /// Ends the cams that wait for the end of others, without PC: of one kind, or of both.
+    /// Ends the pending cams of one kind, or of both kinds, without PC.
     pub(crate) fn end_pending_cams(&mut self, only: Option<GeneratorKind>, controls: &mut Controls) {
         for kind in Axis::CAMS {
             if only.is_none_or(|only| only == kind)
@@ -42,7 +42,7 @@ impl Axis {
         }
     }
 
-    /// Ends what single-axis instructions began, but for one kind of it.
+    /// Ends the motion of all single-axis instructions, except of one kind.
     pub(crate) fn end_single_axis(&mut self, but: Option<GeneratorKind>, controls: &mut Controls) {
         self.end_pending_cams(None, controls);
         for kind in GeneratorKind::ALL {
@@ -59,7 +59,7 @@ impl Axis {
         }
     }
 
-    /// The instructions of some kinds of generators end without PC; the generators are left to the caller.
+    /// Ends the instructions of some kinds of generators without PC; the caller ends the generators.
     pub(crate) fn end_instructions(&self, of: impl Fn(GeneratorKind) -> bool, controls: &mut Controls) {
         for kind in GeneratorKind::ALL.into_iter().filter(|kind| of(*kind)) {
             if let Some(execution) = self.sum.get(kind).and_then(|generator| generator.execution) {
@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// Everything that moves the axis ends without PC; the axis stands at a position.
+    /// Ends all motion of the axis without PC; the axis stands at a position.
     pub(crate) fn end_all_motion(&mut self, position: f64, controls: &mut Controls) {
         self.end_passive_homing(controls);
         self.end_pending_cams(None, controls);
@@ -77,8 +77,8 @@ impl Axis {
         self.command = KinematicState::at_rest(position);
     }
 
-    /// Stops everything that moves the axis as one deceleration, which reports to `execution` when it stands. Coordinated motion and
-    /// transforms must have been ended.
+    /// Stops all motion of the axis by one deceleration; `execution` completes when the axis stands. The caller has ended
+    /// coordinated motion and transforms.
     pub(crate) fn stop_all(
         &mut self,
         limits: &Limits,
@@ -91,8 +91,8 @@ impl Axis {
         self.stale = true;
     }
 
-    /// As [`Axis::stop_all`] at the axis's own maxima, but for coordinated motion and for what cancelled transforms had moved: these
-    /// brake by themselves. No instruction reports the end of the stop. Returns whether anything brakes.
+    /// As [`Axis::stop_all`] at the axis's own maxima, but without coordinated motion and the remaining motion of cancelled transforms,
+    /// which have stops of their own. The end of this stop is not reported. Returns true if a generator brakes.
     pub(crate) fn stop_own(&mut self, controls: &mut Controls, clock: &Clock) -> bool {
         self.end_passive_homing(controls);
         self.end_pending_cams(None, controls);
@@ -108,7 +108,7 @@ impl Axis {
         true
     }
 
-    /// One generator brakes, and reports to `execution` when it stands. Its own instruction ends.
+    /// Brakes one generator and ends its instruction; `execution` completes when the generator stands.
     pub(crate) fn stop_generator(
         &mut self,
         kind: GeneratorKind,
@@ -127,8 +127,8 @@ impl Axis {
         self.stale = true;
     }
 
-    /// As [`Axis::stop_generator`] for a generator that is not being stopped; one that comes to rest sooner by its own profile goes on
-    /// with that, and a stop that is under way reports as before.
+    /// As [`Axis::stop_generator`] for a generator that is not stopping yet. If its own profile comes to rest sooner, the generator
+    /// continues on that profile; a stop that is under way keeps its report.
     pub(crate) fn stop_generator_soonest(
         &mut self,
         kind: GeneratorKind,
@@ -187,7 +187,7 @@ impl Axis {
         }
     }
 
-    /// Registrations, the watch position and output cams are not armed any more; their instructions end without PC.
+    /// Disarms registrations, the watch position and output cams; their instructions end without PC.
     pub(crate) fn disarm(&mut self, controls: &mut Controls) {
         let [first, second] = &mut self.registrations;
         for execution in [self.watch.disarm(), first.disarm(), second.disarm()]
@@ -201,7 +201,7 @@ impl Axis {
         }
     }
 
-    /// Nothing is armed on an execution target any more; the bits stay as they are.
+    /// Disarms all output cams of an execution target; its bits keep their values.
     pub(crate) fn disarm_output(&mut self, target: usize, controls: &mut Controls) {
         for execution in self.outputs.disarm(target).into_iter().flatten() {
             controls.end_move(execution, 0);

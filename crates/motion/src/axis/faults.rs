@@ -1,7 +1,7 @@
-//! The faults of one axis: whether a cause is there, what has been found out, what it shows as
+//! The faults of one axis: their causes, the faults that a check finds, and the bits that show them
 //! (spec/axis-and-data-types.md §9.3, §12).
 //!
-//! Not here: what a fault does to motion (`motion::faults`). Real-time: nothing allocates. Units: position units, seconds.
+//! Not here: the effect of a fault on motion (`motion::faults`). Real-time: nothing allocates. Units: position units, seconds.
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, FaultKind, FaultSet, FaultWord};
@@ -10,7 +10,7 @@ use crate::cause::{Cause, FaultChange, RefusedCommand};
 use crate::machine::{Axis as Description, ExceptionActions, PositionErrorLimit, Travel};
 use crate::tolerance::TRAVEL_UNITS;
 
-/// The quantities of an axis at one update that faults look at.
+/// The quantities of an axis at one update that the checks observe.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Observed {
     /// Actual position.
@@ -20,9 +20,9 @@ pub(crate) struct Observed {
     pub(crate) velocity: f64,
     /// Following error; `None`: the loop is open.
     pub(crate) error: Option<f64>,
-    /// Nothing is written to the tag that feeds the axis.
+    /// The positions of the tag that feeds the axis are overdue.
     pub(crate) lost: bool,
-    /// The faults that the drive reports, and those that its answers show.
+    /// The faults that the drive reports, and those that its feedback shows.
     pub(crate) drive: FaultSet,
 }
 
@@ -36,30 +36,30 @@ pub(crate) struct Faults {
     position_error: PositionErrorLimit,
     /// Injected causes.
     injected: FaultSet,
-    /// Causes that are there.
+    /// Causes that are present.
     causes: FaultSet,
-    /// Causes that the last check found to raise a fault, but for the injected ones.
+    /// Causes that raised a fault in the last check, without the injected ones.
     found: FaultSet,
     /// Faults since the last reset.
     latched: FaultSet,
-    /// Those that the last check raised and that stop the axis.
+    /// Faults that the last check raised and that stop the axis.
     raised: FaultSet,
-    /// Those that a reset has cleared since the last check.
+    /// Faults that a reset has cleared since the last check.
     cleared: FaultSet,
-    /// What is not reported yet: raised faults, those of them that the check behind their reset raised, cleared ones, and
-    /// what cleared them.
+    /// Changes that are not reported yet: faults raised, faults that the check after their reset raised again, faults cleared, and the
+    /// cause of the clearing.
     set: FaultSet,
     again: FaultSet,
     clear: FaultSet,
     cleared_by: Cause,
-    /// The command of this update that did not go out, and how many there were ever.
+    /// The command of this update that did not go out, and the number of all such commands.
     refused: Option<RefusedCommand>,
     refusals: u32,
-    /// For how long the following error has been above its tolerance.
+    /// Seconds for which the following error has been above its tolerance.
     exceeded: f64,
-    /// On which side of its travel the axis is: -1, 0 within, 1.
+    /// The side of its travel on which the axis is: -1 below, 0 within, 1 above.
     side: i8,
-    /// Its travel counts.
+    /// The axis is homed: its travel is checked.
     homed: bool,
 }
 
@@ -91,17 +91,17 @@ impl Faults {
             .filter(|kind| faults.possible.contains(*kind) && faults.is_fault(*kind))
             .fold(FaultSet::default(), FaultSet::with);
         faults.set = faults.latched;
-        // An axis that starts outside stands there: that is no fault.
+        // An axis that starts outside its travel has not left it: that is no fault.
         faults.side = faults.side_of(description.start.position);
         faults
     }
 
-    /// Puts causes there, and takes all others away that were put there.
+    /// Replaces the injected causes.
     pub(crate) fn inject(&mut self, causes: FaultSet) {
         self.injected = FaultSet::from_bits(causes.bits() & self.possible.bits());
     }
 
-    /// Looks for causes, once an update. Returns the strongest action of those that are faults only now.
+    /// Checks for causes, once an update. Returns the strongest action of the new faults.
     pub(crate) fn check(&mut self, observed: &Observed, period: f64) -> Option<ExceptionAction> {
         let mut causes = self.injected;
         let mut found = FaultSet::default();
@@ -165,7 +165,7 @@ impl Faults {
         strongest
     }
 
-    /// Whether the next check would find what the last one did, and report nothing.
+    /// The next check would find the same causes as the last one and report nothing.
     pub(crate) fn are_steady(&self) -> bool {
         let none = [
             self.injected,
@@ -179,18 +179,18 @@ impl Faults {
         none.iter().all(|faults| faults.is_empty()) && self.refused.is_none() && self.exceeded == 0.0
     }
 
-    /// A command of the present update did not go out: the next check finds it.
+    /// Records that a command of the present update did not go out, for the next check.
     pub(crate) fn refuse(&mut self, command: RefusedCommand) {
         self.refused = Some(command);
         self.refusals = self.refusals.saturating_add(1);
     }
 
-    /// Commands that did not go out, ever.
+    /// The number of commands that did not go out since the start.
     pub(crate) fn refusals(&self) -> u32 {
         self.refusals
     }
 
-    /// Clears every fault because of an instruction. Returns whether none of their causes is still there.
+    /// Clears every fault because of an instruction. Returns true if none of their causes is still present.
     pub(crate) fn reset(&mut self, by: Cause) -> bool {
         self.cleared = self.latched;
         self.clear = self.clear.union(self.latched);
@@ -231,17 +231,17 @@ impl Faults {
         self.latched.kinds().map(|kind| self.actions.of(kind)).max()
     }
 
-    /// Whether the kind is a fault, and not only an alarm or nothing.
+    /// The configured action makes the kind a fault; it is neither an alarm nor ignored.
     fn is_fault(&self, kind: FaultKind) -> bool {
         self.actions.of(kind) >= ExceptionAction::FaultStatusOnly
     }
 
-    /// Whether a fault keeps the axis from being moved.
+    /// A fault prevents motion of the axis.
     pub(crate) fn block(&self) -> bool {
         self.latched.kinds().any(|kind| self.actions.of(kind).stops())
     }
 
-    /// Whether motion in a direction leads further out of the travel that the axis has left.
+    /// The axis has left its travel, and motion in this direction leads further out.
     pub(crate) fn forbids(&self, direction: f64) -> bool {
         TRAVEL.into_iter().any(|(side, kind)| {
             let outside = (self.homed && self.side == side) || self.injected.contains(kind);
@@ -254,7 +254,7 @@ impl Faults {
         self.latched.word(word)
     }
 
-    /// Causes that are there and only alarm, in a word of the tag.
+    /// Causes that are present and only alarm, in a word of the tag.
     pub(crate) fn alarms(&self, word: FaultWord) -> u64 {
         let alarms = self.causes.kinds();
         alarms
@@ -263,7 +263,7 @@ impl Faults {
             .word(word)
     }
 
-    /// AxisFault. AXIS_VIRTUAL has no MotionFault: a physical one stands for it.
+    /// AxisFault. AXIS_VIRTUAL has no MotionFault; its motion faults count as a physical fault.
     pub(crate) fn axis_fault(&self, is_virtual: bool) -> u32 {
         let mut shown = 0;
         if self.latched.word(FaultWord::Cip) != 0 {
@@ -279,15 +279,15 @@ impl Faults {
         shown
     }
 
-    /// Whether a position is beyond the travel that a motion may not leave.
+    /// The position is outside the travel that a motion must not leave.
     pub(crate) fn forbids_position(&self, position: f64) -> bool {
         let side = self.side_of(position);
         let stops = |(own, kind): (i8, FaultKind)| own == side && self.actions.of(kind).stops();
         self.homed && side != 0 && TRAVEL.into_iter().any(stops)
     }
 
-    /// How far a motion may lead from a position within that travel, down and up; infinite where nothing forbids it, none on a
-    /// side beyond whose end it is.
+    /// The permitted displacements from a position within that travel, down and up: infinite on a side without a limit, 0 on a side whose
+    /// limit the position has passed.
     pub(crate) fn room(&self, position: f64) -> [f64; 2] {
         let stops = |side: i8| {
             let mut kinds = TRAVEL.into_iter().filter(|(own, _)| *own == side);
@@ -302,7 +302,7 @@ impl Faults {
         ]
     }
 
-    /// Positions were shifted without motion: where the axis is now is where it was.
+    /// Takes over positions that were shifted without motion: the axis stays on its side of the travel.
     pub(crate) fn redefined(&mut self, position: f64) {
         self.side = self.side_of(position);
     }

@@ -1,8 +1,8 @@
-//! An axis that only shows positions which clients write: an encoder (type `feedback`).
+//! An axis that only shows positions written by clients: an encoder (type `feedback`).
 //!
-//! From one written position to the next the axis moves in a straight line, over the interval at which positions are
-//! expected: it lags by that much, and a slave sees no steps. The first position, and the first one after a fault, is
-//! where the axis is without having moved there. Units: position units as written, seconds. Nothing allocates.
+//! From one written position to the next the axis moves in a straight line, over the interval at which positions are expected. It
+//! therefore lags by one interval, and a slave sees no steps. The first position, and the first one after a fault, redefines the
+//! position of the axis without motion. Units: position units as written, seconds. Nothing allocates.
 
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
@@ -16,25 +16,25 @@ use crate::rotary;
 pub(crate) struct Feeding {
     /// Time over which the axis goes from one position to the next.
     interval: f64,
-    /// How old a position may become.
+    /// The age at which the last position is stale.
     timeout: f64,
-    /// Where it was when the last position was written, and where it goes.
+    /// The position of the axis when the last position was written, and the written position.
     from: f64,
     to: f64,
-    /// What the axis's position was redefined by, besides what it was placed by.
+    /// The offset by which the axis's position was redefined, besides the one that the first position caused.
     offset: f64,
-    /// When the last position was written; `None`: the next one is where the axis is.
+    /// The instant at which the last position was written; `None`: the next one redefines the position of the axis.
     since: Option<Instant>,
-    /// Too long ago.
+    /// The last position is older than the timeout.
     stale: bool,
 }
 
-/// What comes of a written position.
+/// The effect of a written position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Fed {
-    /// The axis moves there.
+    /// The axis moves to it.
     Followed,
-    /// The axis is there: its position is redefined by so much.
+    /// The axis is at the position at once; its position is redefined by this offset.
     Placed(f64),
 }
 
@@ -51,7 +51,7 @@ impl Feeding {
         }
     }
 
-    /// Takes a position. Of a rotary axis it is a position of the nearest turn.
+    /// Takes a written position. A rotary axis takes it on the turn nearest to its last one.
     pub(crate) fn take(&mut self, position: f64, unwind: Option<f64>, clock: &Clock) -> Fed {
         let now = self.at(clock).position;
         let displacement = match unwind {
@@ -82,7 +82,7 @@ impl Feeding {
         self.to += offset;
     }
 
-    /// Where the axis is.
+    /// The position and velocity of the axis at the present tick.
     pub(crate) fn at(&self, clock: &Clock) -> KinematicState {
         let elapsed = self.since.map_or(self.interval, |since| since.elapsed(clock));
         let displacement = self.to - self.from;
@@ -107,7 +107,7 @@ impl Feeding {
         }
     }
 
-    /// Whether the last position is too old. It is then for good, until the next one comes.
+    /// The last position is too old. A stale position stays stale until a client writes the next one.
     pub(crate) fn is_stale(&mut self, clock: &Clock) -> bool {
         self.stale |= self.since.is_some_and(|since| since.elapsed(clock) > self.timeout);
         self.stale
@@ -115,12 +115,12 @@ impl Feeding {
 }
 
 impl Axis {
-    /// Where an axis that is fed is now.
+    /// The position and velocity of an axis fed by a tag; `None` for other axes.
     pub(crate) fn fed(&self, clock: &Clock) -> Option<KinematicState> {
         Some(self.feeding?.at(clock))
     }
 
-    /// The axis is somewhere else without having moved there.
+    /// Shifts the position of the axis without motion.
     pub(crate) fn shift_fed_position(&mut self, offset: f64) {
         self.sum.redefine(offset);
         self.shift(offset);

@@ -1,6 +1,7 @@
-//! An axis's part in gears and transforms: its master, its part in transforms, and the brake of the motion that one gave it.
+//! An axis's part in gears and transforms: its master, the transforms that it belongs to, and the stop of motion that a cancelled
+//! transform leaves.
 //!
-//! Not here: where it follows to (`crate::masters`, `crate::transforms`).
+//! Not here: the positions that the axis follows (`crate::masters`, `crate::transforms`).
 
 use arcline_instruction_set::{AxisIndex, MotionError};
 use arcline_planner::Instant;
@@ -20,16 +21,16 @@ pub(crate) struct TransformPart {
     pub(crate) target_of: Option<TransformId>,
     /// Transforms whose sources the axis belongs to, a bit for each.
     pub(crate) source_of: u64,
-    /// Where the axis would be led to when nothing leads it any more, in the frame of its generator.
+    /// The position that the axis keeps, in the frame of its generator, while no transform leads it.
     pub(crate) rest: f64,
-    /// The feedback of transforms that are over.
+    /// The feedback of transforms that have ended.
     pub(crate) settled: f64,
     /// A transform moves the axis.
     pub(crate) controlled: bool,
 }
 
 impl Axis {
-    /// Whether it is part of a transform.
+    /// The axis belongs to the source or the target of a transform.
     pub(crate) fn is_transformed(&self) -> bool {
         self.transforms.target_of.is_some() || self.transforms.source_of != 0
     }
@@ -37,7 +38,7 @@ impl Axis {
     /// Homing and redefining the position would break the link of an axis that a transform moves.
     ///
     /// # Errors
-    /// `AxisInTransformMotion` (63) where it is part of a transform.
+    /// `AxisInTransformMotion` (63) if the axis is part of a transform.
     pub(crate) fn not_in_transform(&self) -> Result<(), MotionError> {
         if self.is_transformed() {
             return Err(MotionError::AxisInTransformMotion(AxisIndex(0)));
@@ -53,12 +54,12 @@ impl Axis {
         }
     }
 
-    /// Whether something brakes that a cancelled transform had moved.
+    /// A generator brakes motion that a cancelled transform left.
     pub(crate) fn is_parting(&self) -> bool {
         self.sum.active().any(|(_, generator)| generator.parting)
     }
 
-    /// What a cancelled transform moved brakes, together with what earlier ones did.
+    /// Brakes the motion that a cancelled transform left, together with that of earlier ones.
     pub(crate) fn leave_transform(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
         let mut from = KinematicState {
             position: self.command.position,
@@ -81,7 +82,7 @@ impl Axis {
         self.stale = true;
     }
 
-    /// An axis without a drive stands somewhere else at once; that is no motion that others would follow.
+    /// Sets the position of an axis without a drive; slaves do not follow this shift.
     pub(crate) fn set_virtual(&mut self, position: f64) {
         self.redefine(position - self.command.position);
         self.stand_at(position);

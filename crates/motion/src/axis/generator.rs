@@ -15,32 +15,32 @@ use crate::masters::cam::Cam;
 use crate::masters::follower::MasterFollower;
 use crate::masters::gear::Gear;
 
-/// How a generator comes to its position.
+/// The source of a generator's position.
 #[derive(Clone, Debug)]
 pub(crate) enum Equation {
-    /// It is computed outside of the axis in every tick: by a coordinate system, a master axis, a transform.
+    /// The tick sets it from outside of the axis: by a coordinate system, a master axis or a transform.
     Followed,
-    /// Along a profile.
+    /// A profile.
     Planned { profile: Profile, start: Instant },
-    /// By the ratio of a gear, along with its master.
+    /// A gear, as a function of its master.
     Geared(Gear),
-    /// By a cam, over its master.
+    /// A cam, as a function of its master.
     Cammed(Cam),
 }
 
-/// The motion that an instruction programmed, for later changes of it.
+/// The programmed motion of an instruction, for later changes of its dynamics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ProgrammedMotion {
     pub(crate) dynamics: Dynamics,
     pub(crate) goal: Goal,
 }
 
-/// Where a programmed generator leads.
+/// The goal of a programmed generator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Goal {
-    /// To a position of its frame: MAM.
+    /// A position of its frame: MAM.
     Position(f64),
-    /// To a velocity with a sign, which is the direction at a speed of 0 too, without an end: MAJ.
+    /// A velocity with a sign, which is the direction at a speed of 0, too, without an end: MAJ.
     Velocity(f64),
 }
 
@@ -48,21 +48,21 @@ pub(crate) enum Goal {
 #[derive(Clone, Debug)]
 pub(crate) struct Generator {
     pub(crate) equation: Equation,
-    /// Where it is, in its frame.
+    /// Its present motion, in its frame.
     pub(crate) now: KinematicState,
     /// The instruction that reports its end.
     pub(crate) execution: Option<Execution>,
-    /// `None` where there is nothing to change: stops, and what others compute.
+    /// `None` if no instruction can change the motion: of stops, and of generators that are computed outside of the axis.
     pub(crate) program: Option<ProgrammedMotion>,
-    /// It only brakes, and is over when it stands.
+    /// It only brakes, and ends when it stands.
     pub(crate) stopping: bool,
-    /// The limits that it brakes at; `None`: it does not brake, or its coordinate system brakes it.
+    /// The limits at which it brakes; `None`: it does not brake, or its coordinate system brakes it.
     pub(crate) brake: Option<Limits>,
-    /// Its changes of speed are limited in jerk, so a stop of it is too.
+    /// Its profile is an S-curve, so its stop is one, too.
     pub(crate) s_curve: bool,
     /// ACCEL and DECEL of its instruction, as last written.
     pub(crate) shown_phase: Phase,
-    /// The master displacement that a planned one is a function of, where that is not time.
+    /// The master displacement that its profile is a function of; `None`: time.
     pub(crate) follower: Option<MasterFollower>,
     /// TrackingMaster of its instruction, as last written.
     pub(crate) shown_tracking: bool,
@@ -70,29 +70,28 @@ pub(crate) struct Generator {
     pub(crate) events: Option<MoveEvents>,
     /// SEGMENT of its instruction, as last written.
     pub(crate) shown_segment: usize,
-    /// A planned one has come to its end.
+    /// Its profile has reached its end.
     pub(crate) over: bool,
-    /// The limits that its profile keeps, by what it is a function of, where they are known. 1.5 times their speed is as fast as
-    /// it becomes.
+    /// The limits of its profile, in time or master displacement as the profile, if they are known. Its speed may exceed theirs by half.
     pub(crate) in_force: Option<Limits>,
-    /// The highest jerk that it was programmed with before it was stopped, units/s³.
+    /// The highest programmed jerk before it was stopped, units/s³.
     pub(super) jerk: f64,
-    /// It brakes, perhaps with more, what a cancelled transform had moved.
+    /// It brakes motion that a cancelled transform left, perhaps besides other motion.
     pub(crate) parting: bool,
-    /// It brakes coordinated motion too, which was ended.
+    /// It also brakes coordinated motion that was ended.
     pub(crate) coordinated: bool,
-    /// A stop of everything on the axis brakes it on its path: nothing else begins meanwhile.
+    /// A stop of the whole axis brakes it on its path; no other motion can begin meanwhile.
     pub(crate) ending: bool,
-    /// Where it began, in its frame.
+    /// The position at which it began, in its frame.
     pub(super) origin: f64,
-    /// Displacements by all generators of the axis at that time.
+    /// Displacements by all generators of the axis at its beginning.
     pub(super) others: Displacements,
-    /// The offset by which the position was redefined since.
+    /// The offset by which the position was redefined since its beginning.
     pub(super) shift: f64,
 }
 
 impl Generator {
-    /// One that is computed outside of the axis, at rest.
+    /// A generator that is computed outside of the axis, at rest.
     pub(crate) fn followed(s_curve: bool) -> Self {
         Generator {
             equation: Equation::Followed,
@@ -119,7 +118,7 @@ impl Generator {
         }
     }
 
-    /// One along a profile that begins at an instant.
+    /// A generator along a profile that begins at an instant.
     pub(crate) fn planned(profile: Profile, start: Instant) -> Self {
         let mut generator = Generator::followed(false);
         generator.now = profile.start();
@@ -127,7 +126,7 @@ impl Generator {
         generator
     }
 
-    /// Notes the limits that its profile keeps.
+    /// Records the limits of its profile.
     pub(crate) fn keeps(&mut self, limits: &Limits) {
         let top = match &self.equation {
             Equation::Planned { profile, .. } => profile.top_speed(0.0),
@@ -139,7 +138,7 @@ impl Generator {
         });
     }
 
-    /// The highest jerk that it was programmed with, units/s³; 0 where that is not limited, or of a master.
+    /// Its highest programmed jerk, units/s³; 0 if the jerk is unlimited, or per master unit.
     pub(crate) fn highest_jerk(&self) -> f64 {
         let program = self.program.filter(|_| self.follower.is_none());
         let jerk = program.and_then(|program| program.dynamics.limits().jerk);
@@ -148,23 +147,23 @@ impl Generator {
         })
     }
 
-    /// Goes on along another profile from this instant; the frame stays.
+    /// Continues along another profile from this instant; the frame stays.
     pub(crate) fn follow(&mut self, profile: Profile, start: Instant) {
         self.equation = Equation::Planned { profile, start };
         self.over = false;
     }
 
-    /// Whether it runs along a profile over time.
+    /// Its profile is a function of time.
     pub(crate) fn is_planned(&self) -> bool {
         matches!(self.equation, Equation::Planned { .. }) && self.follower.is_none()
     }
 
-    /// The variable that it is a function of, at the present tick: time, or a master's displacement.
+    /// The variable of its profile at the present tick: time, or a master's displacement.
     pub(crate) fn clock(&self, time: &Clock) -> Clock {
         self.follower.map_or(*time, |follower| follower.clock())
     }
 
-    /// Its state by what it is a function of.
+    /// Its motion by the variable of its profile.
     pub(crate) fn planned_state(&self, time: &Clock) -> KinematicState {
         match (&self.equation, &self.follower) {
             (Equation::Planned { profile, start }, Some(_)) => profile.at(start.elapsed(&self.clock(time))),
@@ -172,7 +171,7 @@ impl Generator {
         }
     }
 
-    /// Whether the speed of the profile rises or falls at the present tick; steady while a lock is waited for.
+    /// The phase of the speed at the present tick; steady while the profile waits for a lock.
     pub(crate) fn phase(&self, time: &Clock) -> Phase {
         match &self.equation {
             Equation::Planned { profile, start } if self.follower.is_none_or(|follower| follower.has_begun()) => {
@@ -182,7 +181,7 @@ impl Generator {
         }
     }
 
-    /// Whether it has its full speed by its master's.
+    /// A master driven generator has reached its programmed speed.
     pub(crate) fn is_tracking(&self, time: &Clock) -> bool {
         self.follower.is_some_and(|follower| follower.has_begun())
             && !self.over
@@ -190,8 +189,8 @@ impl Generator {
             && self.planned_state(time).velocity != 0.0
     }
 
-    /// A jog at constant speed goes back by the whole turns of a rotary axis that it has gone, once they are many, so that its
-    /// position keeps its digits for ever. Returns the shift of its position: 0 for everything else.
+    /// Shifts a jog at constant speed back by the whole turns of a rotary axis that it has passed, once they are many: its position then never
+    /// loses digits. Returns the shift of the position: 0 for all other generators.
     pub(super) fn fold(&mut self, unwind: f64, clock: &Clock) -> f64 {
         let (Equation::Planned { profile, start }, Some(program), None) =
             (&self.equation, &self.program, &self.follower)
@@ -239,5 +238,5 @@ impl Generator {
     }
 }
 
-/// Turns of a jog that are folded away at once.
+/// Turns after which a jog is shifted back.
 const FOLDED_TURNS: f64 = 16.0;

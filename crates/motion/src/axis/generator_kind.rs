@@ -1,9 +1,9 @@
-//! The kinds of generators of an axis: which instructions begin them, and what ends them.
+//! The kinds of generators of an axis: the instructions that begin and end them.
 
 /// The kinds of motion of an axis: one generator of each kind at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GeneratorKind {
-    /// A coordinated move, or the axis's part of one that was ended and brakes.
+    /// A coordinated move, or the axis's part of an ended one that still brakes.
     System,
     /// A stop of everything on the axis.
     Stop,
@@ -19,11 +19,11 @@ pub(crate) enum GeneratorKind {
     PositionCam,
     /// MATC.
     TimeCam,
-    /// MCT: the axis follows another coordinate system, or is led back by it.
+    /// MCT: the axis follows another coordinate system, or follows it through the feedback of the transform.
     Transform,
-    /// The stop of an axis whose transform was cancelled.
+    /// The stop of an axis after the cancellation of its transform.
     Parting,
-    /// MAM of a master offset: it moves the master of the position cam, as that sees it, and the axis only through that. Its
+    /// MAM of a master offset: it shifts the master position that the position cam reads, and moves the axis only through the cam. Its
     /// frame is the offset, master units.
     MasterOffset,
 }
@@ -43,11 +43,11 @@ impl GeneratorKind {
         GeneratorKind::MasterOffset,
     ];
 
-    /// Those that can be a function of a master's displacement by themselves.
+    /// The kinds whose profile can be a function of a master's displacement.
     pub(crate) const GUIDED: [GeneratorKind; 3] =
         [GeneratorKind::Move, GeneratorKind::Jog, GeneratorKind::MasterOffset];
 
-    /// Whether a single-axis instruction begins it: what merges and stops of the axis end.
+    /// A single-axis instruction begins it; merges and stops of the axis end it.
     pub(crate) fn is_single_axis(self) -> bool {
         matches!(
             self,
@@ -60,12 +60,12 @@ impl GeneratorKind {
         )
     }
 
-    /// Whether it moves the axis by itself: neither a coordinate system nor a transform gives it.
+    /// It moves the axis on its own, not as part of a coordinate system or a transform.
     pub(crate) fn is_own(self) -> bool {
         !matches!(self, GeneratorKind::System) && !self.is_of_transforms()
     }
 
-    /// Whether a transform moves the axis by it, or what is left of one.
+    /// It is the motion of a transform, or the motion that a cancelled transform left.
     pub(crate) fn is_of_transforms(self) -> bool {
         matches!(self, GeneratorKind::Transform | GeneratorKind::Parting)
     }

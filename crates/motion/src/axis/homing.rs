@@ -1,9 +1,9 @@
-//! Homing of one axis: which leg comes after which event (spec/axis-and-data-types.md §11).
+//! Homing of one axis: the order of its legs and events (spec/axis-and-data-types.md §11).
 //!
-//! An active sequence is the axis's [`GeneratorKind::Home`] generator. Its legs begin at the exact instants at which the event
-//! came or the leg before ended, inside an update if need be. The event is a latch of the drive: its position is exact, and its
-//! instant lies inside the update that the feedback ends. The set-point of that update has gone out by then, so the drive sees the
-//! next leg one update later, from its exact beginning on. Waiting for the event of a passive sequence moves nothing.
+//! An active sequence is the axis's [`GeneratorKind::Home`] generator. A leg begins at the exact instant of the event or at the exact end
+//! of the previous leg, also inside an update. The event is a latch of the drive: its position is exact, and its instant lies inside the
+//! update that the feedback ends. As the set-point of that update has gone out by then, the drive sees the next leg one update later, but
+//! from its exact beginning on. A passive sequence waits for its event without moving the axis.
 //!
 //! Not here: one update ([`update`]), instructions and their bits. Units: position units, seconds. Nothing allocates.
 
@@ -26,33 +26,33 @@ use crate::machine::{HomeMode, HomeSequence};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Homing {
     pub(crate) execution: Execution,
-    /// It keeps other instructions from moving the axis.
+    /// It prevents other instructions from moving the axis.
     pub(crate) active: bool,
-    /// It moves the axis: over when its generator is.
+    /// It moves the axis, and ends with its generator.
     driven: bool,
     stage: Stage,
-    /// Machine position of the home point, once it is known.
+    /// Machine position of the home point, once known.
     event: Option<f64>,
 }
 
-/// How far a sequence is.
+/// The stage of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// What moved the axis before brakes; or, for Immediate, the next update is waited for.
+    /// The earlier motion of the axis brakes; an Immediate sequence waits for the next update.
     Clearing,
-    /// It moves until a latch closes.
+    /// The axis moves until a latch closes.
     Seeking {
         sought: Sought,
         direction: f64,
         latch: ArmLatch,
     },
-    /// It brakes on the switch, to come back to its edge.
+    /// The axis brakes on the switch, to return to its edge.
     Turning,
-    /// It brakes behind the home point.
+    /// The axis brakes behind the home point.
     Braking,
-    /// It moves to the Home Position.
+    /// The axis moves to the Home Position.
     Returning,
-    /// Others move it until a latch closes.
+    /// Other instructions move the axis until a latch closes.
     Waiting { latch: ArmLatch },
 }
 
@@ -68,8 +68,8 @@ enum Sought {
 }
 
 impl Axis {
-    /// Begins a sequence at the present tick. All other generators of an axis that is homed actively have ended;
-    /// `from` is what it did until then, and braking is within `stop`.
+    /// Begins a sequence at the present tick. All other generators of an axis that is homed actively have ended; `from` is its motion until
+    /// then, which brakes within `stop`.
     pub(crate) fn begin_homing(&mut self, execution: Execution, from: KinematicState, stop: &Limits, clock: &Clock) {
         let active = self.home.mode == HomeMode::Active;
         let driven = active && self.state == AxisState::Running;
@@ -106,7 +106,7 @@ impl Axis {
         }
     }
 
-    /// The MAH under way. One that moved the axis and was stopped is none.
+    /// The MAH under way, unless it moved the axis and was stopped.
     #[inline]
     pub(crate) fn homing(&self) -> Option<&Homing> {
         let homing = self.homing.as_ref()?;
@@ -114,36 +114,36 @@ impl Axis {
         alive.then_some(homing)
     }
 
-    /// Takes away a MAH that does not move the axis.
+    /// Removes a MAH that does not move the axis.
     pub(crate) fn take_passive_homing(&mut self) -> Option<Execution> {
         let passive = self.homing.filter(|homing| !homing.driven)?;
         self.homing = None;
         Some(passive.execution)
     }
 
-    /// Whether homing keeps other instructions from moving the axis.
+    /// Homing prevents other instructions from moving the axis.
     pub(crate) fn is_homed_actively(&self) -> bool {
         self.homing().is_some_and(|homing| homing.active)
     }
 
-    /// Whether homing gives the command of the axis.
+    /// Homing calculates the command of the axis.
     #[inline]
     pub(crate) fn is_driven_home(&self) -> bool {
         self.homing().is_some_and(|homing| homing.driven)
     }
 
-    /// Whether the home event is waited for.
+    /// The sequence still waits for its home event.
     pub(crate) fn awaits_home_event(&self) -> bool {
         let has_event = self.home.sequence != HomeSequence::Immediate;
         has_event && self.homing().is_some_and(|homing| homing.event.is_none())
     }
 
-    /// Whether a MAH is under way, or its home point has just been reached.
+    /// A MAH is under way, or has just reached its home point.
     pub(crate) fn is_homing(&self) -> bool {
         self.homing.is_some() || self.home_reached
     }
 
-    /// Whether the home point was found in the update that ends now.
+    /// Returns true if the update that ends now found the home point.
     pub(crate) fn home_was_found(&mut self, clock: &Clock) -> bool {
         if !self.is_homing() {
             return false;
@@ -156,13 +156,13 @@ impl Axis {
             return false;
         }
         if self.homing().is_none() {
-            // It was stopped.
+            // An instruction stopped the MAH.
             self.homing = None;
         }
         self.watch_home()
     }
 
-    /// The latch that homing waits for.
+    /// The latch that the sequence waits for.
     pub(crate) fn home_latch(&self) -> Option<ArmLatch> {
         match self.homing()?.stage {
             Stage::Seeking { latch, .. } | Stage::Waiting { latch } => Some(latch),
@@ -170,8 +170,7 @@ impl Axis {
         }
     }
 
-    /// One update in which others move the axis, if anything: to be called with the feedback of this tick. Whether the home point was
-    /// found.
+    /// Performs one update of a passive sequence, with the feedback of this tick. Returns true if the home point was found.
     fn watch_home(&mut self) -> bool {
         let Some(homing) = &self.homing else {
             return false;
@@ -188,18 +187,18 @@ impl Axis {
         true
     }
 
-    /// The latch that homing waits for, if the last exchange says that it has closed.
+    /// The latch that the sequence waits for, if the last exchange reports that it has closed.
     fn closed_home_latch(&self) -> Option<Latch> {
         let armed = self.home_latch()?;
         self.link.feedback.latches[HOME_LATCH].filter(|latch| latch.number == armed.number)
     }
 
-    /// Whether the home switch is active where the axis is.
+    /// The home switch is active at the present position of the axis.
     fn stands_on_switch(&self) -> bool {
         self.link.feedback.inputs.home
     }
 
-    /// The leg is at its end. Whether the sequence is.
+    /// Handles the end of a leg. Returns true if it ends the sequence.
     fn leg_is_over(&mut self, instant: Instant) -> bool {
         let Some(homing) = self.homing else {
             return true;
@@ -229,8 +228,8 @@ impl Axis {
                 false
             }
             Stage::Braking => {
-                if let Some(place) = homing.event {
-                    self.align(place);
+                if let Some(home_point) = homing.event {
+                    self.align(home_point);
                 }
                 if direction.is_bidirectional() {
                     if let Some(turn) = self.unwind {
@@ -245,7 +244,7 @@ impl Axis {
         }
     }
 
-    /// The axis has come to what it seeks, at a machine position.
+    /// Handles the event that the axis seeks, at a machine position.
     fn sought_is_reached(&mut self, position: f64, instant: Instant) {
         let Some(Stage::Seeking { sought, direction, .. }) = self.homing.map(|homing| homing.stage) else {
             return;
@@ -267,7 +266,7 @@ impl Axis {
         }
     }
 
-    /// Moves at a speed until a latch closes.
+    /// Begins a motion at a speed until a latch closes.
     fn seek(&mut self, sought: Sought, direction: f64, speed: f64, instant: Instant) {
         let trigger = match sought {
             Sought::Switch => Trigger::SwitchOn,
@@ -275,7 +274,7 @@ impl Axis {
             Sought::Marker => Trigger::Marker,
             Sought::Stop => Trigger::Stop,
         };
-        // The edge of the switch that the axis does not turn at is followed by the marker.
+        // The axis does not reverse at this edge of the switch; it seeks the marker next.
         let turns = sought == Sought::Switch && self.home.direction.is_bidirectional();
         let of_switch = matches!(sought, Sought::Switch | Sought::Release);
         let then_marker = self.home.sequence == HomeSequence::SwitchMarker && of_switch && !turns;
@@ -298,9 +297,9 @@ impl Axis {
         self.enter(stage);
     }
 
-    /// Goes on in the same direction, to the first Home Position at which it can stand.
-    fn go_on_home(&mut self, place: f64, turn: f64, direction: f64, instant: Instant) {
-        self.align(place);
+    /// Continues in the same direction, to the first Home Position at which the axis can stop.
+    fn go_on_home(&mut self, home_point: f64, turn: f64, direction: f64, instant: Instant) {
+        self.align(home_point);
         let KinematicState { position, velocity, .. } = self.command;
         let stop = velocity * velocity / (2.0 * self.home.deceleration);
         let least = modulo(direction * (self.home.position - position), turn);
@@ -317,13 +316,13 @@ impl Axis {
         self.enter(Stage::Returning);
     }
 
-    /// Positions become what they are with the home point at a machine position.
-    fn align(&mut self, place: f64) {
-        let shown = place + self.redefined;
+    /// Redefines the positions such that the home point lies at a machine position.
+    fn align(&mut self, home_point: f64) {
+        let shown = home_point + self.redefined;
         self.redefine((self.home.position - self.home.offset) - shown);
     }
 
-    /// The command becomes the Home Position, and the actual position with it.
+    /// Sets the command to the Home Position, and shifts the actual position accordingly.
     fn take_home_position(&mut self) {
         self.redefine_command(self.home.position);
     }
@@ -351,7 +350,7 @@ impl Axis {
         }
     }
 
-    /// Begins a leg where the axis is commanded to be.
+    /// Begins a leg at the command position.
     fn leg(&mut self, profile: Profile, start: Instant) {
         let mut generator = Generator::planned(profile, start);
         generator.execution = self.homing.map(|homing| homing.execution);

@@ -12,7 +12,7 @@ use crate::control::Controls;
 use crate::masters::cam::Cam;
 
 impl Axis {
-    /// The link by which a cam begins is the active one from now on.
+    /// Makes the link of a cam that begins the active one.
     pub(crate) fn take_up_link(&mut self, link: u32, controls: &mut Controls) {
         if let Some((_, ended)) = self.links.take_up(link) {
             controls.end_links([ended]);
@@ -42,7 +42,7 @@ impl Axis {
         }
     }
 
-    /// AC of its links: it shows at once that a motion by the link begins or ends.
+    /// Updates AC of its links as soon as a motion by a link begins or ends.
     pub(crate) fn show_links(&mut self, controls: &mut Controls) {
         if self.links.is_empty() {
             return;
@@ -68,7 +68,7 @@ impl Axis {
             .chain(driven.map(|follower| follower.master.axis))
     }
 
-    /// Whether an axis is the master of one of its links, or of a motion that began by one.
+    /// The axis is the master of one of its links, or of a motion that began by one.
     pub(crate) fn is_linked_to(&self, master: AxisId) -> bool {
         let mut followers = self.sum.active().filter_map(|(_, generator)| generator.follower);
         let cam = self.cam(GeneratorKind::TimeCam).filter(|cam| cam.link().is_some());

@@ -1,4 +1,4 @@
-//! One axis: its state, its drive, and what moves it.
+//! One axis: its state, its drive, and the generators that move it.
 
 mod average;
 mod braking;
@@ -42,7 +42,7 @@ use probes::{Registration, Watch};
 use state::AxisState;
 use sum::Sum;
 
-/// The state of an axis behind a stop.
+/// The state of an axis after a stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum AfterStop {
     /// The servo stays on.
@@ -60,19 +60,19 @@ pub(crate) struct Axis {
     pub(crate) state: AxisState,
     /// Its side of the exchange with its drive.
     pub(crate) link: DriveLink,
-    /// Where the feedback of the last exchange says that the axis is.
+    /// The actual motion by the feedback of the last exchange.
     pub(crate) actual: KinematicState,
     /// [`Sum::command`] at the present tick.
     pub(crate) command: KinematicState,
     pub(crate) sum: Sum,
-    /// Nothing in the next tick changes it, unless its feedback does or something is done to it: the tick passes over it.
+    /// The next tick changes nothing of the axis unless its feedback changes or an instruction acts on it: the tick passes over it.
     pub(crate) dormant: bool,
-    /// Something began since the command of this tick was computed.
+    /// A generator has begun since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
     pub(crate) home: Home,
     pub(crate) homing: Option<Homing>,
-    /// Homing came to its end within the update.
+    /// Homing reached the home point within the update.
     home_reached: bool,
     /// The home event of the last MAH came.
     pub(crate) home_event: bool,
@@ -83,17 +83,17 @@ pub(crate) struct Axis {
     pub(crate) dynamics: Maxima,
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
-    /// How far from 0 it can be, position units.
+    /// The greatest distance of its positions from 0, position units.
     pub(crate) range: f64,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
     pub(crate) transforms: TransformPart,
     /// Links to masters (MDAC).
     pub(crate) links: AxisMasterLinks,
-    /// Of position cams, and of time cams.
+    /// The state of its position cams, and of its time cams.
     pub(super) cams: [Cams; 2],
     pub(crate) stop_mode: ProgrammedStopMode,
-    /// Its state behind the stop that is under way.
+    /// Its state after the stop that is under way.
     pub(crate) after_stop: AfterStop,
     /// Command and actual position at the last MGSP, as shown.
     pub(crate) strobed: [f64; 2],
@@ -101,7 +101,7 @@ pub(crate) struct Axis {
     /// The limits of its set-points.
     pub(crate) command_limits: CommandLimits,
     pub(crate) average: Average,
-    /// Where the position of an encoder comes from: it has no drive.
+    /// The tag that gives the positions of an encoder, an axis without a drive; `None` for other axes.
     pub(crate) feeding: Option<Feeding>,
     pub(crate) watch: Watch,
     pub(crate) registrations: [Registration; 2],
@@ -172,17 +172,17 @@ impl Axis {
         }
     }
 
-    /// Whether something moves the axis, or holds it to move it.
+    /// A generator or a transform moves the axis, or reserves it for motion.
     pub(crate) fn in_motion(&self) -> bool {
         self.transforms.controlled || self.moves_itself()
     }
 
-    /// The same, but for transforms.
+    /// The same, without transforms.
     pub(crate) fn moves_itself(&self) -> bool {
         self.sum.is_active_but(GeneratorKind::Transform)
     }
 
-    /// Whether its drive follows the command.
+    /// The drive follows the command.
     pub(crate) fn has_torque(&self) -> bool {
         matches!(
             self.state,
@@ -190,8 +190,8 @@ impl Axis {
         )
     }
 
-    /// Whether something moves the axis that comes to an end by itself: not a jog, not what follows others, nor what waits
-    /// for a master. Of coordinated motion its system tells.
+    /// A generator of the axis ends on its own. Jogs, gears, transforms and motion that waits for a master do not; for coordinated motion, ask
+    /// the coordinate system.
     pub(crate) fn will_end(&self) -> bool {
         let endless = |kind| match kind {
             GeneratorKind::Jog | GeneratorKind::Gear | GeneratorKind::Transform | GeneratorKind::System => true,
@@ -203,7 +203,7 @@ impl Axis {
         active.any(|(kind, generator)| generator.stopping || !(endless(kind) || waits(generator)))
     }
 
-    /// Whether the axis as a whole brakes: everything on it, or its part of a coordinated move that was ended.
+    /// A stop brakes the whole axis: all its generators, or its part of a coordinated move that was ended.
     pub(crate) fn is_stopping(&self) -> bool {
         let braking = |kind| {
             let generator = self.sum.get(kind);
@@ -212,45 +212,45 @@ impl Axis {
         braking(GeneratorKind::Stop) || braking(GeneratorKind::System)
     }
 
-    /// Whether anything on the axis brakes that a coordinate system's stop waits for.
+    /// A stop brakes the axis, or the motion that a cancelled transform left: the stop of a coordinate system waits for both.
     pub(crate) fn is_braking(&self) -> bool {
         self.is_stopping() || self.sum.is_active(GeneratorKind::Parting)
     }
 
-    /// Whether a coordinate system moves the axis, and not only its brake.
+    /// A coordinate system moves the axis, beyond the stop of an ended move.
     pub(crate) fn is_coordinated(&self) -> bool {
         self.sum
             .get(GeneratorKind::System)
             .is_some_and(|generator| !generator.stopping)
     }
 
-    /// Whether coordinated motion moves the axis still: a move, or the brake of one that was ended.
+    /// Coordinated motion still moves the axis: a move, or the stop of one that was ended.
     pub(crate) fn has_coordinated_motion(&self) -> bool {
         self.sum.is_active(GeneratorKind::System)
             || self.sum.get(GeneratorKind::Stop).is_some_and(|stop| stop.coordinated)
     }
 
-    /// A stop of everything on the axis brakes its coordinated motion on the path.
+    /// Brakes the coordinated motion on its path, as part of a stop of the whole axis.
     pub(crate) fn end_on_path(&mut self) {
         if let Some(generator) = self.sum.get_mut(GeneratorKind::System) {
             generator.ending = true;
         }
     }
 
-    /// Whether one does.
+    /// A stop of the whole axis brakes its coordinated motion on the path.
     pub(crate) fn is_ending_on_path(&self) -> bool {
         self.sum
             .get(GeneratorKind::System)
             .is_some_and(|generator| generator.ending)
     }
 
-    /// The axis becomes part of a coordinated move that starts where the axis is commanded to be.
+    /// Makes the axis part of a coordinated move that starts at the present command position.
     pub(crate) fn join(&mut self, s_curve: bool) {
         self.begin(GeneratorKind::System, Generator::followed(s_curve));
     }
 
-    /// The axis becomes part of a coordinated move whose path starts where the axis was when the move was executed: a contour is planned first, and
-    /// something else may have moved the axis meanwhile.
+    /// Makes the axis part of a coordinated move whose path starts at the position that the axis had when the move was executed. The planning
+    /// of a contour takes time, and other instructions may have moved the axis since.
     pub(crate) fn join_from(&mut self, s_curve: bool, start: f64) {
         self.mark_start();
         self.sum
@@ -269,23 +269,23 @@ impl Axis {
         self.command = self.sum.command();
     }
 
-    /// The present positions are those at which the last motion began.
+    /// Records the present positions as those at which the last motion began.
     pub(crate) fn mark_start(&mut self) {
         self.started_at = [self.command.position, self.actual.position];
     }
 
-    /// A coordinate system says where its part of the axis's motion is.
+    /// Sets the coordinated part of the axis's motion, which the coordinate system has calculated.
     pub(crate) fn set_coordinated(&mut self, now: KinematicState) {
         self.sum.set(GeneratorKind::System, now);
         self.command = self.sum.command();
     }
 
-    /// The coordinated motion of the axis is over; it stands where it is, but for what else moves it.
+    /// Ends the coordinated motion of the axis; its position stays, unless other generators move it.
     pub(crate) fn release(&mut self) {
         self.end(GeneratorKind::System);
     }
 
-    /// Ends a generator where it is; its speed is gone at once.
+    /// Ends a generator; its position stays, and its velocity drops to 0 at once.
     pub(crate) fn end(&mut self, kind: GeneratorKind) -> Option<Generator> {
         if !self.sum.is_active(kind) {
             return None;
@@ -298,7 +298,7 @@ impl Axis {
         ended
     }
 
-    /// Whether a master or a transform decides how the velocity of the axis changes.
+    /// A master or a transform determines the acceleration of the axis.
     pub(crate) fn follows_a_master(&self) -> bool {
         let mut active = self.sum.active();
         active.any(|(kind, generator)| {
@@ -314,12 +314,12 @@ impl Axis {
         })
     }
 
-    /// Whether anything on the axis is an S-curve: a stop of everything is one then.
+    /// A generator of the axis has an S-curve profile; a stop of the whole axis then has one too.
     pub(crate) fn is_s_curve(&self) -> bool {
         self.sum.active().any(|(_, generator)| generator.s_curve)
     }
 
-    /// The command at the present tick, but for what a coordinate system or homing gives.
+    /// Calculates the command at the present tick, except under homing, which sets its own command.
     pub(crate) fn advance(&mut self, clock: &Clock) {
         if !self.sum.is_idle() && !self.is_driven_home() {
             self.follow_time(clock);
@@ -328,8 +328,8 @@ impl Axis {
         }
     }
 
-    /// Whether the next tick would leave everything of the axis as it is, if its feedback stays as it is: it stands and nothing is
-    /// under way, awaited, found or to be reported. To be asked at the end of a tick.
+    /// The next tick would leave the axis unchanged if its feedback does not change: the axis stands, no motion is under way, no event is
+    /// awaited, and no report is pending. Valid at the end of a tick.
     pub(crate) fn can_be_dormant(&self) -> bool {
         let stands = |motion: &KinematicState| motion.velocity == 0.0 && motion.acceleration == 0.0;
         self.sum.is_idle()
@@ -352,8 +352,8 @@ impl Axis {
             && self.faults.are_steady()
     }
 
-    /// Clears its faults. A faulted axis is then stopped, a shut down one stays so. Returns whether no cause is left, which would fault
-    /// it again at the next update.
+    /// Clears its faults. A faulted axis is then stopped; one that is shut down stays so. Returns true if no cause is left that would fault the
+    /// axis again at the next update.
     pub(crate) fn reset_faults(&mut self, by: Cause) -> bool {
         let gone = self.faults.reset(by);
         if self.state == AxisState::Faulted {
@@ -362,7 +362,7 @@ impl Axis {
         gone
     }
 
-    /// Whether its servo is off for another reason than a fault or a shutdown.
+    /// The servo is off for a reason other than a fault or a shutdown.
     pub(crate) fn is_off(&self) -> bool {
         matches!(
             self.state,
@@ -370,12 +370,12 @@ impl Axis {
         )
     }
 
-    /// Whether a fault keeps it from being moved.
+    /// A fault prevents motion of the axis.
     pub(crate) fn is_faulted(&self) -> bool {
         matches!(self.state, AxisState::Aborting | AxisState::Faulted) || self.faults.block()
     }
 
-    /// Opens the loop, and ends all motion of the axis. The instructions that had begun it are not ended here.
+    /// Opens the loop and ends all motion of the axis. The instructions that began the motion do not end here.
     pub(crate) fn disable(&mut self, state: AxisState) {
         self.state = state;
         self.stale = true;
@@ -385,7 +385,7 @@ impl Axis {
         self.stand_at(self.command.position);
     }
 
-    /// Closes the loop where the axis stands.
+    /// Closes the loop at the position at which the axis stands.
     pub(crate) fn enable(&mut self) {
         self.stand_at(self.actual.position);
         self.state = AxisState::Starting;

@@ -1,4 +1,4 @@
-//! The events that an axis looks out for: a position that it passes (MAW), and edges of its registration inputs (MAR)
+//! The events that an axis waits for: a position that it passes (MAW), and edges of its registration inputs (MAR)
 //! (spec/axis-and-data-types.md §5).
 //!
 //! A watch sees actual positions once an update; it finds a position that is passed within one. Positions are position
@@ -22,11 +22,11 @@ pub(crate) struct Watch {
 #[derive(Clone, Copy, Debug)]
 struct ArmedWatch {
     execution: Execution,
-    /// What the position is passed at, without what the axis was redefined by.
+    /// The watched position and direction, without the offset of redefined positions.
     crossing: Crossing,
     /// The position as it was programmed.
     position: f64,
-    /// Where the axis was at the last update.
+    /// The position of the axis at the last update, without the offset of redefined positions.
     last: f64,
 }
 
@@ -35,7 +35,7 @@ impl Watch {
         self.armed.is_some()
     }
 
-    /// `now`: the actual position, without what it was redefined by.
+    /// `now`: the actual position, without the offset of redefined positions.
     pub(crate) fn arm(&mut self, execution: Execution, crossing: Crossing, position: f64, now: f64) {
         self.seen = false;
         self.armed = Some(ArmedWatch {
@@ -51,7 +51,7 @@ impl Watch {
         self.armed.take().map(|armed| armed.execution)
     }
 
-    /// Looks at the actual position. Returns the execution whose event has come.
+    /// Compares the actual position with the watched one. Returns the execution whose event has come.
     pub(crate) fn look(&mut self, now: f64) -> Option<Execution> {
         let armed = self.armed.as_mut()?;
         let before = std::mem::replace(&mut armed.last, now);
@@ -72,16 +72,16 @@ pub(crate) struct Registration {
     pub(crate) seen: bool,
     /// Positions at the last event, the last one of a positive edge, and of a negative one.
     pub(crate) positions: [f64; 3],
-    /// The same of times.
+    /// The times of the same events.
     pub(crate) times: [i32; 3],
 }
 
 #[derive(Clone, Copy, Debug)]
 struct ArmedRegistration {
     execution: Execution,
-    /// Waits for the input to become active, else inactive.
+    /// The edge that it waits for is positive.
     positive: bool,
-    /// Where the axis must be.
+    /// The window of positions within which an edge counts.
     window: Option<[f64; 2]>,
     /// The latch of the drive.
     latch: ArmLatch,
@@ -109,12 +109,12 @@ impl Registration {
         });
     }
 
-    /// The latch of the drive that is armed.
+    /// The latch that is armed at the drive.
     pub(crate) fn latch(&self) -> Option<ArmLatch> {
         Some(self.armed?.latch)
     }
 
-    /// The latch closed outside of the window: another one waits for the next edge.
+    /// Arms another latch for the next edge, since the last one closed outside of the window.
     pub(crate) fn arm_again(&mut self, latch: ArmLatch) {
         if let Some(armed) = &mut self.armed {
             armed.latch = latch;
@@ -126,7 +126,7 @@ impl Registration {
         self.armed.take().map(|armed| armed.execution)
     }
 
-    /// An edge, where the axis shows a position. Returns the execution whose event has come.
+    /// Takes an edge at a position that the axis shows. Returns the execution whose event has come.
     pub(crate) fn edge(&mut self, positive: bool, position: f64, time: i32) -> Option<Execution> {
         let armed = self.armed?;
         let inside = |[from, to]: [f64; 2]| (from..=to).contains(&position);

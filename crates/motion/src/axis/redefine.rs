@@ -1,4 +1,4 @@
-//! Where an axis counts its positions from: MRP, homing, whole turns of rotary axes.
+//! Redefined positions of an axis: MRP, homing, whole turns of rotary axes.
 //!
 //! Shifts move nothing; the followers of an axis subtract the change of `redefined`. Not here: instructions that begin motion. Units:
 //! position units.
@@ -9,9 +9,9 @@ use super::Axis;
 use crate::rotary;
 
 impl Axis {
-    /// Shifts every position so that the command is at one, to the last bit.
+    /// Shifts every position such that the command is exactly `position`, to the last bit.
     pub(crate) fn redefine_command(&mut self, position: f64) {
-        // What the first shift rounds off, the second one adds.
+        // The second shift corrects the rounding of the first.
         for _ in 0..2 {
             self.redefine(position - self.command.position);
         }
@@ -24,7 +24,7 @@ impl Axis {
         }
     }
 
-    /// Shifts every position by an offset: command, actual, and the ends of what runs. Nothing moves.
+    /// Shifts every position by an offset: command, actual, and the ends of generators under way. The axis does not move.
     pub(crate) fn redefine(&mut self, offset: f64) {
         if let Some(feeding) = &mut self.feeding {
             feeding.redefine(offset);
@@ -33,9 +33,9 @@ impl Axis {
         self.shift(offset);
     }
 
-    /// Folds whole turns of a rotary axis away where what is shown stays the same: at rest, and in an endless jog.
+    /// Removes whole turns of a rotary axis when the shown position stays the same: at rest, and in an endless jog.
     pub(crate) fn fold(&mut self, clock: &Clock) {
-        // What is fed is of the nearest turn by itself.
+        // A position from a tag is on the nearest turn already.
         let Some(unwind) = self.unwind.filter(|_| self.feeding.is_none()) else {
             return;
         };
@@ -54,7 +54,7 @@ impl Axis {
         }
     }
 
-    /// The axis goes along with a command whose positions were shifted; the drive knows nothing of it.
+    /// Takes over the shifted command and shifts the actual position with it; the drive does not take part.
     pub(super) fn shift(&mut self, offset: f64) {
         self.command = self.sum.command();
         self.redefined += offset;

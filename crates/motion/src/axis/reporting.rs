@@ -27,7 +27,7 @@ impl Axis {
                 continue;
             }
             if kind == GeneratorKind::MasterOffset && self.cam(GeneratorKind::PositionCam).is_none() {
-                // What it is an offset of is over.
+                // The cam that the offset acts on has ended.
                 self.end_generator(kind, controls);
                 continue;
             }
@@ -64,7 +64,7 @@ impl Axis {
         }
     }
 
-    /// PC of a cam that another one has taken over from, and SEGMENT.
+    /// Writes SEGMENT of a cam, and PC of the cam that it has replaced.
     fn report_cam(&mut self, kind: GeneratorKind, controls: &mut Controls) {
         if let Some(ended) = self.cams_mut(kind).ended.take() {
             controls.end_move(ended, Flag::Pc.mask());
@@ -80,7 +80,7 @@ impl Axis {
         }
     }
 
-    /// Calculated Data of a move, when it is due.
+    /// Calculates the answers to Event Distance of a move, when they are due.
     pub(crate) fn calculate_move(&mut self, kind: GeneratorKind, controls: &mut Controls, clock: &Clock) {
         let Some(generator) = self.sum.get_mut(kind) else {
             return;
@@ -103,9 +103,11 @@ impl Axis {
     /// Registration inputs of the drive whose latches have closed.
     pub(crate) fn take_registrations(&mut self, controls: &mut Controls, clock: &Clock) {
         let (period, now) = (clock.period_ns, clock.tick.wrapping_mul(clock.period_ns));
-        for (input, place) in REGISTRATION_LATCHES.into_iter().enumerate() {
-            let (Some(latch), Some(armed)) = (self.link.feedback.latches[place], self.registrations[input].latch())
-            else {
+        for (input, latch_index) in REGISTRATION_LATCHES.into_iter().enumerate() {
+            let (Some(latch), Some(armed)) = (
+                self.link.feedback.latches[latch_index],
+                self.registrations[input].latch(),
+            ) else {
                 continue;
             };
             if latch.number != armed.number {
@@ -125,7 +127,7 @@ impl Axis {
         }
     }
 
-    /// The watch position is looked for.
+    /// Ends the watch when the actual position passes the watched one.
     pub(crate) fn look_for_watch(&mut self, controls: &mut Controls) {
         let now = self.actual.position - self.redefined;
         if let Some(execution) = self.watch.look(now) {

@@ -1,9 +1,8 @@
-//! The command of one axis as the sum of everything that moves it at the same time (spec/axis-and-data-types.md §1.6).
+//! The command of one axis as the sum of all generators that move it at the same time (spec/axis-and-data-types.md §1.6).
 //!
-//! Each generator has its own frame: the positions that the axis would have if nothing else had moved it since the
-//! generator began. The command is what one generator says, plus what all others have displaced the axis since then; so a
-//! generator that is alone reaches its end to the last bit. Nothing is integrated, and nothing here knows instructions'
-//! operands. Units: position units, seconds. Nothing allocates.
+//! Each generator has its own frame: the positions that the axis would have if no other generator had moved it since this one began. The
+//! command is the position of one generator plus the displacements by all others since then, so a generator that is alone reaches its end
+//! to the last bit. The sum integrates nothing and knows no operands of instructions. Units: position units, seconds. Nothing allocates.
 
 use arcline_planner::Clock;
 use arcline_planner::profile::{Jerk, Limits};
@@ -17,13 +16,13 @@ use crate::tolerance::START_UNITS;
 #[derive(Clone, Debug)]
 pub(crate) struct Sum {
     generators: [Option<Generator>; GENERATOR_KINDS],
-    /// Places of `generators` that are taken, by bit.
+    /// The active entries of `generators`, by bit.
     active: u16,
-    /// Displacements by generators that are over.
+    /// Displacements by generators that have ended.
     displaced: Displacements,
-    /// The one generator under way began where nothing else was, and nothing has begun since: nothing has displaced the axis beside it.
+    /// The one active generator began when no other was active, and none has begun since: no other generator has displaced the axis.
     alone: bool,
-    /// Where the axis stands while nothing is active.
+    /// The position of the axis while no generator is active.
     rest: f64,
 }
 
@@ -38,7 +37,7 @@ impl Sum {
         }
     }
 
-    /// Whether nothing moves the axis or holds it.
+    /// No generator is active.
     pub(crate) fn is_idle(&self) -> bool {
         self.active == 0
     }
@@ -72,7 +71,7 @@ impl Sum {
         kinds(bits).next()
     }
 
-    /// Whether anything but generators of one kind is under way.
+    /// A generator of another kind is active.
     pub(crate) fn is_active_but(&self, kind: GeneratorKind) -> bool {
         self.active & !kind.bit() != 0
     }
@@ -82,8 +81,8 @@ impl Sum {
         kinds(self.active).filter_map(|kind| self.get(kind).map(|generator| (kind, generator)))
     }
 
-    /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant,
-    /// whatever position `generator` was made with: planned ones are planned from [`Sum::command`]'s position.
+    /// Begins a generator in place of the one of its kind. Its frame shows the present command at this instant, whatever position `generator`
+    /// was created with; a profile must therefore start at the position of [`Sum::command`].
     pub(crate) fn begin(&mut self, kind: GeneratorKind, mut generator: Generator) {
         if kind == GeneratorKind::MasterOffset {
             self.generators[kind as usize] = Some(generator);
@@ -105,7 +104,7 @@ impl Sum {
         self.active |= kind.bit();
     }
 
-    /// Begins a generator whose frame was taken before: it has stood at `start` since, while others may have moved the axis.
+    /// Begins a generator at an earlier position: in its frame it has stood at `start` since, while other generators may have moved the axis.
     pub(crate) fn begin_from(&mut self, kind: GeneratorKind, generator: Generator, start: f64) {
         self.begin(kind, generator);
         let moved = self.command().position - start;
@@ -116,12 +115,12 @@ impl Sum {
         if let Some(generator) = self.get_mut(kind) {
             generator.now.position = start;
             generator.origin = start;
-            // All displacements of others are added up, so that it does not matter which of them has this one.
+            // Only the sum of these displacements counts, so any other kind can hold this one.
             generator.others[(kind as usize + 1) % GENERATOR_KINDS] -= moved;
         }
     }
 
-    /// Ends a generator; the axis stays where it is. Returns it as it was.
+    /// Ends a generator and returns its last state; the position of the axis stays.
     pub(crate) fn end(&mut self, kind: GeneratorKind) -> Option<Generator> {
         self.get(kind)?;
         self.rest = self.command().position;
@@ -133,12 +132,12 @@ impl Sum {
         Some(generator)
     }
 
-    /// Everything is over: the axis stands at a position.
+    /// Ends all generators; the axis stands at a position.
     pub(crate) fn set_position(&mut self, position: f64) {
         *self = Sum::at_rest(position);
     }
 
-    /// Shifts every position by an offset; nothing moves (MRP, homing).
+    /// Shifts every position by an offset without motion (MRP, homing).
     pub(crate) fn redefine(&mut self, offset: f64) {
         self.rest += offset;
         for kind in GeneratorKind::ALL {
@@ -148,13 +147,13 @@ impl Sum {
         }
     }
 
-    /// Folds away whole turns of an endless jog. Returns the shift of every position.
+    /// Removes whole turns of an endless jog. Returns the shift of every position.
     pub(super) fn fold_jog(&mut self, unwind: f64, clock: &Clock) -> f64 {
         let jog = self.get_mut(GeneratorKind::Jog).filter(|jog| !jog.stopping);
         jog.map_or(0.0, |jog| jog.fold(unwind, clock))
     }
 
-    /// Velocity and acceleration of some kinds of generators together; the position is 0.
+    /// The sum of velocities and accelerations of some kinds of generators; the position is 0.
     pub(crate) fn motion_of(&self, which: impl Fn(GeneratorKind) -> bool) -> KinematicState {
         let mut total = KinematicState::default();
         for (kind, generator) in self.moving() {
@@ -166,7 +165,7 @@ impl Sum {
         total
     }
 
-    /// The limits that some kinds of generators keep together; `None` where those of one that moves by time are not known.
+    /// The limits that some kinds of generators keep together; `None` if those of a generator over time are unknown.
     pub(crate) fn in_force(&self, which: impl Fn(GeneratorKind) -> bool) -> Option<Limits> {
         let mut all: Option<Limits> = None;
         for (_, generator) in self.moving().filter(|(kind, _)| which(*kind)) {
@@ -193,7 +192,7 @@ impl Sum {
         }
     }
 
-    /// Brings planned generators to the present tick.
+    /// Advances planned generators to the present tick.
     pub(crate) fn advance(&mut self, clock: &Clock) {
         for kind in kinds(self.active) {
             if let Some(generator) = self.get_mut(kind)
@@ -204,12 +203,12 @@ impl Sum {
         }
     }
 
-    /// Every generator under way that moves the axis itself.
+    /// Every active generator that moves the axis itself.
     fn moving(&self) -> impl Iterator<Item = (GeneratorKind, &Generator)> {
         self.active().filter(|(kind, _)| *kind != GeneratorKind::MasterOffset)
     }
 
-    /// The generator with the highest velocity; one whose velocity is no number first.
+    /// The generator with the highest speed; a velocity that is NaN counts as the highest.
     pub(crate) fn fastest(&self) -> Option<(GeneratorKind, &Generator)> {
         let speed = |generator: &Generator| {
             let speed = generator.now.velocity.abs();
@@ -235,7 +234,7 @@ impl Sum {
         total
     }
 
-    /// A position in a generator's frame, or its present one, as a position of the axis at this tick.
+    /// Converts a position in a generator's frame (by default its present one) to a position of the axis at this tick.
     pub(crate) fn seen_from(&self, kind: GeneratorKind, position: Option<f64>) -> Option<f64> {
         let generator = self.get(kind)?;
         let position = position.unwrap_or(generator.now.position);
@@ -243,7 +242,7 @@ impl Sum {
             return Some(position + generator.shift);
         }
         let mut others = generator.shift;
-        // Most axes have one generator, and only generators that have ended displace it.
+        // Most axes have one generator, and only displacements by ended generators add to it.
         let now = if self.active == kind.bit() {
             self.displaced
         } else {
@@ -266,7 +265,7 @@ impl Sum {
     }
 }
 
-/// The limits of two motions at once: the speeds add up, the harder rates count.
+/// The limits of two simultaneous motions: the sum of the speeds, and the higher ones of the rates.
 pub(crate) fn together(one: &Limits, other: &Limits) -> Limits {
     let jerk = match (one.jerk, other.jerk) {
         (Some(one), Some(other)) => Some(Jerk {
@@ -295,7 +294,7 @@ mod tests {
         Clock::at(tick, CLOCK.period_ns)
     }
 
-    /// A move from where the axis is commanded to be, superimposed on what runs.
+    /// A move from the present command position, superimposed on the active generators.
     fn begin_move(sum: &mut Sum, kind: GeneratorKind, target: f64, clock: &Clock) {
         let from = KinematicState {
             position: sum.command().position,

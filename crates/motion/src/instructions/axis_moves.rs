@@ -1,4 +1,4 @@
-//! The common part of MAM, MAJ and MCD: verification, the motion that a merge takes over, and how a generator begins.
+//! The common part of MAM, MAJ and MCD: verification, the motion that a merge takes over, and the start of a generator.
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
 use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};
@@ -17,7 +17,7 @@ use crate::execution::Execution;
 use crate::masters::follower::DrivenBy;
 use crate::motion::Motion;
 
-/// The operands that MAM and MAJ have alike.
+/// The operands that MAM and MAJ share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AxisMove {
     pub(super) programmed: Programmed,
@@ -26,23 +26,23 @@ pub(super) struct AxisMove {
 }
 
 impl AxisMove {
-    /// Whether the present speed of the axis is the one to go on with.
+    /// The move continues at the present speed of the axis.
     pub(super) fn keeps_speed(&self) -> bool {
         self.merges() && self.merge_speed == MergeSpeed::Current
     }
 
-    /// Whether the instruction ends what other single-axis instructions move.
+    /// The instruction ends the motion of other single-axis instructions.
     fn merges(&self) -> bool {
         self.merge == AxisMerge::Enabled
     }
 
-    /// The same of a kind: an offset of a master is apart from what moves the axis.
+    /// The same for a kind of generator; an offset of a master never ends motion of the axis.
     fn merges_into(&self, kind: GeneratorKind) -> bool {
         kind != GeneratorKind::MasterOffset && self.merges()
     }
 
-    /// Velocity and acceleration of what the instruction takes over: of its own kind, or of all that single-axis
-    /// instructions move. The position is where the axis is commanded to be.
+    /// Velocity and acceleration of the motion that the instruction takes over: that of its own kind, or of all single-axis instructions. The
+    /// position is the command position of the axis.
     pub(super) fn taken_over(&self, axis: &Axis, kind: GeneratorKind) -> KinematicState {
         match kind {
             GeneratorKind::MasterOffset => axis.master_offset(),
@@ -55,17 +55,17 @@ impl AxisMove {
         }
     }
 
-    /// The limits of what the instruction takes over, by time or by a master's displacement as the instruction itself.
-    fn in_force(&self, axis: &Axis, kind: GeneratorKind, led: bool) -> Option<Limits> {
+    /// The limits of the motion that the instruction takes over, by time or by a master's displacement as the instruction itself.
+    fn in_force(&self, axis: &Axis, kind: GeneratorKind, driven: bool) -> Option<Limits> {
         let own = axis.sum.get(kind);
-        if led || kind == GeneratorKind::MasterOffset {
-            return own.filter(|own| own.follower.is_some() == led)?.in_force;
+        if driven || kind == GeneratorKind::MasterOffset {
+            return own.filter(|own| own.follower.is_some() == driven)?.in_force;
         }
         axis.sum
             .in_force(|other| other == kind || (self.merges() && other.is_single_axis()))
     }
 
-    /// Begins a move or a jog out of what it takes over, along the profile that `plan` makes of that.
+    /// Begins a move or a jog from the motion that it takes over, along the profile that `plan` makes from it.
     pub(super) fn begin(
         &self,
         motion: &mut Motion,
@@ -78,19 +78,22 @@ impl AxisMove {
             execution,
             dynamics,
             goal,
-            led,
+            driven,
             events,
         } = beginning;
         let taken = self.taken_over(&motion.axes[axis], kind);
-        let taken = led.map_or(taken, |(_, rate)| rate.by_displacement(taken));
+        let taken = driven.map_or(taken, |(_, rate)| rate.by_displacement(taken));
         let from = steady(taken, &dynamics.limits());
-        let before = self.in_force(&motion.axes[axis], kind, led.is_some());
+        let before = self.in_force(&motion.axes[axis], kind, driven.is_some());
         if self.merges_into(kind) {
             motion.axes[axis].end_single_axis(Some(kind), &mut motion.controls);
         }
         motion.axes[axis].end_generator(kind, &mut motion.controls);
-        let follower =
-            led.and_then(|(driven_by, _)| motion.axes.lead(axis, driven_by, &mut motion.controls, &motion.clock));
+        let follower = driven.and_then(|(driven_by, _)| {
+            motion
+                .axes
+                .begin_follower(axis, driven_by, &mut motion.controls, &motion.clock)
+        });
         let limits = match goal {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
@@ -123,11 +126,11 @@ impl AxisMove {
         motion.axes[axis].calculate_move(kind, &mut motion.controls, &motion.clock);
     }
 
-    /// How a move or a jog is master driven, and with what it takes over what it supersedes; `None`: by time.
+    /// The lock of a master driven move or jog, and the rate of its master, which converts the motion that it takes over; `None`: by time.
     ///
     /// # Errors
-    /// Where its link, its lock or its master forbids it: 93 to 98, 102.
-    pub(super) fn led(
+    /// 93 to 98 and 102 if its link, its lock or its master forbids it.
+    pub(super) fn driven(
         &self,
         motion: &Motion,
         axis: AxisId,
@@ -152,26 +155,33 @@ impl AxisMove {
         Ok(Some((driven_by, rate)))
     }
 
-    /// The present speed of what is taken over, by time or by the displacement of the master: what Merge Speed Current goes on with.
-    pub(super) fn present_speed(&self, axis: &Axis, kind: GeneratorKind, led: Option<(DrivenBy, MasterRate)>) -> f64 {
+    /// The present speed of the motion that the instruction takes over, by time or by the master's displacement; Merge Speed Current continues
+    /// at it.
+    pub(super) fn present_speed(
+        &self,
+        axis: &Axis,
+        kind: GeneratorKind,
+        driven: Option<(DrivenBy, MasterRate)>,
+    ) -> f64 {
         let taken = self.taken_over(axis, kind);
-        led.map_or(taken, |(_, rate)| rate.by_displacement(taken))
+        driven
+            .map_or(taken, |(_, rate)| rate.by_displacement(taken))
             .velocity
             .abs()
     }
 }
 
-/// A move or a jog that is to begin.
+/// The parameters of a move or a jog that begins.
 pub(super) struct MoveStart {
     pub(super) execution: Execution,
     pub(super) dynamics: Dynamics,
     pub(super) goal: Goal,
-    /// How it is master driven, and how its master moves.
-    pub(super) led: Option<(DrivenBy, MasterRate)>,
+    /// The link, lock and rate of the master of a master driven motion.
+    pub(super) driven: Option<(DrivenBy, MasterRate)>,
     pub(super) events: Option<Events>,
 }
 
-/// What takes a present acceleration away so that new limits overshoot the programmed speeds, new and old, by no more than half
+/// The phase that first reduces a present acceleration, such that new limits overshoot the programmed speeds, new and old, by no more than half
 /// (spec/coordinated-instructions.md §5.4).
 pub(super) fn relief(bounds: Bounds, from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Option<Lead> {
     if !bounds.overshoot {
@@ -181,7 +191,7 @@ pub(super) fn relief(bounds: Bounds, from: KinematicState, limits: &Limits, befo
     Lead::below(from, limits, MOST_OVERSHOOT * known.max(limits.speed))
 }
 
-/// A trapezoid begins with an acceleration of its own.
+/// The start state of a profile: a trapezoid begins without an acceleration.
 pub(super) fn steady(from: KinematicState, limits: &Limits) -> KinematicState {
     KinematicState {
         acceleration: if limits.jerk.is_some() { from.acceleration } else { 0.0 },
@@ -189,7 +199,7 @@ pub(super) fn steady(from: KinematicState, limits: &Limits) -> KinematicState {
     }
 }
 
-/// The axis may be moved: it is no encoder, not shut down, servo on, not homed, and its stops can be made.
+/// Checks that the axis can be moved: it is no encoder, not shut down, servo on, not homed, and its stops have a rate.
 pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError> {
     if axis.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
@@ -203,7 +213,7 @@ pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError>
     Ok(())
 }
 
-/// There is a rate to stop with.
+/// Checks that the axis has a rate to stop with.
 pub(super) fn stoppable(axis: &Axis) -> Result<(), MotionError> {
     if axis.dynamics.deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
@@ -211,7 +221,7 @@ pub(super) fn stoppable(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// No stop of everything is under way.
+/// Checks that no stop of the whole axis is under way.
 pub(super) fn not_stopping(axis: &Axis) -> Result<(), MotionError> {
     if axis.is_stopping() {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
@@ -219,7 +229,7 @@ pub(super) fn not_stopping(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// Not homed by an active sequence.
+/// Checks that no active sequence homes the axis.
 pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
     if axis.is_homed_actively() {
         return Err(MotionError::HomeInProcess(AxisIndex(0)));
@@ -227,13 +237,13 @@ pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// Not shut down, servo on, no fault.
+/// Checks that the axis is not shut down, its servo is on, and it has no fault.
 pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
     switched_on(axis)?;
     not_faulted(axis)
 }
 
-/// No fault; the servo may be off.
+/// Checks that the axis has no fault; the servo may be off.
 pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
     if axis.is_faulted() {
         return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
@@ -241,7 +251,7 @@ pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// Not shut down, servo on but for a fault: what a stop asks for.
+/// The check of a stop: the axis is not shut down, and its servo is on unless a fault has switched it off.
 pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
     not_shut_down(axis)?;
     if axis.is_off() {
@@ -250,7 +260,7 @@ pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
     Ok(())
 }
 
-/// An axis outside of its travel moves in a direction that leads back.
+/// Checks that an axis outside of its travel moves in a direction that leads back.
 pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionError> {
     if axis.faults.forbids(direction) {
         return Err(MotionError::OvertravelCondition);
@@ -258,7 +268,7 @@ pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionErr
     Ok(())
 }
 
-/// Not shut down; the servo may be off.
+/// Checks that the axis is not shut down; the servo may be off.
 pub(super) fn not_shut_down(axis: &Axis) -> Result<(), MotionError> {
     match axis.state {
         AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),

@@ -1,4 +1,4 @@
-//! The common part of MAPC and MATC: directions, modes, and how a cam begins or waits for the end of another.
+//! The common part of MAPC and MATC: directions, modes, and the start of a cam or its wait for the end of another.
 
 use arcline_instruction_set::enumerations::GearDirection;
 use arcline_instruction_set::operands::OperandValue;
@@ -16,8 +16,7 @@ use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
 
-/// 1 where the profile is added, -1 where it is subtracted. Without a cam before, the reverse of it is the opposite, and
-/// what is unchanged is the same.
+/// The sign of the profile: 1 adds it, -1 subtracts it. Without an earlier cam, Reverse means Opposite and Unchanged means Same.
 pub(super) fn sign(direction: GearDirection, before: Option<f64>) -> f64 {
     match direction {
         GearDirection::Same => 1.0,
@@ -27,7 +26,7 @@ pub(super) fn sign(direction: GearDirection, before: Option<f64>) -> f64 {
     }
 }
 
-/// A master axis that is read from an operand, on which something lies at a position.
+/// Checks a position operand that lies on a turn of a master axis.
 pub(super) fn on_turn(axis: &Axis, position: &OperandValue<f64>) -> Result<(), MotionError> {
     match axis.unwind {
         Some(unwind) if !(0.0..unwind).contains(&**position) => Err(position.out_of_range()),
@@ -35,7 +34,7 @@ pub(super) fn on_turn(axis: &Axis, position: &OperandValue<f64>) -> Result<(), M
     }
 }
 
-/// No stop of everything is under way, nor one of the kind of cam.
+/// Checks that neither a stop of the whole axis nor one of this kind of cam is under way.
 pub(super) fn not_stopping(axis: &Axis, kind: GeneratorKind) -> Result<(), MotionError> {
     axis_moves::not_stopping(axis)?;
     if axis.sum.get(kind).is_some_and(|generator| generator.stopping) {
@@ -44,7 +43,8 @@ pub(super) fn not_stopping(axis: &Axis, kind: GeneratorKind) -> Result<(), Motio
     Ok(())
 }
 
-/// A cam waits behind one that has the same master, and is not the second of its kind that is under way.
+/// Checks the schedule of a cam: a pending cam needs the same master as the active one; any other needs no active cam of its kind, and no
+/// pending one with another master.
 ///
 /// # Errors
 /// `IllegalDynamicChange` (23).
@@ -76,11 +76,11 @@ pub(super) struct CamStart {
     pub(super) kind: GeneratorKind,
     pub(super) program: CamProgram,
     pub(super) lock: Option<Crossing>,
-    /// The master as it is now.
+    /// The state of the master at the present tick.
     pub(super) master: MasterAt,
 }
 
-/// The slave stays within its range over the whole of a profile.
+/// Checks that the slave stays within its range over the whole profile.
 ///
 /// # Errors
 /// `ParameterOutOfRange` (13) with the scaling of the slave.
@@ -95,7 +95,7 @@ pub(super) fn verify_reach(
     range::verify(state, state.command.position.abs() + reach, scaling)
 }
 
-/// The cam waits for the end of the one under way.
+/// Makes the cam wait for the end of the active one.
 pub(super) fn wait(motion: &mut Motion, axis: AxisId, kind: GeneratorKind, program: CamProgram, execution: Execution) {
     motion.axes[axis].end_pending_cams(Some(kind), &mut motion.controls);
     let cams = motion.axes[axis].cams_mut(kind);
@@ -127,7 +127,7 @@ pub(super) fn begin(motion: &mut Motion, axis: AxisId, beginning: CamStart, exec
     generator.shown_segment = segment;
     generator.equation = Equation::Cammed(cam);
     state.begin(kind, generator);
-    // What is executed next at this tick finds the slave in motion.
+    // An instruction executed later in this tick finds the slave in motion.
     state.follow_cam(kind, &master, &clock);
     state.command = state.sum.command();
     state.stale = true;

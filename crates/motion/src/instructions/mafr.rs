@@ -1,5 +1,5 @@
-//! MAFR, Motion Axis Fault Reset (spec/axis-and-data-types.md §2). A cause that is still there faults again at the
-//! next update.
+//! MAFR, Motion Axis Fault Reset (spec/axis-and-data-types.md §2). A cause that is still present faults the axis again at the next
+//! update.
 
 use arcline_instruction_set::{Call, MotionError};
 

@@ -60,7 +60,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
     let reference = *master_reference;
     let now = motion.clock.now();
-    // A gearing before this one, or what is left of it, gives the speed to clutch from.
+    // The slave clutches from the speed of an earlier gearing, or of its stop.
     let slave = KinematicState {
         position: motion.axes[axis].command.position,
         velocity: motion.axes[axis]
@@ -75,7 +75,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let mut gear = Gear::new(read, ratio, slave, clutch, now);
     let mut generator = Generator::followed(false);
     generator.execution = Some(execution);
-    // What is executed next at this tick finds the slave in motion.
+    // An instruction executed later in this tick finds the slave in motion.
     generator.now = gear.follow(&met, &motion.clock);
     generator.equation = Equation::Geared(gear);
     let state = &mut motion.axes[axis];

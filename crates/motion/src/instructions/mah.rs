@@ -37,7 +37,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// The sequence can be run: its inputs are there, and the edge of the switch that it seeks.
+/// Checks that the sequence can run: the axis has its inputs, and the switch has the edge that it seeks.
 fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
     let home = &axis.home;
     let HomeInputs { switch, marker, stops } = home.inputs;
@@ -46,7 +46,7 @@ fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
         HomeSequence::Switch => switch.is_some(),
         HomeSequence::Marker => marker,
         HomeSequence::SwitchMarker => switch.is_some() && marker,
-        // Something must hold the axis, and something must move it there.
+        // Torque builds up only at a mechanical stop, and only if MAH itself drives the axis against it.
         HomeSequence::Torque | HomeSequence::TorqueMarker if !stops || home.mode == HomeMode::Passive => {
             return Err(MotionError::IllegalHomingConfig);
         }

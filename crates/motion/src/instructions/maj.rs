@@ -35,9 +35,9 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     axis_moves::not_stopping(state)?;
     let mut dynamics = programmed.dynamics(&state.dynamics)?;
-    let led = operands.led(motion, axis, GeneratorKind::Jog, driven_by)?;
+    let driven = operands.driven(motion, axis, GeneratorKind::Jog, driven_by)?;
     if operands.keeps_speed() {
-        dynamics.keep_speed(operands.present_speed(state, GeneratorKind::Jog, led));
+        dynamics.keep_speed(operands.present_speed(state, GeneratorKind::Jog, driven));
     }
     let velocity = match *direction {
         JogDirection::Forward => dynamics.speed,
@@ -48,7 +48,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         execution,
         dynamics,
         goal: Goal::Velocity(velocity),
-        led,
+        driven,
         events: None,
     };
     operands.begin(motion, axis, GeneratorKind::Jog, beginning, |from| {

@@ -18,7 +18,7 @@ use crate::motion::Motion;
 use crate::range;
 use crate::rotary::Turn;
 
-/// Where the move leads.
+/// The destination of the move as programmed.
 #[derive(Clone, Copy, Debug)]
 struct Destination {
     move_type: MamMoveType,
@@ -26,7 +26,7 @@ struct Destination {
 }
 
 impl Destination {
-    /// The kind of generator that the move is.
+    /// The kind of generator that executes the move.
     fn kind(&self) -> GeneratorKind {
         match self.move_type {
             AbsoluteMasterOffset | IncrementalMasterOffset => GeneratorKind::MasterOffset,
@@ -50,7 +50,7 @@ impl Destination {
         }
     }
 
-    /// Where the move begins, of its kind.
+    /// The start position of the move: the offset of the master, or the command position.
     fn present(&self, axis: &Axis) -> f64 {
         match self.kind() {
             GeneratorKind::MasterOffset => axis.master_offset().position,
@@ -58,7 +58,7 @@ impl Destination {
         }
     }
 
-    /// Where the move ends, as a position that is not unwound. Offsets of a master need a position cam.
+    /// The end position of the move, not unwound. An offset of a master needs a position cam.
     fn target(&self, axis: &Axis) -> Result<f64, MotionError> {
         let present = self.present(axis);
         let position = *self.position;
@@ -80,7 +80,7 @@ impl Destination {
     }
 }
 
-/// Units that go together, and what moves of a programmed duration need.
+/// Checks that the units agree, and the requirements of moves with a programmed duration.
 fn verify_units(operands: &AxisMove, kind: GeneratorKind, axis: &Axis) -> Result<(), MotionError> {
     let programmed = &operands.programmed;
     programmed.verify_units()?;
@@ -148,27 +148,27 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             &state.dynamics
         }
     };
-    let led = operands.led(motion, axis, kind, driven_by)?;
+    let driven = operands.driven(motion, axis, kind, driven_by)?;
     let mut dynamics = if seconds::is_duration(&programmed.rates) {
         seconds::dynamics(&programmed, displacement.abs(), maxima)
     } else {
         programmed.dynamics(maxima)?
     };
     if operands.keeps_speed() {
-        let present = operands.present_speed(state, kind, led);
+        let present = operands.present_speed(state, kind, driven);
         if present != 0.0 {
             dynamics.keep_speed(present);
         }
     }
-    if led.is_some() {
-        let present = operands.present_speed(state, kind, led);
+    if driven.is_some() {
+        let present = operands.present_speed(state, kind, driven);
         verify_reduction(present, &dynamics.limits(), displacement.abs())?;
     }
     let beginning = MoveStart {
         execution,
         dynamics,
         goal: Goal::Position(target),
-        led,
+        driven,
         events,
     };
     operands.begin(motion, axis, kind, beginning, |from| {
@@ -177,7 +177,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// The Motion Type of MDAC that serves a kind of move.
+/// The Motion Type of MDAC that applies to a kind of move.
 fn serves(kind: GeneratorKind) -> MdacMotionType {
     match kind {
         GeneratorKind::MasterOffset => MdacMotionType::MasterOffsetMove,

@@ -46,7 +46,7 @@ fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result
 /// The execution target that an operand names.
 ///
 /// # Errors
-/// `IllegalExecutionTarget` (35) where the axis has none of that number.
+/// `IllegalExecutionTarget` (35) if the axis has no target of that number.
 pub(super) fn target(motion: &Motion, axis: AxisId, number: i32) -> Result<usize, MotionError> {
     let targets = motion.axes[axis].outputs.len();
     let target = usize::try_from(number).ok();
@@ -102,11 +102,11 @@ pub(super) fn execute(
         sense,
         unwind: state.unwind,
     });
-    let Some(place) = state.outputs.target_mut(target) else {
+    let Some(execution_target) = state.outputs.target_mut(target) else {
         return Err(MotionError::IllegalExecutionTarget);
     };
     let ended = if *execution_schedule == ExecutionSchedule::Pending {
-        place.wait(program, &clock)
+        execution_target.wait(program, &clock)
     } else {
         let arming = Arming {
             lock,
@@ -115,9 +115,9 @@ pub(super) fn execute(
             output: word(*output, output_bits).unwrap_or_default(),
             input: word(*input, input_bits),
         };
-        place.begin(program, &arming, point, &clock)
+        execution_target.begin(program, &arming, point, &clock)
     };
-    let written = place.write(&clock);
+    let written = execution_target.write(&clock);
     if let Some(ended) = ended {
         motion.controls.end_move(ended, 0);
     }

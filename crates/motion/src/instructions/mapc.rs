@@ -14,7 +14,7 @@ use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
 use crate::order::{Circle, Follower};
 
-/// Execution Schedule: when the master crosses the lock position, with the direction in which it must go then.
+/// Execution Schedule: whether the cam waits for the master to cross the lock position, and the direction of the crossing.
 pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<Sense>> {
     match schedule {
         ExecutionSchedule::Immediate | ExecutionSchedule::Pending => None,
@@ -24,7 +24,7 @@ pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<Sense>> {
     }
 }
 
-/// Master Direction: the only one that is followed.
+/// Master Direction: the only direction in which the slave follows the master.
 fn sense(direction: MasterDirection) -> Option<Sense> {
     match direction {
         MasterDirection::Bidirectional => None,

@@ -99,7 +99,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             motion.controls.write(execution, initiated, 0);
             motion.axes[axis].stop_generator(kind, &limits, Some(execution), &mut motion.controls, &motion.clock);
         }
-        // Nothing of that kind is under way; a transform that moves no axis now is cancelled all the same.
+        // No motion of that kind is under way; a transform that moves no axis now is still cancelled.
         other => {
             if other == Stopped::All {
                 motion.cancel_transforms_of(axis);

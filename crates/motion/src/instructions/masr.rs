@@ -14,8 +14,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// Clears faults and leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once. Returns whether no
-/// cause of a fault is left.
+/// Clears faults and leaves shutdown for Ready: a servo stays off, a virtual axis is ready at once. Returns true if no cause of a fault is
+/// left.
 pub(super) fn reset(motion: &mut Motion, axis: AxisId) -> bool {
     let gone = motion.axes[axis].reset_faults(motion.controls.cause());
     let axis = &mut motion.axes[axis];

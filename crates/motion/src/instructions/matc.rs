@@ -19,9 +19,9 @@ use crate::motion::Motion;
 /// The master of the cam; `None`: time.
 ///
 /// # Errors
-/// A lock direction of the other mode, or of a position for a pending cam, which begins where the one before ends (95); no
-/// link (93); a position that the master never shows (13).
-fn led(
+/// A lock direction of the other mode, or of a position for a pending cam, which begins at the end of the active one (95); no link (93);
+/// a position that the master never shows (13).
+fn driven(
     motion: &Motion,
     axis: AxisId,
     mode: InstructionMode,
@@ -58,17 +58,17 @@ pub(super) fn execute(
         lock,
         instruction_mode,
     } = motion.operands(call)?;
-    let led = led(motion, axis, *instruction_mode, &lock, *execution_schedule)?;
+    let driven = driven(motion, axis, *instruction_mode, &lock, *execution_schedule)?;
     axis_moves::verify_axis(&motion.axes[axis], false)?;
     not_stopping(&motion.axes[axis], GeneratorKind::TimeCam)?;
     let since = motion.clock.now();
-    let source = led.map_or(Source::Time { since }, |(link, _)| Source::Axis {
+    let source = driven.map_or(Source::Time { since }, |(link, _)| Source::Axis {
         master: link.master.axis,
         reference: link.master.reference,
     });
     let pending = *execution_schedule == ExecutionSchedule::Pending;
     verify_change(&motion.axes[axis], GeneratorKind::TimeCam, source, pending)?;
-    let sense = led.map(|(_, driven_by)| driven_by.lock.sense);
+    let sense = driven.map(|(_, driven_by)| driven_by.lock.sense);
     let runs = motion.axes[axis].cam(GeneratorKind::TimeCam).map(Cam::sense);
     if runs.is_some_and(|runs| runs != sense) {
         return Err(MotionError::MdscDirectionMismatch);
@@ -81,11 +81,11 @@ pub(super) fn execute(
         profile,
         source,
         slave_scale: sign(*direction, before) * *distance_scaling,
-        // The slave goes on in its direction, whichever way the master is followed.
+        // The slave continues in its direction, whichever direction of the master it follows.
         master_scale: sense.map_or(1.0, Sense::sign) * *time_scaling,
         mode: *execution_mode,
         sense,
-        link: led.map(|(link, _)| link.id),
+        link: driven.map(|(link, _)| link.id),
     };
     verify_reach(motion, axis, &program, distance_scaling.index)?;
     if pending {
@@ -93,7 +93,7 @@ pub(super) fn execute(
         return Ok(());
     }
     let mut lock = None;
-    let master = match led {
+    let master = match driven {
         None => cam::time(since, &motion.clock),
         Some((link, driven_by)) => {
             motion.axes[axis].take_up_link(link.id, &mut motion.controls);

@@ -66,7 +66,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let maxima = maxima(&system.description);
     let read = maxima.map(|maxima| operands.change(&maxima));
-    // Every move that is changed must be of the mode of the change.
+    // The mode of the change must be that of every move that it changes.
     let modes = [false, true].map(|driven| operands.verify_mode(driven));
     let change = |planned: &Planned| {
         modes[usize::from(planned.driven_by.is_some())]?;
@@ -74,7 +74,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     };
     let dynamics = change(&active)?;
     if *scope == Scope::ActiveAndPending {
-        // None is changed where one of them cannot be.
+        // No move changes unless all of them can.
         for waiting in system.travel.waiting() {
             modes[usize::from(waiting.data.driven_by.is_some())]?;
             read[usize::from(waiting.data.only_turns)].verify(waiting.data.dynamics.is_s_curve())?;
@@ -93,7 +93,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// What had been calculated for the active move is given anew at the next update.
+/// Makes the next update calculate the Calculated Data of the active move again.
 fn calculate_again(motion: &mut Motion, index: SystemId, active: Execution) {
     let tick = motion.clock.tick;
     motion.systems[index].calculated.1 = tick + 1;
@@ -101,14 +101,14 @@ fn calculate_again(motion: &mut Motion, index: SystemId, active: Execution) {
     motion.controls.flag(active, available, false);
 }
 
-/// The dynamics of a move with what a call changes, no faster than the joints of robots let it be.
+/// The dynamics of a move with the changes of a call, within the limits of the robots' joints.
 fn changed(change: &Change, planned: &Planned) -> Result<Dynamics, MotionError> {
     let mut dynamics = change.of(planned.dynamics)?;
     dynamics.keep_to(&planned.path_limits);
     Ok(dynamics)
 }
 
-/// The maxima of what moves, and of what only turns; a turn's jerks are in percent of time.
+/// The maxima of motion along X, Y, Z, and of a rotation alone; the jerks of a rotation are in percent of time.
 fn maxima(system: &CoordinateSystem) -> [Maxima; 2] {
     let moves = Maxima::from(system);
     let turns = system.orientation.map_or(moves, |turn| Maxima {

@@ -54,7 +54,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         let point = |move_type: MoveType| {
             let mut point = target_point(values, &start, move_type);
             if move_type == MoveType::Absolute {
-                // Of all the turns of a rotary axis the one in which the arc is.
+                // On a rotary axis the point takes the turn nearest to the middle between start and end.
                 for (member, unwind) in unwinds(motion, system) {
                     let middle = 0.5 * (component(&start, member) + component(&end, member));
                     let coordinate = &mut point[usize::from(member.0)];
@@ -83,7 +83,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     })
 }
 
-/// No increment moves a rotary axis by more than one turn (spec/coordinated-instructions.md §13.6).
+/// Checks that no increment moves a rotary axis by more than one turn (spec/coordinated-instructions.md §13.6).
 fn verify_turns(motion: &Motion, system: &System, increments: &OperandValue<RealArray>) -> Result<(), MotionError> {
     let of_axes = primary(system, increments);
     let beyond =

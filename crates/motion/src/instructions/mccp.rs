@@ -1,4 +1,4 @@
-//! MCCP, Motion Calculate Cam Profile (spec/axis-and-data-types.md §3.9). It works on tags and is worked out beside the tick.
+//! MCCP, Motion Calculate Cam Profile (spec/axis-and-data-types.md §3.9). It works on tags and is calculated beside the tick.
 
 use arcline_instruction_set::{Call, MotionError};
 

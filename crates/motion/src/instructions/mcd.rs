@@ -70,7 +70,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         goal,
     }) = running
     else {
-        // Without a program it only brakes.
+        // A generator without a program only brakes.
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     };
     let dynamics = operands.change(&maxima).of(programmed)?;
@@ -79,7 +79,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let (goal, mut limits) = match goal {
         Goal::Position(_) => (goal, dynamics.limits()),
         Goal::Velocity(velocity) => {
-            // The direction is kept in the sign of a speed of 0 too.
+            // A speed of 0 carries the direction in its sign, too.
             let velocity = dynamics.speed.copysign(velocity);
             (Goal::Velocity(velocity), dynamics.jog_limits(now.velocity, velocity))
         }
@@ -87,7 +87,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if dynamics.speed == 0.0 && bounds.overshoot {
         limits = pause(now, &limits, before.as_ref());
     }
-    // What pauses may brake with more jerk than it goes on with.
+    // An axis that pauses brakes with its stop jerk, which may be higher than the jerk with which it continues.
     let rest = (paused && bounds.overshoot)
         .then(|| Lead::before_rest(now, &limits))
         .flatten();
@@ -99,7 +99,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     generator.follow(profile, generator.clock(&clock).now());
     generator.keeps(&limits);
     generator.program = Some(ProgrammedMotion { dynamics, goal });
-    // What had been calculated is given anew at the next update.
+    // The next update calculates the Calculated Data again.
     let calculated = generator.events.as_mut().and_then(|events| {
         events.due = Some(clock.tick + 1);
         generator.execution
@@ -113,7 +113,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// The limits with which a pause takes no more way than with those so far (spec/coordinated-instructions.md §5.4).
+/// The limits of a pause whose distance is no longer than under the earlier limits (spec/coordinated-instructions.md §5.4).
 fn pause(from: KinematicState, limits: &Limits, before: Option<&Limits>) -> Limits {
     let reach = |limits: &Limits| Profile::stop(from, limits).reach();
     match before {

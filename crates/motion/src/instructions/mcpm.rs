@@ -1,9 +1,9 @@
-//! MCPM, Motion Coordinated Path Move (spec/coordinated-instructions.md §23): X, Y, Z on a straight line, and Rx, Ry, Rz turned
-//! along it about one fixed axis.
+//! MCPM, Motion Coordinated Path Move (spec/coordinated-instructions.md §23): X, Y, Z on a straight line, while Rx, Ry, Rz rotate about
+//! one fixed axis.
 //!
-//! The rotation is a function of the position on the line, so that an override, a change of dynamics and a stop leave the tool on its path.
-//! The limits of both parts hold: where one of them is the stricter in everything, it determines the time. What only turns has its
-//! angle as its path length. Units: position units, degrees.
+//! The rotation is a function of the position on the line, so an override, a change of dynamics and a stop leave the tool on its path.
+//! The limits of both parts hold: if one of them is stricter in every respect, it determines the time. The path length of a rotation alone
+//! is its angle. Units: position units, degrees.
 
 use arcline_instruction_set::enumerations::{
     InterpolationType, Merge, MoveType, TerminationType, TimeUnits, UnitsMode, VelocityProfile,
@@ -30,11 +30,11 @@ use crate::system::Termination;
 use crate::system::heading;
 use crate::verify;
 
-/// Members of the path in their ranges (13), and what is reserved (99).
+/// Checks that the members of the path are in their ranges (13), and that reserved ones are 0 (99).
 fn verify_path(path: &PathData, operand: OperandIndex) -> Result<(), MotionError> {
     let finite = path.position.iter().all(|number| Range::Any.holds(*number));
     let [base, fourth, sixth, reserved] = path.turns_counters;
-    // Only one joint turns the tool about X3.
+    // Only one of the joints J4 and J6 turns the tool about X3.
     let counted = base == 0 && reserved == 0 && (fourth == 0 || sixth == 0);
     let terminated = match path.termination_type {
         Some(TerminationType::ActualTolerance | TerminationType::NoSettle) => true,
@@ -49,7 +49,7 @@ fn verify_path(path: &PathData, operand: OperandIndex) -> Result<(), MotionError
     }
 }
 
-/// Members of the dynamics in their ranges.
+/// The members of the dynamics are in their ranges.
 fn are_in_range(dynamics: &DynamicsData) -> bool {
     let rates = |[speed, acceleration, deceleration]: [f64; 3]| {
         let above = |number: f64| Range::Positive.holds(number);
@@ -89,7 +89,7 @@ pub(super) fn execute(
     let link = motion.systems[index].links.newest().copied();
     programmed::verify_lock(&lock, driven, link.as_ref())?;
     let link = link.filter(|_| driven);
-    // Percent by a master are of the maxima at its nominal speed (spec/coordinated-instructions.md §18.1).
+    // Percentages by a master refer to the maxima at its nominal speed (spec/coordinated-instructions.md §18.1).
     if link.is_some_and(|link| !link.has_nominal) && tags.dynamics.units_mode == Some(UnitsMode::Percent) {
         return Err(dynamics_operand.out_of_range());
     }
@@ -160,7 +160,7 @@ pub(super) fn execute(
     verified.launch(motion, index, &taken)
 }
 
-/// Where a move leads and how.
+/// The path, the rotation and the final orientation of a move.
 struct PathMove {
     path: Path,
     rotation: Option<Rotation>,
@@ -169,9 +169,9 @@ struct PathMove {
 }
 
 impl PathMove {
-    /// From a point and an orientation, that of the queue's frame; `shift`: from it to that of now. The turns counter of J6 counts whole
-    /// turns of Rz, that of J4, which turns the other way round, as many less; of an absolute move those of the end, of an incremental one
-    /// those beside its path.
+    /// The move from a point and an orientation in the queue's frame; `shift` leads from that frame to the present one. The turns counter of J6
+    /// counts whole turns of Rz; that of J4, which turns the opposite way, counts them negatively. The counters of an absolute move are those at
+    /// its end; those of an incremental move add turns to its path.
     fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> PathMove {
         let [x, y, z, rx, ry, rz] = data.position;
         let [_, fourth, sixth, _] = data.turns_counters;
@@ -195,7 +195,7 @@ impl PathMove {
         }
     }
 
-    /// What the move is programmed with along its path, and how fast its rotation lets it be.
+    /// The dynamics along the path as programmed, and the limits that the rotation puts on the speed along the path.
     fn dynamics(&self, moves: Dynamics, turns: Dynamics) -> (Dynamics, PathLimits) {
         let (length, angle) = (
             self.path.length(),
@@ -217,8 +217,8 @@ impl PathMove {
     }
 }
 
-/// How the move completes, and what happens there if it has a successor. What only turns has no tolerance: its whole path may be
-/// blended, or half of it where both ends are.
+/// The termination of the move, and its junction to a successor. A rotation alone has no tolerance: its blends may take its whole path, or
+/// half of it with a blend at both ends.
 fn termination(
     data: &PathData,
     system: &CoordinateSystem,
@@ -244,7 +244,8 @@ fn termination(
     }
 }
 
-/// What both parts are programmed with, in units; percent of the maxima by a master are of these at its nominal speed (spec/coordinated-instructions.md §18.1).
+/// The programmed dynamics of both parts, in units; percentages by a master refer to the maxima at its nominal speed
+/// (spec/coordinated-instructions.md §18.1).
 fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: Option<&MasterLink>) -> [Dynamics; 2] {
     let percent = data.units_mode == Some(UnitsMode::Percent);
     let nominal = link.filter(|_| percent).map_or(1.0, |link| link.nominal);

@@ -28,7 +28,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         verify_sharing(motion, index, &operands)?;
     }
 
-    // A weaker stop while a stop of all is running takes over its bits only.
+    // A weaker stop during a stop of all takes over only the bits of that stop.
     let running = motion.systems[index].stop;
     motion.systems[index].end_stop(&mut motion.controls);
     let mut braking = running.map(|stop| stop.braking).unwrap_or_default();
@@ -47,7 +47,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 motion.unlink_slave(motion.systems[index].description.axes[member]);
             }
         }
-        // A stop of all that is under way goes on as it is.
+        // A stop of all that is under way continues unchanged.
         McsStopType::CoordinatedMove if !is_ending(motion, index) => {
             let limits = rates.along_path(motion, index);
             stop_move(motion, index, &limits);
@@ -68,7 +68,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// With orientation one rate cannot be of X, Y, Z and of Rx, Ry, Rz: only shares of the maxima are possible (spec/coordinated-instructions.md §4.4, §15).
+/// With orientation, one rate cannot apply to both X, Y, Z and Rx, Ry, Rz: only percentages of the maxima are possible
+/// (spec/coordinated-instructions.md §4.4, §15).
 fn verify_units(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<(), MotionError> {
     if motion.systems[index].description.orientation.is_none() {
         return Ok(());
@@ -82,19 +83,19 @@ fn verify_units(motion: &Motion, index: SystemId, operands: &StopOperands) -> Re
     Ok(())
 }
 
-/// Deceleration and jerk that a stop is executed with.
+/// Deceleration and jerk of a stop.
 struct StopRates {
     deceleration: f64,
     jerk: f64,
-    /// What of both the operands say: cancelled transforms have maxima of their own.
+    /// The rates among them that the operands give; cancelled transforms otherwise use their own maxima.
     release: Release,
 }
 
 impl StopRates {
-    /// For a stop along the path of the active move.
+    /// The limits of a stop along the path of the active move.
     fn along_path(&self, motion: &Motion, index: SystemId) -> Limits {
         let system = &motion.systems[index];
-        // The limits of a master driven move are by its master's displacement.
+        // The limits of a master driven move are per master unit.
         let active = system
             .active()
             .filter(|_| system.follower.is_none())
@@ -102,7 +103,7 @@ impl StopRates {
         let deceleration = motion.systems[index].kept_by_turn(self.deceleration);
         Limits {
             speed: active.map_or(system.description.max_speed, |limits| limits.speed),
-            // What is left of an acceleration is taken back at the move's own jerk or, where larger, the stop's.
+            // A remaining acceleration ramps down at the move's own jerk or, if larger, the stop's.
             acceleration: active.map_or(deceleration, |limits| limits.acceleration),
             deceleration,
             jerk: motion.systems[index].is_s_curve().then(|| Jerk {
@@ -145,7 +146,7 @@ fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<St
     })
 }
 
-/// Cancels transforms, chosen by themselves and their target system. Returns the axes that brake.
+/// Cancels the transforms that `which` chooses by the transform and its target system. Returns the axes that brake.
 fn cancel(motion: &mut Motion, release: &Release, which: impl Fn(&Transform, SystemId) -> bool) -> AxisSet {
     let mut braking = AxisSet::default();
     for id in motion.transforms.ids() {
@@ -167,8 +168,8 @@ pub(crate) fn stop_move(motion: &mut Motion, index: SystemId, limits: &Limits) {
     motion.systems[index].stop_on_path(limits, &motion.clock);
 }
 
-/// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths, and every axis
-/// of the system by itself out of what single-axis instructions began on it (spec/coordinated-instructions.md §15.1). Returns the axes that brake.
+/// Stops the coordinated moves of the system, and those of systems that share an axis with it, on their paths. Each axis of the system stops
+/// its single-axis motion separately (spec/coordinated-instructions.md §15.1). Returns the axes that brake.
 fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Result<AxisSet, MotionError> {
     let mut braking = AxisSet::default();
     for other in motion.systems.ids() {
@@ -191,18 +192,18 @@ fn stop_all(motion: &mut Motion, index: SystemId, operands: &StopOperands) -> Re
     Ok(braking)
 }
 
-/// Whether a stop of all brakes the coordinated move of a system on its path.
+/// A stop of all brakes the coordinated move of a system on its path.
 fn is_ending(motion: &Motion, index: SystemId) -> bool {
     let mut axes = motion.systems[index].taken().iter();
     axes.any(|axis| motion.axes[*axis].is_ending_on_path())
 }
 
-/// Whether a stop of all of the one system stops the other one's coordinated moves.
+/// A stop of all of one system also stops the coordinated moves of the other: they are the same, or share an axis.
 fn shares(motion: &Motion, index: SystemId, other: SystemId) -> bool {
     other == index || motion.systems[index].shared_axis(&motion.systems[other]).is_some()
 }
 
-/// A stop of all also stops moves of other systems, at their own maxima where the operands give no rates: there must be some.
+/// A stop of all also stops moves of other systems, at their own maxima if the operands give no rates: checks that these exist.
 fn verify_sharing(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<(), MotionError> {
     for other in motion.systems.ids() {
         if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {

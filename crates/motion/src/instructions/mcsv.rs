@@ -1,4 +1,4 @@
-//! MCSV, Motion Calculate Slave Values (spec/axis-and-data-types.md §3.9). It works on tags and is worked out beside the tick.
+//! MCSV, Motion Calculate Slave Values (spec/axis-and-data-types.md §3.9). It works on tags and is calculated beside the tick.
 
 use arcline_instruction_set::{Call, MotionError};
 

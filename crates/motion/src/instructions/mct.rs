@@ -1,4 +1,4 @@
-//! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), and what MCTP shares with it.
+//! MCT, Motion Coordinated Transform (spec/coordinated-instructions.md §19, §20), and the checks that it shares with MCTP.
 
 use arcline_instruction_set::operands::{Mct, OperandValue};
 use arcline_instruction_set::{AxisId, AxisIndex, Call, Detail, Flag, MotionError, RealArray, SystemId};
@@ -21,24 +21,24 @@ use crate::verify;
 /// Largest angle of an orientation, degrees.
 const LARGEST_ANGLE: f64 = 360.0;
 
-/// EXERR of error 61 (spec/coordinated-instructions.md §19.6): both systems are the same.
+/// EXERR of error 61 (spec/coordinated-instructions.md §19.6): source and target are the same system.
 pub(super) const SAME_SYSTEM: Detail = Detail(2);
-/// EXERR of error 61: neither is Cartesian, or the source is of the other kind.
+/// EXERR of error 61: neither system is Cartesian, or the source has the wrong geometry.
 pub(super) const WRONG_SOURCE: Detail = Detail(5);
-/// EXERR of error 61: the target is of the other kind.
+/// EXERR of error 61: the target has the wrong geometry.
 pub(super) const WRONG_TARGET: Detail = Detail(6);
 /// EXERR of error 61: an axis belongs to both systems.
 pub(super) const AXIS_IN_BOTH: Detail = Detail(7);
 /// EXERR of error 61: another coordinated motion uses axes of the target.
 const TARGET_IN_USE: Detail = Detail(8);
-/// EXERR of error 61: the link lengths.
+/// EXERR of error 61: the link lengths are invalid.
 pub(super) const LINK_LENGTHS: Detail = Detail(9);
-/// EXERR of error 61: the offsets.
+/// EXERR of error 61: the offsets are invalid.
 pub(super) const OFFSETS: Detail = Detail(10);
 /// EXERR of error 61: the dimensions differ.
 const DIMENSIONS_DIFFER: Detail = Detail(17);
 
-/// How the target lies in the source: MCT, MCTP.
+/// The frame of the target in the source: MCT, MCTP.
 pub(super) fn frame(
     orientation: &RealArray,
     translation: &OperandValue<RealArray>,
@@ -47,7 +47,7 @@ pub(super) fn frame(
     let angles = vector(orientation.as_slice());
     let shifts = vector(translation.as_slice());
     for (member, angle) in angles.iter().enumerate() {
-        // What would turn the axes out of the space that there is: 19.3.
+        // Rotations that would turn the axes out of the dimensions of the system (§19.3).
         let turns_out = match dimension {
             3 => false,
             2 => member != 2,
@@ -93,12 +93,12 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     begin(motion, execution, target, transform)
 }
 
-/// The two systems cannot be linked.
+/// The error of two systems that cannot be linked.
 pub(super) fn refused(detail: Detail) -> MotionError {
     MotionError::ConnectionConflict(detail)
 }
 
-/// Begins a transform of a pair that can be linked, in the state in which both sides are.
+/// Begins a transform between two systems that can be linked, from their present states.
 pub(super) fn begin(
     motion: &mut Motion,
     execution: Execution,
@@ -126,7 +126,8 @@ pub(super) fn begin(
     Ok(())
 }
 
-/// The two systems can be linked at all (spec/coordinated-instructions.md §19.3, §19.4, §19.6): with the robot that one of them may be.
+/// Checks that the two systems can be linked (spec/coordinated-instructions.md §19.3, §19.4, §19.6). Returns the robot of one of them, if
+/// there is one.
 pub(super) fn verify_pair(
     motion: &Motion,
     source: SystemId,
@@ -163,7 +164,7 @@ pub(super) fn verify_pair(
     Ok(robot)
 }
 
-/// No other coordinated motion uses axes of the target.
+/// Checks that no other coordinated motion uses axes of the target.
 pub(super) fn verify_free(motion: &Motion, target: SystemId) -> Result<(), MotionError> {
     let axes = &motion.systems[target].description.axes;
     let mut others = motion.systems.ids().zip(motion.systems.iter());
@@ -190,7 +191,8 @@ pub(super) fn verify_linear(motion: &Motion, axes: &[AxisId]) -> Result<(), Moti
     }
 }
 
-/// Each target once, no circles; nothing that was cancelled still brakes.
+/// Checks that each system is the target of one transform only, that there are no circles, and that no motion of a cancelled transform
+/// still brakes.
 fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) -> Result<PlannedOrder, MotionError> {
     let id = TransformId::of_target(target);
     let same = motion.transforms.get(id);
@@ -213,7 +215,7 @@ fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) ->
     order.map_err(|Circle| MotionError::CoordinateSystemChaining)
 }
 
-/// Nothing moves the axes of either side; a gear may hold them.
+/// Checks that no axis of either side moves; a gear may hold an axis.
 fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionError> {
     for side in [&transform.source, &transform.target] {
         let moving = side.iter().position(|axis| {
@@ -228,8 +230,8 @@ fn verify_at_rest(motion: &Motion, transform: &Transform) -> Result<(), MotionEr
     Ok(())
 }
 
-/// The source stands where the target says (spec/coordinated-instructions.md §19.1): axes without a drive, if nothing else holds them, are put there,
-/// all others must be there.
+/// Brings the source to the position that belongs to the target (spec/coordinated-instructions.md §19.1): axes without a drive are set to it if
+/// no generator holds them; all other axes must already be there.
 fn meet(motion: &mut Motion, transform: &Transform) -> Result<(), MotionError> {
     let source = transform.source_of(&positions(motion, &transform.target))?;
     transform.verify(&source)?;

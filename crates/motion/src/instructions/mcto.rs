@@ -1,5 +1,5 @@
-//! MCTO, Motion Coordinated Transform with Orientation (spec/coordinated-instructions.md §19, §24), and what MCTPO shares
-//! with it.
+//! MCTO, Motion Coordinated Transform with Orientation (spec/coordinated-instructions.md §19, §24), and the checks that it shares with
+//! MCTPO.
 
 use arcline_instruction_set::operands::{Mcto, OperandValue};
 use arcline_instruction_set::{Call, Detail, MotionError, OperandIndex, Range, SystemId};
@@ -15,7 +15,7 @@ use crate::range;
 use crate::transforms::robot::RobotMap;
 use crate::transforms::transform::{Map, Transform};
 
-/// The Cartesian system, the robot's, and the robot.
+/// The Cartesian system, the robot's system, and the robot.
 ///
 /// # Errors
 /// 61: the two cannot be linked (spec/coordinated-instructions.md §19.6, §24).
@@ -46,8 +46,8 @@ pub(super) fn pair(
     }
 }
 
-/// Numbers that are some, angles within their ranges (spec/coordinated-instructions.md §22.8): 74 tells the angle, those of the work frame from 0, those
-/// of the tool frame from 3.
+/// Checks that the numbers are finite and the angles within their ranges (spec/coordinated-instructions.md §22.8). EXERR of error 74 is the
+/// angle: those of the work frame from 0, those of the tool frame from 3.
 pub(super) fn verify_frames([work, tool]: [OperandIndex; 2], frames: &Frames) -> Result<(), MotionError> {
     let both = [(work, &frames.work, 0), (tool, &frames.tool, 3)];
     for (operand, frame, _) in both {
@@ -59,8 +59,8 @@ pub(super) fn verify_frames([work, tool]: [OperandIndex; 2], frames: &Frames) ->
         let [.., rx, ry, rz] = frame.coordinates;
         let turn = |angle: f64| angle > -180.0 && angle <= 180.0;
         let held = [turn(rx), ry.abs() <= 90.0, turn(rz)];
-        if let Some(place) = held.iter().position(|held| !held) {
-            return Err(MotionError::InvalidOrientationAngle(Detail(first + place as i8)));
+        if let Some(index) = held.iter().position(|held| !held) {
+            return Err(MotionError::InvalidOrientationAngle(Detail(first + index as i8)));
         }
     }
     Ok(())

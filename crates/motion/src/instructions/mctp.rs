@@ -1,4 +1,4 @@
-//! MCTP, Motion Calculate Transform Position (spec/coordinated-instructions.md §19, §21): nothing moves.
+//! MCTP, Motion Calculate Transform Position (spec/coordinated-instructions.md §19, §21): moves no axis.
 
 use arcline_instruction_set::enumerations::TransformDirection;
 use arcline_instruction_set::operands::Mctp;
@@ -77,7 +77,7 @@ fn joints(robot: &Robot, tool: &Point, arm: Arm) -> Result<Point, MotionError> {
     robot.inverse((*tool).into(), arm).map(Point::from).map_err(refused)
 }
 
-/// The solution that a direction asks for (spec/coordinated-instructions.md §21).
+/// The arm solution for a transform direction (spec/coordinated-instructions.md §21).
 fn arm(robot: &Robot, direction: TransformDirection, present: [f64; 3]) -> Result<Arm, MotionError> {
     let (elbow, mirrored) = match direction {
         TransformDirection::Forward | TransformDirection::Inverse => return Ok(robot.arm(present)),

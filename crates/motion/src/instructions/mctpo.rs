@@ -1,4 +1,4 @@
-//! MCTPO, Motion Calculate Transform Position with Orientation (spec/coordinated-instructions.md §22.8, §25): nothing moves.
+//! MCTPO, Motion Calculate Transform Position with Orientation (spec/coordinated-instructions.md §22.8, §25): moves no axis.
 
 use arcline_instruction_set::enumerations::TransformDirection;
 use arcline_instruction_set::operands::Mctpo;
@@ -13,7 +13,7 @@ use crate::machine::MAX_SYSTEM_AXES;
 use crate::motion::Motion;
 use crate::transforms::robot::refused;
 
-/// The configuration and the turns, as far as the robot has them; otherwise 13 with their operand.
+/// The configuration and the turns, if the robot has them; otherwise 13 with their operand.
 fn solution(
     wrist: Wrist,
     calculation: &Calculation,

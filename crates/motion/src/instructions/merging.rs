@@ -1,4 +1,4 @@
-//! What a coordinated move takes over when it is merged, and what a master driven one follows
+//! The motion that a coordinated move takes over by a merge, and the master that drives it
 //! (spec/coordinated-instructions.md §6.2, §8.7).
 //!
 //! Not here: the path and the dynamics of the move ([`super::moves`]).
@@ -19,11 +19,11 @@ use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
 
-/// The motion of the axes that a merge begins its move with: of coordinated motion, or of all motion.
+/// The motion of the axes that a merge takes over: coordinated motion, or all motion.
 fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     let quantity = |axis: &Axis| match merge {
         Merge::Disabled => Default::default(),
-        // What a transform gives goes on.
+        // The motion that a transform gives an axis continues.
         Merge::AllMotion => axis.sum.motion_of(|kind| !kind.is_of_transforms()),
         _ => axis
             .sum
@@ -38,7 +38,7 @@ fn terminated(motion: &Motion, index: SystemId, merge: Merge) -> InitialMotion {
     }
 }
 
-/// The acceleration that the curvature of a terminated path gives: it ends with the path.
+/// The acceleration from the curvature of a terminated path: it ends with the path.
 fn centripetal(motion: &Motion, index: SystemId, merge: Merge) -> Point {
     let system = &motion.systems[index];
     if merge == Merge::Disabled || !system.is_busy() {
@@ -47,8 +47,8 @@ fn centripetal(motion: &Motion, index: SystemId, merge: Merge) -> Point {
     system.travel.centripetal(&system.time_base(&motion.clock))
 }
 
-/// The limits that the terminated motion keeps by time, as far as they are known. The speed is that of all programmed speeds
-/// together, each in the direction of its motion.
+/// The limits by time of the terminated motion, if they are known. The speed is the sum of all programmed speeds, each in the direction of
+/// its motion.
 fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
     let system = &motion.systems[index];
     if merge == Merge::Disabled || system.follower.is_some() {
@@ -84,7 +84,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
     })
 }
 
-/// The direction of what a coordinate system does; zeros where it stands.
+/// The direction of the coordinated motion of a system; zeros at rest.
 fn way_of_path(motion: &Motion, index: SystemId) -> Point {
     let now = |axis: &Axis| axis.sum.motion_of(|kind| kind == GeneratorKind::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
@@ -93,8 +93,8 @@ fn way_of_path(motion: &Motion, index: SystemId) -> Point {
     direction.unwrap_or_default()
 }
 
-/// Ends what a merge takes over: the coordinated motion of this system and, for All Motion, what else moves its axes,
-/// the coordinated motion of other systems too. Axes that the new move does not take brake by themselves.
+/// Ends the motion that a merge takes over: the coordinated motion of this system and, for All Motion, every other motion of its axes,
+/// including coordinated motion of other systems. Axes that the new move does not use brake separately.
 pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     motion.systems.end_travel(index, &mut motion.controls);
     motion.systems[index].part_axes(&mut motion.axes);
@@ -114,13 +114,13 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     }
 }
 
-/// The motion that a move begins with: the one that a merge terminates, or rest.
+/// The motion that a move begins with: the motion that a merge terminates, or rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TakenOver {
     pub(super) merge: Merge,
     pub(super) initial: InitialMotion,
     turning: Option<AngularState>,
-    /// Speed of the axes, units/s, or per master unit.
+    /// Speed of the axes, units/s or units per master unit.
     pub(super) speed: f64,
 }
 
@@ -134,7 +134,7 @@ impl TakenOver {
         }
     }
 
-    /// At the present.
+    /// The motion at the present tick.
     pub(super) fn of(motion: &Motion, index: SystemId, merge: Merge) -> TakenOver {
         TakenOver {
             merge,
@@ -152,15 +152,15 @@ impl TakenOver {
         self.initial.velocity != Point::zeros() || turns
     }
 
-    /// The turn that ramps out beside the move.
+    /// The rotation that ramps out beside the move.
     pub(super) fn residual(&self) -> Option<RotationResidual> {
         self.turning.and_then(|turning| turning.ramped_out())
     }
 
-    /// The same by the displacement of the master that drives the move.
+    /// The same over the displacement of the master that drives the move.
     ///
     /// # Errors
-    /// 97, 98, 102: how its master moves, and what is under way, do not let it go on from there.
+    /// 97, 98 and 102 if the motion of the master or the motion under way does not permit the merge.
     pub(super) fn by_master(
         &self,
         motion: &Motion,
@@ -189,13 +189,13 @@ pub(super) struct Master {
 }
 
 impl Master {
-    /// `None` where the move is driven by time.
+    /// `None` if time drives the move.
     pub(super) fn of(driven_by: Option<DrivenBy>, link: Option<MasterLink>) -> Option<Master> {
         let (driven_by, link) = driven_by.zip(link)?;
         Some(Master { driven_by, link })
     }
 
-    /// What the move is a function of: the displacement that the move before it is a function of, or one that begins with it.
+    /// The displacement that the move is a function of: that of the move before it, or a new one that begins with it.
     pub(super) fn parameter(&self, motion: &mut Motion, index: SystemId, merge: Merge) -> Parameter {
         let Master { driven_by, link } = self;
         let system = &motion.systems[index];
@@ -212,7 +212,7 @@ impl Master {
     }
 }
 
-/// A motion by time, as one by the displacement of a master.
+/// Converts a motion by time to one by the displacement of a master.
 fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion {
     let mut taken = InitialMotion::default();
     for index in 0..taken.velocity.len() {
@@ -227,8 +227,8 @@ fn by_displacement(rate: &MasterRate, initial: &InitialMotion) -> InitialMotion 
     taken
 }
 
-/// Master driven moves that the new one would go on from, or wait with (98, 102). `idle`: it takes over what stands, and so does the
-/// master; then it may have another direction.
+/// Checks the move against the master driven moves that it would continue or wait behind (98, 102). `idle`: the move starts from rest, and
+/// its master stands; then it may have another direction.
 fn verify_driven(
     motion: &Motion,
     index: SystemId,

@@ -1,4 +1,4 @@
-//! MGS, Motion Group Stop (spec/axis-and-data-types.md §4): every axis by itself, not along a path.
+//! MGS, Motion Group Stop (spec/axis-and-data-types.md §4): every axis stops separately, not along a path.
 
 use arcline_instruction_set::enumerations::StopMode;
 use arcline_instruction_set::operands::Mgs;
@@ -34,7 +34,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// Stops all motion of all axes, in one mode or each axis in its own. Returns the axes that are not at rest yet.
+/// Stops all motion of all axes, in one mode or each axis in its configured one. Returns the axes that are not at rest yet.
 fn stop_group(motion: &mut Motion, mode: Option<ProgrammedStopMode>) -> AxisSet {
     for index in motion.systems.ids() {
         motion.systems[index].end_stop(&mut motion.controls);

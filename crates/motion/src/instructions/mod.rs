@@ -1,4 +1,4 @@
-//! The instructions, one file each; here, their execution, and the queue that coordinated moves take a place in.
+//! The instructions, one file each; here, their execution, and the check for room in the queue of coordinated moves.
 
 mod axis_moves;
 mod camming;
@@ -57,13 +57,13 @@ use crate::execution::{Execution, Ticket};
 use crate::motion::Motion;
 
 impl Motion {
-    /// Executes an instruction at the present tick and returns what its motion control tag shows then.
+    /// Executes an instruction at the present tick and returns the resulting status of its motion control tag.
     /// Real-time: bounded by the instruction and the coordinate systems that share its axes.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
         self.execute_with(ticket, call, None)
     }
 
-    /// The same with what the instruction has from tags. Real-time.
+    /// The same with the data of the instruction that stand in tags. Real-time.
     pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         let execution = Execution {
             ticket,
@@ -74,7 +74,7 @@ impl Motion {
         let data = ReceivedData(data);
         self.controls.because(execution.into());
         let result = self.controls.begin(execution).and_then(|()| match refused {
-            // All axes are: the first one is named.
+            // Every axis is inhibited: EXERR names the first one.
             true => Err(MotionError::AxisIsInhibited(AxisIndex(0))),
             false => execute(self, execution, call, &data),
         });
@@ -88,7 +88,7 @@ impl Motion {
         self.controls.word(call.control)
     }
 
-    /// Whether a coordinated move would find a place in the queue of its coordinate system, or needs none, since it merges.
+    /// The queue of its coordinate system has room for a coordinated move, or the move merges and needs none.
     pub fn has_room(&self, call: &Call) -> bool {
         if !is_queued(call.mnemonic) || merges(call) {
             return true;
@@ -98,7 +98,7 @@ impl Motion {
     }
 }
 
-/// Whether a call is of a coordinated move that merges: it ends what is under way and takes no place in the queue.
+/// A call is of a coordinated move that merges: it ends the motion under way and needs no room in the queue.
 fn merges(call: &Call) -> bool {
     let merge = match call.mnemonic {
         Mnemonic::Mclm => Mclm::of(call).merge.index,
@@ -108,10 +108,10 @@ fn merges(call: &Call) -> bool {
     Merge::from_number(call.word(usize::from(merge.0))) != Some(Merge::Disabled)
 }
 
-/// Verifies an instruction and does it. Real-time.
+/// Verifies an instruction and executes it. Real-time.
 ///
 /// # Errors
-/// The first reason, in the order of spec/coordinated-instructions.md §11.1. Nothing has moved or changed then.
+/// The first error in the order of spec/coordinated-instructions.md §11.1. The instruction has changed nothing then.
 fn execute(motion: &mut Motion, execution: Execution, call: &Call, data: &ReceivedData) -> Result<(), MotionError> {
     match call.mnemonic {
         Mnemonic::Mclm => mclm::execute(motion, execution, call),
@@ -156,7 +156,7 @@ fn execute(motion: &mut Motion, execution: Execution, call: &Call, data: &Receiv
     }
 }
 
-/// Whether the instruction takes a place in its coordinate system's queue.
+/// The instruction is queued in its coordinate system.
 fn is_queued(mnemonic: Mnemonic) -> bool {
     matches!(mnemonic, Mnemonic::Mclm | Mnemonic::Mccm | Mnemonic::Mcpm)
 }

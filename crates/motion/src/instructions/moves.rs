@@ -1,6 +1,6 @@
-//! The common part of MCLM and MCCM: dynamics, termination, and the way into the queue.
+//! The common part of MCLM and MCCM: dynamics, termination, and the entry into the queue.
 //!
-//! Not here: where moves begin and end ([`super::points`]), and what they are merged with or follow ([`super::merging`]).
+//! Not here: the end points of moves ([`super::points`]), and the motion that they merge or their master ([`super::merging`]).
 
 use arcline_instruction_set::enumerations::{Merge, MergeSpeed, TerminationType};
 use arcline_instruction_set::operands::EventOperands;
@@ -21,7 +21,7 @@ use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
 use crate::verify;
 
-/// The operands that every coordinated move has beside its path.
+/// The operands that every coordinated move has besides its path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MoveOperands {
     pub(super) programmed: Programmed,
@@ -33,7 +33,7 @@ pub(super) struct MoveOperands {
 }
 
 impl MoveOperands {
-    /// How the move completes, and what happens there if it has a successor.
+    /// The termination of the move, and its junction to a successor.
     fn termination(&self, system: &CoordinateSystem) -> Result<(Termination, Ending), MotionError> {
         use TerminationType::{
             ActualTolerance, CommandTolerance, CommandToleranceProgrammed, ContourVelocityConstrained,
@@ -67,8 +67,8 @@ impl MoveOperands {
         Ok((settles, ending))
     }
 
-    /// The dynamics with which the move is travelled: with the speed of what it goes on from where Merge Speed asks for it, and as
-    /// fast as the joints of robots permit.
+    /// The dynamics with which the move is executed: at the speed of the merged motion if Merge Speed asks for it, and within the limits of the
+    /// robots' joints.
     fn travelled(&self, mut dynamics: Dynamics, taken: &TakenOver, limits: &PathLimits) -> Dynamics {
         if self.merge != Merge::Disabled && self.merge_speed == MergeSpeed::Current && taken.speed > 0.0 {
             dynamics.keep_speed(taken.speed);
@@ -78,8 +78,8 @@ impl MoveOperands {
     }
 }
 
-/// Verifies what every coordinated move has in common, lets `path` find the geometry between the start point
-/// and the operands, and starts or queues the move.
+/// Does the common verification of coordinated moves, lets `path` calculate the geometry from the start point and the operands, and starts
+/// or queues the move.
 pub(super) fn execute(
     motion: &mut Motion,
     execution: Execution,
@@ -96,7 +96,7 @@ pub(super) fn execute(
     let master = Master::of(programmed.driven_by(motion, link.as_ref())?, link);
     let events = Events::of(&operands.events, Fit::AtLeast)?;
     let system = &motion.systems[index];
-    // What an axis does by time is its master's to decide.
+    // The master determines the motion of an axis over time, so the controller cannot enforce its limits.
     if system.description.axis_limits == AxisLimits::Enforce && master.is_some() {
         return Err(MotionError::FeatureNotSupported);
     }
@@ -105,7 +105,7 @@ pub(super) fn execute(
     let dynamics = programmed.dynamics(&Maxima::from(&system.description))?;
     verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
     let (termination, ending) = operands.termination(&system.description)?;
-    // The queue goes on in the frame in which it began, the operands are of the positions as they are now.
+    // The queue continues in the frame in which it began; the operands refer to the present positions.
     let (start, shift) = match merge {
         Merge::Disabled => (start_point(motion, index), queue_shift(motion, index)),
         _ => (command(motion, index, |axis| axis.command.position), Point::zeros()),
@@ -114,7 +114,7 @@ pub(super) fn execute(
     let path = in_positions.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
     verify::no_overtravel(system, &motion.axes, &path.end())?;
-    // What queues begins with the orientation at the end of the queue, and keeps it.
+    // A queued move starts with the orientation at the end of the queue, and keeps it.
     let (still, queued_heading) = match merge {
         Merge::Disabled => (
             motion.systems[index].keeping_heading(&motion.axes),
@@ -160,10 +160,10 @@ pub(super) fn execute(
     verified.launch(motion, index, &taken)
 }
 
-/// How fast a path may be travelled for the sake of the robots that its system leads.
+/// The limits that the robots led by a system put on the motion along a path.
 ///
 /// # Errors
-/// 67, 68 or 72: what a transform would fail with on the way.
+/// 67, 68 or 72: the error with which a transform would fail along the path.
 pub(super) fn path_limits(
     motion: &Motion,
     index: SystemId,
@@ -178,7 +178,7 @@ pub(super) fn path_limits(
     })
 }
 
-/// How fast the corner before a path that is queued may be passed for their sake.
+/// The limit that these robots put on the speed at the corner before a queued path.
 fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shift: &Point) -> f64 {
     let enforced = motion.systems[index].description.joint_limits == AxisLimits::Enforce;
     if merge == Merge::Disabled && enforced {
@@ -188,7 +188,7 @@ fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shi
     }
 }
 
-/// The limits that the joints of robots set.
+/// The limits that the joints of robots put on a move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointLimits {
     pub(super) path: PathLimits,
@@ -197,7 +197,7 @@ pub(super) struct JointLimits {
 }
 
 impl JointLimits {
-    /// The same by the displacement of a master.
+    /// The same over the displacement of a master.
     pub(super) fn by_master(&self, link: &MasterLink) -> JointLimits {
         JointLimits {
             path: self.path.by_master(link.nominal),
@@ -206,15 +206,15 @@ impl JointLimits {
     }
 }
 
-/// A move that was verified.
+/// A verified move.
 pub(super) struct Verified {
     pub(super) execution: Execution,
     /// In the frame of the queue.
     pub(super) path: Path,
-    /// In positions as they are now.
+    /// In present positions.
     pub(super) in_positions: Path,
     pub(super) rotation: Option<Rotation>,
-    /// Rx, Ry, Rz at its end, degrees, where it turns.
+    /// Rx, Ry, Rz at its end, degrees, if it rotates.
     pub(super) heading: Option<Point>,
     pub(super) dynamics: Dynamics,
     pub(super) joints: JointLimits,
@@ -227,7 +227,7 @@ pub(super) struct Verified {
 }
 
 impl Verified {
-    /// Starts or queues it.
+    /// Starts or queues the move.
     pub(super) fn launch(self, motion: &mut Motion, index: SystemId, taken: &TakenOver) -> Result<(), MotionError> {
         let parameter = match &self.master {
             Some(master) => master.parameter(motion, index, taken.merge),
@@ -287,7 +287,7 @@ impl Verified {
     }
 }
 
-/// Starts a move in place of what was terminated.
+/// Starts a move in place of the terminated motion.
 fn start(
     motion: &mut Motion,
     index: SystemId,
@@ -295,7 +295,7 @@ fn start(
     initial: &InitialMotion,
     residual: Option<RotationResidual>,
 ) -> Result<(), MotionError> {
-    motion.systems[index].lead(
+    motion.systems[index].activate_link(
         planned.data.driven_by,
         motion.clock.now(),
         &motion.axes,
@@ -315,7 +315,7 @@ fn start(
     Ok(())
 }
 
-/// Step 11: the queue, a stop under way, another coordinate system that holds one of the axes.
+/// Step 11: checks the queue, a stop under way, and another coordinate system that holds one of the axes.
 pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -> Result<(), MotionError> {
     let system = &motion.systems[index];
     if merge == Merge::Disabled && system.activity == Activity::Moving && system.travel.is_full() {
@@ -328,9 +328,9 @@ pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -
     for (other_index, other) in motion.systems.ids().zip(motion.systems.iter()) {
         if other_index != index
             && other.is_busy()
-            && let Some(place) = system.shared_axis(other)
+            && let Some(member) = system.shared_axis(other)
         {
-            return Err(MotionError::CoordinatedMotionInProcess(place));
+            return Err(MotionError::CoordinatedMotionInProcess(member));
         }
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! MRP, Motion Redefine Position (spec/axis-and-data-types.md §3.7). Nothing moves: command and actual position, and
-//! what runs, are shifted by one offset.
+//! MRP, Motion Redefine Position (spec/axis-and-data-types.md §3.7). No axis moves: one offset shifts command and actual position, and the
+//! motion under way.
 
 use arcline_instruction_set::enumerations::{RedefineType, Reference};
 use arcline_instruction_set::operands::Mrp;

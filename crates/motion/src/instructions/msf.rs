@@ -1,5 +1,5 @@
-//! MSF, Motion Servo Off (spec/axis-and-data-types.md §2). A moving axis coasts; coordinated motion it takes
-//! part in is over, and the other axes of that motion brake by themselves.
+//! MSF, Motion Servo Off (spec/axis-and-data-types.md §2). A moving axis coasts; the coordinated motion that it takes part in ends, and
+//! the other axes of that motion brake separately.
 
 use arcline_instruction_set::{AxisIndex, Call, MotionError};
 

@@ -1,4 +1,4 @@
-//! Where coordinated moves begin and end: points of a coordinate system out of axes and operands.
+//! The end points of coordinated moves: points of a coordinate system from axes and operands.
 //!
 //! Not here: paths between them. Units: position units.
 
@@ -12,7 +12,7 @@ use crate::motion::Motion;
 use crate::rotary::Turn;
 use crate::system::{Activity, System, component, numbered};
 
-/// A quantity of each axis of a coordinate system as a point.
+/// A quantity of the axes of a coordinate system as a point.
 pub(super) fn command(motion: &Motion, index: SystemId, quantity: impl Fn(&Axis) -> f64) -> Point {
     let mut point = Point::zeros();
     for (axis, coordinate) in motion.systems[index].description.linear().iter().zip(point.iter_mut()) {
@@ -29,7 +29,7 @@ pub(super) fn queue_shift(motion: &Motion, index: SystemId) -> Point {
     }
 }
 
-/// The end of the last move in the queue, or where the axes are commanded to be.
+/// The end of the last move in the queue, or the command position.
 pub(super) fn start_point(motion: &Motion, index: SystemId) -> Point {
     let system = &motion.systems[index];
     let queued = if system.activity == Activity::Moving {
@@ -40,7 +40,7 @@ pub(super) fn start_point(motion: &Motion, index: SystemId) -> Point {
     queued.unwrap_or_else(|| command(motion, index, |axis| axis.command.position))
 }
 
-/// The operand's point, absolute or counted from the start; axes beyond the operand keep the start's.
+/// The point of an operand, absolute or relative to the start; axes beyond the operand keep the start's position.
 pub(super) fn target_point(values: &[f64], start: &Point, move_type: MoveType) -> Point {
     let mut target = *start;
     for ((coordinate, from), value) in target.iter_mut().zip(start.iter()).zip(values) {
@@ -64,11 +64,11 @@ pub(super) fn unwinds(motion: &Motion, system: &System) -> impl Iterator<Item = 
     axes.filter_map(|(member, axis)| Some((member, motion.axes.get(axis)?.unwind?)))
 }
 
-/// Sets the ends of rotary axes to where absolute positions lie from the start: the sign is the direction, the magnitude
-/// the position within one turn (spec/coordinated-instructions.md §12.2).
+/// Places absolute positions of rotary axes relative to the start: the sign of an operand is the direction, its magnitude the position
+/// within one turn (spec/coordinated-instructions.md §12.2).
 ///
 /// # Errors
-/// `ParameterOutOfRange` (13) with the operand when a magnitude is beyond the unwind.
+/// `ParameterOutOfRange` (13) with the operand if a magnitude is beyond the unwind.
 pub(super) fn unwind(
     motion: &Motion,
     system: &System,

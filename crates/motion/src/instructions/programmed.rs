@@ -1,6 +1,6 @@
-//! Speed, rates and jerks as operands: what moves and jogs are programmed with, and what MCCD and MCD change.
+//! Speed, rates and jerks as operands: the programmed dynamics of moves and jogs, and the changes by MCCD and MCD.
 //!
-//! Not here: what becomes of them, and MAM's durations in seconds.
+//! Not here: the use of these dynamics, and MAM's durations in seconds.
 
 use arcline_instruction_set::enumerations::{JerkUnits, LockDirection, NoYes, RateUnits, SpeedUnits, VelocityProfile};
 use arcline_instruction_set::operands::{DynamicsOperands, LockOperands, OperandValue, StopOperands};
@@ -51,7 +51,7 @@ impl Rates {
         }
     }
 
-    /// A percentage of a maximum that is 0 leaves nothing to move with.
+    /// Rejects a percentage of a maximum that is 0: no motion would be possible.
     fn verify(&self, dynamics: &Dynamics) -> Result<(), MotionError> {
         positive(dynamics.acceleration, self.accel_rate.index)?;
         positive(dynamics.deceleration, self.decel_rate.index)?;
@@ -63,7 +63,7 @@ impl Rates {
     }
 }
 
-/// How a move or a jog is programmed: MCLM, MCCM, MAM, MAJ.
+/// The operands for dynamics, profile and master lock: MCLM, MCCM, MAM, MAJ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Programmed {
     pub(super) rates: Rates,
@@ -107,7 +107,7 @@ impl Programmed {
         self.profile == VelocityProfile::SCurve
     }
 
-    /// The shape with these jerks.
+    /// The shape of the profile with these jerks.
     pub(super) fn shape(&self, jerks: Jerks) -> Shape {
         match self.profile {
             VelocityProfile::SCurve => Shape::SCurve(jerks),
@@ -118,7 +118,7 @@ impl Programmed {
     /// Speed, rates and jerks in position units.
     ///
     /// # Errors
-    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    /// `ParameterOutOfRange` (13) if a percentage of a maximum is 0.
     pub(super) fn dynamics(&self, maxima: &Maxima) -> Result<Dynamics, MotionError> {
         let rates = &self.rates;
         let speed = rates.speed(maxima);
@@ -133,7 +133,7 @@ impl Programmed {
         Ok(dynamics)
     }
 
-    /// One mode for all units: 94.
+    /// Checks that all units are of one mode (94).
     pub(super) fn verify_units(&self) -> Result<(), MotionError> {
         let rates = &self.rates;
         let others = [
@@ -147,20 +147,20 @@ impl Programmed {
         Ok(())
     }
 
-    /// Whether the speed is by a master.
+    /// The unit of the speed is per master unit.
     fn is_master_driven(&self) -> bool {
         self.rates.speed_units.is_master_driven()
     }
 
-    /// A lock direction of the mode of the units (95), and a link for what is master driven (93).
+    /// Checks that the lock direction matches the mode of the units (95), and that a master driven motion has a link (93).
     pub(super) fn verify_link(&self, link: Option<&MasterLink>) -> Result<(), MotionError> {
         verify_lock(&self.lock, self.is_master_driven(), link)
     }
 
-    /// How the motion is driven by its link; `None`: by time.
+    /// The link and lock that drive the motion; `None`: time drives it.
     ///
     /// # Errors
-    /// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+    /// `ParameterOutOfRange` (13) if a rotary master never shows the Lock Position.
     pub(super) fn driven_by(
         &self,
         motion: &Motion,
@@ -173,7 +173,7 @@ impl Programmed {
     }
 }
 
-/// A lock direction of the mode (95), and a link for what is master driven (93).
+/// Checks that the lock direction matches the mode (95), and that a master driven motion has a link (93).
 pub(super) fn verify_lock(
     lock: &LockOperands,
     master_driven: bool,
@@ -188,10 +188,10 @@ pub(super) fn verify_lock(
     Ok(())
 }
 
-/// How a motion is driven by a link.
+/// The link and lock that drive a motion.
 ///
 /// # Errors
-/// `ParameterOutOfRange` (13) where a rotary master never shows the Lock Position.
+/// `ParameterOutOfRange` (13) if a rotary master never shows the Lock Position.
 pub(super) fn driven_by(motion: &Motion, lock: &LockOperands, link: &MasterLink) -> Result<DrivenBy, MotionError> {
     let LockOperands {
         lock_position,
@@ -216,8 +216,8 @@ pub(super) fn driven_by(motion: &Motion, lock: &LockOperands, link: &MasterLink)
     })
 }
 
-/// With what a master driven motion takes over one at a speed: how its master moves (97, 98). One that waits for a lock takes
-/// over nothing (102).
+/// The rate of the master, which converts moving motion that a master driven one takes over (97, 98). A motion that waits for a lock takes
+/// over no motion (102).
 pub(super) fn master_rate(link: &MasterLink, lock: LockTo, moves: bool) -> Result<MasterRate, MotionError> {
     let rate = MasterFollower::rate_of(&link.master, lock.sense);
     if !moves {
@@ -233,7 +233,7 @@ pub(super) fn master_rate(link: &MasterLink, lock: LockTo, moves: bool) -> Resul
     }
 }
 
-/// Whether a way is long enough to slow down on it, from the speed of what is taken over to the programmed one (103).
+/// Checks that a distance is long enough to reduce the speed of the motion taken over to the programmed one (103).
 pub(super) fn verify_reduction(speed: f64, limits: &Limits, distance: f64) -> Result<(), MotionError> {
     let excess = speed - limits.speed;
     // A ramp is symmetric: its mean speed times the time that a stop from the difference would take.
@@ -260,7 +260,7 @@ pub(super) struct ChangeOperands {
 }
 
 impl ChangeOperands {
-    /// Every unit of a change must be of the mode of what is under way: 94, and 105 for the speed's.
+    /// Checks that every unit of a change is of the mode of the motion under way: 94, and 105 for the speed.
     pub(super) fn verify_mode(&self, driven: bool) -> Result<(), MotionError> {
         let rates = &self.rates;
         let changes_jerk = [self.change_accel_jerk, self.change_decel_jerk].contains(&NoYes::Yes);
@@ -282,7 +282,7 @@ impl ChangeOperands {
         }
     }
 
-    /// The change in position units, once for all moves.
+    /// The change in position units, the same for all moves.
     pub(super) fn change(&self, maxima: &Maxima) -> Change {
         let rates = &self.rates;
         let jerks = rates.jerks(maxima);
@@ -310,10 +310,10 @@ pub(crate) struct Change {
 }
 
 impl Change {
-    /// Dynamics with the change. A jerk in percent of time follows whatever is changed.
+    /// The dynamics with the change. A jerk in percent of time follows every change.
     ///
     /// # Errors
-    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    /// `ParameterOutOfRange` (13) if a percentage of a maximum is 0.
     pub(super) fn of(&self, mut dynamics: Dynamics) -> Result<Dynamics, MotionError> {
         if let Some(speed) = self.speed {
             dynamics.set_speed(speed);
@@ -327,11 +327,11 @@ impl Change {
         Ok(dynamics)
     }
 
-    /// Whether [`Change::of`] can be made of any dynamics: what is not changed was accepted before, and a jerk in percent of
-    /// time is more than 0.
+    /// Checks that [`Change::of`] succeeds for any dynamics: the unchanged values were accepted before, and a jerk in percent of time is more
+    /// than 0.
     ///
     /// # Errors
-    /// `ParameterOutOfRange` (13) where a percentage of a maximum is 0.
+    /// `ParameterOutOfRange` (13) if a percentage of a maximum is 0.
     pub(super) fn verify(&self, s_curve: bool) -> Result<(), MotionError> {
         let jerk = |jerk: Option<JerkRate>| match jerk {
             Some(JerkRate::Units(jerk)) if s_curve => Some(jerk),
@@ -344,8 +344,10 @@ impl Change {
             (jerk(self.acceleration_jerk), rates.accel_jerk.index),
             (jerk(self.deceleration_jerk), rates.decel_jerk.index),
         ];
-        let mut changed = changed.into_iter().filter_map(|(value, place)| Some((value?, place)));
-        changed.try_for_each(|(value, place)| positive(value, place))
+        let mut changed = changed
+            .into_iter()
+            .filter_map(|(value, operand)| Some((value?, operand)));
+        changed.try_for_each(|(value, operand)| positive(value, operand))
     }
 }
 
@@ -374,7 +376,7 @@ pub(super) fn stop_change(operands: &StopOperands, maxima: &Maxima) -> StopChang
     }
 }
 
-/// A percentage of a maximum that is 0 leaves nothing to move with.
+/// Rejects a percentage of a maximum that is 0: no motion would be possible.
 pub(super) fn positive(value: f64, operand: OperandIndex) -> Result<(), MotionError> {
     if value > 0.0 {
         Ok(())

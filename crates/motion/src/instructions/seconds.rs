@@ -1,5 +1,5 @@
-//! MAM in seconds, or in master units: the durations of the whole move and of its phases are programmed, speed and rates follow from the
-//! distance (spec/axis-and-data-types.md §1.4).
+//! MAM in seconds, or in master units: the operands give the durations of the whole move and of its phases; speed and rates follow from
+//! the distance (spec/axis-and-data-types.md §1.4).
 //!
 //! With the distance `D`, the duration `T`, those of the phases `Ta` and `Td`, and the ramp times `Tj` inside them
 //! (S-curve; 0 for a trapezoid):
@@ -13,12 +13,12 @@ use arcline_instruction_set::MotionError;
 use super::programmed::{Programmed, Rates};
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units};
 
-/// Whether the operand Speed is a duration.
+/// The operand Speed is a duration.
 pub(super) fn is_duration(rates: &Rates) -> bool {
     rates.speed_units.duration().is_some()
 }
 
-/// Where the speed is a duration, everything is, in the same units, and only there.
+/// Checks that either all operands are durations in the same units, or none is.
 pub(super) fn verify_units(rates: &Rates) -> Result<(), MotionError> {
     let others = [
         rates.accel_units.duration(),
@@ -32,7 +32,7 @@ pub(super) fn verify_units(rates: &Rates) -> Result<(), MotionError> {
     }
 }
 
-/// The phases have room within the move, and an S-curve's ramps within the phases.
+/// Checks that the phases fit into the move, and an S-curve's ramps into the phases.
 pub(super) fn verify_durations(programmed: &Programmed) -> Result<(), MotionError> {
     let rates = &programmed.rates;
     let [whole, accel, decel] = [*rates.speed, *rates.accel_rate, *rates.decel_rate];
@@ -62,7 +62,7 @@ pub(super) fn dynamics(programmed: &Programmed, distance: f64, maxima: &Maxima) 
         acceleration: JerkRate::Units(acceleration),
         deceleration: JerkRate::Units(deceleration),
     };
-    // Of no effect in a trapezoid.
+    // Without effect on a trapezoid.
     let most = jerks(maxima.acceleration_jerk, maxima.deceleration_jerk);
     if distance == 0.0 {
         return Dynamics {

@@ -35,9 +35,9 @@ pub struct Axis {
     pub unwind: Option<f64>,
     /// State at start-up.
     pub start: Start,
-    /// How it is homed.
+    /// Its homing.
     pub home: Home,
-    /// The stop of the axis by a group stop in mode Programmed.
+    /// The deceleration of the axis by a group stop in mode Programmed.
     pub programmed_stop_mode: ProgrammedStopMode,
     /// The action of each fault.
     pub exception_actions: ExceptionActions,
@@ -45,7 +45,7 @@ pub struct Axis {
     pub average_velocity_timebase: f64,
     /// The limits of its set-points.
     pub command_limits: CommandLimits,
-    /// Its following error that is a fault; nothing on an axis without a drive.
+    /// The following error that is a fault; without effect on an axis without a drive.
     pub position_error: PositionErrorLimit,
     /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`](super::MAX_OUTPUT_TARGETS).
     pub output_cam_targets: usize,
@@ -56,7 +56,7 @@ pub struct Axis {
 /// The largest step from one set-point to the next, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CommandLimits {
-    /// Whether they are looked at. A set-point that is no number never goes out.
+    /// The controller checks the limits. A set-point that is not a number is always refused.
     pub enabled: bool,
     /// Highest speed, times Maximum Speed.
     pub speed: f64,
@@ -65,7 +65,7 @@ pub struct CommandLimits {
 }
 
 impl CommandLimits {
-    /// Those of an axis that is not configured otherwise: looked at where it has a drive.
+    /// The default limits for a type of axis: checked if the axis has a drive.
     pub fn of_kind(kind: &AxisKind) -> Self {
         CommandLimits {
             enabled: matches!(kind, AxisKind::Servo),
@@ -95,7 +95,7 @@ impl ExceptionActions {
         self.0[kind as usize]
     }
 
-    /// With another action for one kind.
+    /// The same actions with another one for one kind.
     #[must_use]
     pub fn with(mut self, kind: FaultKind, action: ExceptionAction) -> Self {
         self.0[kind as usize] = action;
@@ -104,7 +104,7 @@ impl ExceptionActions {
 }
 
 impl Default for ExceptionActions {
-    /// As the catalogue says.
+    /// The default actions of the catalogue.
     fn default() -> Self {
         ExceptionActions(FAULTS.each_ref().map(|fault| fault.default))
     }
@@ -138,7 +138,7 @@ impl ProgrammedStopMode {
 }
 
 impl Axis {
-    /// A linear axis of these maxima, and the defaults of a configuration for all else: units/s and units/s².
+    /// A linear axis with these maxima, in units/s and units/s², and the defaults of a configuration otherwise.
     pub fn new(name: &str, kind: AxisKind, max_speed: f64, max_acceleration: f64) -> Self {
         let jerk = default_jerk(max_speed, max_acceleration);
         Axis {
@@ -165,19 +165,18 @@ impl Axis {
         }
     }
 
-    /// Whether its position rolls over.
+    /// The axis is rotary: its position repeats after one unwind.
     pub fn is_rotary(&self) -> bool {
         self.unwind.is_some()
     }
 
-    /// How far from 0 the axis can be: 2³² coarse updates of this period (s) at Maximum Speed
-    /// (spec/coordinated-instructions.md §4.6, "The range of positions").
+    /// The greatest distance of the axis from 0: 2³² coarse updates of this period (s) at Maximum Speed
     pub(crate) fn range(&self, period: f64) -> f64 {
         const UPDATES: f64 = 4_294_967_296.0;
         UPDATES * self.max_speed * period
     }
 
-    /// Whether it is an AXIS_VIRTUAL.
+    /// The axis is an AXIS_VIRTUAL.
     pub fn is_virtual(&self) -> bool {
         matches!(self.kind, AxisKind::Virtual)
     }
@@ -188,23 +187,23 @@ impl Axis {
 pub enum AxisKind {
     /// A drive moves it; the axis is an AXIS_CIP_DRIVE.
     Servo,
-    /// It has no drive: actual is command; the axis is an AXIS_VIRTUAL.
+    /// The axis has no drive: its actual position is its command position; the axis is an AXIS_VIRTUAL.
     Virtual,
-    /// An encoder: it cannot be moved, its position is written to a tag; the axis is an AXIS_CIP_DRIVE.
+    /// An encoder: no instruction moves it, and clients write its position to a tag; the axis is an AXIS_CIP_DRIVE.
     Feedback,
 }
 
-/// When the following error of an axis is a fault (spec/axis-and-data-types.md §9.3).
+/// The limit of the following error of an axis; an error beyond it is a fault (spec/axis-and-data-types.md §9.3).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PositionErrorLimit {
     /// Position Error Tolerance, u; 0 switches the check off.
     pub tolerance: f64,
-    /// Position Error Tolerance Time: for how long the error must exceed the tolerance, s, 0 or more.
+    /// Position Error Tolerance Time: the time for which the error must exceed the tolerance, s, 0 or more.
     pub time: f64,
 }
 
 impl PositionErrorLimit {
-    /// No following error is a fault.
+    /// The following error is unchecked.
     pub const OFF: PositionErrorLimit = PositionErrorLimit {
         tolerance: 0.0,
         time: 0.0,
@@ -230,14 +229,14 @@ pub struct Travel {
     pub max: f64,
 }
 
-/// How an axis stands at start-up.
+/// The state of an axis at start-up.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Start {
     /// Actual and command position, u; of a rotary axis within one turn.
     pub position: f64,
-    /// Whether the drive is enabled. Means nothing for a virtual axis, which is always on.
+    /// The drive is enabled. Without effect on a virtual axis, which is always on.
     pub servo_on: bool,
-    /// Whether the axis counts as homed.
+    /// The axis counts as homed.
     pub homed: bool,
     /// Faults that have not been reset.
     pub faults: FaultSet,

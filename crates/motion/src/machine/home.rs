@@ -1,32 +1,32 @@
-//! How an axis is homed (spec/axis-and-data-types.md §9.4, §11).
+//! The homing configuration of an axis (spec/axis-and-data-types.md §9.4, §11).
 
 /// Homing of an axis.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Home {
-    /// Whether MAH moves the axis.
+    /// MAH moves the axis, or waits for the event while other instructions move it.
     pub mode: HomeMode,
-    /// Which event makes the home point.
+    /// The event that marks the home point.
     pub sequence: HomeSequence,
-    /// Which way an active sequence begins, and whether it comes back.
+    /// The direction in which an active sequence begins, and whether the axis returns to the home point.
     pub direction: HomeDirection,
-    /// Home Position: the position that the home point is given, u; of a rotary axis within one turn.
+    /// Home Position: the position of the axis at the home point, u; of a rotary axis within one turn.
     pub position: f64,
     /// Home Offset: the distance from the event to the Home Position, u.
     pub offset: f64,
-    /// Home Speed of the first leg, u/s; above 0 where an active sequence moves.
+    /// Home Speed of the first leg, u/s; above 0 if an active sequence moves the axis.
     pub speed: f64,
-    /// Home Return Speed of later legs, u/s; above 0 where an active sequence moves.
+    /// Home Return Speed of later legs, u/s; above 0 if an active sequence moves the axis.
     pub return_speed: f64,
     /// Home Acceleration, u/s²; above 0.
     pub acceleration: f64,
-    /// Home Deceleration, u/s². 0 is possible where the axis's Maximum Deceleration is 0: MAH errs with 54.
+    /// Home Deceleration, u/s². It may be 0 if the axis's Maximum Deceleration is 0: MAH errs with 54.
     pub deceleration: f64,
     /// The inputs that its drive can latch.
     pub inputs: HomeInputs,
 }
 
 impl Home {
-    /// Immediate homing to position 0: what an axis has without configuration. Rates in u/s².
+    /// Immediate homing to position 0, the default of a configuration. Rates in u/s².
     pub fn immediate(acceleration: f64, deceleration: f64) -> Self {
         Home {
             mode: HomeMode::Active,
@@ -46,7 +46,7 @@ impl Home {
 /// Home Mode.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HomeMode {
-    /// MAH waits for the event while others move the axis.
+    /// MAH waits for the event while other instructions move the axis.
     Passive,
     /// MAH moves the axis.
     Active,
@@ -55,7 +55,7 @@ pub enum HomeMode {
 /// Home Sequence.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum HomeSequence {
-    /// Where the axis stands.
+    /// The position at which the axis stands.
     Immediate,
     /// An edge of the switch.
     Switch,
@@ -70,7 +70,7 @@ pub enum HomeSequence {
 }
 
 impl HomeSequence {
-    /// Whether a held torque level begins it.
+    /// A held torque level begins the sequence.
     pub fn is_of_torque(self) -> bool {
         matches!(self, HomeSequence::Torque | HomeSequence::TorqueMarker)
     }
@@ -98,7 +98,7 @@ impl HomeDirection {
         }
     }
 
-    /// Whether the axis comes back to the home point.
+    /// The axis returns to the home point.
     pub fn is_bidirectional(self) -> bool {
         matches!(
             self,
@@ -130,7 +130,7 @@ pub enum HomeSwitch {
 }
 
 impl HomeSwitch {
-    /// Whether it becomes active in the direction in which homing begins.
+    /// The switch becomes active in the direction in which homing begins.
     pub fn becomes_active(self, direction: HomeDirection) -> bool {
         match self {
             HomeSwitch::Forward => direction.sign() > 0.0,

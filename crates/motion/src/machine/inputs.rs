@@ -3,19 +3,19 @@
 /// Tags that an axis reads, by their paths.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Inputs {
-    /// Where its position comes from: of an axis of kind [`Feedback`](super::AxisKind::Feedback).
+    /// The source of its position: for an axis of kind [`Feedback`](super::AxisKind::Feedback).
     pub feed: Option<Feed>,
     /// Its registration inputs: BOOLs, or bits of integers.
     pub registration: [Option<String>; 2],
 }
 
-/// Where the position of an axis comes from.
+/// The tag that gives the position of an axis.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Feed {
-    /// Path of a number, position units; of a rotary axis any turn will do.
+    /// Path of a tag with a number, position units; the position of a rotary axis may lie on any turn.
     pub tag: String,
     /// Time over which the axis goes from one written position to the next, s, 0 or more.
     pub interval: f64,
-    /// How old a position may become before the axis faults, s, above 0.
+    /// The age at which a position is too old and faults the axis, s, above 0.
     pub timeout: f64,
 }

@@ -1,4 +1,4 @@
-//! The sizes of the largest machine, and the jerk of an axis or a coordinate system that states none.
+//! The sizes of the largest machine, and the default jerk of an axis or a coordinate system.
 
 /// Largest number of axes of one machine.
 pub const MAX_AXES: usize = 256;
@@ -21,13 +21,13 @@ pub const MAX_SYSTEM_AXES: usize = 6;
 /// Deepest queue of pending moves behind the active one.
 pub const MAX_QUEUE_DEPTH: usize = 1000;
 
-/// The jerk maximum that stands for "100 % of time" at full speed and full rate: `rate² / speed`
-/// (spec/axis-and-data-types.md §9.2), u/s³; what an absent jerk maximum is.
+/// The default jerk maximum, which equals "100 % of time" at full speed and full rate: `rate² / speed`
+/// (spec/axis-and-data-types.md §9.2), u/s³.
 pub fn default_jerk(speed: f64, rate: f64) -> f64 {
     if speed > 0.0 { rate * rate / speed } else { 0.0 }
 }
 
-/// The first three of what each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
+/// The first three of the values that each axis of a coordinate system has: those of its primary axes, or of an arm's joints.
 pub(crate) fn three<T: Copy>(of: &[T; MAX_SYSTEM_AXES]) -> [T; MAX_PRIMARY_AXES] {
     [of[0], of[1], of[2]]
 }

@@ -8,13 +8,13 @@ use arcline_planner::profile::Bounds as DynamicsBits;
 
 use super::limits::{MAX_PRIMARY_AXES, default_jerk};
 
-/// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima are of the vector.
+/// One coordinate system (spec/axis-and-data-types.md §9.6). The maxima apply along the path.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CoordinateSystem {
     /// Name, the coordinate system's tag.
     pub name: String,
-    /// Places of its axes in [`MotionGroup::axes`](super::MotionGroup::axes), in order, each once: 1 to [`MAX_PRIMARY_AXES`], or as many as `orientation`
-    /// or a wrist in `robot` says. See [`CoordinateSystem::linear`].
+    /// Its axes in order, each once: 1 to [`MAX_PRIMARY_AXES`], or the number that `orientation` or a wrist in `robot` requires. See
+    /// [`CoordinateSystem::linear`].
     pub axes: Vec<AxisId>,
     /// 100 % of speed, above 0, u/s.
     pub max_speed: f64,
@@ -34,23 +34,23 @@ pub struct CoordinateSystem {
     pub command_tolerance: f64,
     /// Pending moves behind the active one, 1 to [`MAX_QUEUE_DEPTH`](super::MAX_QUEUE_DEPTH).
     pub queue_depth: usize,
-    /// How termination types 2, 3 and 6 shape a corner.
+    /// The shape of corners with termination types 2, 3 and 6.
     pub corner: Corner,
-    /// Where planned contours may deviate from the programmed path inside the tolerance.
+    /// The permitted side of the deviation of planned contours from the programmed path within the tolerance.
     pub deviation: Deviation,
-    /// Whether the axes' own limits lower the path speed.
+    /// The axes' own limits lower the path speed, or do not.
     pub axis_limits: AxisLimits,
-    /// Whether the joints of robots that a transform leads lower the path speed.
+    /// The limits of the joints of robots that a transform leads lower the path speed, or do not.
     pub joint_limits: AxisLimits,
-    /// The robot whose joints its axes are; `None`: it is Cartesian.
+    /// The robot whose joints are the axes of the system; `None`: it is Cartesian.
     pub robot: Option<Robot>,
     /// Its axes are X, Y, Z, Rx, Ry, Rz, the last three in degrees: Coordinate Definition XYZRxRyRz. Never of a robot.
     pub orientation: Option<Orientation>,
 }
 
 impl CoordinateSystem {
-    /// A Cartesian coordinate system of these maxima of the vector, and the defaults of a configuration for all else: units/s and
-    /// units/s².
+    /// A Cartesian coordinate system with these maxima along the path, in units/s and units/s², and the defaults of a configuration
+    /// otherwise.
     pub fn new(name: &str, axes: &[AxisId], max_speed: f64, max_acceleration: f64) -> Self {
         let jerk = default_jerk(max_speed, max_acceleration);
         CoordinateSystem {
@@ -79,13 +79,13 @@ impl CoordinateSystem {
         &self.axes[..self.axes.len().min(MAX_PRIMARY_AXES)]
     }
 
-    /// The axes behind them: Rx, Ry, Rz, or the joints J4 to J6; mostly none. Real-time.
+    /// The other axes: Rx, Ry, Rz, or the joints J4 to J6; often none. Real-time.
     pub fn oriented(&self) -> &[AxisId] {
         &self.axes[self.axes.len().min(MAX_PRIMARY_AXES)..]
     }
 }
 
-/// Maxima of the turn of a Cartesian coordinate system with orientation (spec/axis-and-data-types.md §9.6), each above 0.
+/// Maxima of the rotation of a Cartesian coordinate system with orientation (spec/axis-and-data-types.md §9.6), each above 0.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Orientation {
     /// 100 % of Orientation Speed, degrees/s.
@@ -101,16 +101,16 @@ impl Orientation {
     pub const DEFINITION: &'static str = "XYZRxRyRz";
 }
 
-/// A robot as it was described: MCT refuses one that cannot be (ERR 61).
+/// A robot as configured: MCT refuses invalid parameters (ERR 61).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Robot {
-    /// How it is built; it has as many joints as the coordinate system has axes.
+    /// Its construction; it has as many joints as the coordinate system has axes.
     pub build: Build,
     /// Its lengths and offsets.
     pub parameters: Parameters,
 }
 
-/// How a robot is built.
+/// The construction of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Build {
     /// An arm, which MCT links.
@@ -120,7 +120,7 @@ pub enum Build {
 }
 
 impl Build {
-    /// Joints.
+    /// The number of joints.
     pub fn joints(self) -> usize {
         match self {
             Build::Arm(geometry) => geometry.joints(),
@@ -129,7 +129,7 @@ impl Build {
     }
 }
 
-/// How termination types 2, 3 and 6 shape a corner.
+/// The shape of corners with termination types 2, 3 and 6.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Corner {
     /// The two moves are superposed, as Logix does it.
@@ -139,10 +139,10 @@ pub enum Corner {
     Precise,
 }
 
-/// Whether a coordinated move keeps the axes' own limits.
+/// The treatment of the axes' own limits by coordinated moves.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum AxisLimits {
-    /// Nothing, as in Logix: only the vector's limits count.
+    /// They have no effect, as in Logix: only the limits along the path apply.
     #[default]
     Ignore,
     /// The path speed is lowered so that no axis exceeds its speed, acceleration or jerk.

@@ -1,8 +1,8 @@
 //! A slave axis that a cam leads: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
 //!
-//! The slave's displacement since the cam was locked is a function of the master's since then, whatever the update period,
-//! and nothing is integrated: the lock and the ends of the profile stand at positions of the master, not at ticks. Time
-//! is a master that moves one unit a second. Units: position units of either axis, seconds.
+//! The slave's displacement since the lock of the cam is a function of the master's displacement since then, whatever the update period,
+//! and nothing is integrated: the lock and the ends of the profile are positions of the master, not ticks. Time is a master that moves at
+//! one unit per second. Units: position units of either axis, seconds.
 
 use arcline_instruction_set::AxisId;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::tolerance::CAM_LENGTH_SHARE;
 pub(crate) enum Source {
     /// The position of an axis.
     Axis { master: AxisId, reference: Reference },
-    /// Seconds since it began.
+    /// Seconds since the cam began.
     Time { since: Instant },
 }
 
@@ -34,20 +34,20 @@ pub(crate) struct CamProgram {
     pub(crate) source: Source,
     /// Slave units per unit of the profile, negative when the profile is subtracted.
     pub(crate) slave_scale: f64,
-    /// Master units per unit of the profile; below 0 where the master goes in reverse while the profile goes on.
+    /// Master units per unit of the profile; below 0 if the master moves in reverse while the profile advances.
     pub(crate) master_scale: f64,
-    /// Its behaviour at the ends of its profile: it is over (Once), begins again from where it has led the slave (Continuous), or
-    /// waits for the master to come back (Persistent).
+    /// The behaviour of the cam at the ends of its profile: it ends (Once), begins again from the slave's position there (Continuous), or
+    /// waits for the master to return (Persistent).
     pub(crate) mode: ExecutionMode,
-    /// The only direction in which the master is followed.
+    /// The only direction in which the slave follows the master; `None`: both.
     pub(crate) sense: Option<Sense>,
-    /// Where the profile is entered when the cam is locked.
+    /// The position in the profile at which the cam begins when it is locked.
     pub(crate) entry: f64,
-    /// The link to its master, where it is driven by one (MDAC).
+    /// The link to its master, if a link drives the cam (MDAC).
     pub(crate) link: Option<u32>,
 }
 
-/// A cam that takes over when the one under way ends.
+/// A pending cam: it replaces the active one at that one's end.
 #[derive(Clone, Debug)]
 pub(crate) struct Pending {
     pub(crate) program: CamProgram,
@@ -60,13 +60,13 @@ pub(crate) struct Cam {
     program: CamProgram,
     /// Its master, or time.
     master: Reader,
-    /// How far the master has gone since the cam was locked.
+    /// The displacement of the master since the lock of the cam.
     displacement: Displacement,
-    /// Where the slave was then, in its generator's frame.
+    /// The position of the slave at the lock, in its generator's frame.
     slave_from: f64,
-    /// Position in the profile at the last look; that of Continuous goes on beyond its ends.
+    /// Position in the profile at the last update; a Continuous cam counts on beyond its ends.
     position: f64,
-    /// Which time Continuous runs, from 0; below 0 in reverse.
+    /// The number of the present run of a Continuous cam, from 0; below 0 in reverse.
     turn: f64,
     /// The slave follows the master.
     follows: bool,
@@ -74,20 +74,20 @@ pub(crate) struct Cam {
     segment: usize,
 }
 
-/// Where a profile was left.
+/// The end at which the cam left its profile.
 #[derive(Clone, Copy, Debug)]
 struct Exit {
-    /// At its last point, else at its first.
+    /// The end is the last point of the profile, otherwise its first.
     at_end: bool,
-    /// Where the master was.
+    /// The position of the master there.
     master: f64,
-    /// Where the slave stands.
+    /// The position of the slave there.
     slave: f64,
 }
 
 impl Cam {
-    /// The cam of a program, with its master and its slave as they are. `lock`: a position of the master, without the offset that
-    /// it was redefined by; without one the cam is locked at once, one that a link drives where the master turns to its direction.
+    /// The cam of a program, from the present state of its master and its slave. `lock`: a position of the master, without the offset of
+    /// redefined positions. Without a lock position the cam is locked at once; a cam that a link drives, when the master moves in its direction.
     pub(crate) fn new(program: CamProgram, lock: Option<Crossing>, at: &MasterAt, slave: f64, clock: &Clock) -> Self {
         let (entry, from) = (program.entry, at.point.position);
         let displacement = match lock {
@@ -110,17 +110,17 @@ impl Cam {
         self.program.source
     }
 
-    /// The link to its master, where it is driven by one.
+    /// The link to its master, if a link drives the cam.
     pub(crate) fn link(&self) -> Option<u32> {
         self.program.link
     }
 
-    /// The only direction in which the master is followed.
+    /// The only direction in which the slave follows the master; `None`: both.
     pub(crate) fn sense(&self) -> Option<Sense> {
         self.program.sense
     }
 
-    /// Whether the slave follows the master now: …CamLockStatus.
+    /// The slave follows the master at this tick: …CamLockStatus.
     pub(crate) fn follows(&self) -> bool {
         self.follows
     }
@@ -130,13 +130,13 @@ impl Cam {
         self.segment
     }
 
-    /// Whether it comes to an end by itself.
+    /// The cam ends on its own.
     pub(crate) fn will_end(&self) -> bool {
         matches!(self.program.source, Source::Time { .. }) && self.program.mode == ExecutionMode::Once
     }
 
-    /// Brings the slave to where the master leads it; `slave` is where it is. At the end of the profile a pending cam takes
-    /// over. Returns the slave in its generator's frame, and the cam that has ended.
+    /// Updates the slave to the position of the master; `slave` is its present position. At the end of the profile a pending cam takes over.
+    /// Returns the slave in its generator's frame, and the cam that has ended.
     pub(crate) fn follow(
         &mut self,
         at: &MasterAt,
@@ -153,7 +153,7 @@ impl Cam {
         if waited {
             self.slave_from = slave;
         }
-        let (point, exit) = self.led(going, pending.is_some());
+        let (point, exit) = self.slave_motion(going, pending.is_some());
         let Some(exit) = exit else {
             return (point, Ended::Nothing);
         };
@@ -162,11 +162,11 @@ impl Cam {
         };
         self.hand_over(next.program, &exit);
         let going = self.displacement.go_on(&self.master, 0.0);
-        let (point, _) = self.led(going, false);
+        let (point, _) = self.slave_motion(going, false);
         (point, Ended::HandedOver(next.execution))
     }
 
-    /// Another profile goes on where this one was left.
+    /// Continues with another profile at the exit of this one.
     fn hand_over(&mut self, mut program: CamProgram, exit: &Exit) {
         let (start, end) = (program.profile.start().0, program.profile.end().0);
         program.entry = if exit.at_end { start } else { end };
@@ -178,8 +178,9 @@ impl Cam {
         self.turn = 0.0;
     }
 
-    /// Where the master leads the slave, and where it has left the profile. `hands_over`: another cam waits for that.
-    fn led(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
+    /// The motion of the slave that belongs to the master, and the exit if the cam has left its profile. `hands_over`: a pending cam waits for
+    /// the exit.
+    fn slave_motion(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
         let CamProgram {
             profile,
             slave_scale,
@@ -211,7 +212,7 @@ impl Cam {
             let risen = self.turn * profile.rise() + profile.at(if at_end { profile.end().0 } else { start }).y;
             let slave = self.slave_from + slave_scale * (risen - profile.at(entry).y);
             self.follows = false;
-            // Persistent may have been left long ago.
+            // A Persistent cam may have left its profile in an earlier update.
             let outside = if at_end { before - bound } else { bound - before } > rounding;
             let left = self.displacement.from + (bound - entry) * master_scale;
             let exit = Exit {
@@ -226,7 +227,7 @@ impl Cam {
         let value = profile.at(inside);
         let within =
             *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
-        // In the other direction the slave waits until the master is back where it turned.
+        // In the other direction the slave waits until the master is back at the position at which it reversed.
         self.follows = going != Going::Back && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;
@@ -249,13 +250,13 @@ impl Cam {
     }
 }
 
-/// The cam that a look at the master has ended.
+/// The cam that an update of the master has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Ended {
     Nothing,
-    /// The cam: nothing was pending.
+    /// The cam; none was pending.
     Cam,
-    /// The cam; the pending one of this instruction goes on.
+    /// The cam; the pending one of this instruction continues.
     HandedOver(Execution),
 }
 

@@ -1,12 +1,12 @@
-//! How far a master has gone since a follower was locked to it (spec/coordinated-instructions.md §8.5, §8.6).
+//! The displacement of a master since a follower was locked to it (spec/coordinated-instructions.md §8.5, §8.6).
 //!
-//! A follower is locked at a position of its master, or at once. In one direction the displacement is the furthest that the master
-//! has gone: on its return it is not followed, and from the furthest position on the master is followed again. Nothing is integrated: a
-//! displacement is a difference of two positions. Units: master units.
+//! A follower is locked at a position of its master, or at once. With one lock direction, the displacement is the greatest one that the
+//! master has reached: the follower stands while the master returns, and follows again from the furthest position on. Nothing is integrated:
+//! a displacement is a difference of two positions. Units: master units.
 
 use super::master::Reader;
 
-/// In which direction a master is followed.
+/// The direction in which a follower follows its master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sense {
     Forward,
@@ -27,14 +27,14 @@ impl Sense {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     pub(crate) position: f64,
-    /// Only a master that moves in this direction crosses it.
+    /// Only a master that moves in this direction crosses the position.
     pub(crate) sense: Option<Sense>,
-    /// Length of a turn of a rotary master, on each of which it lies once.
+    /// Length of a turn of a rotary master; the position lies on each turn once.
     pub(crate) unwind: Option<f64>,
 }
 
 impl Crossing {
-    /// Where a master that went from one position to another has crossed it; one that stood on it has not.
+    /// The position at which a master crosses on its motion from one position to another; a master that starts on it does not cross it.
     pub(crate) fn crossed(&self, from: f64, to: f64) -> Option<f64> {
         let sense = if to > from { Sense::Forward } else { Sense::Reverse };
         if from == to || self.sense.is_some_and(|only| only != sense) {
@@ -45,7 +45,7 @@ impl Crossing {
         (ahead > 0.0 && beyond >= 0.0).then_some(next)
     }
 
-    /// The position by so much further.
+    /// The crossing shifted by an offset.
     fn shifted(&self, by: f64) -> Self {
         Crossing {
             position: self.position + by,
@@ -53,7 +53,7 @@ impl Crossing {
         }
     }
 
-    /// Where a master that goes on in a direction comes to it; behind the master, if it lies there.
+    /// The position at which a master reaches the crossing in a direction; it may lie behind a linear master.
     fn next(&self, from: f64, sense: Sense) -> f64 {
         match self.unwind {
             None => self.position,
@@ -65,26 +65,26 @@ impl Crossing {
     }
 }
 
-/// How far the lock has come.
+/// The state of the lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lock {
-    /// Until the master crosses a position.
+    /// It waits for the master to cross a position.
     Waiting(Crossing),
-    /// Until the master goes in the direction that is followed.
+    /// It waits for the master to move in the lock direction.
     Starting,
     Locked,
 }
 
-/// The motion of a master in an update, as its follower sees it.
+/// The motion of a master in an update, for its follower.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Going {
-    /// It has not come to the lock.
+    /// The master has not reached the lock.
     Waits,
-    /// It goes on.
+    /// The master moves on in the lock direction.
     On,
-    /// It is where it has been furthest.
+    /// The master stands at its furthest position.
     Stands,
-    /// It went back, and has not come to the furthest position again.
+    /// The master moves back, or has not reached its furthest position again.
     Back,
 }
 
@@ -92,16 +92,16 @@ pub(super) enum Going {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Displacement {
     lock: Lock,
-    /// The only direction that is followed.
+    /// The only direction that is followed; `None`: both.
     sense: Option<Sense>,
-    /// Where the displacement begins.
+    /// The position of the master at displacement 0.
     pub(super) from: f64,
-    /// In the direction that is followed: never less than before.
+    /// The furthest displacement in the direction that is followed; it never decreases.
     pub(super) furthest: f64,
 }
 
 impl Displacement {
-    /// From where a master is now, at once; with `starting` as soon as the master goes in the direction that is followed.
+    /// Locks at the present position of a master; with `starting`, as soon as the master moves in the lock direction.
     pub(super) fn at_once(sense: Option<Sense>, from: f64, starting: bool) -> Self {
         Displacement {
             lock: if starting { Lock::Starting } else { Lock::Locked },
@@ -111,7 +111,7 @@ impl Displacement {
         }
     }
 
-    /// From a position that the master will cross.
+    /// Locks when the master crosses a position.
     pub(super) fn behind(crossing: Crossing, sense: Option<Sense>, from: f64) -> Self {
         Displacement {
             lock: Lock::Waiting(crossing),
@@ -119,12 +119,12 @@ impl Displacement {
         }
     }
 
-    /// Begins again at a position.
+    /// Starts again from a position.
     pub(super) fn restart(&mut self, from: f64) {
         *self = Displacement::at_once(self.sense, from, false);
     }
 
-    /// The motion of the master since the tick before. `shift`: from the position of the lock to that of the reader.
+    /// The motion of the master since the previous tick. `shift`: from positions of the lock to those of the reader.
     pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> Going {
         let now = master.now.position;
         let mut locks = false;
@@ -145,7 +145,7 @@ impl Displacement {
             return Going::On;
         }
         if self.lock == Lock::Starting {
-            // It begins where the master turns to the direction that is followed.
+            // The displacement begins at the position at which the master turns to the lock direction.
             self.from = now;
         }
         if gone < self.furthest {
@@ -155,7 +155,7 @@ impl Displacement {
         }
     }
 
-    /// Whether the lock lies in the direction that is followed, seen from where the master was at the tick before; `shift` as in
+    /// The lock position lies in the lock direction from the master's position at the previous tick; `shift` as in
     /// [`Displacement::go_on`].
     pub(super) fn is_ahead(&self, master: &Reader, shift: f64) -> bool {
         match (self.lock, self.sense) {
@@ -167,17 +167,17 @@ impl Displacement {
         }
     }
 
-    /// Whether the lock waits for a position.
+    /// The lock waits for a position.
     pub(super) fn is_waiting(&self) -> bool {
         matches!(self.lock, Lock::Waiting(_))
     }
 
-    /// Whether the lock has closed, and the master has gone in the direction that is followed since.
+    /// The lock has closed, and the master has moved in the lock direction since.
     pub(super) fn is_locked(&self) -> bool {
         self.lock == Lock::Locked
     }
 
-    /// How far the master has gone, with its sign.
+    /// The displacement of the master, with its sign.
     pub(super) fn gone(&self, master: &Reader) -> f64 {
         match self.sense {
             Some(sense) => sense.sign() * self.furthest,

@@ -1,8 +1,8 @@
-//! The displacement of a master, of which motions are functions (spec/coordinated-instructions.md §8.1, §8.5, §8.6).
+//! The displacement of a master as the variable of motions (spec/coordinated-instructions.md §8.1, §8.5, §8.6).
 //!
-//! A follower reads its master once a tick and shows how far it has gone in the lock direction since the lock
-//! ([`super::displacement`]). Between two ticks the master is taken to go straight from the one position to the other, so the lock,
-//! and the ends of moves, lie inside a tick.
+//! A follower reads its master once a tick and computes the displacement in the lock direction since the lock ([`super::displacement`]).
+//! Between two ticks the master is assumed to move linearly from one position to the other, so the lock and the ends of moves lie at
+//! exact instants inside a tick.
 //!
 //! Not here: those motions. Units: master units, seconds.
 
@@ -23,31 +23,31 @@ pub(crate) struct DrivenBy {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LockTo {
     pub(crate) sense: Sense,
-    /// Where the master is locked to, as it shows its position; `None`: at once.
+    /// The lock position of the master, in positions that the master shows; `None`: the lock closes at once.
     pub(crate) position: Option<f64>,
 }
 
-/// How a follower begins.
+/// The parameters of a follower that begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FollowerStart {
-    /// The link by which it begins.
+    /// The link by which the motion begins.
     pub(crate) link: u32,
     pub(crate) lock: LockTo,
-    /// Of the master, where that is rotary.
+    /// The unwind of the master, if it is rotary.
     pub(crate) unwind: Option<f64>,
     /// An instant of the update that ends now.
     pub(crate) since: Instant,
 }
 
-/// A master and how far it has gone.
+/// A master and its displacement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MasterFollower {
-    /// The link by which it was begun.
+    /// The link by which the motion began.
     pub(crate) link: u32,
     pub(crate) master: Master,
     pub(crate) sense: Sense,
     displacement: Displacement,
-    /// The master is at the furthest position, and did not come back from it.
+    /// The lock has closed, and the master is at its furthest position or moves on from it.
     follows: bool,
     /// The lock lies in the lock direction.
     is_ahead: bool,
@@ -103,7 +103,7 @@ impl MasterFollower {
         }
     }
 
-    /// How far the master has gone.
+    /// The displacement of the master.
     pub(crate) fn displacement(&self) -> f64 {
         self.displacement.furthest
     }
@@ -113,7 +113,7 @@ impl MasterFollower {
         Clock::of_displacement(self.displacement())
     }
 
-    /// How the displacement goes on.
+    /// The rate of change of the displacement at the present tick.
     pub(crate) fn rate(&self) -> MasterRate {
         let sign = self.sense.sign();
         let speed = sign * self.master.reader.now.velocity;
@@ -125,7 +125,7 @@ impl MasterFollower {
         MasterRate { speed, acceleration }
     }
 
-    /// How the displacement would go on from now if it were locked: a motion under way is taken over at this pace.
+    /// The rate of change that the displacement would have if the follower were locked; a motion that is taken over is converted with it.
     pub(crate) fn rate_of(master: &Master, sense: Sense) -> MasterRate {
         MasterRate {
             speed: (sense.sign() * master.reader.now.velocity).max(0.0),
@@ -133,27 +133,28 @@ impl MasterFollower {
         }
     }
 
-    /// Whether the master is followed: the lock is on.
+    /// The motion follows the master: the lock has closed, and the master is not behind its furthest position.
     pub(crate) fn follows(&self) -> bool {
         self.follows
     }
 
-    /// Whether the master has gone in the lock direction since the lock: before, the motion has not begun.
+    /// The master has moved in the lock direction since the lock; before that, the motion has not begun.
     pub(crate) fn has_begun(&self) -> bool {
         self.displacement.is_locked()
     }
 
-    /// Whether the lock is still waited for at a position.
+    /// The lock still waits for a position of the master.
     pub(crate) fn has_position_lock(&self) -> bool {
         self.displacement.is_waiting()
     }
 
-    /// Whether the master, as it moves, will go on, or lock.
+    /// The master, at its present velocity, will advance the displacement, or reach the lock.
     pub(crate) fn will_go_on(&self) -> bool {
         self.is_ahead && self.sense.sign() * self.master.velocity() > 0.0
     }
 
-    /// When, in the update that ends now, the master came to a displacement. Those before that update are its beginning.
+    /// The instant of the update that ends now at which the master reached a displacement; for earlier displacements, the beginning of the
+    /// update.
     pub(crate) fn instant_of(&self, displacement: Instant, clock: &Clock) -> Instant {
         let sign = self.sense.sign();
         let short = displacement.elapsed(&self.clock());
@@ -200,7 +201,7 @@ mod tests {
         LockTo { sense, position }
     }
 
-    /// The displacements that a follower shows while its master goes through positions, the first of them at the beginning.
+    /// The displacements of a follower while its master moves through positions, starting at the first.
     fn ways(lock: LockTo, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
         let clock = Clock::at(0, PERIOD_NS);
         let first = at(positions[0]);
@@ -224,7 +225,7 @@ mod tests {
         ways
     }
 
-    /// Its name, the lock, the master's unwind, its positions and the displacement at each.
+    /// The reason, the lock, the master's unwind, its positions, and the displacement at each.
     type Case<'a> = (&'a str, LockTo, Option<f64>, &'a [f64], &'a [(f64, bool)]);
 
     #[test]

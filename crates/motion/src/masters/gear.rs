@@ -1,9 +1,8 @@
 //! A slave axis geared to a master (spec/axis-and-data-types.md §3.5).
 //!
-//! The slave's displacement is the ratio times the master's since they met, and the rest of the difference between
-//! the speed that the slave had and the geared speed: the clutch ramps this difference out. So everything is a function
-//! of time and of where the master is, whatever the update period, and nothing is integrated. Units: position units of
-//! either axis, seconds.
+//! The slave's displacement is the ratio times the master's since the start of the gearing, plus a slip: the clutch ramps out the difference
+//! between the slave's speed and the geared speed. The position of the slave is thus a function of time and of the master's position,
+//! whatever the update period, and nothing is integrated. Units: position units of either axis, seconds.
 
 use arcline_planner::profile::{Limits, Profile};
 use arcline_planner::{Clock, Instant};
@@ -18,18 +17,18 @@ pub(crate) struct Gear {
     pub(crate) master: Master,
     /// Slave units per master unit, negative against the master's direction.
     pub(crate) ratio: f64,
-    /// Where the master was when they met.
+    /// The position of the master at the start of the gearing.
     master_from: f64,
-    /// Where the slave was then, in its generator's frame.
+    /// The position of the slave at that instant, in its generator's frame.
     slave_from: f64,
-    /// The rest of the difference of speeds; at rest from the beginning without a clutch.
+    /// The slip: the difference of speeds that the clutch ramps out; at rest from the beginning without a clutch.
     clutch: Profile,
     since: Instant,
 }
 
 impl Gear {
-    /// The slave meets the master. `slave` is its position in its generator's frame and the geared speed that it has;
-    /// `clutch`: the acceleration that takes it to the new one, or at once.
+    /// Starts the gearing of a slave to a master. `slave` is its position in its generator's frame and its present speed from an earlier
+    /// gearing; `clutch` is the acceleration to the geared speed, `None` for no ramp.
     pub(crate) fn new(master: Master, ratio: f64, slave: KinematicState, clutch: Option<f64>, now: Instant) -> Self {
         let difference = slave.velocity - ratio * master.velocity();
         let clutch = match clutch {
@@ -58,7 +57,7 @@ impl Gear {
         }
     }
 
-    /// Where the slave is, in its generator's frame. `at`: the master at the present tick.
+    /// The motion of the slave in its generator's frame. `at`: the master at the present tick.
     pub(crate) fn follow(&mut self, at: &MasterAt, clock: &Clock) -> KinematicState {
         self.master.read(at, clock);
         let (slip, master) = (self.clutch.at(self.since.elapsed(clock)), &self.master.reader.now);
@@ -69,7 +68,7 @@ impl Gear {
         }
     }
 
-    /// Whether the slave has the geared speed.
+    /// The slave has the geared speed.
     pub(crate) fn is_locked(&self, clock: &Clock) -> bool {
         self.since.elapsed(clock) >= self.clutch.duration()
     }

@@ -1,4 +1,4 @@
-//! New links to masters, and the master displacements of the moves that begin by them.
+//! New links to masters, and the master displacements of the moves that begin by these links.
 
 use arcline_instruction_set::AxisId;
 use arcline_instruction_set::enumerations::Reference;
@@ -9,7 +9,7 @@ use super::master::Master;
 use crate::axes::Axes;
 use crate::execution::Execution;
 
-/// Numbers of links, and of master displacements that moves are functions of: each is given out once.
+/// Numbers of links, and of master displacements that moves are functions of: each number is used once.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LinkNumbers {
     links: u32,
@@ -17,12 +17,12 @@ pub(crate) struct LinkNumbers {
 }
 
 impl LinkNumbers {
-    /// Whether there was no link yet.
+    /// No link has been made yet.
     pub(crate) fn is_unused(&self) -> bool {
         self.links == 0
     }
 
-    /// A link to a master as it is now. `nominal`: how fast the master moves in general; its Maximum Speed where that is 0.
+    /// A link to a master in its present state. `nominal`: the Nominal Master Velocity; if it is 0, the master's Maximum Speed counts.
     pub(crate) fn link(
         &mut self,
         execution: Execution,

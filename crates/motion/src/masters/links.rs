@@ -1,7 +1,7 @@
 //! Links to master axes: MDCC's of coordinate systems, MDAC's of axes (spec/coordinated-instructions.md §8.3, §18;
 //! spec/axis-and-data-types.md §3.8).
 //!
-//! A link moves nothing. A motion that begins by it has a master follower of its own, which goes on when the link is replaced. A link to
+//! A link moves nothing. A motion that begins by it has its own master follower, which continues when the link is replaced. A link to
 //! another master waits behind the active one until a motion begins by it. Not here: the causes that break links (`motion::master_links`).
 
 use arcline_instruction_set::Flag;
@@ -14,20 +14,20 @@ use crate::execution::Execution;
 /// A link to a master.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MasterLink {
-    /// Tells it from all others of the machine.
+    /// Its number, unique in the machine.
     pub(crate) id: u32,
     pub(crate) execution: Execution,
     pub(crate) master: Master,
-    /// How fast the master moves in general, master units/s, more than 0.
+    /// The nominal speed of the master, master units/s, more than 0.
     pub(crate) nominal: f64,
-    /// Whether Nominal Master Velocity says so.
+    /// The nominal speed comes from Nominal Master Velocity.
     pub(crate) has_nominal: bool,
     /// AC, as last written.
     pub(crate) shown_active: bool,
 }
 
 impl MasterLink {
-    /// AC of the link's instruction: whether a motion that began by the link is under way.
+    /// Updates AC of the link's instruction: a motion that began by the link is under way.
     pub(crate) fn show_active(&mut self, is_used: bool, controls: &mut Controls) {
         if std::mem::replace(&mut self.shown_active, is_used) != is_used {
             controls.flag(self.execution, Flag::Ac, is_used);
@@ -39,7 +39,7 @@ impl MasterLink {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MasterLinks {
     pub(crate) active: Option<MasterLink>,
-    /// Takes its place when a motion begins by it.
+    /// The link that becomes active when a motion begins by it.
     pub(crate) pending: Option<MasterLink>,
 }
 
@@ -53,18 +53,18 @@ impl MasterLinks {
         self.active.is_none() && self.pending.is_none()
     }
 
-    /// Both, as far as there are.
+    /// The active and the pending link, if they exist.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &MasterLink> {
         self.active.iter().chain(&self.pending)
     }
 
-    /// Both, to change.
+    /// The same, mutable.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
         self.active.iter_mut().chain(&mut self.pending)
     }
 
-    /// A motion begins by a link: the pending one replaces the active one. The link as it is then, if there
-    /// still is one, and whose link ended.
+    /// Starts a motion by a link: a pending link replaces the active one. Returns the link, if it still exists, and the instruction of the link
+    /// that ended.
     pub(crate) fn take_up(&mut self, id: u32) -> Option<(MasterLink, Option<Execution>)> {
         if let Some(link) = self.pending.filter(|link| link.id == id) {
             self.pending = None;
@@ -74,8 +74,8 @@ impl MasterLinks {
         self.active.filter(|link| link.id == id).map(|link| (link, None))
     }
 
-    /// Makes a link. One to the same master is renewed, one to another waits behind it and replaces the link that waited so far.
-    /// Returns whose links ended.
+    /// Makes a link. A link to the same master is renewed; a link to another master waits behind the active one and replaces the link that waited
+    /// before. Returns the instructions of the links that ended.
     pub(crate) fn make(&mut self, mut link: MasterLink) -> [Option<Execution>; 2] {
         let same = |other: &MasterLink| {
             other.master.axis == link.master.axis && other.master.reference == link.master.reference
@@ -116,17 +116,17 @@ const KINDS: [MdacMotionType; 4] = [
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct AxisMasterLinks {
     links: [MasterLinks; 1 + KINDS.len()],
-    /// There was a link: an axis that never had one is looked at in every tick.
+    /// The axis has had a link; ticks pass over the links of other axes.
     made: bool,
 }
 
 impl AxisMasterLinks {
-    /// Those of one Motion Type.
+    /// The links of one Motion Type.
     pub(crate) fn of(&self, serves: MdacMotionType) -> &MasterLinks {
         &self.links[serves as usize]
     }
 
-    /// Those of one Motion Type, to change.
+    /// The links of one Motion Type, mutable.
     pub(crate) fn of_mut(&mut self, serves: MdacMotionType) -> &mut MasterLinks {
         self.made = true;
         &mut self.links[serves as usize]
@@ -139,7 +139,7 @@ impl AxisMasterLinks {
             .or_else(|| self.of(MdacMotionType::All).newest())
     }
 
-    /// Whether a link of all kinds would stand beside one of a kind.
+    /// A link for all kinds of motion would coexist with one for a single kind.
     pub(crate) fn conflict(&self, serves: MdacMotionType) -> bool {
         let taken = |other: MdacMotionType| !self.of(other).is_empty();
         match serves {
@@ -157,7 +157,7 @@ impl AxisMasterLinks {
         self.links.iter().flat_map(MasterLinks::iter)
     }
 
-    /// Every link, to change.
+    /// Every link, mutable.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
         self.links.iter_mut().flat_map(MasterLinks::iter_mut)
     }

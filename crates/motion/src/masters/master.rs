@@ -9,7 +9,7 @@ use arcline_profile::KinematicState;
 
 use super::MasterAt;
 
-/// A master axis, and its position as it is read.
+/// A master axis, and the position that its followers read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Master {
     pub(crate) axis: AxisId,
@@ -27,7 +27,7 @@ impl Master {
         }
     }
 
-    /// Reads the master at the clock's tick; again, if it has changed within the tick.
+    /// Reads the master at the clock's tick, or again if the master has changed within the tick.
     pub(crate) fn read(&mut self, at: &MasterAt, clock: &Clock) {
         self.reader.read(at, clock);
     }
@@ -38,15 +38,15 @@ impl Master {
     }
 }
 
-/// The position of a master, or time, one tick after the other. It stays continuous where another position of the axis is read
-/// from now on.
+/// The position of a master, or time, tick by tick. It stays continuous when the followers change between the command and the actual
+/// position of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reader {
-    /// The position that is read now: a master without torque has no command of its own.
+    /// The position that followers read at present; a master without torque has only its actual position.
     read: Reference,
-    /// Makes one continuous position of both.
+    /// The offset that makes the position continuous across changes between the two.
     pub(super) offset: f64,
-    /// At the tick before.
+    /// The position at the previous tick.
     pub(super) before: f64,
     pub(super) now: KinematicState,
     tick: u64,
@@ -69,7 +69,7 @@ impl Reader {
             self.before = self.now.position;
         }
         if self.read != at.read {
-            // Command and actual position differ: no follower jumps from the one to the other.
+            // Command and actual position differ; the offset prevents a jump of the followers.
             self.read = at.read;
             self.offset = self.now.position - at.point.position;
         }
@@ -79,7 +79,7 @@ impl Reader {
         };
     }
 
-    /// Where it was at an instant of the update that ends now: between two ticks it goes straight from one position to the other.
+    /// Its position at an instant of the update that ends now: linear between the positions of two ticks.
     pub(super) fn position_at(&self, at: Instant, clock: &Clock) -> f64 {
         let share = (at.elapsed(clock) / clock.period()).clamp(0.0, 1.0);
         self.now.position - share * (self.now.position - self.before)

@@ -18,8 +18,8 @@ use arcline_profile::KinematicState;
 pub(crate) struct MasterAt {
     /// Its motion, without the offset that its position was redefined by.
     pub(crate) point: KinematicState,
-    /// Which of its positions this is.
+    /// The position that was read: command or actual.
     pub(crate) read: Reference,
-    /// The offset that its position was redefined by: it shows so much more.
+    /// The offset of redefined positions: the position that the axis shows minus the one in `point`.
     pub(crate) redefined: f64,
 }

@@ -1,4 +1,4 @@
-//! Coordinated moves as they were accepted: the data with which clients draw them.
+//! Accepted coordinated moves: the data from which clients draw them.
 
 use arcline_instruction_set::{ControlSlot, Mnemonic, SystemId};
 use arcline_planner::geometry::Path;
@@ -9,24 +9,24 @@ use crate::execution::Ticket;
 /// A coordinated move that was verified and queued.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcceptedMove {
-    /// When.
+    /// The tick.
     pub tick: u64,
-    /// Whose.
+    /// Its execution.
     pub ticket: Ticket,
-    /// The tag it was executed with.
+    /// Its motion control tag.
     pub control: ControlSlot,
     /// The instruction.
     pub mnemonic: Mnemonic,
     /// Index of the coordinate system.
     pub system: SystemId,
-    /// The programmed path, in positions as they are now.
+    /// The programmed path, in present positions.
     pub path: Path,
-    /// How far from the end of the path its successor may begin, position units; 0: it begins there, infinite: as soon as
-    /// this one brakes.
+    /// The distance from the end of the path at which the successor may begin, position units; 0: at the end, infinite: as soon as
+    /// the move brakes.
     pub tolerance: f64,
 }
 
-/// Moves that are kept until the controller takes them; more are not shown.
+/// Moves stored until the controller reads them; further ones are not shown.
 pub(crate) const ACCEPTED: usize = 256;
 
 impl Motion {
@@ -36,7 +36,7 @@ impl Motion {
         self.accepted.clear();
     }
 
-    /// Notes an accepted move. Real-time.
+    /// Records an accepted move. Real-time.
     pub(crate) fn accept(&mut self, accepted: AcceptedMove) {
         if self.accepted.len() < ACCEPTED {
             self.accepted.push(accepted);

@@ -1,11 +1,10 @@
-//! The last step before set-points go out: no drive gets a command that its axis cannot follow
+//! The last check of set-points: no drive receives a command that its axis cannot follow
 //! (spec/axis-and-data-types.md §12).
 //!
-//! The new set-point of every axis is compared with the last one that went out. One that asks for more than the axis's command
-//! limits never goes out: the axis, and every axis that moves with it, brakes from its last good set-point, the axis faults, and
-//! the refused command is reported. So a defect of a planner, a transform or a follower becomes a stop and not a jump. Not here:
-//! limits of programs, which instructions and planners keep. Real-time: no allocation; bounded by the axes; after a refusal by
-//! their square.
+//! The check compares the new set-point of every axis with the last one that went out. A set-point beyond the axis's command limits never
+//! goes out: the axis, and every axis that moves with it, brakes from its last good set-point, the axis faults, and the controller reports
+//! the refused command. A defect of a planner, a transform or a follower thus causes a stop and not a jump. Not here: limits of programs,
+//! which instructions and planners observe. Real-time: no allocation; bounded by the axes; after a refusal by their square.
 
 use arcline_instruction_set::{AxisId, FaultKind, FaultSet};
 use arcline_planner::Clock;
@@ -20,7 +19,7 @@ use crate::stop::AxisSet;
 use crate::tolerance::COMMAND_SHARE;
 
 impl Motion {
-    /// Compares the new set-points with the last ones and replaces those that must not go out. To be called once a tick, when all
+    /// Compares the new set-points with the last ones and replaces those that must not go out. To be called once a tick, after all
     /// commands are computed and before the exchange.
     pub(super) fn limit_commands(&mut self) {
         let mut refused = AxisSet::default();
@@ -43,7 +42,7 @@ impl Motion {
         self.controls.because(Cause::Itself);
     }
 
-    /// The command of an axis at the present tick where it must not go out.
+    /// Reports the command of an axis at the present tick if it must not go out.
     fn refused_command(&mut self, id: AxisId) -> Option<RefusedCommand> {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         let next = KinematicState {
@@ -54,7 +53,7 @@ impl Motion {
         (!stands && !self.may_go_out(id, &next)).then(|| self.refusal(id, &next))
     }
 
-    /// Whether the limits of an axis allow a set-point, or do not apply to it.
+    /// The limits of an axis allow a set-point, or do not apply to it.
     fn may_go_out(&self, id: AxisId, next: &KinematicState) -> bool {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         // A virtual axis has no drive that its set-points enable.
@@ -91,8 +90,8 @@ impl Motion {
         }
     }
 
-    /// Some axes and every axis that moves with one of them: of a coordinate system that moves it, on either side of a transform,
-    /// or after a master.
+    /// Some axes and every axis that moves with one of them: in the same coordinate system, on either side of a transform, or as a follower
+    /// of a master.
     fn moving_with(&self, mut axes: AxisSet) -> AxisSet {
         for _ in self.axes.ids() {
             let before = axes;
@@ -116,7 +115,7 @@ impl Motion {
         axes
     }
 
-    /// Every motion of some axes ends; each axis brakes at its Maximum Deceleration from its last set-point.
+    /// Ends all motion of some axes; each axis brakes at its Maximum Deceleration from its last set-point.
     fn brake_from_last_set_points(&mut self, axes: &AxisSet) {
         let began = Clock::at(self.clock.tick.saturating_sub(1), self.clock.period_ns).now();
         for id in self.axes.ids() {
@@ -158,8 +157,8 @@ impl Motion {
 }
 
 impl CommandLimits {
-    /// Whether a set-point may follow the last one. Of an axis that follows a master or is being homed the change of velocity is its
-    /// master's or its drive's, and only speed is limited.
+    /// A set-point may follow the last one. The acceleration of an axis that follows a master or is being homed depends on its master or its
+    /// drive, so only its speed is limited.
     fn allow(
         &self,
         [position, velocity]: [f64; 2],

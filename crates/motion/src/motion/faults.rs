@@ -1,4 +1,4 @@
-//! The effect of faults of axes on motion: looked for once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
+//! The effect of faults of axes on motion: checked once an update, on actual positions (spec/axis-and-data-types.md §9.3, §12).
 //!
 //! Real-time: no allocation; bounded by the axes, the coordinate systems and the depth of their queues.
 
@@ -9,15 +9,15 @@ use crate::axis::state::AxisState;
 use crate::cause::Cause;
 
 impl Motion {
-    /// Puts causes of faults on an axis, to be found at the next update, and takes those away that were put there before.
-    /// Causes that the axis cannot have, and an axis that does not exist, change nothing. Real-time.
+    /// Injects causes of faults into an axis, which the next update finds, in place of those injected before. Causes that the axis cannot
+    /// have, and an axis that does not exist, change nothing. Real-time.
     pub fn inject(&mut self, axis: AxisId, causes: FaultSet) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.faults.inject(causes);
         }
     }
 
-    /// Looks at every axis, and does what its faults ask for.
+    /// Checks every axis and executes the actions of its faults.
     pub(super) fn check_faults(&mut self) {
         let period = self.clock.period();
         for index in self.axes.ids() {
@@ -41,7 +41,7 @@ impl Motion {
                 continue;
             }
             if self.axes[index].has_gone_off() {
-                // Nothing brakes it any more.
+                // Without torque nothing brakes the axis.
                 self.end_generators(index);
             }
             let axis = &mut self.axes[index];
@@ -76,7 +76,7 @@ impl Motion {
         }
     }
 
-    /// Ends every motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
+    /// Ends all motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
     pub(crate) fn shut_down(&mut self, axis: AxisId) {
         self.leave(axis);
         self.axes[axis].disarm(&mut self.controls);
@@ -85,7 +85,7 @@ impl Motion {
         self.axes[axis].disable(AxisState::Shutdown);
     }
 
-    /// Everything that moves the axis ends; it decelerates by itself, and so do the axes that moved with it.
+    /// Ends all motion of the axis by one deceleration; the axes that moved with it brake separately.
     fn stop_planner(&mut self, axis: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has(axis) {
@@ -97,7 +97,7 @@ impl Motion {
         if self.axes[axis].dynamics.deceleration > 0.0 {
             self.stop_axis(axis, None);
         } else {
-            // Nothing that could be stopped was ever started.
+            // No motion can begin on an axis with a Maximum Deceleration of 0, so none needs a stop.
             self.end_generators(axis);
         }
     }

@@ -1,8 +1,8 @@
 //! Axes that follow others: slaves of gears and cams, master driven motions, and both sides of transforms.
 //!
-//! A follower is computed after its master, in the same tick, in an order that is worked out when a link or a transform is made.
-//! While nothing follows there is no order, and axes are computed one after the other. Real-time: nothing allocates; a
-//! tick is bounded by the axes, the coordinate systems and the transforms that are under way.
+//! A follower is computed after its master, in the same tick, in an order that is determined when a link or a transform is made.
+//! Without followers there is no order, and the tick computes the axes one after the other. Real-time: nothing allocates; a tick is
+//! bounded by the axes, the coordinate systems and the active transforms.
 
 use super::Motion;
 use crate::order::{Circle, Follower, PlannedOrder, Step};
@@ -38,7 +38,7 @@ impl Motion {
         }
     }
 
-    /// Commands alone, once more: something changed within the tick.
+    /// Calculates the commands of followers again after a change within the tick.
     pub(crate) fn refresh_followers(&mut self) {
         for step_index in 0..self.order.len() {
             if let Some(step) = self.order.step(step_index) {
@@ -66,7 +66,7 @@ impl Motion {
         }
     }
 
-    /// Which side of each transform moves the other one, once the motions that ended in this update are over.
+    /// Updates the side of each transform that moves the other one, after the motions that ended in this update.
     pub(super) fn show_transforms(&mut self) {
         for step_index in 0..self.order.len() {
             match self.order.step(step_index) {
@@ -79,10 +79,10 @@ impl Motion {
         }
     }
 
-    /// Works out the order with one follower more, to be taken when it begins to follow.
+    /// Plans the order with one more follower; the order takes effect when it begins to follow.
     ///
     /// # Errors
-    /// When the axes would follow each other in a circle.
+    /// If the axes would follow each other in a circle.
     pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<PlannedOrder, Circle> {
         let Motion {
             axes,

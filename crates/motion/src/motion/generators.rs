@@ -1,6 +1,6 @@
 //! Motion of single axes from one tick to the next, and its end together with the transforms that an axis is part of.
 //!
-//! Not here: what touches one axis alone (`crate::axis`). Real-time: no allocation; bounded by the axes.
+//! Not here: operations on one axis alone (`crate::axis`). Real-time: no allocation; bounded by the axes.
 
 use arcline_instruction_set::{AxisId, Flag, SystemId};
 use arcline_planner::profile::Limits;
@@ -23,7 +23,7 @@ impl Motion {
         }
     }
 
-    /// Motion that instructions began at this tick shows in its commands. `changed`: coordinated motion began or changed.
+    /// Updates the commands for motion that instructions began at this tick. `changed`: coordinated motion began or changed.
     pub(super) fn refresh_axes(&mut self, mut changed: bool) {
         for index in self.axes.ids() {
             if self.axes[index].stale {
@@ -38,14 +38,14 @@ impl Motion {
         }
     }
 
-    /// Ends everything on an axis without PC, and the transforms that it is part of.
+    /// Ends all generators of an axis without PC, and the transforms that it is part of.
     pub(crate) fn end_generators(&mut self, axis: AxisId) {
         self.cancel_transforms_of(axis);
         self.axes[axis].end_generators(&mut self.controls);
     }
 
-    /// Stops everything on an axis as one deceleration at the axis's own maxima, and reports to `execution` when it
-    /// stands. Coordinated motion must have been ended; transforms that the axis is part of are cancelled.
+    /// Stops all motion of an axis by one deceleration at the axis's own maxima; `execution` completes when the axis stands. Coordinated motion
+    /// must have been ended; transforms that the axis is part of are cancelled.
     pub(crate) fn stop_axis(&mut self, axis: AxisId, execution: Option<Execution>) {
         let state = &self.axes[axis];
         let limits = state.dynamics.stop(state.is_s_curve());
@@ -58,7 +58,7 @@ impl Motion {
         self.axes[axis].end_pending_cams(None, &mut self.controls);
         self.cancel_transforms_of(axis);
         if !self.axes[axis].in_motion() {
-            // All that was to be stopped was a transform that did not move this axis.
+            // The only motion to stop was a transform that did not move this axis.
             if let Some(execution) = execution {
                 self.controls.end_move(execution, Flag::Pc.mask());
             }
@@ -67,7 +67,7 @@ impl Motion {
         self.axes[axis].stop_all(limits, execution, &mut self.controls, &self.clock);
     }
 
-    /// The group's stop is over when every axis that it stopped is at rest.
+    /// Ends the group's stop when every axis that it stopped is at rest.
     pub(super) fn finish_group_stop(&mut self) {
         let Some(stop) = self.group_stop else { return };
         let moves = |axis: &Axis| axis.is_stopping() || axis.actual.velocity != 0.0 && !axis.has_torque();
@@ -78,7 +78,7 @@ impl Motion {
         }
     }
 
-    /// Takes an axis out of every motion: the systems that move it are aborted, their other axes brake.
+    /// Removes an axis from all motion: the systems that move it are aborted, and their other axes brake.
     pub(crate) fn leave(&mut self, axis: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has(axis) {
@@ -90,8 +90,8 @@ impl Motion {
         self.axes[axis].end_passive_homing(&mut self.controls);
     }
 
-    /// Ends all coordinated motion of a system at once; its axes brake by themselves, but for those that `hold` says stand or are
-    /// without torque. Returns the axes that brake.
+    /// Ends all coordinated motion of a system at once; its axes brake separately, except those that stand or are without torque according to
+    /// `hold`. Returns the axes that brake.
     pub(crate) fn abort_system(&mut self, index: SystemId, hold: impl Fn(AxisId) -> bool) -> AxisSet {
         let Motion {
             systems,

@@ -1,4 +1,4 @@
-//! Homing of axes from one tick to the next, and what its instruction shows.
+//! Homing of axes from one tick to the next, and the status bits of MAH.
 //!
 //! Real-time: no allocation; bounded by the legs of a sequence.
 
@@ -9,8 +9,8 @@ use crate::execution::Execution;
 use crate::machine::HomeMode;
 
 impl Motion {
-    /// Begins homing of an axis. An active sequence ends whatever else moves the axis: coordinated moves of it are
-    /// over, their other axes brake by themselves.
+    /// Begins homing of an axis. An active sequence ends all other motion of the axis, including its coordinated moves; the other axes of
+    /// those brake separately.
     pub(crate) fn begin_homing(&mut self, axis: AxisId, execution: Execution) {
         self.axes[axis].end_passive_homing(&mut self.controls);
         let from = self.axes[axis].command;

@@ -7,7 +7,7 @@ use arcline_instruction_set::AxisId;
 use super::Motion;
 
 impl Motion {
-    /// Breaks every link that has an axis as its slave, or as one of its slave's axes. The motions that they drive brake.
+    /// Breaks every link of an axis and of its coordinate systems as slaves. The motions that these links drive brake.
     pub(crate) fn unlink_slave(&mut self, axis: AxisId) {
         self.axes[axis].unlink(&mut self.controls, &self.clock);
         for index in self.systems.ids() {
@@ -17,7 +17,7 @@ impl Motion {
         }
     }
 
-    /// Breaks every link of the slaves of a master, those to other masters too.
+    /// Breaks every link of the slaves of a master, including those to other masters.
     pub(crate) fn unlink_master(&mut self, master: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has_master(master) {
@@ -34,7 +34,7 @@ impl Motion {
         }
     }
 
-    /// Breaks every link there is.
+    /// Breaks every link.
     pub(crate) fn unlink_all(&mut self) {
         for axis in self.axes.ids() {
             self.axes[axis].unlink(&mut self.controls, &self.clock);
@@ -44,9 +44,9 @@ impl Motion {
         }
     }
 
-    /// AC of links: it shows at once that a motion by the link begins or ends.
+    /// Updates AC of links as soon as a motion by a link begins or ends.
     pub(crate) fn show_links(&mut self) {
-        // In every tick, and few machines have a link.
+        // Called in every tick, and few machines have a link.
         if self.link_numbers.is_unused() {
             return;
         }

@@ -1,7 +1,7 @@
 //! Instructions of the message class that are under way: DN at the next update, or when the drive has answered
 //! (spec/axis-and-data-types.md §1.2, §12).
 //!
-//! Not here: what the instruction does to its axis. Real-time: nothing allocates; bounded by [`MESSAGES`].
+//! Not here: the effect of the instruction on its axis. Real-time: nothing allocates; bounded by [`MESSAGES`].
 
 use arcline_instruction_set::{AxisId, Detail, Flag, Mnemonic, MotionError};
 
@@ -9,7 +9,7 @@ use super::Motion;
 use crate::axis::state::AxisState;
 use crate::execution::Execution;
 
-/// An instruction that is done an update later, or when the drive of its axis has answered.
+/// An instruction that completes one update later, or when the drive of its axis has answered.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Message {
     execution: Execution,
@@ -26,13 +26,13 @@ struct Request {
     last_tick: u64,
 }
 
-/// Messages under way at once; one more is done at once, or fails where a drive would have to answer.
+/// Messages under way at once. A further one completes at once, or fails if a drive would have to answer.
 pub(super) const MESSAGES: usize = 1024;
 
-/// How long a drive may take to answer (spec/axis-and-data-types.md §12), nanoseconds.
+/// The time within which a drive must answer (spec/axis-and-data-types.md §12), nanoseconds.
 const ANSWER_TIME_NS: u64 = 2_000_000_000;
 
-/// No answer came, or there is no room for the request: error 12 with EXERR 2.
+/// The drive did not answer, or there is no room for the request: error 12 with EXERR 2.
 const NO_RESPONSE: MotionError = MotionError::ServoMessageFailure(Detail(2));
 
 impl Motion {
@@ -41,7 +41,7 @@ impl Motion {
         self.controls.write(execution, Flag::Dn.mask(), 0);
     }
 
-    /// Sets DN at the next update; `asked`: once the drive has answered and the axis has left this state.
+    /// Sets DN at the next update; with `asked`, once the drive has answered and the axis has left this state.
     pub(crate) fn done_next_update(&mut self, execution: Execution, axis: AxisId, asked: Option<AxisState>) {
         let last_tick = self.clock.tick + ANSWER_TIME_NS / self.clock.period_ns;
         let request = asked.map(|state| Request { state, last_tick });
@@ -63,18 +63,18 @@ impl Motion {
         self.done_next_update(execution, AxisId::default(), None);
     }
 
-    /// Whether the positions of an axis are being redefined.
+    /// An instruction redefines the positions of the axis.
     pub(crate) fn is_redefining(&self, axis: AxisId) -> bool {
         let redefines = |message: &Message| message.axis == axis && message.execution.mnemonic == Mnemonic::Mrp;
         self.messages.iter().any(redefines)
     }
 
-    /// Messages that need no answer of a drive.
+    /// Completes the messages that need no answer of a drive.
     pub(super) fn finish_messages(&mut self) {
         self.finish_where(|message, _| message.request.is_none());
     }
 
-    /// Requests that drives have answered, and those that they have not answered in time.
+    /// Completes the requests that drives have answered, and fails those that they have not answered in time.
     pub(super) fn finish_requests(&mut self) {
         self.finish_where(|message, state| message.request.is_some_and(|request| state != Some(request.state)));
         let tick = self.clock.tick;
@@ -84,7 +84,7 @@ impl Motion {
         }
     }
 
-    /// The drive of an axis does not answer: every request to it fails, and one that was to switch on is asked no more.
+    /// Fails every request to the drive of an axis, which does not answer, and withdraws a request to enable it.
     fn fail_requests(&mut self, axis: AxisId) {
         let mut messages = std::mem::take(&mut self.messages);
         messages.retain(|message| {
@@ -100,7 +100,7 @@ impl Motion {
         }
     }
 
-    /// Sets DN of messages, in order. `done`: by the message and the state of its axis.
+    /// Sets DN of messages, in order. `done` decides by the message and the state of its axis.
     fn finish_where(&mut self, done: impl Fn(&Message, Option<AxisState>) -> bool) {
         let mut messages = std::mem::take(&mut self.messages);
         messages.retain(|message| {

@@ -1,4 +1,4 @@
-//! The parts of a call that instructions read: its target, its verified operands, and the objects that these name.
+//! The parts of a call that instructions read: its target, its verified operands, and the objects that these refer to.
 
 use arcline_instruction_set::operands::{OperandValue, Operands};
 use arcline_instruction_set::{Argument, AxisId, Call, Mnemonic, MotionError, Object, OperandIndex, SystemId};
@@ -14,7 +14,7 @@ impl Motion {
             .ok_or(no_target())
     }
 
-    /// There is one motion group.
+    /// Checks the target of a group instruction: there is one motion group.
     pub(crate) fn target_group(&self, call: &Call) -> Result<(), MotionError> {
         match call.target {
             Some(0) => Ok(()),
@@ -56,7 +56,7 @@ impl Motion {
         axes
     }
 
-    /// Step 5 of the verification: the operands, in faceplate order.
+    /// Step 5 of the verification: checks the operands in faceplate order.
     pub(crate) fn verify_operands(&self, call: &Call) -> Result<(), MotionError> {
         let instruction = call.mnemonic.instruction();
         let axes = match instruction.object {
@@ -75,14 +75,14 @@ impl Motion {
         Ok(O::of(call))
     }
 
-    /// The axis that an operand names.
+    /// The axis that an operand refers to.
     pub(crate) fn axis_of(&self, operand: &OperandValue<Option<AxisId>>) -> Result<AxisId, MotionError> {
         operand
             .filter(|axis| self.axes.get(*axis).is_some())
             .ok_or(operand.out_of_range())
     }
 
-    /// The coordinate system that an operand names.
+    /// The coordinate system that an operand refers to.
     pub(crate) fn system_of(&self, operand: &OperandValue<Option<SystemId>>) -> Result<SystemId, MotionError> {
         operand
             .filter(|system| self.systems.get(*system).is_some())
@@ -90,7 +90,7 @@ impl Motion {
     }
 }
 
-/// The error of an instruction whose target does not exist: its first operand.
+/// The error of an instruction whose target does not exist: it refers to the first operand.
 pub(crate) fn no_target() -> MotionError {
     MotionError::ParameterOutOfRange(OperandIndex(0))
 }

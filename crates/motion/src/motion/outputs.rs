@@ -1,4 +1,4 @@
-//! Output cams of axes from one tick to the next, and what they write.
+//! Output cams of axes from one tick to the next, and the words that they write.
 //!
 //! Real-time: no allocation; bounded by the axes and their execution targets.
 
@@ -9,7 +9,7 @@ use crate::events::{ArrayWrite, Written};
 use crate::output::Word;
 
 impl Motion {
-    /// The axis has come to where it is at the present tick.
+    /// Updates the output cams of an axis with its position at the present tick.
     pub(super) fn look_at_outputs(&mut self, axis: AxisId) {
         for target in 0..self.axes[axis].outputs.len() {
             let Some(reference) = self.axes[axis].outputs.reference(target) else {
@@ -24,10 +24,10 @@ impl Motion {
         }
     }
 
-    /// Instructions of this tick have had their effect: words that became others reach the output cams that they enable, and
-    /// the next update begins with the speeds that axes have now.
+    /// Ends the tick for output cams: words that its instructions changed reach the output cams that they enable, and the next update begins
+    /// with the present velocities of the axes.
     pub(super) fn finish_outputs(&mut self) {
-        // What comes of these is for the next tick.
+        // Words that change as a result belong to the next tick.
         let count = self.words.len();
         for word_index in 0..count {
             let word = self.words[word_index];
@@ -47,7 +47,7 @@ impl Motion {
         }
     }
 
-    /// Bits of a tag, which some output cams may be enabled by.
+    /// Passes bits of a tag to the output cams that they enable.
     pub(super) fn share_word(&mut self, word: &Word) {
         for axis in self.axes.ids() {
             for target in 0..self.axes[axis].outputs.len() {
@@ -57,7 +57,7 @@ impl Motion {
         }
     }
 
-    /// Bits leave the tick.
+    /// Writes bits to a tag.
     pub(crate) fn write_word(&mut self, word: Option<Word>) {
         let Some(word) = word else { return };
         if self.controls.has_room_for_array() && self.words.len() < WORDS {

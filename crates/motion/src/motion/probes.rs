@@ -1,4 +1,4 @@
-//! Inputs of the machine from tags while it runs, and the events that axes look out for.
+//! Inputs of the machine from tags while it runs, and the events that axes wait for.
 //!
 //! Real-time: no allocation; bounded by the axes.
 
@@ -10,10 +10,10 @@ use super::Motion;
 use crate::axis::feed::Fed;
 use crate::output::Word;
 
-/// Something that was written to a tag that the machine reads.
+/// A value written to a tag that the machine reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Input {
-    /// The position of an axis, as a client wrote it.
+    /// The position of an axis, from a client.
     Position {
         /// Index of the axis.
         axis: AxisId,
@@ -24,7 +24,7 @@ pub enum Input {
     Registration {
         /// Index of the axis.
         axis: AxisId,
-        /// Which one, from 0.
+        /// The number of the input, from 0.
         input: u8,
         /// It is active now.
         on: bool,
@@ -45,7 +45,7 @@ pub enum Input {
     },
     /// A word that output cams write, or that enables them.
     Word {
-        /// The tag, by what the directory calls it.
+        /// The tag, by its address in the directory.
         tag: TagAddress,
         /// Its new value.
         bits: u32,
@@ -53,7 +53,7 @@ pub enum Input {
 }
 
 impl Motion {
-    /// Takes an input at the present tick; that of an axis that does not exist changes nothing. Real-time.
+    /// Takes an input at the present tick; an input of an axis that does not exist changes nothing. Real-time.
     pub fn input(&mut self, input: Input, drives: &mut dyn Drives) {
         match input {
             Input::Position { axis, position } => self.feed(axis, position),
@@ -68,7 +68,7 @@ impl Motion {
         }
     }
 
-    /// Gives a written input to the drive, whose next feedback shows what comes of it.
+    /// Passes a written input to the drive; its next feedback shows the effect.
     fn write_level(&mut self, axis: AxisId, input: DriveInput, on: bool, drives: &mut dyn Drives) {
         let (Some(state), Some(feedback)) = (self.axes.get_mut(axis), self.feedback.get_mut(axis.index())) else {
             return;
@@ -83,7 +83,7 @@ impl Motion {
         state.link.feedback.inputs = feedback.inputs;
     }
 
-    /// Gives a written registration input to the drive, and takes the latch that it closes.
+    /// Passes a written registration input to the drive, and takes the latch that it closes.
     fn write_registration(&mut self, axis: AxisId, input: usize, on: bool, drives: &mut dyn Drives) {
         let (Some(state), Some(feedback)) = (self.axes.get_mut(axis), self.feedback.get_mut(axis.index())) else {
             return;
@@ -119,7 +119,7 @@ impl Motion {
         }
     }
 
-    /// Looks for the events that an axis looks out for.
+    /// Checks the events that an axis waits for.
     pub(super) fn look_out(&mut self, axis: AxisId) {
         self.axes[axis].take_registrations(&mut self.controls, &self.clock);
         self.axes[axis].look_for_watch(&mut self.controls);

@@ -1,4 +1,4 @@
-//! The order of a tick: commands of all axes, what none of them may ask of a drive, one exchange with all drives, then what the feedback says.
+//! The order of a tick: the commands of all axes, the check of their limits, one exchange with all drives, and the use of the feedback.
 //!
 //! Not here: instructions ([`Motion::execute`]) and the end of a tick ([`Motion::finish`]). Real-time: no allocation; bounded by the
 //! axes and coordinate systems and by a fixed number of moves.
@@ -9,8 +9,8 @@ use arcline_instruction_set::{Flag, SystemId};
 use super::Motion;
 
 impl Motion {
-    /// Brings everything to a tick: commands, drives, and the ends of moves, stops and messages that lie before it. Instructions
-    /// of the tick follow ([`Motion::execute`]), then [`Motion::finish`].
+    /// Advances the motion to a tick: commands, drives, and the ends of moves, stops and messages before it. Instructions of the tick follow
+    /// ([`Motion::execute`]), then [`Motion::finish`].
     pub fn begin(&mut self, tick: u64, drives: &mut dyn Drives) {
         self.clock.tick = tick;
         self.controls.begin_tick(tick);
@@ -26,11 +26,11 @@ impl Motion {
         self.axes.let_rest();
     }
 
-    /// Commands of all axes at the present tick: coordinate systems, then axes, what follows behind what it follows.
+    /// Calculates the commands of all axes at the present tick: coordinate systems, then axes; followers after their masters.
     fn compute_commands(&mut self) {
         self.axes.exchanged = false;
         for index in self.systems.ids() {
-            // Behind its masters otherwise.
+            // A system that follows a master is advanced after it.
             if self.systems[index].is_busy() && !self.systems[index].follows() {
                 self.advance_system(index);
             }
@@ -38,7 +38,7 @@ impl Motion {
         self.advance_axes();
     }
 
-    /// Gives the set-points of all axes to the drives and takes their feedback. Until then `self.set_points` are those of the last
+    /// Sends the set-points of all axes to the drives and takes their feedback. Before that, `self.set_points` are those of the last
     /// exchange.
     fn exchange(&mut self, drives: &mut dyn Drives) {
         for (axis, set_point) in self.axes.iter().zip(&mut self.set_points) {
@@ -58,8 +58,8 @@ impl Motion {
         self.axes.exchanged = true;
     }
 
-    /// Acts on the feedback of all axes: requests to drives that are done, moves and homing that went on inside the update, what axes
-    /// look out for.
+    /// Acts on the feedback of all axes: completed requests to drives, moves and homing that continue inside the update, and the events that
+    /// axes wait for.
     fn use_feedback(&mut self, drives: &dyn Drives) {
         self.finish_requests();
         for index in self.systems.ids() {
@@ -86,7 +86,7 @@ impl Motion {
         }
     }
 
-    /// Stops that are over.
+    /// Ends the stops whose axes stand.
     fn finish_stops(&mut self) {
         for system in self.systems.iter_mut() {
             system.finish_braking(&self.axes);
@@ -95,7 +95,7 @@ impl Motion {
         self.finish_group_stop();
     }
 
-    /// Shows the present tick in the status of instructions and coordinate systems.
+    /// Updates the status of instructions and coordinate systems to the present tick.
     fn show_status(&mut self) {
         for system in self.systems.iter_mut() {
             system.update_tolerance(&self.axes);
@@ -104,7 +104,7 @@ impl Motion {
         self.show_links();
     }
 
-    /// Brings a coordinate system to the present tick.
+    /// Advances a coordinate system to the present tick.
     pub(super) fn advance_system(&mut self, index: SystemId) {
         let Motion {
             systems,
@@ -116,7 +116,7 @@ impl Motion {
         systems.advance(index, axes, controls, clock);
     }
 
-    /// The commands of a coordinate system at the present tick alone.
+    /// Calculates only the commands of a coordinate system at the present tick.
     pub(super) fn sample_system(&mut self, index: SystemId) {
         self.systems[index].sample(&mut self.axes, &mut self.controls, &self.clock);
     }

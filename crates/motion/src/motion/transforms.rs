@@ -1,9 +1,8 @@
-//! Transforms from one tick to the next, and the reaction to a robot that cannot follow (spec/coordinated-instructions.md §19.8): the
-//! MCT shows the error, the motion that leads the joints brakes on its path as long as they can follow, and the transform is over when
-//! all axes stand.
+//! Transforms from one tick to the next, and the reaction to a robot that cannot follow (spec/coordinated-instructions.md §19.8): the MCT
+//! shows the error, the motion that leads the joints brakes on its path while they can follow, and the transform ends when all axes stand.
 //!
-//! That is looked for ahead, over the path of a stop (`crate::transforms`): so the joints stay on the path to the end, within
-//! their speeds. Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
+//! The check looks ahead over the path of a stop (`crate::transforms`), so the joints stay on the path to the end, within their speeds.
+//! Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
 
 use arcline_instruction_set::{AxisId, MotionError};
 
@@ -18,7 +17,7 @@ use crate::transforms::guard::Verdict;
 use crate::transforms::present::Present;
 
 impl Motion {
-    /// Axes, coordinate systems and transforms as they are, to look ahead from.
+    /// The present state of axes, coordinate systems and transforms, for the look ahead.
     pub(crate) fn present(&self) -> Present<'_> {
         Present {
             axes: &self.axes,
@@ -28,8 +27,8 @@ impl Motion {
         }
     }
 
-    /// Once an update, when commands are known: the own displacements of robots become part of their sources' positions,
-    /// transforms whose robots will not be able to follow begin to brake, those whose robots cannot follow any more end.
+    /// Checks transforms once an update, after the commands: adds the robots' own displacements to the positions of their sources, brakes the
+    /// transforms whose robots will be unable to follow, and ends those whose robots are unable to follow now.
     pub(super) fn look_after_transforms(&mut self) {
         for id in self.transforms.ids() {
             let present = Present {
@@ -54,7 +53,7 @@ impl Motion {
         self.transforms.join_cancelled_feedback(&self.axes);
     }
 
-    /// Cancels every transform that an axis is part of; the axes that they moved brake at the maxima of the coordinate systems.
+    /// Cancels every transform that an axis is part of; the axes that the transforms moved brake at the maxima of their coordinate systems.
     pub(crate) fn cancel_transforms_of(&mut self, axis: AxisId) {
         if !self.axes[axis].is_transformed() {
             return;
@@ -84,7 +83,7 @@ impl Motion {
         cancelled.braking
     }
 
-    /// The instruction shows the error; everything that leads the target, and the target itself, begins to brake.
+    /// Fails the instruction of a transform; all motion that leads the target, and the target itself, begins to brake.
     fn fail_transform(&mut self, id: TransformId, error: MotionError) {
         if let Some(execution) = self.transforms.begin_braking(id) {
             self.controls.fail(execution, error);
@@ -93,7 +92,7 @@ impl Motion {
         if let Some(target) = self.transforms.get(id).map(|transform| transform.target) {
             self.brake_what_moves(&target);
         }
-        // From the source up to where the chain of transforms begins.
+        // From the source to the beginning of the chain of transforms.
         let mut next = Some(id);
         for _ in 0..self.transforms.most() {
             let Some(transform) = next.and_then(|id| self.transforms.get(id)) else {
@@ -102,7 +101,7 @@ impl Motion {
             let source = transform.source;
             next = self.transforms.above(transform).map(|(id, _)| id);
             self.brake_what_moves(&source);
-            // Other targets of it lead it too.
+            // The source can lead further targets, whose motion leads it, too.
             for other in self.transforms.ids() {
                 let other = self.transforms.get(other).filter(|other| share(&other.source, &source));
                 if let Some(target) = other.map(|other| other.target) {
@@ -113,7 +112,7 @@ impl Motion {
         self.controls.because(Cause::Itself);
     }
 
-    /// Brakes every motion of some axes; one that brakes already does so at the guard's rates, if that is sooner at rest.
+    /// Brakes all motion of some axes; motion that brakes already changes to the guard's rates if these bring it to rest sooner.
     fn brake_what_moves(&mut self, axes: &[AxisId]) {
         for index in self.systems.ids() {
             let system = &self.systems[index];

@@ -1,33 +1,33 @@
 //! The effect of an element of an output cam on its bit, one event after another.
 //!
-//! Not here: when the events come. Nothing allocates.
+//! Not here: the instants of the events. Nothing allocates.
 
 use arcline_planner::Instant;
 
 use super::program::{Element, Latch, Unlatch};
 
-/// How far an element is.
+/// The state of an element.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct State {
-    /// The axis is in the range that is compensated for the latch.
+    /// The axis is in the compensated range of the latch.
     in_latch: bool,
-    /// The axis is in the range that is compensated for the unlatch.
+    /// The axis is in the compensated range of the unlatch.
     in_unlatch: bool,
-    /// The enable bit is as it must be.
+    /// The enable bit fulfils the condition of the element.
     pub(super) enabled: bool,
-    /// The range of the latch was entered since that of the unlatch was left.
+    /// The axis entered the range of the latch after it last left that of the unlatch.
     met: bool,
-    /// That of the unlatch was left first: the compensated range is empty this time.
+    /// The axis left the range of the unlatch first: the compensated range is empty this time.
     spent: bool,
-    /// It has latched its bit, and will unlatch it.
+    /// The element has latched its bit, and will unlatch it.
     pub(super) holds: bool,
-    /// When its duration is over.
+    /// The end of its duration.
     pub(super) off_at: Option<Instant>,
-    /// Its cam is over and left behind: positions do not count any more.
+    /// The axis has left the ended cam of the element: positions have no effect any more.
     pub(super) passed: bool,
 }
 
-/// Something that happens to an element. At one place the range is left before it is entered again.
+/// An event of an element. At equal positions the axis leaves a range before it enters one again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Happens {
     UnlatchLeft,
@@ -36,7 +36,7 @@ pub(super) enum Happens {
     LatchEntered,
 }
 
-/// Its effect.
+/// The effect of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     Nothing,
@@ -47,12 +47,12 @@ pub(super) enum Effect {
 }
 
 impl State {
-    /// Whether the axis is in the range of the latch, and in that of the unlatch.
+    /// The axis is in the range of the latch or, with false, in that of the unlatch.
     pub(super) fn is_in(&self, latch: bool) -> bool {
         if latch { self.in_latch } else { self.in_unlatch }
     }
 
-    /// Nothing of it is to come.
+    /// The element has no events left.
     pub(super) fn is_over(&self) -> bool {
         self.passed && self.off_at.is_none()
     }
@@ -95,7 +95,7 @@ impl State {
         }
     }
 
-    /// The enable bit has become as it must be, or is not so any more. `armed`: what is enabled alone latches.
+    /// Takes a change of the enable condition. `armed`: an element with the latch type Enable latches.
     pub(super) fn enable(&mut self, element: &Element, enabled: bool, armed: bool) -> Effect {
         let was = std::mem::replace(&mut self.enabled, enabled);
         match (was, enabled) {
@@ -109,7 +109,7 @@ impl State {
         }
     }
 
-    /// What is enabled alone latches when its cam is armed.
+    /// Arms the cam: an element with the latch type Enable latches if it is enabled.
     pub(super) fn arm(&mut self, element: &Element) -> Effect {
         if self.enabled && element.latch == Latch::Enable {
             self.latch(element)
@@ -126,7 +126,7 @@ impl State {
         Effect::Latches
     }
 
-    /// One that never latches unlatches what others have latched for good.
+    /// Unlatches the bit; an element that never latches unlatches the bits that other elements have latched.
     fn unlatch(&mut self, element: &Element) -> Effect {
         if !self.holds && element.latch != Latch::Inactive {
             return Effect::Nothing;
@@ -134,7 +134,7 @@ impl State {
         self.release()
     }
 
-    /// It does not hold its bit any more.
+    /// Releases the bit.
     pub(super) fn release(&mut self) -> Effect {
         self.holds = false;
         self.off_at = None;

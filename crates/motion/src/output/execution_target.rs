@@ -1,10 +1,10 @@
-//! One execution target of an axis: the output cam that is armed there, the one that waits for its end, and what still goes on of
-//! the one before.
+//! One execution target of an axis: its active output cam, its pending one, and the elements and durations that remain of the previous
+//! one.
 //!
-//! What instructions do to it is here, and the bits that come of it. Not here: where the axis goes ([`pieces`]), what happens to
-//! elements there ([`events`]), and what a cam leaves behind ([`tail`]). Positions are those of the axis without what it was
-//! redefined by; the cam's own begin at `zero` of them. Real-time: nothing allocates; an update is bounded by the elements of three
-//! cams. Units: position units, seconds.
+//! This module handles instructions and the resulting bits. Not here: the motion of the axis ([`pieces`]), the events of elements
+//! ([`events`]), and the remains of an ended cam ([`tail`]). Positions are those of the axis without the offset of redefined positions;
+//! those of the cam begin at `zero`. Real-time: nothing allocates; an update is bounded by the elements of three cams. Units: position
+//! units, seconds.
 
 mod cam_state;
 mod events;
@@ -27,15 +27,15 @@ use cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
 use tail::Trailing;
 
-/// The arming of a cam that does not wait for the end of another.
+/// The arming of a cam that is not pending.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arming {
-    /// Where it is armed; `None`: at once.
+    /// The position at which the cam is armed; `None`: at once.
     pub(crate) lock: Option<Crossing>,
-    /// Position of the cam there.
+    /// Position of the cam at that point.
     pub(crate) entry: f64,
     pub(crate) reference: Reference,
-    /// The tags of its output and its input, and what is in them.
+    /// The tags of its output and its input, and their values.
     pub(crate) output: Word,
     pub(crate) input: Option<Word>,
 }
@@ -43,9 +43,9 @@ pub(crate) struct Arming {
 /// Bits of a tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Word {
-    /// By what the directory calls it.
+    /// Its address in the directory.
     pub(crate) tag: TagAddress,
-    /// Which bits.
+    /// The bits that count.
     pub(crate) mask: u32,
     pub(crate) bits: u32,
 }
@@ -53,9 +53,9 @@ pub(crate) struct Word {
 /// The result of an update.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Outcome {
-    /// Instructions whose cams have ended by themselves.
+    /// Instructions whose cams have ended.
     pub(crate) ended: [Option<Execution>; 2],
-    /// Bits that are others than before.
+    /// Bits that have changed.
     pub(crate) written: Option<Word>,
 }
 
@@ -65,39 +65,39 @@ pub(crate) type TargetStatus = [bool; 4];
 #[derive(Clone, Debug)]
 pub(crate) struct Target {
     phase: Phase,
-    /// The cam that is armed, the pending one, and the one before.
+    /// The active cam, the pending one, and the previous one.
     cams: [CamState; 3],
     pub(crate) reference: Reference,
     entry: f64,
     output: Word,
     input: Option<Word>,
-    /// Where the cam's positions begin: the base and so many turns of a repeated cam.
+    /// The axis position of the active cam's zero: the base, plus the turns of a repeated cam.
     base: f64,
     turns: f64,
-    /// It took over from another one: forwards, or in reverse.
+    /// The direction in which it took over from another cam, if it did: forward, or reverse.
     came_forward: Option<bool>,
     forward: bool,
-    /// The axis as the states know it.
+    /// The motion of the axis at the last update.
     last: KinematicState,
-    /// The axis when the update that is under way began: instructions have changed its speed since.
+    /// The motion of the axis at the beginning of the present update; instructions may have changed its velocity since.
     pub(super) began: KinematicState,
-    /// Bits that are latched, and since when.
+    /// Bits that are latched, and the instants at which they were.
     on: u32,
     since: [Instant; OUTPUT_BITS],
-    /// How the cam before was left, while edges of it are to come or durations run.
+    /// The exit from the previous cam, while events of it are pending or durations run.
     trailing: Option<Trailing>,
-    /// Durations of elements that nothing else is left of, and how their bits show.
+    /// Durations that continue without their elements, and the compensations that shape their bits.
     trailing_bits: [Option<Instant>; OUTPUT_BITS],
     trailing_bits_as: [Compensation; OUTPUT_BITS],
-    /// The bits that are cams' now, as they were written last.
+    /// The bits that cams own now, as last written.
     written: Word,
-    /// Bits that are set as they were written last, also those of cams that are over.
+    /// Bits that are set, as last written, including those of ended cams.
     set: u32,
     locked: bool,
-    /// The pending cam sets bits already.
+    /// The pending cam already sets bits.
     leads: bool,
     in_transition: bool,
-    /// For the length of a tick alone.
+    /// Holds the length of a tick only.
     ticks: Clock,
 }
 
@@ -131,7 +131,7 @@ impl Target {
         }
     }
 
-    /// Whether nothing of an axis concerns it.
+    /// The target needs no updates of the axis.
     pub(super) fn is_idle(&self) -> bool {
         self.phase == Phase::Free
     }
@@ -145,7 +145,8 @@ impl Target {
         ]
     }
 
-    /// A cam in place of the one that is there, whose durations run out where both have one output. Returns whose it was.
+    /// Begins a cam in place of the active one; that one's durations run out if both have the same output. Returns the instruction of the
+    /// replaced cam.
     pub(crate) fn begin(
         &mut self,
         program: ArmedCam,
@@ -183,7 +184,7 @@ impl Target {
         ended
     }
 
-    /// A cam that waits for the end of the armed one. Returns whose had waited.
+    /// Makes a cam pending. Returns the instruction of the one that was pending before.
     pub(crate) fn wait(&mut self, program: ArmedCam, clock: &Clock) -> Option<Execution> {
         let before = self.cams[PENDING].program.take().map(|program| program.execution);
         self.cams[PENDING].load(program);
@@ -192,7 +193,7 @@ impl Target {
         before
     }
 
-    /// Nothing is armed or waits any more; the bits stay as they are. Returns whose cams these were.
+    /// Disarms the target; the bits keep their values. Returns the instructions of the disarmed cams.
     pub(super) fn disarm(&mut self) -> [Option<Execution>; 2] {
         let alive = self.is_alive();
         self.forget();
@@ -204,13 +205,13 @@ impl Target {
         ended
     }
 
-    /// Some bits of a tag have become others.
+    /// Takes a change of some bits of a tag.
     pub(super) fn take_word(&mut self, word: &Word, clock: &Clock) {
         let mut changed = false;
         let (own, words) = (self.written.mask, [Some(&mut self.output), self.input.as_mut()]);
         for (word_index, mine) in words.into_iter().enumerate() {
             if let Some(mine) = mine.filter(|mine| mine.tag == word.tag) {
-                // A client that writes the whole word may write bits of the target as they were before: the target's own are newer.
+                // A client that writes the whole word may write old bits of the target; the target's own ones are newer.
                 let mask = if word_index == 0 { word.mask & !own } else { word.mask };
                 let bits = (mine.bits & !mask) | (word.bits & mask);
                 changed |= std::mem::replace(&mut mine.bits, bits) != bits || word_index == 0;
@@ -221,11 +222,11 @@ impl Target {
         }
     }
 
-    /// The axis has come to where it is now.
+    /// Updates the target with the position of the axis.
     pub(super) fn look(&mut self, to: KinematicState, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
         if self.trailing.is_none() {
-            // Its last bits have been written.
+            // The last bits of the previous cam have been written.
             self.cams[TAIL].take();
             if self.phase == Phase::Ending && self.trailing_bits.iter().all(Option::is_none) {
                 self.phase = Phase::Free;
@@ -237,13 +238,12 @@ impl Target {
         ended
     }
 
-    /// Bits that it has set, also for cams that are over.
+    /// Bits that it has set, including those of ended cams.
     pub(super) fn bits(&self) -> u32 {
         self.set
     }
 
-    /// The bits as they are now, if they are others than those that were written last. Bits that it owns no longer are written a last
-    /// time.
+    /// The present bits, if they differ from the last ones written. Bits that the target no longer owns are written one last time.
     pub(crate) fn write(&mut self, clock: &Clock) -> Option<Word> {
         let owned = self.owned();
         let before = self.written;
@@ -264,7 +264,7 @@ impl Target {
         changed.then_some(word)
     }
 
-    /// The bits that cams set and clear now.
+    /// The bits that its cams set and clear.
     fn owned(&self) -> u32 {
         let mask = |cam_index: usize| self.cams[cam_index].cam().map_or(0, |cam| cam.mask);
         let active = if self.phase == Phase::Armed { mask(ACTIVE) } else { 0 };
@@ -272,7 +272,7 @@ impl Target {
         active | pending | self.tail()
     }
 
-    /// Bits of a mask as they show.
+    /// The shown values of the bits of a mask.
     fn shown_bits(&self, mask: u32, clock: &Clock) -> u32 {
         let mut bits = 0;
         for bit in (0..OUTPUT_BITS).filter(|bit| mask & (1 << bit) != 0) {
@@ -291,7 +291,7 @@ impl Target {
         bits
     }
 
-    /// A cam is armed, or is going to be where the axis crosses its arm position.
+    /// A cam is armed, or will be when the axis crosses its arm position.
     fn is_alive(&self) -> bool {
         matches!(self.phase, Phase::Waiting(_) | Phase::Armed)
     }

@@ -1,14 +1,13 @@
-//! How a number goes from one value to another within an update: without turning round, and with the rates that it has at both
-//! ends where it can.
+//! A value between the beginning and the end of an update: it changes monotonically, and with the given rates at both ends if possible.
 //!
-//! A cubic through both ends, whose slopes are limited so that it does not turn round; over a constant acceleration it is the
-//! parabola that the axis goes. Shares of an update are 0 at its beginning and 1 at its end.
+//! A cubic through both ends, with slopes limited such that it is monotonic; under constant acceleration it is the exact parabola of
+//! the axis. Shares of an update are 0 at its beginning and 1 at its end.
 
 use arcline_profile::numeric::bisect;
 
-/// Halvings of a share: to the last bit.
+/// Halvings of a share down to the last bit.
 const HALVINGS: usize = 54;
-/// Slopes beyond so many times the mean one could turn the cubic round: the radius of the circle of Fritsch and Carlson.
+/// A cubic is monotonic with slopes up to this multiple of the mean one: the radius of the circle of Fritsch and Carlson.
 const STEEPEST: f64 = 3.0;
 
 /// A value over one update.
@@ -21,7 +20,7 @@ pub(super) struct Interpolation {
 }
 
 impl Interpolation {
-    /// Between two values with their rates, s⁻¹ of the value, over `period` seconds.
+    /// Between two values with their rates, units/s, over `period` seconds.
     pub(super) fn new(from: [f64; 2], to: [f64; 2], period: f64) -> Self {
         let displacement = to[0] - from[0];
         let mut slopes = [from[1], to[1]].map(|rate| {
@@ -40,7 +39,7 @@ impl Interpolation {
         }
     }
 
-    /// At once: the share is that of the displacement.
+    /// A step: the share is that of the displacement.
     pub(super) fn step(from: f64, to: f64) -> Self {
         Interpolation {
             from,
@@ -61,7 +60,7 @@ impl Interpolation {
             + share * rest * (self.slopes[0] * rest + self.slopes[1] * share)
     }
 
-    /// The share at which it comes to a value between its ends.
+    /// The share at which the value reaches one between its ends.
     pub(super) fn share_of(&self, value: f64) -> f64 {
         let sign = if self.to >= self.from { 1.0 } else { -1.0 };
         bisect(0.0, 1.0, HALVINGS, |share| sign * (self.at(share) - value) >= 0.0)
@@ -75,12 +74,12 @@ mod tests {
     #[test]
     fn a_constant_acceleration_is_met_to_the_last_digits() {
         let (period, rate, acceleration) = (0.004, 30.0, -2000.0);
-        let place = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
-        let end = [place(period), rate + acceleration * period];
+        let position = |time: f64| 5.0 + rate * time + 0.5 * acceleration * time * time;
+        let end = [position(period), rate + acceleration * period];
         let interpolation = Interpolation::new([5.0, rate], end, period);
         for step in 0..=8 {
             let share = f64::from(step) / 8.0;
-            let value = place(share * period);
+            let value = position(share * period);
             assert!((interpolation.at(share) - value).abs() < 1e-12, "{share}");
             assert!((interpolation.share_of(value) - share).abs() < 1e-9, "{share}");
         }

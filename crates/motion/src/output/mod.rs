@@ -1,11 +1,11 @@
-//! Output cams: bits of a DINT that are set and cleared by where an axis is (MAOC, MDOC; spec/axis-and-data-types.md §5).
+//! Output cams: bits of a DINT that the position of an axis sets and clears (MAOC, MDOC; spec/axis-and-data-types.md §5).
 //!
-//! An axis has as many execution targets as it is configured with; on each there is one output cam, and one that waits for its
-//! end. Between two ticks the axis is taken to go from the one position and speed to the other without turning round
-//! ([`interpolation`]): every edge has its exact instant there, and so durations and pulses do not show the update period. The bits
-//! are those of the tick. What has become others leaves the tick as an [`crate::ArrayWrite`].
+//! An axis has as many execution targets as configured; each has one active output cam and one pending one. Between two ticks the axis is
+//! assumed to move monotonically from one position and velocity to the other ([`interpolation`]): every edge has its exact instant there, so
+//! durations and pulses do not depend on the update period. The bits are those at the tick. Changed bits leave the tick as an
+//! [`crate::ArrayWrite`].
 //!
-//! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates behind [`OutputCams::new`].
+//! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates after [`OutputCams::new`].
 
 mod element;
 mod execution_target;
@@ -31,7 +31,7 @@ pub(crate) struct OutputCams {
 }
 
 impl OutputCams {
-    /// For an axis with so many targets.
+    /// For an axis with this number of targets.
     pub(crate) fn new(targets: usize, clock: &Clock) -> Self {
         OutputCams {
             targets: (0..targets).map(|_| Target::new(clock)).collect(),
@@ -51,20 +51,20 @@ impl OutputCams {
         self.targets.get_mut(target)
     }
 
-    /// The position of its axis, actual or command, that a target follows while a cam is armed or waits on it.
+    /// The position of its axis, actual or command, that a target follows while a cam is armed or pending on it.
     pub(crate) fn reference(&self, target: usize) -> Option<Reference> {
         let target = self.targets.get(target)?;
         (!target.is_idle()).then_some(target.reference)
     }
 
-    /// The axis is there when an update begins, with the speed that instructions have given it.
+    /// Begins an update at the present motion of the axis, including the velocity that instructions have changed.
     pub(crate) fn begin_update(&mut self, target: usize, at: KinematicState) {
         if let Some(target) = self.targets.get_mut(target) {
             target.began = at;
         }
     }
 
-    /// The axis has come to where it is now.
+    /// Updates a target with the present motion of the axis.
     pub(crate) fn look(&mut self, target: usize, at: KinematicState, clock: &Clock) -> Outcome {
         let Some(target) = self.targets.get_mut(target) else {
             return Outcome::default();
@@ -75,14 +75,14 @@ impl OutputCams {
         }
     }
 
-    /// Some bits of a tag have become others. Returns what comes of it on a target.
+    /// Takes a change of some bits of a tag. Returns the bits that a target changes as a result.
     pub(crate) fn take_word(&mut self, target: usize, word: &Word, clock: &Clock) -> Option<Word> {
         let target = self.targets.get_mut(target).filter(|target| !target.is_idle())?;
         target.take_word(word, clock);
         target.write(clock)
     }
 
-    /// Nothing is armed any more. Returns whose cams these were.
+    /// Disarms a target. Returns the instructions of its cams.
     pub(crate) fn disarm(&mut self, target: usize) -> [Option<Execution>; 2] {
         self.targets.get_mut(target).map_or([None; 2], Target::disarm)
     }

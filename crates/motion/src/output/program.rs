@@ -1,8 +1,8 @@
-//! The program of an output cam: elements that latch and unlatch bits, and what compensates each bit
+//! The program of an output cam: elements that latch and unlatch bits, and the compensation of each bit
 //! (spec/axis-and-data-types.md §5, §8.9).
 //!
-//! A program that exists is legal: what MAOC refuses with 36 and 37 is refused here, beside the tick. Units: position units,
-//! seconds. Not here: where the axis is.
+//! A program that exists is legal: the errors 36 and 37 of MAOC are found here, beside the tick. Units: position units, seconds. Not here:
+//! the position of the axis.
 
 use std::ops::RangeInclusive;
 
@@ -11,13 +11,13 @@ use thiserror::Error;
 /// Elements of one output cam; a longer array is refused.
 pub const MAX_OUTPUT_ELEMENTS: usize = 128;
 
-/// A duration that is as good as for ever, seconds.
+/// A practically infinite duration, seconds.
 const LONGEST_DURATION: f64 = 1e9;
 
 /// Bits of an output word.
 pub const OUTPUT_BITS: usize = 32;
 
-/// An element of an OUTPUT_CAM array, as it stands there.
+/// An element of an OUTPUT_CAM array, with the members of the tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CamElement {
     /// OutputBit: 0 to 31.
@@ -26,9 +26,9 @@ pub struct CamElement {
     pub latch_type: i32,
     /// UnlatchType: 0 inactive, 1 position, 2 duration, 3 enable, 4 position and enable, 5 duration and enable.
     pub unlatch_type: i32,
-    /// Left: where the range begins, position units of the cam.
+    /// Left: the beginning of the range, position units of the cam.
     pub left: f64,
-    /// Right: where it ends.
+    /// Right: the end of the range.
     pub right: f64,
     /// Duration, seconds.
     pub duration: f64,
@@ -38,36 +38,36 @@ pub struct CamElement {
     pub enable_bit: i32,
 }
 
-/// An element of an OUTPUT_COMPENSATION array, as it stands there: of the output bit of its place.
+/// An element of an OUTPUT_COMPENSATION array, with the members of the tag; its index is the output bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BitCompensation {
     /// Offset: added to both ends of a range, position units.
     pub offset: f64,
-    /// LatchDelay: what latches comes so much earlier, seconds.
+    /// LatchDelay: the time by which latching is advanced, seconds.
     pub latch_delay: f64,
-    /// UnlatchDelay: the same of what unlatches.
+    /// UnlatchDelay: the time by which unlatching is advanced, seconds.
     pub unlatch_delay: f64,
     /// Mode: 0 normal, 1 inverted, 2 pulsed, 3 inverted and pulsed.
     pub mode: i32,
     /// CycleTime of pulses, seconds.
     pub cycle_time: f64,
-    /// DutyCycle: how much of a cycle is on, percent.
+    /// DutyCycle: the share of a cycle that is on, percent.
     pub duty_cycle: f64,
 }
 
-/// Why there is no output cam. Places count from 0.
+/// The error of an illegal output cam. Indices count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum OutputCamError {
     /// An element of the OUTPUT_CAM array (36).
     #[error("element {element} of the output cam cannot be")]
     Element {
-        /// Which one.
+        /// Its index.
         element: usize,
     },
     /// An element of the OUTPUT_COMPENSATION array (37).
     #[error("element {element} of the output compensation cannot be")]
     Compensation {
-        /// Which one.
+        /// Its index.
         element: usize,
     },
 }
@@ -91,7 +91,7 @@ pub(super) struct Element {
     pub(super) unlatch: Unlatch,
     pub(super) left: f64,
     pub(super) right: f64,
-    /// Compensated; 0 and less never latches.
+    /// The compensated duration; at 0 and below, the element never latches.
     pub(super) duration: f64,
     pub(super) enable: Enable,
 }
@@ -134,13 +134,13 @@ impl Unlatch {
 /// The bit that enables an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Enable {
-    /// Of the output word, else of the input word.
+    /// The bit belongs to the output word, otherwise to the input word.
     pub(super) of_output: bool,
     pub(super) inverted: bool,
     pub(super) bit: u8,
 }
 
-/// The compensation of a bit, and how the bit shows.
+/// The compensation and the output mode of a bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Compensation {
     pub(super) offset: f64,
@@ -154,10 +154,10 @@ pub(super) struct Compensation {
 impl OutputCam {
     /// The output cam of a range of positions, both ends included.
     ///
-    /// An element that reaches beyond the range ends where it does. Bits without a compensation have none.
+    /// An element that reaches beyond the range is cut off at its ends. Bits beyond the compensation array have no compensation.
     ///
     /// # Errors
-    /// The first element that cannot be; those of the cam come first.
+    /// The first illegal element; those of the cam come first.
     pub fn new(
         range: RangeInclusive<f64>,
         elements: &[CamElement],
@@ -219,7 +219,7 @@ impl CamElement {
         if matches!(latch, Latch::Position | Latch::PositionAndEnable) || unlatch.by_position() {
             let legal = left < right;
             (left, right) = (left.max(start), right.min(end));
-            // A number that is none is not less.
+            // A NaN is never less than a number.
             if !legal || left >= right {
                 return None;
             }

@@ -1,20 +1,20 @@
-//! Where a number enters and leaves a range that may be repeated.
+//! The crossings of a value into and out of a range that may be repeated.
 //!
-//! A range holds its left end and not its right one, so that a place is in it or not from whichever side it is reached.
+//! A range contains its left end but not its right one, so membership of a position does not depend on the direction of approach.
 
 use arcline_profile::numeric::modulo;
 
-/// From `left` up to below `right`, and again every `cycle` in the turns that count.
+/// The range from `left` to below `right`, repeated every `cycle` in the turns that count.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub(super) left: f64,
     pub(super) right: f64,
-    /// More than 0 and not less than the range is long.
+    /// More than 0, and at least the length of the range.
     pub(super) cycle: f64,
     pub(super) turns: Turns,
 }
 
-/// Turns of a range, from the first to the last, of which the present one is 0.
+/// Turns of a range, from the first to the last; the present one is 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turns {
     pub(super) first: f64,
@@ -22,7 +22,7 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    /// The present one.
+    /// The present turn only.
     pub(super) const ONE: Self = Turns { first: 0.0, last: 0.0 };
     pub(super) const ALL: Self = Turns {
         first: f64::NEG_INFINITY,
@@ -31,7 +31,7 @@ impl Turns {
 }
 
 impl Window {
-    /// A range that nothing is in.
+    /// An empty range.
     pub(super) const NONE: Self = Window {
         left: 0.0,
         right: 0.0,
@@ -45,7 +45,7 @@ impl Window {
         counts && modulo(value - self.left, self.cycle) < self.right - self.left
     }
 
-    /// The last position at which the range is entered between one value and another, and the last at which it is left.
+    /// The last position at which a value on its motion from one position to another enters the range, and the last at which it leaves it.
     pub(super) fn crossed(&self, from: f64, to: f64) -> [Option<f64>; 2] {
         let last = |edge: f64| {
             let whole = ((to - edge) / self.cycle).floor();

@@ -1,4 +1,4 @@
-//! Coordinate systems from one tick to the next: ends of moves that lie before it, and what follows them.
+//! Coordinate systems from one tick to the next: the ends of moves before the tick, and the moves that follow them.
 //!
 //! Real-time: no allocation; bounded by the axes and coordinate systems and by [`MAX_ENDS_PER_TICK`]. Positions are
 //! position units, times seconds.
@@ -13,7 +13,7 @@ use crate::cause::Cause;
 use crate::control::Controls;
 
 impl Systems {
-    /// Brings a coordinate system to the present tick: the ends of moves that lie before it, then the commands of its axes.
+    /// Advances a coordinate system to the present tick: the ends of moves before it, then the commands of its axes.
     pub(crate) fn advance(&mut self, index: SystemId, axes: &mut Axes, controls: &mut Controls, clock: &Clock) {
         let system = &mut self[index];
         let base = system.time_base(clock);
@@ -44,8 +44,8 @@ impl Systems {
         }
     }
 
-    /// The command is at the programmed end, or where a stop has led it. The instant at which the active
-    /// move is complete, if it is.
+    /// Handles a command that has reached the programmed end, or the end of a stop. Returns the instant at which the active move is complete,
+    /// if it is.
     fn reached(
         &mut self,
         index: SystemId,
@@ -70,7 +70,7 @@ impl Systems {
             return Some(moment);
         }
         let system = &mut self[index];
-        // Where the end was come to inside an earlier update, the displacement of the master tells no more when that was.
+        // After an end inside an earlier update, the displacement of the master no longer yields the instant of that end.
         let time = match system.follower {
             Some(_) => *system.ended.get_or_insert(moment.time),
             None => moment.time,
@@ -83,8 +83,8 @@ impl Systems {
         Some(Moment { own, time })
     }
 
-    /// The active move is complete; the next one becomes active at the same instant. One that cannot fails, and the move
-    /// before it ends as if there had been none: those behind it would begin elsewhere, and are cancelled.
+    /// Completes the active move and activates the next one at the same instant. If the next one cannot begin, it fails, the completed move
+    /// ends as if it had no successor, and the moves behind are cancelled, since they would begin elsewhere.
     fn complete(&mut self, index: SystemId, moment: Moment, axes: &mut Axes, controls: &mut Controls, clock: &Clock) {
         let last = self[index].travel.active().copied();
         if let Some(last) = &last {
@@ -114,14 +114,14 @@ impl Systems {
         self.retired.extend(trajectory);
         self[index].release_axes(axes);
         self.refuse_next(index, last.as_ref(), controls);
-        // What still waits is planned as a contour now.
+        // The moves that still wait are planned as a contour now.
         let system = &mut self[index];
         if system.travel.waiting().next().is_some() {
             system.activity = Activity::Moving;
         }
     }
 
-    /// A move that would have to follow the one that has just ended without rest, and cannot.
+    /// Refuses a move that should follow the completed one without rest, but cannot.
     fn refuse_next(&mut self, index: SystemId, last: Option<&Move<Planned>>, controls: &mut Controls) {
         let next = self[index].travel.waiting().next();
         if let Some(Err(error)) = next.map(|next| verify_same_link(last, next)) {
@@ -129,7 +129,7 @@ impl Systems {
         }
     }
 
-    /// The move that was to begin cannot: it errs, and those behind it are cancelled.
+    /// Fails the move that was to begin, and cancels those behind it.
     pub(crate) fn refuse(&mut self, index: SystemId, error: MotionError, controls: &mut Controls) {
         let (refused, trajectory) = self[index].travel.refuse();
         self.retired.extend(trajectory);
@@ -141,7 +141,7 @@ impl Systems {
         controls.because(Cause::Itself);
     }
 
-    /// A move that waits for its axes goes on at the instant at which they came within the tolerance: the position of its successor at
+    /// Continues a move that waits for its axes, from the instant at which they came within the tolerance: the position of its successor at
     /// this tick is known now, and goes out at the next one.
     pub(crate) fn finish_settling(
         &mut self,
@@ -160,7 +160,7 @@ impl Systems {
 }
 
 impl System {
-    /// An instant of this update by what the active move is a function of, and in time.
+    /// Converts an instant of the active move's variable to an instant in time, within this update.
     fn moment(&self, own: Instant, clock: &Clock) -> Moment {
         let time = self
             .follower
@@ -169,8 +169,8 @@ impl System {
         Moment { own, time }
     }
 
-    /// Whether the oldest pending move can follow the active one, and by what it is a function of (spec/coordinated-instructions.md §7.11, §8.7). The instant at
-    /// which it begins.
+    /// Checks that the oldest pending move can follow the active one by its variable (spec/coordinated-instructions.md §7.11, §8.7).
+    /// Returns the instant at which it begins.
     fn promote(
         &mut self,
         last: Option<&Move<Planned>>,
@@ -184,14 +184,14 @@ impl System {
             return Ok(moment.own);
         }
         verify_same_link(last, next)?;
-        self.lead(next.data.driven_by, moment.time, axes, controls, clock)?;
+        self.activate_link(next.data.driven_by, moment.time, axes, controls, clock)?;
         let follower = &self.follower;
         Ok(follower
             .as_ref()
             .map_or(moment.time, |_| Clock::of_displacement(0.0).now()))
     }
 
-    /// Another move has become the active one.
+    /// Updates the system for the move that has become active.
     pub(crate) fn activate(&mut self, axes: &mut Axes, controls: &mut Controls, clock: &Clock) {
         self.shown = self.shown.of_next_move();
         self.ended = None;
@@ -203,7 +203,8 @@ impl System {
         self.calculate(controls, clock);
     }
 
-    /// Calculated Data of the active move, if its plan is another one than it was computed of (spec/coordinated-instructions.md §9).
+    /// Writes Calculated Data of the active move if its plan differs from the one that they were calculated for
+    /// (spec/coordinated-instructions.md §9).
     pub(crate) fn calculate(&mut self, controls: &mut Controls, clock: &Clock) {
         let (plan, due) = self.calculated;
         let plans = self.travel.plans();
@@ -227,7 +228,7 @@ impl System {
         controls.give(execution, &events);
     }
 
-    /// The instant at which the axes came within the Actual Tolerance, of a move that waits for that.
+    /// The instant at which the axes of a move that waits for them came within the Actual Tolerance.
     fn take_settled(&mut self, drives: &dyn Drives, axes: &Axes, clock: &Clock) -> Option<Instant> {
         let reached = self.settling.take()?;
         let (own, tolerance) = (self.description.linear(), self.description.actual_tolerance);
@@ -253,12 +254,13 @@ impl System {
 /// An instant of an update.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
-    /// By what the active move is a function of.
+    /// In the variable of the active move.
     own: Instant,
     time: Instant,
 }
 
-/// A move of another mode or master than the one before cannot follow that without rest (spec/coordinated-instructions.md §7.11).
+/// Checks that a move has the same mode and master as the previous one; otherwise it cannot follow without rest
+/// (spec/coordinated-instructions.md §7.11).
 fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Result<(), MotionError> {
     let link = |motion: &Move<Planned>| motion.data.driven_by.map(|driven_by| driven_by.link);
     match last {
@@ -269,5 +271,5 @@ fn verify_same_link(last: Option<&Move<Planned>>, next: &Move<Planned>) -> Resul
     }
 }
 
-/// Moves of one coordinate system that can end within one tick; the rest end in the next one.
+/// Moves of one coordinate system that can end within one tick; further ones end in the next tick.
 const MAX_ENDS_PER_TICK: usize = 64;

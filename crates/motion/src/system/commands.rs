@@ -1,4 +1,4 @@
-//! The set-points that a coordinate system gives to its axes, how it takes and releases them, and the settling of an end.
+//! The set-points that a coordinate system calculates for its axes, the start and end of its use of them, and the settling at an end.
 //!
 //! Not here: ends of moves ([`super::advance`]). Real-time: no allocation; bounded by the axes. Units: position units, seconds.
 
@@ -13,24 +13,24 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::control::{Controls, phase_flags};
 
 impl System {
-    /// Commands of its axes at the present tick, and ACCEL and DECEL of its active instruction.
+    /// Calculates the commands of its axes at the present tick, and ACCEL and DECEL of its active instruction.
     pub(crate) fn sample(&mut self, axes: &mut Axes, controls: &mut Controls, clock: &Clock) {
         let base = self.time_base(clock);
         let Some((sample, planned)) = self.travel.sample(&base) else {
             return;
         };
         let length = self.travel.length();
-        // The vector of all that it moves X, Y and Z with; a move that only turns has a speed by its angle.
+        // The vector of all its motion of X, Y and Z; a move that only rotates has an angular speed.
         let only_turns = self.active().is_some_and(|active| active.only_turns);
         let speed = match sample.velocity.norm() {
             0.0 if only_turns => sample.along.velocity.abs(),
             speed => speed,
         };
-        // Nothing has begun while a lock is waited for.
+        // No motion has begun while the move waits for a lock.
         let waits = self.follower.is_some_and(|follower| !follower.has_begun());
         let phase = if waits { Phase::Steady } else { sample.phase };
         let (moves, trend) = match &self.follower {
-            // Its master may stand.
+            // The move may be steady while its master accelerates or stands.
             Some(_) => (sample.along.velocity != 0.0, sample.along.phase()),
             None => (!self.travel.is_paused() && length > 0.0, phase),
         };
@@ -58,7 +58,7 @@ impl System {
         }
     }
 
-    /// The axes' part of a coordinated move that has just begun, so that others of the same tick see it.
+    /// Sets the axes' part of a coordinated move that has just begun, for instructions later in the same tick.
     pub(crate) fn set_axis_commands(&self, axes: &mut Axes, clock: &Clock) {
         if let Some((sample, _)) = self.travel.sample(&self.time_base(clock)) {
             self.set_commands(axes, &sample);
@@ -78,7 +78,7 @@ impl System {
         self.set_turned_commands(axes, sample);
     }
 
-    /// The commands stand exactly on the programmed end of the active move.
+    /// Sets the commands exactly to the programmed end of the active move.
     pub(super) fn set_end_position(&self, axes: &mut Axes) {
         if let Some(active) = self.travel.active() {
             let end = active.path.end();
@@ -87,7 +87,7 @@ impl System {
         }
     }
 
-    /// The commands stand exactly on a point.
+    /// Sets the commands exactly to a point.
     fn hold_at(&self, axes: &mut Axes, end: &Point) {
         for (member, axis) in numbered(self.description.linear()) {
             if let Some(axis) = axes.get_mut(axis) {
@@ -99,9 +99,9 @@ impl System {
         }
     }
 
-    /// The instant at which the axes came within the Actual Tolerance of the end at which their commands stand since `reached`: at
-    /// once where every axis follows exactly, otherwise as the last exchange said. Unknown as yet, it is asked for behind the next
-    /// one.
+    /// The instant at which the axes came within the Actual Tolerance of the end at which their commands have stood since `reached`: at once if
+    /// every axis follows exactly, otherwise according to the last exchange. If it is not known yet, the system asks for it after the next
+    /// exchange.
     pub(super) fn settled(&mut self, reached: Instant, axes: &mut Axes, clock: &Clock) -> Option<Instant> {
         let own = self.description.linear();
         let stood = reached.elapsed(clock);
@@ -118,7 +118,7 @@ impl System {
         None
     }
 
-    /// Takes its axes into its coordinated move, or on into the next one.
+    /// Makes its axes part of its coordinated move, or of the next one.
     pub(crate) fn join_axes(&self, axes: &mut Axes) {
         let s_curve = self.is_s_curve();
         let active = self.active();
@@ -148,7 +148,7 @@ impl System {
         }
     }
 
-    /// Takes Rx, Ry, Rz into the moves that wait: from now on what else turns them is added to where these lead.
+    /// Makes Rx, Ry, Rz part of the pending moves: from now on, other rotation of these axes adds to that of the moves.
     pub(crate) fn join_turned_axes(&self, axes: &mut Axes, s_curve: bool) {
         for axis in self.description.oriented() {
             if let Some(axis) = axes.get_mut(*axis)
@@ -159,7 +159,7 @@ impl System {
         }
     }
 
-    /// Takes its axes out of its coordinated move as they are.
+    /// Releases its axes from its coordinated move in their present motion.
     pub(crate) fn part_axes(&self, axes: &mut Axes) {
         for axis in self.taken() {
             if let Some(axis) = axes.get_mut(*axis) {
@@ -168,7 +168,7 @@ impl System {
         }
     }
 
-    /// Everything the system moved stands; nothing is active any more.
+    /// Releases its axes at rest; no move is active any more.
     pub(crate) fn release_axes(&mut self, axes: &mut Axes) {
         self.rest();
         for axis in self.taken() {

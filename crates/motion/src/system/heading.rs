@@ -1,8 +1,8 @@
-//! The orientation of a coordinate system with Rx, Ry, Rz: the goal of a path move that turns it, and its axes until then
+//! The orientation of a coordinate system with Rx, Ry, Rz: the end orientation of a path move that rotates, and its axes during the move
 //! (spec/coordinated-instructions.md §22.8, §23.3).
 //!
-//! The axes show fixed X-Y-Z angles: Ry within a quarter turn of 0, Rx and Rz in the turn that goes on. Beyond a quarter turn of Ry
-//! the other two change by half a turn at once, as the reference's mirror rule has it. Real-time: nothing allocates. Units: degrees.
+//! The axes show fixed X-Y-Z angles: Ry within a quarter turn of 0, Rx and Rz continuous over turns. When the rotation passes a quarter turn
+//! of Ry, the other two change by half a turn at once, as the reference's mirror rule states. Real-time: nothing allocates. Units: degrees.
 
 use arcline_planner::geometry::{
     Path, Point, Rotation, angle_rates, angles, angular_rates, continued, nearest, rotation,
@@ -21,7 +21,7 @@ use crate::tolerance::{AT_ONCE_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
 pub(crate) fn normal(given: &Point) -> Point {
     let upright = Point::new(0.0, 0.0, 0.0);
     let found = angles(&rotation(given), &upright);
-    // Angles that are in their range stay as they were given.
+    // Angles within their ranges stay unchanged.
     let kept = given.y.abs() <= 90.0
         && [given.x, given.z]
             .iter()
@@ -29,7 +29,7 @@ pub(crate) fn normal(given: &Point) -> Point {
     if kept { *given } else { found.map(above_half_turn) }
 }
 
-/// -180 and what rounds to it is 180.
+/// Replaces an angle of -180, and any that rounds to it, by 180.
 fn above_half_turn(angle: f64) -> f64 {
     if angle <= -180.0 + HALF_TURN_DEG {
         angle + 360.0
@@ -38,8 +38,8 @@ fn above_half_turn(angle: f64) -> f64 {
     }
 }
 
-/// The rotation between two triples of angles, of which `to` says with whole turns beyond half a turn of Rz how far a counted joint
-/// is to turn.
+/// The rotation between two triples of angles. Whole turns of Rz in `to` beyond half a turn are the rotation of a joint with a turns
+/// counter.
 pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     let [start, end] = [from, to].map(rotation);
     let shortest = Rotation::new(&start, &end, 0.0);
@@ -49,7 +49,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
         passed = continued(&shortest.at(share).orientation, &passed);
     }
     let missing = (to.z - passed.z) / 360.0;
-    // Half a turn is what the mirror rule leaves.
+    // A difference of half a turn is due to the mirror rule.
     let turns = if missing.abs() <= 0.5 + HALF_ROTATION_SHARE {
         0.0
     } else {
@@ -58,7 +58,7 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     let (followed, mirrored) = shown_at_end(&shortest, from);
     let mut shown = *to;
     if mirrored {
-        // Half a turn of Rx is what the mirror rule leaves.
+        // A difference of half a turn of Rx is due to the mirror rule.
         let beside = (to.x - passed.x) / 360.0;
         shown.x -= if beside.abs() <= 0.5 + HALF_ROTATION_SHARE {
             0.0
@@ -67,13 +67,13 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
         };
     } else {
         shown.x = nearest(to.x, followed.x);
-        // Beside straight up, where Rz takes half a turn on a short way, it may do so on the other side.
+        // Close to straight up, where Rz changes by half a turn over a short distance, it may do so on the other side.
         shown.z = nearest(to.z, followed.z + 360.0 * turns);
     }
     Rotation::new(&start, &end, turns).showing([*from, shown])
 }
 
-/// The shortest rotation between two triples of angles, with whole turns about Z beside it.
+/// The shortest rotation between two triples of angles, with additional whole turns about Z.
 pub(crate) fn rotation_by(from: &Point, to: &Point, turns: f64) -> Rotation {
     let to = &if to.y.abs() > 90.0 { normal(to) } else { *to };
     let [start, end] = [from, to].map(rotation);
@@ -82,8 +82,8 @@ pub(crate) fn rotation_by(from: &Point, to: &Point, turns: f64) -> Rotation {
     Rotation::new(&start, &end, turns).showing([*from, shown])
 }
 
-/// The angles at the end of a rotation that begins at some, followed without a step; and whether it passes straight up or down, where Rx
-/// and Rz change by half a turn at once, in either direction. Bounded.
+/// The angles at the end of a rotation, followed from those at its start without a step, and whether the rotation passes straight up or
+/// down, where Rx and Rz change by half a turn at once, in either direction. Bounded.
 fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     let (mut at, mut here, mut mirrored) = (*from, 0.0, false);
     let whole = f64::from(LOOKS).recip();
@@ -107,7 +107,7 @@ fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
 }
 
 impl System {
-    /// Rx, Ry, Rz at the end of the last move in the queue where one of its moves turns, in the frame in which the queue began.
+    /// Rx, Ry, Rz at the end of the last move in the queue, if one of its moves rotates, in the frame in which the queue began.
     pub(crate) fn queued_heading(&self) -> Option<Point> {
         if self.activity != Activity::Moving {
             return None;
@@ -115,18 +115,18 @@ impl System {
         self.travel.last()?.data.heading
     }
 
-    /// The same, or where the axes are commanded to be.
+    /// The same or, without such a move, the command positions.
     pub(crate) fn heading(&self, axes: &Axes) -> Point {
         self.queued_heading().unwrap_or_else(|| self.angles(axes))
     }
 
-    /// The rotation of a move behind the queue that keeps the orientation; none where there is no orientation.
+    /// The rotation of a move behind the queue that keeps the orientation; `None` without an orientation.
     pub(crate) fn keeping_heading(&self, axes: &Axes) -> Option<Rotation> {
         self.description.orientation?;
         Some(Rotation::keeping(&self.heading(axes)))
     }
 
-    /// The offsets by which Rx, Ry, Rz were redefined since the queue took them.
+    /// The offsets by which Rx, Ry, Rz were redefined since the queue began to use them.
     pub(crate) fn heading_shift(&self, axes: &Axes) -> Point {
         match self.queued_heading() {
             Some(_) => self.oriented(axes, |axis| axis.sum.shift_of(GeneratorKind::System)),
@@ -134,7 +134,7 @@ impl System {
         }
     }
 
-    /// How the coordinated motion of a system turns at the present.
+    /// The present rotation of the coordinated motion of a system.
     pub(crate) fn turning(&self, axes: &Axes) -> Option<AngularState> {
         let limits = self.travel.turn_limits()?;
         let moves = |axis: &Axis| {
@@ -165,13 +165,13 @@ impl System {
         point
     }
 
-    /// Where the axes Rx, Ry, Rz are commanded to be.
+    /// The command positions of the axes Rx, Ry, Rz.
     fn angles(&self, axes: &Axes) -> Point {
         self.oriented(axes, |axis| axis.command.position)
     }
 
-    /// A deceleration along the path, of a share of the Maximum Deceleration, with which the rotation of the active move keeps to that
-    /// share of its own maximum too. What only turns has that as its own.
+    /// The deceleration along the path, a share of the Maximum Deceleration, reduced such that the rotation of the active move needs no more than
+    /// that share of its own maximum. For a move that only rotates, it is a share of the maximum of the orientation.
     pub(crate) fn kept_by_turn(&self, deceleration: f64) -> f64 {
         let active = self.travel.active();
         active.map_or(deceleration, |active| {
@@ -193,12 +193,12 @@ impl System {
         }
     }
 
-    /// The limits of a stop of the active move as such of the move that it blends with, where one of them turns: the way of each may be
-    /// angles or positions.
+    /// Converts the limits of a stop of the active move to those of the move that it blends with, if one of them rotates: the path length of
+    /// either may be an angle or a distance.
     pub(super) fn of_tail(&self, limits: &Limits) -> Option<Limits> {
         self.description.orientation?;
         let (path, rotation) = self.travel.tail()?;
-        // The share of the maxima that the active move brakes with: what its own rotation takes away is not taken from both.
+        // The active move brakes at this share of the maxima; its own rotation must not reduce the deceleration of both moves.
         let most = self.description.max_deceleration;
         let deceleration = (limits.deceleration / self.kept_by_turn(most) * most).min(most);
         Some(Limits {
@@ -207,7 +207,7 @@ impl System {
         })
     }
 
-    /// The axes' part of a rotation at the present tick.
+    /// Sets the axes' part of a rotation at the present tick.
     pub(super) fn set_turned_commands(&self, axes: &mut Axes, sample: &Sample) {
         let Some(rotation_state) = &sample.rotation_state else {
             return;
@@ -217,7 +217,7 @@ impl System {
         self.set_angle_commands(axes, [shown, velocity, acceleration]);
     }
 
-    /// The axes stand exactly at the end of the active move's rotation.
+    /// Sets the axes exactly to the end of the active move's rotation.
     pub(super) fn hold_heading(&self, axes: &mut Axes) {
         if let Some(end) = self.active().and_then(|active| active.heading) {
             self.set_angle_commands(axes, [end, Point::zeros(), Point::zeros()]);
@@ -237,9 +237,9 @@ impl System {
     }
 }
 
-/// Looks at a rotation of at most half a turn: its angles do not go further than a quarter between two.
+/// Samples of a rotation of at most half a turn: its angles change by less than a quarter turn from one to the next.
 const LOOKS: u32 = 16;
-/// The same with steps that are halved beside straight up.
+/// Most samples, with steps that are halved close to straight up.
 const MOST_LOOKS: u32 = 200;
 /// Degrees of Rx or Rz in a step.
 const FAR_DEG: f64 = 60.0;

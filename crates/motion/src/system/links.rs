@@ -12,12 +12,11 @@ use crate::control::Controls;
 use crate::masters::follower::DrivenBy;
 
 impl System {
-    /// A move becomes active at an instant of this update: the link by which it is driven is the
-    /// active one from now on.
+    /// Activates the link that drives a move which becomes active at an instant of this update.
     ///
     /// # Errors
-    /// `MdscNotActivated` (93) where there is no such link any more.
-    pub(crate) fn lead(
+    /// `MdscNotActivated` (93) if the link no longer exists.
+    pub(crate) fn activate_link(
         &mut self,
         driven_by: Option<DrivenBy>,
         since: Instant,
@@ -39,7 +38,7 @@ impl System {
         Ok(())
     }
 
-    /// The link by which the active move is driven goes on to show AC while an instruction stops that move.
+    /// Keeps AC of the link that drives the active move while an instruction stops that move.
     pub(crate) fn keep_stopping_link(&mut self) {
         let follower = self.follower.filter(|_| self.activity == Activity::Moving);
         if let Some(used) = follower.and_then(|follower| self.links.active.filter(|link| link.id == follower.link)) {
@@ -47,7 +46,7 @@ impl System {
         }
     }
 
-    /// AC of its links: it shows at once that a motion by the link begins or ends.
+    /// Updates AC of its links as soon as a motion by a link begins or ends.
     pub(crate) fn show_links(&mut self, controls: &mut Controls) {
         self.end_stopping_link(controls);
         if self.links.is_empty() {
@@ -73,7 +72,7 @@ impl System {
         controls.flag(execution, Flag::Ac, false);
     }
 
-    /// Reads its masters at the present tick, and how far they lead its move.
+    /// Reads its masters at the present tick, and the displacement of its move.
     pub(crate) fn read_masters(&mut self, axes: &Axes, clock: &Clock) {
         for link in self.links.iter_mut() {
             let at = axes.master_at(link.master.axis, link.master.reference, clock);
@@ -92,7 +91,7 @@ impl System {
         links.chain(follower)
     }
 
-    /// Whether an axis is a master of its active move or of one of its links.
+    /// The axis is a master of its active move or of one of its links.
     pub(crate) fn has_master(&self, master: AxisId) -> bool {
         self.masters().any(|own| own == master)
     }
@@ -106,7 +105,7 @@ impl Systems {
         let links = std::mem::take(&mut system.links);
         for link in links.iter() {
             if system.stopping_link == Some(link.execution) {
-                // AC is shown until all stands.
+                // AC stays set until all axes stand.
                 controls.write(link.execution, 0, Flag::Ip.mask());
             } else {
                 controls.end_move(link.execution, 0);

@@ -9,7 +9,7 @@ pub(crate) struct Shown {
     pub(crate) phase: Phase,
     /// TrackingMaster of the active instruction, as last written.
     pub(crate) tracking: bool,
-    /// Whether the speed along the path rises or falls, masters included.
+    /// The phase of the speed along the path, including the effect of masters.
     pub(crate) trend: Phase,
     /// ActualPosToleranceStatus.
     pub(crate) in_actual_tolerance: bool,
@@ -21,14 +21,14 @@ pub(crate) struct Shown {
     pub(crate) has_moved: bool,
     /// Speed along the path, units/s.
     pub(crate) speed: f64,
-    /// Distance gone along the active path, units.
+    /// Distance covered on the active path, units.
     pub(crate) distance: f64,
     /// Length of the active path, units.
     pub(crate) length: f64,
 }
 
 impl Shown {
-    /// When another move becomes active.
+    /// The status at the change to another active move.
     pub(crate) fn of_next_move(self) -> Self {
         Shown {
             phase: Phase::Steady,
@@ -39,7 +39,7 @@ impl Shown {
         }
     }
 
-    /// When nothing is active any more.
+    /// The status after the end of all moves.
     pub(crate) fn at_rest(self) -> Self {
         Shown {
             in_actual_tolerance: self.in_actual_tolerance,

@@ -1,4 +1,4 @@
-//! Stops of a coordinate system: of its move on the path, and the instruction that reports them.
+//! Stops of a coordinate system: of its move on the path, and the instruction that reports the end.
 //!
 //! Not here: moves that are ended or aborted ([`super::take_over`]). Real-time: no allocation; bounded by the axes.
 
@@ -13,7 +13,7 @@ use crate::control::Controls;
 use crate::stop::AxisSet;
 
 impl System {
-    /// Brakes its coordinated move on its path, in time: a master leads it no more. Its instructions have ended.
+    /// Brakes its coordinated move on its path, in time: a master no longer leads it. Its instructions have ended.
     pub(crate) fn stop_on_path(&mut self, limits: &Limits, clock: &Clock) {
         let tail = self.of_tail(limits);
         if !self.is_busy() {
@@ -29,9 +29,9 @@ impl System {
         self.stale = true;
     }
 
-    /// As [`System::stop_on_path`], for what a robot must not go on with: a contour brakes without waiting for room within the limits
-    /// of the axes, a stop that is under way brakes no later than it would, and what comes to rest sooner by its own profile goes
-    /// on with that.
+    /// As [`System::stop_on_path`], for a robot that cannot follow the move: a contour brakes without waiting until the limits of the axes
+    /// permit it, an active stop brakes no later than planned, and a motion whose own profile comes to rest sooner continues on that
+    /// profile.
     pub(crate) fn stop_on_path_at_once(&mut self, limits: &Limits, clock: &Clock) {
         if self.follower.is_some() {
             self.stop_on_path(limits, clock);
@@ -45,7 +45,7 @@ impl System {
         self.stale = true;
     }
 
-    /// Ends the active move's instruction; the path is left to the caller.
+    /// Ends the active move's instruction; the caller ends the motion.
     pub(crate) fn end_active(&mut self, controls: &mut Controls) {
         if self.activity == Activity::Moving
             && let Some(active) = self.travel.detach_active()
@@ -54,14 +54,14 @@ impl System {
         }
     }
 
-    /// Ends a running stop's instruction without PC.
+    /// Ends an active stop's instruction without PC.
     pub(crate) fn end_stop(&mut self, controls: &mut Controls) {
         if let Some(stop) = self.stop.take() {
             controls.write(stop.execution, 0, Flag::Ip.mask());
         }
     }
 
-    /// The instruction of a stop is done once everything that it stopped stands.
+    /// Completes the instruction of a stop when all its axes stand.
     pub(crate) fn finish_stop(&mut self, axes: &Axes, controls: &mut Controls) {
         let Some(stop) = self.stop else {
             return;
@@ -75,14 +75,14 @@ impl System {
         controls.write(stop.execution, Flag::Pc.mask(), Flag::Ip.mask());
     }
 
-    /// Axes that stand, or that another move has taken, brake no more.
+    /// Drops the braking axes that stand, or that another move uses.
     pub(crate) fn finish_braking(&mut self, axes: &Axes) {
         if !self.brakes(axes) {
             self.braking = AxisSet::default();
         }
     }
 
-    /// No move is active any more.
+    /// Makes the system idle: no move is active.
     pub(crate) fn rest(&mut self) {
         self.activity = Activity::Idle;
         self.shown = self.shown.at_rest();

@@ -1,4 +1,4 @@
-//! Moves of coordinate systems that end before their end: cancelled, aborted, or taken over by another coordinate system.
+//! Moves of coordinate systems that end early: cancelled, aborted, or replaced by a move of another coordinate system.
 //!
 //! Real-time: no allocation; bounded by the axes and the depth of the queues.
 
@@ -12,7 +12,7 @@ use crate::control::Controls;
 use crate::stop::AxisSet;
 
 impl Systems {
-    /// Cancels every pending move of a coordinate system; where none is active yet, it is at rest.
+    /// Cancels every pending move of a coordinate system; without an active move it is then at rest.
     pub(crate) fn cancel_pending(&mut self, index: SystemId, controls: &mut Controls) {
         let system = &mut self[index];
         while let Some(cancelled) = system.travel.cancel_waiting() {
@@ -24,7 +24,7 @@ impl Systems {
         }
     }
 
-    /// Ends all moves of a system and their motion at once; the axes are left to the caller.
+    /// Ends all moves of a system and their motion at once; the caller releases the axes.
     pub(crate) fn end_travel(&mut self, index: SystemId, controls: &mut Controls) {
         self.cancel_pending(index, controls);
         self[index].end_active(controls);
@@ -32,8 +32,8 @@ impl Systems {
         self[index].rest();
     }
 
-    /// Ends all coordinated motion of a system at once. Its axes brake by themselves, but for those that
-    /// `hold` says stand or are without torque. Returns the axes that brake.
+    /// Ends all coordinated motion of a system at once. Its axes brake separately, except those that stand or are without torque according to
+    /// `hold`. Returns the axes that brake.
     pub(crate) fn abort(
         &mut self,
         index: SystemId,
@@ -69,8 +69,7 @@ impl Systems {
         braking
     }
 
-    /// Ends all coordinated motion of a system at once for another one that takes the axes they share; the
-    /// rest of its axes brake.
+    /// Ends all coordinated motion of a system at once in favour of another system that uses their common axes; the other axes brake.
     pub(crate) fn abort_but(
         &mut self,
         index: SystemId,

@@ -1,8 +1,8 @@
-//! A stop as it would be if it began at the next update: the motions that lead a robot's joints, until they rest.
+//! A stop that would begin at the next update: the motions that lead a robot's joints, until they are at rest.
 //!
-//! It is the stop that follows if the guard decides for it (`crate::motion`): with the jerk, the accelerations and the
-//! superposed motions of now. Not here: what the joints make of it ([`super::guard`]). Real-time: nothing allocates; bounded by the
-//! transforms, the coordinate systems and the axes. Units: position units, seconds.
+//! It is the stop that the guard would execute (`crate::motion`), with the present jerk, accelerations and superposed motions. Not here:
+//! the resulting motion of the joints ([`super::guard`]). Real-time: nothing allocates; bounded by the transforms, the coordinate systems
+//! and the axes. Units: position units, seconds.
 
 use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
@@ -19,37 +19,37 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::system::{component, numbered};
 
-/// Stops that have not begun; the memory is kept from look to look.
+/// Planned stops that have not begun; their memory is reused for every plan.
 #[derive(Debug, Default)]
 pub(crate) struct Ahead {
     paths: Vec<PathStop>,
     axes: Vec<AxisStop>,
-    /// How far each axis of the machine is from where it is now, and how fast.
+    /// The displacement of each axis of the machine from its present position, and its rate.
     steps: Vec<KinematicState>,
 }
 
-/// How a coordinate system comes to rest on its path.
+/// The stop of a coordinate system on its path.
 #[derive(Clone, Debug)]
 struct PathStop {
     system: SystemId,
     stopping: PathStopping,
-    /// Rx, Ry, Rz where it was looked at last, degrees.
+    /// Rx, Ry, Rz at the last sample, degrees.
     near: Vector,
 }
 
-/// How a generator of an axis comes to rest.
+/// The stop of a generator of an axis.
 #[derive(Clone, Copy, Debug)]
 struct AxisStop {
     axis: AxisId,
     profile: Profile,
-    /// Seconds of the profile that are over when the stop begins.
+    /// Seconds of the profile that have passed when the stop begins.
     since: f64,
-    /// Where the generator is now.
+    /// The present position of the generator.
     from: f64,
 }
 
 impl Ahead {
-    /// For a machine of so many axes and coordinate systems. The only allocation.
+    /// For a machine with these numbers of axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
         Ahead {
             paths: Vec::with_capacity(systems),
@@ -58,21 +58,21 @@ impl Ahead {
         }
     }
 
-    /// Seconds from the next update until everything is at rest.
+    /// Seconds from the next update until all motion of the plan is at rest.
     pub(super) fn duration(&self) -> f64 {
         let paths = self.paths.iter().map(|stop| stop.stopping.duration());
         let axes = self.axes.iter().map(|stop| stop.profile.duration() - stop.since);
         paths.chain(axes).fold(0.0, f64::max)
     }
 
-    /// How far an axis is from where it is now, at the instant that was looked at last, by what moves it itself.
+    /// The displacement of an axis from its present position at the last sample, by its own generators.
     pub(super) fn step(&self, axis: AxisId) -> KinematicState {
         self.steps[usize::from(axis)]
     }
 }
 
 impl Present<'_> {
-    /// Works out what a stop of all that leads a transform would do, the target's own motion included, if it began at the next update.
+    /// Plans a stop of all motion that leads a transform, including the target's own motion, from the next update on.
     pub(super) fn plan_ahead(&self, transform: &Transform, ahead: &mut Ahead) {
         ahead.paths.clear();
         ahead.axes.clear();
@@ -101,7 +101,7 @@ impl Present<'_> {
         }
     }
 
-    /// Brings the steps of a plan to an instant, `seconds` after the next update.
+    /// Samples a plan at an instant, `seconds` after the next update.
     pub(super) fn look_at(&self, ahead: &mut Ahead, seconds: f64) {
         for stop in &ahead.axes {
             ahead.steps[usize::from(stop.axis)] = KinematicState::default();
@@ -151,7 +151,7 @@ impl Present<'_> {
                 Equation::Planned { profile, start } if generator.follower.is_none() => {
                     Some((profile, start.elapsed(&self.clock.next())))
                 }
-                // The coordinate system says.
+                // The coordinate system plans this generator.
                 Equation::Followed if kind == GeneratorKind::System => continue,
                 _ => None,
             };
@@ -177,7 +177,7 @@ impl Present<'_> {
         let system = &self.systems[index];
         let mut base = system.time_base(self.clock);
         base.time = self.clock.next();
-        // The master goes on like this for an update.
+        // The master keeps its present motion for an update.
         if let Some(master) = &mut base.master {
             let (period, rate) = (self.clock.period(), master.rate);
             let gone = (rate.speed + 0.5 * rate.acceleration * period) * period;
@@ -187,7 +187,7 @@ impl Present<'_> {
         system.travel.stopping(&system.guarded_stop(), &base)
     }
 
-    /// Rx, Ry, Rz of what a coordinate system's own move does, degrees.
+    /// Rx, Ry, Rz of a coordinate system's own move, degrees.
     fn turned_to(&self, index: SystemId) -> Vector {
         let mut near = Vector::zeros();
         for (axis, angle) in self.systems[index].description.oriented().iter().zip(near.iter_mut()) {
@@ -196,7 +196,7 @@ impl Present<'_> {
         near
     }
 
-    /// Where the coordinated part of an axis's motion is.
+    /// The position of the coordinated part of an axis's motion.
     fn coordinated(&self, axis: AxisId) -> f64 {
         let generator = self.axes[axis].sum.get(GeneratorKind::System);
         generator.map_or(0.0, |generator| generator.now.position)
@@ -220,7 +220,7 @@ impl Present<'_> {
         }
     }
 
-    /// Where the source of a transform is at the instant of a plan that was looked at last.
+    /// The position of a transform's source at the last sample of a plan.
     pub(super) fn source_ahead(&self, transform: &Transform, ahead: &Ahead) -> Side {
         let transforms = self.transforms;
         let mut source = transforms.step_of(transform, &|axis| ahead.step(axis), transforms.most());
@@ -235,7 +235,7 @@ impl Present<'_> {
     }
 }
 
-/// The state of a generator at the next update: by its profile, or as it moves now.
+/// The motion of a generator at the next update: by its profile, or by its present motion.
 fn coming(generator: &Generator, own: Option<(&Profile, f64)>, period: f64) -> KinematicState {
     match own {
         Some((profile, since)) => profile.at(since),
@@ -251,7 +251,7 @@ fn coming(generator: &Generator, own: Option<(&Profile, f64)>, period: f64) -> K
 }
 
 impl Generator {
-    /// A stop out of a state, unless the generator's own profile, of which so many seconds are over then, comes to rest sooner.
+    /// A stop from a state, unless the generator's own profile, of which this many seconds have passed then, comes to rest sooner.
     pub(crate) fn soonest(
         &self,
         own: Option<(&Profile, f64)>,
@@ -269,7 +269,7 @@ impl Generator {
         (!sooner).then_some(stop)
     }
 
-    /// Its own profile by time, and how much of it is over at the present tick.
+    /// Its own profile over time, and the seconds of it that have passed at the present tick.
     pub(crate) fn timed(&self, clock: &Clock) -> Option<(&Profile, f64)> {
         match &self.equation {
             Equation::Planned { profile, start } if self.follower.is_none() => Some((profile, start.elapsed(clock))),
@@ -278,7 +278,7 @@ impl Generator {
     }
 }
 
-/// Axes of a transform and of what leads it: four systems.
+/// Axes of a transform and of its sources: four systems.
 const INVOLVED: usize = 4 * MAX_SYSTEM_AXES;
-/// Generators that one look takes in; more are seen when they have led the joints too far.
+/// Generators in one plan; further ones are noticed only after they have led the joints too far.
 const AXIS_STOPS: usize = 32;

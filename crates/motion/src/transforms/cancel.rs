@@ -1,4 +1,4 @@
-//! The end of a transform: nothing leads any more, and what it moved brakes (spec/coordinated-instructions.md §15.1,
+//! The end of a transform: the source leads the target no longer, and the target's motion brakes (spec/coordinated-instructions.md §15.1,
 //! §19.7).
 
 use arcline_instruction_set::AxisId;
@@ -20,27 +20,27 @@ use crate::stop::AxisSet;
 use crate::system::Systems;
 use crate::tolerance::NO_ROOM_UNITS;
 
-/// The rates at which the axes of a cancelled transform come to rest, each by itself. `None` is the maximum of the coordinate
-/// system that the transform moved the axis for.
+/// The rates at which the axes of a cancelled transform come to rest separately. `None` is the maximum of the coordinate system for which
+/// the transform moved the axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Release {
     /// Units/s².
     pub(crate) deceleration: Option<f64>,
-    /// Units/s³, where the motion that was followed is an S-curve.
+    /// Units/s³, if the motion of the transform is an S-curve.
     pub(crate) jerk: Option<f64>,
 }
 
 /// A transform that was cancelled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cancelled {
-    /// Its instruction, which has not ended.
+    /// Its instruction, if it has not ended yet.
     pub(crate) execution: Option<Execution>,
     /// The axes that brake.
     pub(crate) braking: AxisSet,
 }
 
 impl Transforms {
-    /// Ends a transform; what it moved brakes from `now` on.
+    /// Ends a transform; the motion that it caused brakes from `now` on.
     pub(crate) fn cancel(
         &mut self,
         id: TransformId,
@@ -58,7 +58,7 @@ impl Transforms {
                 .filter(|(kind, _)| *kind != GeneratorKind::Transform);
             own.any(|(_, generator)| generator.s_curve)
         });
-        // Every axis leaves the transform before any brakes: positions stay as they are throughout.
+        // Every axis leaves the transform before any of them brakes, so positions stay unchanged.
         self.keep_feedback(id, &transform);
         for (axis, feedback) in transform.source.iter().zip(&transform.feedback) {
             let part = &mut axes[*axis].transforms;
@@ -101,8 +101,8 @@ impl Transforms {
         })
     }
 
-    /// The feedback of a cancelled transform stays beside what earlier ones make of its source: behind joints both
-    /// together are something else than one after the other.
+    /// Stores the feedback of a cancelled transform in earlier transforms of its source: with joints, both feedbacks together differ from one
+    /// after the other.
     fn keep_feedback(&mut self, id: TransformId, cancelled: &Transform) {
         for other in self.active.iter_mut().take(id.index()).flatten() {
             for (axis, kept) in other.source.iter().zip(&mut other.cancelled_feedback) {
@@ -113,7 +113,7 @@ impl Transforms {
         }
     }
 
-    /// Once all that transforms link stands, no feedback of cancelled ones is beside any more.
+    /// Includes the feedback of cancelled transforms in that of the others, once all axes of transforms stand.
     pub(crate) fn join_cancelled_feedback(&mut self, axes: &Axes) {
         let kept = |(_, transform): (TransformId, &Transform)| transform.cancelled_feedback != Positions::default();
         if !self.iter().any(kept) {
@@ -129,7 +129,7 @@ impl Transforms {
         }
     }
 
-    /// An axis is part of one transform less.
+    /// Ends the part of an axis in one transform.
     fn release(&self, axis: AxisId, axes: &mut Axes) {
         let state = &mut axes[axis];
         if state.is_transformed() {
@@ -141,7 +141,7 @@ impl Transforms {
     }
 }
 
-/// An axis that a cancelled transform moved brakes, if it moves. Whether it does.
+/// Brakes an axis that a cancelled transform moved. Returns true if the axis moves.
 fn brake(axis: &mut Axis, moved: &KinematicState, limits: &Limits, now: Instant) -> bool {
     let limits = &within_travel(axis, moved, limits);
     let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
@@ -160,7 +160,7 @@ impl Release {
     }
 }
 
-/// A stop that ends within the travel of the axis, however short that is, at the rates of `limits` otherwise.
+/// The limits with which an axis stops within its travel: `limits` if they suffice, otherwise a harder deceleration without a jerk limit.
 fn within_travel(axis: &Axis, moved: &KinematicState, limits: &Limits) -> Limits {
     let [down, up] = axis.faults.room(axis.command.position);
     let room = if moved.velocity < 0.0 { -down } else { up };

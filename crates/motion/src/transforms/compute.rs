@@ -1,9 +1,9 @@
 //! The set-points and the feedback of transforms within a tick (spec/coordinated-instructions.md §19, §20).
 //!
-//! The source leads the target: without motion of its own the target is where the [`Map`] takes the source. Motion that the target has
-//! of its own leads the source back (feedback), so that both stay at the same point. Between Cartesian frames that is a turn of what
-//! was added. Behind a robot's joints nothing is linear: what the target adds is added to where the source leads it *before* any
-//! feedback ([`Transform::target_before`]), and the source is led back by where this is.
+//! The source leads the target: without motion of its own, the target is at the position to which the [`Map`] takes the source. The
+//! target's own motion leads the source (feedback), so that both stay at the same point. Between Cartesian frames the feedback is a rotation
+//! of the added motion. With a robot's joints the map is not linear: the target's own motion adds to the position at which the source leads
+//! it *before* any feedback ([`Transform::target_before`]), and the feedback of the source follows from the sum.
 //!
 //! Not here: the order of the computation (`crate::order`), the errors of MCT (`instructions::mct`), the reaction to a
 //! robot that cannot follow (`crate::motion`). Nothing allocates. Units: position units, seconds.
@@ -20,14 +20,14 @@ use crate::axis::Axis;
 use crate::axis::generator::Generator;
 use crate::axis::generator_kind::GeneratorKind;
 
-/// A part of the computation of transforms in one tick; each is of the transform with this index.
+/// A part of the computation of the transform with this index in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// Where the source leads the target before any feedback to the source.
+    /// The position of the target before any feedback to the source.
     Before(TransformId),
     /// The motion that the target's own motion adds to the source.
     Feedback(TransformId),
-    /// Where the whole source leads the target.
+    /// The position of the target by the whole source.
     SetPoints(TransformId),
 }
 
@@ -41,7 +41,7 @@ impl Transforms {
         }
     }
 
-    /// Where the source leads the target before any feedback to the source.
+    /// Computes the position of the target before any feedback to the source.
     fn compute_before(&mut self, id: TransformId, axes: &Axes, period: f64) {
         let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
@@ -72,7 +72,7 @@ impl Transforms {
         }
     }
 
-    /// The motion that the target's own motion adds to the source now.
+    /// Computes the motion that the target's own motion adds to the source.
     fn compute_feedback(&mut self, id: TransformId, axes: &Axes, period: f64) {
         let Some(transform) = self.get(id) else { return };
         let target_moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis));
@@ -93,7 +93,7 @@ impl Transforms {
         }
     }
 
-    /// Where the whole source leads the target now.
+    /// Computes the position of the target by the whole source.
     fn compute_set_points(&mut self, id: TransformId, axes: &mut Axes, period: f64) {
         let Some(transform) = self.get(id) else { return };
         let s_curve = transform.source.iter().any(|axis| axes[*axis].is_s_curve());
@@ -124,7 +124,7 @@ impl Transforms {
         if source == transform.source_before {
             return Ok(transform.target_before);
         }
-        // Later targets lead the source as well: this one follows to where all of them lead it.
+        // Later targets lead the source as well: this target follows the source with all feedback.
         let mut whole = source;
         for (whole, feedback) in whole.iter_mut().zip(&transform.feedback) {
             add(whole, feedback);
@@ -143,7 +143,7 @@ impl Transforms {
         Ok(target)
     }
 
-    /// The part of an axis's command that all its transforms give now.
+    /// Computes the part of an axis's command that comes from all its transforms.
     pub(crate) fn compose(&self, axis: AxisId, axes: &mut Axes) {
         if !axes[axis].is_transformed() {
             return;
@@ -156,7 +156,7 @@ impl Transforms {
         state.command = state.sum.command();
     }
 
-    /// A transform begins; its instruction has been verified.
+    /// Begins a transform whose instruction has been verified.
     pub(crate) fn begin(&mut self, id: TransformId, mut transform: Transform, axes: &mut Axes) {
         for axis in transform.axes() {
             let state = &mut axes[axis];
@@ -172,7 +172,7 @@ impl Transforms {
             transform.added_at_start[index] = self.added(axes, *axis).position;
         }
         let source = self.source_without_feedback(axes, id, &transform);
-        // It cannot fail: it has been verified for this position.
+        // No error is possible: the transform has been verified for this position.
         let placed = transform.target_of(&source).unwrap_or_default();
         transform.source_before = source;
         for (index, axis) in target_axes.iter().enumerate() {
@@ -190,8 +190,8 @@ impl Transforms {
         }
     }
 
-    /// The own displacement of a robot's target becomes part of the source's position, once all axes stand: the arm is then in the
-    /// solution in which its joints are.
+    /// Includes the own displacement of a robot's target in the source's position, once all axes stand: the arm solution is then that of its
+    /// joints.
     pub(crate) fn settle(&mut self, id: TransformId, axes: &mut Axes) {
         let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
@@ -225,7 +225,7 @@ impl Transforms {
         Some((transform, transform.target.index_of(axis)?))
     }
 
-    /// Transforms whose sources have this axis, but for one.
+    /// Transforms whose sources have this axis, except one.
     fn fed_back_by(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> impl Iterator<Item = &Transform> {
         let mut left = axes[axis].transforms.source_of & !but.map_or(0, TransformId::bit);
         std::iter::from_fn(move || {
@@ -236,7 +236,7 @@ impl Transforms {
         .flatten()
     }
 
-    /// The feedback of all transforms to an axis, but for that of one.
+    /// The sum of the feedback of all transforms to an axis, except one.
     fn feedback_to(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> KinematicState {
         let mut total = KinematicState::default();
         for transform in self.fed_back_by(axes, axis, but) {
@@ -247,7 +247,7 @@ impl Transforms {
         total
     }
 
-    /// Where transforms would lead an axis without any feedback to it.
+    /// The position of an axis by its transforms without any feedback to it.
     fn set_point(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
@@ -273,7 +273,7 @@ impl Transforms {
         total
     }
 
-    /// An axis without the feedback of one transform and of later ones, before the whole is known.
+    /// An axis without the feedback of one transform and of later ones, before the complete feedback is known.
     fn before_feedback(&self, axes: &Axes, axis: AxisId, id: TransformId) -> KinematicState {
         let part = &axes[axis].transforms;
         let mut point = match self.leader(axes, axis) {
@@ -290,7 +290,7 @@ impl Transforms {
         total
     }
 
-    /// The motion of an axis besides the transform that leads it, since the axis became part of a transform.
+    /// The motion of an axis apart from the transform that leads it, since the axis became part of a transform.
     fn added(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let state = &axes[axis];
         let mut added = state.sum.motion_of(|kind| kind != GeneratorKind::Transform);
@@ -300,7 +300,7 @@ impl Transforms {
         added
     }
 
-    /// The same of each axis of a target since the transform began, or since the displacement became part of the source's position.
+    /// The same for each axis of a target, since the transform began or since the displacement was included in the source's position.
     pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> Side {
         let mut added = Side::default();
         for ((index, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
@@ -310,18 +310,18 @@ impl Transforms {
         added
     }
 
-    /// Whether the targets' own motions lead an axis, but for one transform's.
+    /// The own motion of a target leads the axis; one transform does not count.
     fn is_fed_back(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> bool {
         self.fed_back_by(axes, axis, but)
             .any(|transform| transform.target_moves)
     }
 
-    /// Whether an axis moves otherwise than by a transform that leads it.
+    /// An axis moves by other means than a transform that leads it.
     pub(super) fn moves_by_itself(&self, axes: &Axes, axis: AxisId) -> bool {
         axes[axis].moves_itself() || self.is_fed_back(axes, axis, None)
     }
 
-    /// Whether an axis of the source moves otherwise than by the feedback of this transform, and so moves the target.
+    /// An axis of the source moves by other means than the feedback of this transform, and so moves the target.
     pub(super) fn source_moves(&self, axes: &Axes, id: TransformId, transform: &Transform) -> bool {
         transform.source.iter().any(|axis| {
             let led = self.leader(axes, *axis).is_some_and(|(other, _)| other.source_moves);
@@ -329,7 +329,7 @@ impl Transforms {
         })
     }
 
-    /// Whether a transform moves an axis, as the axis shows it.
+    /// Updates whether a transform moves an axis, in the status of the axis.
     pub(crate) fn show_controlled(&self, axis: AxisId, axes: &mut Axes) {
         let led = self
             .leader(axes, axis)
@@ -339,7 +339,7 @@ impl Transforms {
     }
 }
 
-/// An axis with all its motion while transforms lead it to a point of their generator's frame.
+/// An axis with all its motion at a point of the transform generator's frame.
 fn seen(state: &Axis, point: KinematicState) -> KinematicState {
     let mut total = state.sum.motion_of(|kind| kind != GeneratorKind::Transform);
     let position = state.sum.seen_from(GeneratorKind::Transform, Some(point.position));
@@ -349,11 +349,10 @@ fn seen(state: &Axis, point: KinematicState) -> KinematicState {
     total
 }
 
-/// Joints that the source leads further in an update than their speeds let them are led no more: they brake from their motion
-/// before. `period`: seconds between both states.
+/// Checks the motion of joints that the source leads in an update against their maximum speeds. `period`: seconds between both states.
 ///
 /// # Errors
-/// 69, or 68 where a joint would turn at once.
+/// 69, or 68 if a joint would turn at once; the joints then brake from their earlier motion.
 fn within_speeds(
     transform: &Transform,
     axes: &Axes,
@@ -377,7 +376,7 @@ fn within_speeds(
     Ok(())
 }
 
-/// The same where the target's own motion leads joints back.
+/// The same for joints that the target's own motion leads.
 fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, period: f64) -> Result<(), MotionError> {
     if transform.robot().is_none() || transform.has_robot_target() {
         return Ok(());

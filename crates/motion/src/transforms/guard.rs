@@ -1,10 +1,9 @@
-//! Whether a robot's joints could follow a stop that began at the next update (spec/coordinated-instructions.md §19.8).
+//! The check that a robot's joints could follow a stop that began at the next update (spec/coordinated-instructions.md §19.8).
 //!
-//! The joints are computed at a few instants of the stop, and between two of them where a joint may exceed a limit that it keeps at
-//! both: between two instants a joint is taken to follow the cubic through both positions and velocities. A joint that is too fast only
-//! briefly is found by the distance that it gets. Not here: the stop ([`super::ahead`]), and the reaction to a verdict
-//! (`crate::motion`). Real-time: nothing allocates; the number of looks is fixed. Units: position units, degrees of joints,
-//! seconds.
+//! The guard samples the joints at a few instants of the stop, and additionally between two samples if a joint may exceed a limit there that
+//! it keeps at both: between samples, the joint is assumed to follow the cubic through both positions and velocities. A joint that is too
+//! fast only briefly is found by its displacement. Not here: the stop ([`super::ahead`]), and the reaction to a verdict (`crate::motion`).
+//! Real-time: nothing allocates; the number of samples is fixed. Units: position units, degrees of joints, seconds.
 
 use arcline_instruction_set::{AxisId, AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
@@ -23,13 +22,13 @@ use crate::tolerance::{JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, SHO
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Verdict {
     GoesOn,
-    /// It goes on; the target's own displacement becomes part of the source's position, if all axes stand.
+    /// The transform continues; if all axes stand, the target's own displacement is included in the source's position.
     Settles,
-    /// The robot will not be able to follow: every motion of either side must brake now.
+    /// The robot will be unable to follow: every motion of either side must brake now.
     Brakes(MotionError),
-    /// The robot cannot follow any more.
+    /// The robot can follow no longer.
     Fails(MotionError),
-    /// It has failed, and both sides are at rest.
+    /// The transform has failed, and both sides are at rest.
     Ends,
 }
 
@@ -38,9 +37,9 @@ pub(crate) enum Verdict {
 struct Look {
     /// Seconds after the next update.
     at: f64,
-    /// Where the source leads them, in the robot's frame.
+    /// The motion of the joints that the source leads, in the robot's frame.
     led: Side,
-    /// How far they are by themselves from where they are now.
+    /// The displacement of the joints from their present positions by their own motion.
     own: Side,
 }
 
@@ -55,11 +54,11 @@ impl Look {
     }
 }
 
-/// The verdict of two looks on the interval between them.
+/// The verdict of two samples on the interval between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum IntervalVerdict {
     Kept,
-    /// Only a look between them can decide.
+    /// Only a sample between them can decide.
     Unknown,
     Exceeded(MotionError),
 }
@@ -69,24 +68,24 @@ enum IntervalVerdict {
 struct Bounds {
     /// Units/s.
     speed: f64,
-    /// From where to where it may be, in the frame of [`Look::joint`].
+    /// Its permitted positions, in the frame of [`Look::joint`].
     room: [f64; 2],
-    /// The error of a position beyond.
+    /// The error of a position outside of them.
     beyond: MotionError,
 }
 
-/// A stop that is looked at.
+/// A planned stop under examination.
 struct StopAhead<'a> {
     present: Present<'a>,
     transform: &'a Transform,
     ahead: &'a mut Ahead,
-    /// Follows the joints from look to look.
+    /// Follows the joints from sample to sample.
     robot: RobotMap,
     now: Look,
     bounds: [Bounds; MAX_SYSTEM_AXES],
-    /// Looks that are still to be judged, the last one first.
+    /// Samples whose intervals are to be judged, the last one first.
     goals: [Look; DEPTH],
-    /// Looks between others that are left.
+    /// Remaining samples between others.
     left: u8,
 }
 
@@ -104,14 +103,14 @@ impl Present<'_> {
             return Verdict::Ends;
         }
         match self.look_ahead(id, transform, ahead) {
-            // A motion that has begun since the transform brakes must brake too.
+            // Motion that has begun since the transform started to brake must brake too.
             Err(error) => Verdict::Brakes(error),
             Ok(()) if transform.braking => Verdict::GoesOn,
             Ok(()) => Verdict::Settles,
         }
     }
 
-    /// Whether the joints could follow a stop that began at the next update, each within its speed and its travel.
+    /// Checks that the joints could follow a stop that began at the next update, each within its speed and its travel.
     ///
     /// # Errors
     /// The error of the first limit that a joint would exceed.
@@ -150,7 +149,7 @@ impl Present<'_> {
         Ok(())
     }
 
-    /// The joints now, an update before the stop.
+    /// The joints at the present tick, one update before the stop.
     fn joints_now(&self, transform: &Transform) -> Look {
         let mut look = Look {
             at: -self.clock.period(),
@@ -166,7 +165,7 @@ impl Present<'_> {
         look
     }
 
-    /// Whether the source is led by something that is no motion of it, or of a source above it: another target of one of these.
+    /// A target of other transforms leads the source: neither the source's own motion nor that of a source above it.
     fn is_led_by_others(&self, id: TransformId, transform: &Transform) -> bool {
         let (mut chain, mut at) = (id.bit(), Some(transform));
         for _ in 0..self.transforms.most() {
@@ -186,7 +185,7 @@ impl Present<'_> {
         false
     }
 
-    /// The same for a source that others lead too: it is taken to go straight on and to stop at its axes' maxima.
+    /// The same for a source that other targets lead, too: it is assumed to continue straight and to stop at its axes' maxima.
     fn look_straight_on(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
         let mut robot = *robot;
         let added = self.transforms.added_to(self.axes, transform);
@@ -242,7 +241,7 @@ impl Present<'_> {
                 if !robot.has_mirror() && (own[0] > bounds.room[0] || own[1] < bounds.room[1]) {
                     bounds.beyond = MotionError::InvalidTransformPosition(Detail(index as i8));
                 }
-                // A joint that is beyond may come back.
+                // A joint outside of its range may return.
                 bounds.room = [bounds.room[0].max(own[0].min(now)), bounds.room[1].min(own[1].max(now))];
             }
             bounds
@@ -251,7 +250,7 @@ impl Present<'_> {
 }
 
 impl StopAhead<'_> {
-    /// From one instant to a later one, as closely as need be.
+    /// Examines the stop from one instant to a later one, with as many samples as necessary.
     ///
     /// # Errors
     /// The error of the first limit that a joint would exceed until then.
@@ -265,7 +264,7 @@ impl StopAhead<'_> {
             }
             match self.between(&before, &next) {
                 IntervalVerdict::Exceeded(error) => return Err(error),
-                // Before the next update nothing is planned.
+                // The interval before the next update has no plan of the stop.
                 IntervalVerdict::Unknown
                     if self.left > 0 && count < DEPTH && before.at >= 0.0 && next.at - before.at > SHORTEST_LOOK_S =>
                 {
@@ -287,7 +286,7 @@ impl StopAhead<'_> {
     }
 
     /// # Errors
-    /// Where the joints cannot be.
+    /// The error of a position that the joints cannot take.
     fn look(&mut self, at: f64) -> Result<Look, MotionError> {
         self.present.look_at(self.ahead, at);
         let mut look = Look { at, ..self.now };
@@ -322,7 +321,7 @@ impl StopAhead<'_> {
             let middle = 1.5 * mean - 0.5 * ends;
             let fastest = middle.abs().max(mean.abs());
             let turns = from.velocity * to.velocity < 0.0;
-            // How far it may get beyond both ends.
+            // The bound of its excess beyond the positions at both ends.
             let out = 0.25 * width * from.velocity.abs().max(to.velocity.abs());
             let near_an_end =
                 from.position.min(to.position) - out < least || from.position.max(to.position) + out > most;
@@ -336,7 +335,7 @@ impl StopAhead<'_> {
         verdict
     }
 
-    /// Judges an interval that is too short for another look, by its ends.
+    /// Judges an interval by its ends, if it is too short for another sample.
     fn judge(&self, before: &Look, next: &Look) -> Result<(), MotionError> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
@@ -353,23 +352,23 @@ impl StopAhead<'_> {
     }
 }
 
-/// Whether a joint got further in an update than its speed lets it.
+/// A joint is faster, or was displaced further in an update, than its maximum speed permits.
 pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64, period: f64) -> bool {
     now.velocity.abs() > speed * (1.0 + LOOK_ERROR_SHARE)
         || (now.position - before.position).abs() > speed * period * (1.0 + LOOK_ERROR_SHARE) + JOINT_UNITS
 }
 
-/// The share by which a joint may be faster than its Maximum Speed before the source leads it no more: the error between two looks at
-/// a stop.
+/// Excess of a joint's speed over its Maximum Speed from which the source leads it no longer: the error between two samples of a
+/// stop.
 const LOOK_ERROR_SHARE: f64 = 0.02;
-/// A joint that gets further, in degrees, between two looks that cannot be nearer turns at once.
+/// A joint with a larger displacement, in degrees, between two samples at the smallest distance turns at once.
 pub(super) const AT_ONCE_DEG: f64 = 10.0;
-/// Looks at a stop, evenly spaced in time.
+/// Samples of a stop, evenly spaced in time.
 const LOOKS: u8 = 4;
-/// Looks between these, at most.
+/// Most additional samples between these.
 const CLOSER: u8 = 32;
 /// Nested intervals.
 const DEPTH: usize = 14;
-/// Share of its Maximum Speed by which the speed of a joint in the middle of an interval may be off the mean of those at the
-/// ends.
+/// Difference between the speed of a joint in the middle of an interval and the mean of those at the ends, as a share of its Maximum Speed,
+/// above which the interval is divided.
 const ODD_SPEED_SHARE: f64 = 0.25;

@@ -1,9 +1,9 @@
 //! Transforms: pairs of coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
 //!
-//! [`Transforms`] owns those under way and their rules: the map of positions ([`robot`], [`transform`]), set-points and feedback
-//! within a tick ([`compute`]), and the end ([`cancel`]). Whether a robot can follow is looked at from a
-//! [`present::Present`]: a path before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). `Motion` orders the
-//! reaction (`crate::motion`). Nothing allocates after [`Transforms::new`].
+//! [`Transforms`] owns the active transforms and their rules: the map of positions ([`robot`], [`transform`]), set-points and feedback
+//! within a tick ([`compute`]), and the end ([`cancel`]). The checks that a robot can follow start from a [`present::Present`]: a path is
+//! checked before it begins ([`reach`]), a stop before it is too late ([`ahead`], [`guard`]). `Motion` orders the reaction
+//! (`crate::motion`). Nothing allocates after [`Transforms::new`].
 
 pub(crate) mod ahead;
 pub(crate) mod cancel;
@@ -30,29 +30,29 @@ use transform::Transform;
 /// Transforms under way.
 #[derive(Debug)]
 pub(crate) struct Transforms {
-    /// At the index of their target system.
+    /// The transforms at the indices of their target systems.
     active: Vec<Option<Transform>>,
 }
 
 impl Transforms {
-    /// None yet, in a machine of so many coordinate systems. The only allocation.
+    /// Without transforms, for a machine with this number of coordinate systems. The only allocation.
     pub(crate) fn new(systems: usize) -> Self {
         Transforms {
             active: vec![None; systems],
         }
     }
 
-    /// The most transforms that there can be: one for each target system.
+    /// The largest number of transforms: one for each target system.
     pub(crate) fn most(&self) -> usize {
         self.active.len()
     }
 
-    /// Every transform that there can be.
+    /// Every possible transform.
     pub(crate) fn ids(&self) -> impl Iterator<Item = TransformId> + use<> {
         SystemId::first(self.active.len()).map(TransformId::of_target)
     }
 
-    /// A transform, if it is under way.
+    /// A transform, if it is active.
     pub(crate) fn get(&self, id: TransformId) -> Option<&Transform> {
         self.active.get(id.index())?.as_ref()
     }
@@ -61,7 +61,7 @@ impl Transforms {
         self.active.get_mut(id.index())?.as_mut()
     }
 
-    /// Transforms under way.
+    /// Active transforms.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (TransformId, &Transform)> {
         self.ids().filter_map(|id| Some((id, self.get(id)?)))
     }
@@ -71,7 +71,7 @@ impl Transforms {
         self.iter().find(|(_, other)| share(&other.target, &transform.source))
     }
 
-    /// Whether a system moves axes of the source of a transform, or of one that leads it.
+    /// A system moves axes of the source of a transform, or of the source of a transform that leads it.
     fn leads_to(&self, system: &System, transform: &Transform, depth: usize) -> bool {
         if transform.source.iter().any(|axis| system.has(*axis)) {
             return true;
@@ -82,7 +82,7 @@ impl Transforms {
                 .any(|(_, above)| share(&above.target, &transform.source) && self.leads_to(system, above, depth - 1))
     }
 
-    /// How far the source of a transform is led by steps of its own axes, and of those that lead it.
+    /// The displacement of a transform's source by steps of its own axes, and of those that lead it.
     fn step_of(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState, depth: usize) -> Side {
         let mut whole = Side::default();
         for (axis, point) in transform.source.iter().zip(&mut whole) {
@@ -102,14 +102,14 @@ impl Transforms {
         whole
     }
 
-    /// A transform has failed: every motion of either side is to brake. Returns its instruction, if that has not ended before.
+    /// Marks a failed transform: every motion of either side must brake. Returns its instruction, if that has not ended before.
     pub(crate) fn begin_braking(&mut self, id: TransformId) -> Option<Execution> {
         let transform = self.get_mut(id)?;
         transform.braking = true;
         transform.execution.take()
     }
 
-    /// Whether anything moves either side of a transform.
+    /// An axis of either side of a transform is in motion.
     fn moves_either_side(&self, axes: &Axes, transform: &Transform) -> bool {
         transform.axes().any(|axis| axes[axis].in_motion())
     }

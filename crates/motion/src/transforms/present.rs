@@ -1,4 +1,4 @@
-//! The state that a look ahead begins from.
+//! The state from which a look ahead begins.
 
 use arcline_planner::Clock;
 

@@ -1,8 +1,8 @@
-//! Whether the robots that a coordinate system leads can follow a path, before anything moves
-//! (spec/coordinated-instructions.md §19.8), and how fast their joints let it be.
+//! The check, before any motion, that the robots led by a coordinate system can follow a path
+//! (spec/coordinated-instructions.md §19.8), and the limits that their joints put on the speed along it.
 //!
-//! The path is looked at in steps that are halved where a joint turns far in one: so neither a crossing of the first joint's
-//! axis nor the edge of the workspace lies between two of them. Real-time: nothing allocates; the number of looks is fixed.
+//! The path is sampled in steps, which are halved if a joint turns far in one, so that neither a crossing of the first joint's axis nor the
+//! edge of the workspace lies unnoticed between two samples. Real-time: nothing allocates; the number of samples is fixed.
 //! Units: position units, degrees of joints.
 
 use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
@@ -16,17 +16,17 @@ use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
 use crate::tolerance::{NO_MOTION_UNITS, ORIGIN_STEP_SHARE};
 
-/// What a coordinate system does on a way.
+/// The motion of a coordinate system along a path.
 struct MovedPath<'a> {
     path: &'a Path,
     rotation: Option<&'a Rotation>,
-    /// Rx, Ry, Rz where it begins, degrees.
+    /// Rx, Ry, Rz at its start, degrees.
     heading: Vector,
 }
 
 impl PathLimits {
-    /// At a place where a joint does so much per unit of the path, and changes that by so much per unit. Half of its
-    /// acceleration is left for each of the two.
+    /// Lowers the limits at a point of the path by the velocity and acceleration of a joint per unit of the path. Half of the joint's
+    /// acceleration is reserved for each of the two.
     fn slow(&mut self, joint: &KinematicState, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
         let [speed, acceleration, deceleration] =
@@ -40,11 +40,11 @@ impl PathLimits {
 }
 
 impl Present<'_> {
-    /// Whether every robot that a coordinate system leads can follow its path, and how fast. `rotation`: that of the system's orientation on
-    /// the path; without one it stays as it is. `heading`: Rx, Ry, Rz at its start, degrees.
+    /// Checks that every robot led by a coordinate system can follow its path, and returns the limits along it. `rotation`: that of the system's
+    /// orientation on the path; without one the orientation stays. `heading`: Rx, Ry, Rz at its start, degrees.
     ///
     /// # Errors
-    /// 67, 68 or 72: what the transform would fail with on the way, and 72 too for a joint beyond its soft travel.
+    /// 67, 68 or 72: the error with which the transform would fail along the path, and 72 also for a joint outside of its soft travel.
     pub(crate) fn verify_reach(
         &self,
         system: SystemId,
@@ -64,7 +64,7 @@ impl Present<'_> {
         Ok(limits)
     }
 
-    /// Transforms to robots' joints that a coordinate system leads.
+    /// The transforms with a robot as target that a coordinate system leads.
     fn robots_led_by(&self, system: SystemId) -> impl Iterator<Item = &Transform> {
         let (transforms, system) = (self.transforms, &self.systems[system]);
         transforms
@@ -76,9 +76,9 @@ impl Present<'_> {
             })
     }
 
-    /// How fast the corner between the last move in the queue and a path behind it may be passed: the velocity of a joint changes
-    /// there by no more than its limits allow within an update, as that of the source's axes does (spec/coordinated-instructions.md
-    /// §7.5). `shift`: from the queue's positions to those of now. Real-time: one look a transform.
+    /// The highest speed at the corner between the last move in the queue and a path behind it: within an update, the velocity of a joint changes
+    /// there by no more than its limits allow, as for the source's axes (spec/coordinated-instructions.md §7.5). `shift`: from the queue's
+    /// positions to the present ones. Real-time: one sample per transform.
     pub(crate) fn corner_speed(&self, system: SystemId, path: &Path, shift: &Vector) -> f64 {
         let Some(last) = self.systems[system].travel.last() else {
             return f64::INFINITY;
@@ -96,7 +96,7 @@ impl Present<'_> {
                     acceleration: 0.0,
                 })
             });
-            // Where the joints cannot be found the move comes to rest before.
+            // A move to a point that the joints cannot reach comes to rest before the corner.
             let Ok(joints) = transform.target_of(&source) else {
                 return 0.0;
             };
@@ -109,7 +109,7 @@ impl Present<'_> {
         speed
     }
 
-    /// Where the source of a transform is when axes of it, or of what leads it, are a step from where they are, and how fast.
+    /// The motion of a transform's source when its axes, or the axes that lead it, are a step away from their present positions.
     fn when(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState) -> Side {
         let mut whole = self.transforms.step_of(transform, step, self.transforms.most());
         for (axis, point) in transform.source.iter().zip(&mut whole) {
@@ -118,8 +118,8 @@ impl Present<'_> {
         whole
     }
 
-    /// Where the source of a transform is at a share of the way, and how it goes on per unit of the path; the angles are near those
-    /// before, and become these.
+    /// The motion of a transform's source at a share of the path, with derivatives by path length. `near` holds the angles of the previous
+    /// sample and takes those of this one.
     fn source_on(
         &self,
         system: SystemId,
@@ -205,7 +205,7 @@ impl Present<'_> {
         Ok(())
     }
 
-    /// Where a joint turns round between two looks it may not be able to be, however short that part of the path is.
+    /// Samples the point between two samples at which a joint reverses: it may be out of reach, however short that part of the path is.
     fn verify_extreme(
         &self,
         transform: &Transform,
@@ -229,7 +229,7 @@ impl Present<'_> {
         Ok(())
     }
 
-    /// Within their soft travel; what they do per unit of the path slows it down.
+    /// Checks that the joints are within their soft travel, and lowers the limits by their motion per unit of the path.
     fn verify_joints(&self, transform: &Transform, joints: &Side, limits: &mut PathLimits) -> Result<(), MotionError> {
         for (index, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
             let axis = &self.axes[*axis];
@@ -243,7 +243,7 @@ impl Present<'_> {
     }
 }
 
-/// The way of a joint between two looks at a path, at shares of it.
+/// The motion of a joint between two samples of a path, at shares of it.
 struct JointsBetween<'a> {
     index: usize,
     ends: [f64; 2],
@@ -251,7 +251,7 @@ struct JointsBetween<'a> {
 }
 
 impl JointsBetween<'_> {
-    /// Whether it goes one way at the beginning and the other way at the end.
+    /// The joint reverses its direction between the two samples.
     fn turns_round(&self, length: f64) -> bool {
         let [before, after] = self.joints.map(|joints| joints[self.index].velocity);
         let reached = (self.ends[1] - self.ends[0]) * length;
@@ -259,12 +259,12 @@ impl JointsBetween<'_> {
     }
 }
 
-/// Whether a joint that turns does so by more than a step should, or might between its ends. `length`: of the step, path units.
+/// A rotary joint turns further than permitted for a step, or may do so between its ends. `length`: of the step, path units.
 fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool {
     let mut joints = before.iter().zip(after).enumerate();
     joints.any(|(index, (before, after))| {
         let gone = after.position - before.position;
-        // Of the cubic through both, in the middle: how far from where the straight way between the velocities would be.
+        // The deviation of the cubic through both ends, in its middle, from the mean of the velocities.
         let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * length);
         robot.turns(index) && (gone.abs() > FAR_DEG || bent.abs() > FAR_DEG)
     })
@@ -272,12 +272,12 @@ fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool
 
 /// Steps of a path.
 const STEPS: u16 = 32;
-/// Looks at one path, the halved steps included.
+/// Samples of one path, including those of halved steps.
 const LOOKS: u16 = 400;
-/// Places at which a joint turns round that are looked for, and how often a step is halved for one.
+/// Reversals of joints that are searched for, and halvings of a step for one.
 const EXTREMES: u16 = 24;
 const HALVES: u16 = 18;
-/// JointsBetween two looks at a path, speeds and rates of joints are within this share of those at one of them.
+/// Between two samples of a path, speeds and rates of joints are assumed to be within this share of those at one of them.
 const LOOKED_AT_SHARE: f64 = 0.98;
 /// Degrees.
 const FAR_DEG: f64 = 5.0;

@@ -1,7 +1,7 @@
 //! The map of a transform from the positions of one side to the other: between two Cartesian frames, or to a robot's joints and back.
 //!
-//! A robot's joints are followed through whole turns: they stay near their last positions, and so do the angles of an
-//! orientation that joints lead back. Not here: which side leads the other ([`super::compute`]). Real-time: nothing allocates.
+//! A robot's joints are followed through whole turns: they stay close to their last positions, and so do the angles of an orientation that
+//! joints lead. Not here: the side that leads the other one ([`super::compute`]). Real-time: nothing allocates.
 //! Units: position units, degrees of joints and of orientation, seconds.
 
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
@@ -16,17 +16,17 @@ use crate::call_data::Frames;
 use crate::machine::{MAX_SYSTEM_AXES, three};
 use crate::tolerance::CONSISTENT_UNITS;
 
-/// How the two sides of a transform lie to each other.
+/// The map between the two sides of a transform.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub(crate) enum Map {
-    /// Both are Cartesian.
+    /// Both sides are Cartesian.
     Frames(Frame),
-    /// One is a robot's joints.
+    /// One side is a robot's joints.
     Robot(RobotMap),
 }
 
-/// Which side is the robot's.
+/// The side with the robot's joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Joints {
     /// The source is Cartesian.
@@ -40,7 +40,7 @@ pub(crate) enum Joints {
 pub(crate) struct RobotMap {
     mechanism: Mechanism,
     side: Joints,
-    /// Where its joints were last, to follow them through whole turns.
+    /// The last positions of its joints, through whole turns.
     last: Positions,
 }
 
@@ -51,7 +51,7 @@ enum Mechanism {
     Wrist(WristMap),
 }
 
-/// A robot with a wrist behind X, Y, Z, Rx, Ry, Rz.
+/// A robot with a wrist, behind X, Y, Z, Rx, Ry, Rz.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WristMap {
     pub(crate) robot: OrientedRobot,
@@ -60,7 +60,7 @@ pub(crate) struct WristMap {
     /// IDs of the work frame and the tool frame.
     pub(crate) ids: [i32; 2],
     configuration: Configuration,
-    /// Rx, Ry, Rz of the other side, to follow them through the ends of their ranges.
+    /// The last Rx, Ry, Rz of the other side, through the ends of their ranges.
     angles: [f64; 3],
 }
 
@@ -81,16 +81,16 @@ impl WristMap {
 }
 
 impl RobotMap {
-    /// `joints`: where they are; which solution of the arm that is, is kept.
+    /// `joints`: their positions, which determine the solution of the arm.
     pub(crate) fn new(frame: Frame, robot: Robot, side: Joints, joints: Positions) -> Self {
         let arm = Arm::default();
         RobotMap::standing(Mechanism::Arm { frame, robot, arm }, side, joints)
     }
 
-    /// The target is a robot with a wrist; `joints` and `source`: where both sides are.
+    /// The target is a robot with a wrist; `joints` and `source` are the positions of both sides.
     ///
-    /// The angles of the orientation are those of the source's axes where these are at the robot's; within their ranges
-    /// otherwise.
+    /// The angles of the orientation are those of the source's axes if these agree with the robot's; otherwise the angles within their
+    /// ranges.
     pub(crate) fn with_wrist(frames: &Frames, robot: OrientedRobot, joints: Positions, source: &Positions) -> Self {
         let [.., rx, ry, rz] = *source;
         let mut wrist = WristMap {
@@ -133,7 +133,7 @@ impl RobotMap {
         }
     }
 
-    /// The update's joints, so that the next ones stay in the same turns.
+    /// Takes the joints of an update, so that the next ones stay on the same turns.
     pub(super) fn follow(&mut self, source: &Side, target: &Positions) {
         match self.side {
             Joints::Target => self.last = *target,
@@ -141,7 +141,7 @@ impl RobotMap {
         }
     }
 
-    /// The update's orientation, so that the next one stays in the same turns.
+    /// Takes the orientation of an update, so that the next one stays on the same turns.
     pub(super) fn follow_turn(&mut self, source: &Side) {
         if let Mechanism::Wrist(wrist) = &mut self.mechanism {
             let [.., rx, ry, rz] = positions(source);
@@ -149,7 +149,7 @@ impl RobotMap {
         }
     }
 
-    /// Everything stands: the arm is in the solution in which its joints are.
+    /// Takes over the arm solution of the joints, while all axes stand.
     pub(super) fn settle(&mut self, source: &Side, target: &Side) {
         match self.side {
             Joints::Target => self.note_joints(positions(target)),
@@ -157,7 +157,7 @@ impl RobotMap {
         }
     }
 
-    /// The joints are somewhere, perhaps in another solution of the arm.
+    /// Takes positions of the joints, which may belong to another solution of the arm.
     pub(super) fn note_joints(&mut self, joints: Positions) {
         self.last = joints;
         match &mut self.mechanism {
@@ -166,12 +166,12 @@ impl RobotMap {
         }
     }
 
-    /// Whether the joints are the target's.
+    /// The target side has the robot's joints.
     pub(super) fn has_robot_target(&self) -> bool {
         self.side == Joints::Target
     }
 
-    /// The inverse or forward transform, whichever leads from the source to the target.
+    /// Applies the transform from the source to the target, inverse or forward.
     pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => self.wrist_joints(wrist, source),
@@ -190,7 +190,7 @@ impl RobotMap {
         }
     }
 
-    /// The other one.
+    /// Applies the opposite transform.
     pub(super) fn source_of(&self, target: &Side) -> Result<Side, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
@@ -216,7 +216,7 @@ impl RobotMap {
         }
     }
 
-    /// Where a path begins, perhaps far from here: a first joint that cannot turn on is within its range there.
+    /// The joints at the start of a path, perhaps far from their present positions: a first joint with a limited range is within it there.
     pub(super) fn begin(&mut self, source: &Side) -> Result<Side, MotionError> {
         if let Mechanism::Arm { frame, robot, arm } = &self.mechanism
             && robot.geometry().has_mirror()
@@ -230,12 +230,12 @@ impl RobotMap {
         Ok(joints)
     }
 
-    /// The joints were led on.
+    /// Takes the joints of the next sample.
     pub(super) fn follow_joints(&mut self, joints: &Side) {
         self.last = positions(joints);
     }
 
-    /// Whether a joint turns, and does not slide.
+    /// The joint is rotary, not linear.
     pub(super) fn turns(&self, joint: usize) -> bool {
         match &self.mechanism {
             Mechanism::Arm { robot, .. } => joint < robot.geometry().joints() && robot.geometry().turns(joint),
@@ -243,7 +243,7 @@ impl RobotMap {
         }
     }
 
-    /// How far a joint can turn, degrees; `None`: as far as it likes.
+    /// The range of a joint, degrees; `None`: unlimited.
     pub(super) fn range(&self, joint: usize) -> Option<[f64; 2]> {
         match &self.mechanism {
             Mechanism::Arm { robot, .. } => robot.range(joint),
@@ -251,7 +251,7 @@ impl RobotMap {
         }
     }
 
-    /// Whether its first joint can be half a turn further, with the tool at the same point.
+    /// The same tool point can also be reached with the first joint half a turn further.
     pub(super) fn has_mirror(&self) -> bool {
         matches!(&self.mechanism, Mechanism::Arm { robot, .. } if robot.geometry().has_mirror())
     }
@@ -275,7 +275,7 @@ impl RobotMap {
         Ok(self.near(joints.map_err(refused)?))
     }
 
-    /// In the turns in which they were last.
+    /// The joints on the turns closest to their last positions.
     pub(super) fn near(&self, mut joints: Side) -> Side {
         for (index, joint) in joints.iter_mut().enumerate().filter(|(index, _)| self.turns(*index)) {
             joint.position += TURN_DEG * ((self.last[index] - joint.position) / TURN_DEG).round();
@@ -289,13 +289,13 @@ fn tool(robot: &Robot, joints: &Side) -> Result<Side, MotionError> {
     Ok(wide(tool))
 }
 
-/// Where a side is in the frame at the other end.
+/// Converts the motion of a side to the frame at the other end.
 fn framed(side: &Side, point: impl Fn(&Vector) -> Vector, vector: impl Fn(&Vector) -> Vector) -> Side {
     let [position, velocity, acceleration] = vectors(side);
     self::side([point(&position), vector(&velocity), vector(&acceleration)])
 }
 
-/// The motion error of a position that a robot cannot take (spec/coordinated-instructions.md §19.8).
+/// The motion error of a position that a robot cannot reach (spec/coordinated-instructions.md §19.8).
 pub(crate) fn refused(error: KinematicsError) -> MotionError {
     match error {
         KinematicsError::Reach { joint } | KinematicsError::Orientation { angle: joint } => {

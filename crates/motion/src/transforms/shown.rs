@@ -1,4 +1,4 @@
-//! The status that axes and coordinate systems show of transforms: which side moves the other one, frames, turns and solutions of a
+//! The status of transforms in axes and coordinate systems: the side that moves the other one, frames, turns and solutions of a
 //! robot.
 //!
 //! Not here: the words of their tags (`crate::status`). Nothing allocates.
@@ -13,7 +13,7 @@ use super::sides::Positions;
 use super::{TransformId, Transforms};
 use crate::axes::Axes;
 
-/// A coordinate system's part in transforms under way.
+/// A coordinate system's part in active transforms.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Role {
     pub(crate) source: bool,
@@ -21,7 +21,7 @@ pub(crate) struct Role {
     pub(crate) robot: RobotShown,
 }
 
-/// The status of the robot with a wrist that a coordinate system is, or that it leads.
+/// The status of the robot with a wrist whose joints a coordinate system has, or that it leads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RobotShown {
     /// IDs of the tool frame and the work frame.
@@ -29,12 +29,12 @@ pub(crate) struct RobotShown {
     pub(crate) solution: (Configuration, Turns),
     /// The tool centre in the frame of the end of the arm.
     pub(crate) tool: Vector,
-    /// A transform with frames is under way, and none of its axes moves.
+    /// A transform with frames is active, and none of its axes moves.
     pub(crate) tool_change: bool,
 }
 
 impl Present<'_> {
-    /// A coordinate system's part in the transforms under way.
+    /// A coordinate system's part in the active transforms.
     pub(crate) fn role(&self, index: SystemId) -> Role {
         Role {
             source: self
@@ -46,7 +46,7 @@ impl Present<'_> {
         }
     }
 
-    /// The status of the robot with a wrist that a coordinate system is, or that it leads first.
+    /// The status of the robot with a wrist whose joints a coordinate system has, or of the first one that it leads.
     fn robot_shown(&self, index: SystemId) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
@@ -84,7 +84,7 @@ impl Present<'_> {
 }
 
 impl Transforms {
-    /// Which side moves the other one, as far as a part says, once the motions that ended in this update are over.
+    /// Updates the side that moves the other one, as far as a part determines it, after the motions that ended in this update.
     pub(crate) fn show(&mut self, part: Part, axes: &Axes) {
         match part {
             Part::Before(_) => {}

@@ -1,4 +1,4 @@
-//! The axes of one side of a transform, and where they are.
+//! The axes of one side of a transform, and their motion.
 //!
 //! Units: position units or degrees, seconds.
 
@@ -17,24 +17,24 @@ pub(crate) type SideAxes = AxisList<MAX_SYSTEM_AXES>;
 /// A position of each axis of one side.
 pub(crate) type Positions = [f64; MAX_SYSTEM_AXES];
 
-/// A side with nothing behind its first three axes.
+/// A side with motion of its first three axes only.
 pub(super) fn wide([first, second, third]: [KinematicState; MAX_PRIMARY_AXES]) -> Side {
     let mut side = Side::default();
     (side[0], side[1], side[2]) = (first, second, third);
     side
 }
 
-/// Positions of a side, and nothing else of it.
+/// The positions of a side.
 pub(super) fn positions(side: &Side) -> Positions {
     side.map(|point| point.position)
 }
 
-/// A side that stands.
+/// A side at rest.
 pub(super) fn at_rest(positions: &Positions) -> Side {
     positions.map(KinematicState::at_rest)
 }
 
-/// The first three of a side as vectors: position, velocity, acceleration.
+/// The first three axes of a side as vectors: position, velocity, acceleration.
 pub(super) fn vectors(side: &Side) -> [Vector; 3] {
     let mut vectors = [Vector::zeros(); 3];
     for (index, point) in side.iter().enumerate().take(MAX_PRIMARY_AXES) {
@@ -45,7 +45,7 @@ pub(super) fn vectors(side: &Side) -> [Vector; 3] {
     vectors
 }
 
-/// A side of three axes.
+/// A side of three axes from vectors.
 pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
     wide([0, 1, 2].map(|index| KinematicState {
         position: position[index],
@@ -54,7 +54,7 @@ pub(super) fn side([position, velocity, acceleration]: [Vector; 3]) -> Side {
     }))
 }
 
-/// One motion on top of another.
+/// Adds a motion to another.
 pub(super) fn add(total: &mut KinematicState, more: &KinematicState) {
     total.position += more.position;
     total.velocity += more.velocity;

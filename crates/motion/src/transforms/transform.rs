@@ -1,4 +1,4 @@
-//! A transform under way: its two sides, and the map between them (spec/coordinated-instructions.md §19).
+//! An active transform: its two sides, and the map between them (spec/coordinated-instructions.md §19).
 //!
 //! Not here: the axes ([`super::compute`]), the order of the computation (`crate::order`), and the map itself ([`super::robot`]).
 //! Nothing allocates. Units: position units, degrees of joints, seconds.
@@ -10,39 +10,39 @@ use super::robot::RobotMap;
 use super::sides::{Positions, Side, SideAxes, add, at_rest, positions, side, vectors};
 use crate::execution::Execution;
 
-/// A transform under way.
+/// An active transform.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transform {
     pub(crate) execution: Option<Execution>,
-    /// Index of the source system; that of the target system is the transform's own in [`super::Transforms`].
+    /// Index of the source system; the index of the target system is that of the transform in [`super::Transforms`].
     pub(crate) source_system: SystemId,
     pub(super) map: Map,
     /// Axes of the source, in the order of its system.
     pub(crate) source: SideAxes,
     /// Axes of the target, in the order of its system.
     pub(crate) target: SideAxes,
-    /// The difference of the target from the transformed source at the start, in the frames of its axes' generators.
+    /// The target minus the transformed source at the start, in the frames of its axes' generators.
     pub(super) offset: Positions,
-    /// The displacement of the target besides transforms at the start.
+    /// The displacement of the target apart from transforms at the start.
     pub(super) added_at_start: Positions,
-    /// The feedback of later transforms of the same source that were cancelled: part of where the source is, but not of
+    /// The feedback of later transforms of the same source that were cancelled: part of the source's position, but not of
     /// `source_before`.
     pub(super) cancelled_feedback: Positions,
-    /// Where the source is before the feedback of this transform and of later ones.
+    /// The motion of the source before the feedback of this transform and of later ones.
     pub(super) source_before: Side,
-    /// Where that leads the target, in the frames of its axes' generators.
+    /// The motion of the target by `source_before`, in the frames of its axes' generators.
     pub(super) target_before: Side,
-    /// Where the whole source leads the target, in the frames of its axes' generators.
+    /// The motion of the target by the whole source, in the frames of its axes' generators.
     pub(super) target_set_points: Side,
     /// The motion that the target's own motion adds to the source.
     pub(super) feedback: Side,
-    /// Whether the source moves, or is held to be moved, and so moves the target.
+    /// The source moves, or is reserved for motion, and so moves the target.
     pub(super) source_moves: bool,
-    /// Whether the target moves, or is held to be moved, otherwise than by this transform, and so moves the source.
+    /// The target moves, or is reserved for motion, apart from this transform, and so moves the source.
     pub(super) target_moves: bool,
-    /// Why the target could not be led on; it goes on straight meanwhile.
+    /// The error for which the source can lead the target no longer; the target continues straight until it brakes.
     pub(super) failed: Option<MotionError>,
-    /// It has failed: every motion of either side brakes, and then it ends.
+    /// The transform has failed: every motion of either side brakes, and then it ends.
     pub(crate) braking: bool,
 }
 
@@ -75,7 +75,7 @@ impl Transform {
         }
     }
 
-    /// One that turns and shifts nothing.
+    /// A transform with identical frames.
     #[cfg(test)]
     pub(crate) fn between(source: &[AxisId], target: &[AxisId]) -> Self {
         use arcline_planner::geometry::{Frame, Point as Vector};
@@ -88,12 +88,12 @@ impl Transform {
         self.source.iter().chain(self.target.iter()).copied()
     }
 
-    /// Whether an axis is on either side.
+    /// An axis is on either side.
     pub(crate) fn has(&self, axis: AxisId) -> bool {
         self.axes().any(|own| own == axis)
     }
 
-    /// The robot at one end.
+    /// The robot on one of the sides.
     pub(crate) fn robot(&self) -> Option<&RobotMap> {
         match &self.map {
             Map::Frames(_) => None,
@@ -101,10 +101,10 @@ impl Transform {
         }
     }
 
-    /// Where the target is while the source is there, in the frames of its axes' generators.
+    /// The motion of the target that belongs to that of the source, in the frames of its axes' generators.
     ///
     /// # Errors
-    /// Where a robot cannot be.
+    /// The error of a position that a robot cannot reach.
     pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
         let mut placed = match &self.map {
             Map::Frames(frame) => {
@@ -126,7 +126,7 @@ impl Transform {
     /// The feedback to the source of a motion that is added to the target.
     ///
     /// # Errors
-    /// Where a robot cannot be.
+    /// The error of a position that a robot cannot reach.
     pub(super) fn feedback_of(&self, added: &Side) -> Result<Side, MotionError> {
         match &self.map {
             Map::Frames(frame) => Ok(side(
@@ -145,7 +145,7 @@ impl Transform {
         }
     }
 
-    /// Where the source leads the target before any feedback, with the added motion.
+    /// The motion of the target before any feedback, plus an added motion.
     pub(super) fn with(&self, added: &Side) -> Side {
         let mut whole = self.target_before;
         for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset) {
@@ -155,17 +155,17 @@ impl Transform {
         whole
     }
 
-    /// Whether the feedback of others leads the target elsewhere than the source does without it.
+    /// The feedback of other transforms moves the target away from its position before feedback.
     pub(super) fn is_led_by_others(&self) -> bool {
         positions(&self.target_before) != positions(&self.target_set_points)
     }
 
-    /// Whether its target is a robot's joints.
+    /// Its target is a robot's joints.
     pub(super) fn has_robot_target(&self) -> bool {
         self.robot().is_some_and(RobotMap::has_robot_target)
     }
 
-    /// A step of the source as one of the target; none behind a robot's joints.
+    /// Converts a step of the source to one of the target; none for a robot's joints.
     pub(super) fn turned(&self, step: &Side) -> Side {
         match &self.map {
             Map::Frames(frame) => side(vectors(step).map(|vector| frame.transform_vector(&vector))),
@@ -173,7 +173,7 @@ impl Transform {
         }
     }
 
-    /// Where the source is now, so that the angles of its orientation go on from there.
+    /// Takes the present motion of the source, so that the angles of its orientation continue from there.
     pub(super) fn follow_turn(&mut self) {
         if let Map::Robot(robot) = &mut self.map
             && robot.wrist().is_some()
@@ -186,7 +186,7 @@ impl Transform {
         }
     }
 
-    /// It cannot be led on: the target goes straight on for an update.
+    /// Marks the transform as failed: the target continues straight for an update.
     pub(super) fn fail(&mut self, error: MotionError, period: f64) {
         self.failed = Some(error);
         for point in self
@@ -200,10 +200,10 @@ impl Transform {
         }
     }
 
-    /// Where the source is while the target is there.
+    /// The position of the source that belongs to that of the target.
     ///
     /// # Errors
-    /// Where a robot cannot be.
+    /// The error of a position that a robot cannot reach.
     pub(crate) fn source_of(&self, target: &Positions) -> Result<Positions, MotionError> {
         let target = at_rest(target);
         match &self.map {
@@ -219,7 +219,7 @@ impl Transform {
         }
     }
 
-    /// Whether the target could be led while the source is there, and moves.
+    /// Checks that the target can follow a moving source at this position.
     pub(crate) fn verify(&self, source: &Positions) -> Result<(), MotionError> {
         self.target_of(&at_rest(source)).map(drop)
     }

@@ -11,7 +11,7 @@ use crate::tolerance::{CREEPING_SHARE, SAME_SHARE};
 use crate::{Clock, MasterRate};
 
 impl<T: Copy> ContourQueue<T> {
-    /// Takes an override: a share of the programmed speeds, 0 holds.
+    /// Sets the override: a share of the programmed speeds, 0 holds.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         self.rate = rate;
         if matches!(self.asked, Some(Asked::Anew { .. })) {
@@ -20,13 +20,13 @@ impl<T: Copy> ContourQueue<T> {
         self.change(clock);
     }
 
-    /// Speeds or rates of moves have changed, or the override has. A trajectory in execution is slowed down to a pace that is
-    /// within all of them, or comes back to its own; then what is left of it is planned anew.
+    /// Adapts to changed speeds or rates of moves, or a changed override: a trajectory in execution slows down to a pace within all of them, or
+    /// returns to its own pace; then its rest is planned anew.
     pub fn change(&mut self, clock: &Clock) {
         self.change_pace(clock);
     }
 
-    /// Goes on with what the pace is to come to, where that was not possible at once. At every tick, before all else.
+    /// Continues the change of the pace if it was not possible at once. Called first in every tick.
     pub fn steer(&mut self, clock: &Clock) {
         if let Some(run) = &mut self.run
             && run.pace.steer(&run.trajectory, clock)
@@ -35,7 +35,7 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Brings the pace to one, at most 1, with which every move is within its speed and rates.
+    /// Asks for a pace of at most 1 at which every move is within its speed and rates.
     pub(super) fn change_pace(&mut self, clock: &Clock) {
         let rate = self.planned_rate();
         let Some(run) = self.run.as_mut().filter(|run| run.state == RunState::Travelling) else {
@@ -77,9 +77,8 @@ impl<T: Copy> ContourQueue<T> {
         self.plans = self.plans.wrapping_add(1);
     }
 
-    /// As [`ContourQueue::stop`], where a master leads: `clock` shows its way as time, and `way` how that goes on. From now on the
-    /// queue's clock is `time`. The master may have been faster than what was planned for, so no limits but those of the stop
-    /// are looked at.
+    /// As [`ContourQueue::stop`] for a contour that a master leads: `clock` shows its displacement as time, and `rate` the rate of that. From now
+    /// on the queue's clock is `time`. The master may have been faster than its nominal speed, so only the limits of the stop are kept.
     pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
         self.asked = None;
         let Some(run) = &mut self.run else {
@@ -97,7 +96,7 @@ impl<T: Copy> ContourQueue<T> {
         run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
     }
 
-    /// Brakes on the path from the present tick on, as the limits of the axes allow. The moves are the caller's to end.
+    /// Brakes on the path from the present tick on, as fast as the limits of the axes permit. The caller ends the moves.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.asked = None;
         let Some(run) = &mut self.run else {
@@ -122,7 +121,7 @@ impl<T: Copy> ContourQueue<T> {
     }
 }
 
-/// The lesser of two shares; what is 1 but for rounding is 1.
+/// The lesser of two shares; a share that is 1 within rounding does not count.
 fn share_of(target: f64, share: f64) -> f64 {
     if share < 1.0 - SAME_SHARE {
         target.min(share)

@@ -1,4 +1,4 @@
-//! When the active move of a planned contour comes to points before its end, along the curve that it is travelled on.
+//! The times at which the active move of a planned contour reaches points before its end, along the planned curve.
 //!
 //! Real-time: nothing allocates, bounded.
 
@@ -7,8 +7,8 @@ use super::run::RunState;
 use crate::{Clock, EventTime};
 
 impl<T: Copy> ContourQueue<T> {
-    /// When so much of the active move is left, at least 0, after it became active. The end is where the next one becomes
-    /// active: nearest to the corner where that is rounded.
+    /// The time, after it became active, at which the active move has `distance` (at least 0) left. Its end is the point at which the next move
+    /// becomes active: in a rounded corner, the one nearest to the corner.
     pub fn reaches(&self, distance: f64, clock: &Clock) -> EventTime {
         let (Some(run), Some(active)) = (&self.run, self.moves.front()) else {
             return EventTime::Never;
@@ -19,7 +19,7 @@ impl<T: Copy> ContourQueue<T> {
         let (begun, from) = run.begun;
         let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
         let own = match run.trajectory.time_before(end, distance) {
-            // A rounded corner may be shorter than what was programmed.
+            // The distance may be programmed longer than a curve with rounded corners is.
             Some(own) => own.max(from),
             None => return EventTime::Passed,
         };
@@ -30,15 +30,15 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Seconds, or as [`ContourQueue::reaches`], until the next move becomes active, or the contour is at its end; `None` where it is
-    /// paused or stops.
+    /// Seconds, or as [`ContourQueue::reaches`], until the next move becomes active or the contour ends; `None` while it is paused or
+    /// stops.
     pub fn time_left(&self, clock: &Clock) -> Option<f64> {
         let run = self.run.as_ref().filter(|run| run.state != RunState::Stopping)?;
         let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
         run.pace.until(end, clock).map(|left| left.max(0.0))
     }
 
-    /// Whether the active move stays at rest before its end, as things are.
+    /// The active move, at the present pace target, comes to rest before its end.
     pub fn is_paused(&self) -> bool {
         let Some(run) = &self.run else {
             return true;
@@ -46,7 +46,7 @@ impl<T: Copy> ContourQueue<T> {
         run.state == RunState::Stopping || run.pace.target() == 0.0
     }
 
-    /// A number that changes whenever the active move is another one, or comes to its end at another instant.
+    /// A number that changes with the active move, and with the instant of its end.
     pub fn plans(&self) -> u32 {
         self.plans
     }

@@ -1,6 +1,6 @@
-//! Whether a ramp of the pace keeps every limit that its trajectory was planned for.
+//! The check that a ramp of the pace keeps every limit for which its trajectory was planned.
 //!
-//! A trajectory `q(s)` is travelled at a pace `r`, its own seconds per second. The axes then do
+//! A trajectory `q(s)` runs at a pace `r`, its own seconds per second. The motion of the axes is then
 //!
 //! ```text
 //! velocity      q' r
@@ -8,9 +8,9 @@
 //! jerk          q''' r³ + 3 q'' r r' + q' r''
 //! ```
 //!
-//! so a ramp may use what the trajectory itself leaves there, which can be nothing. At a lower pace there is more: a share
-//! `1 - r²` of the accelerations and `1 - r³` of the jerks at least, wherever that is. Where this is enough for the ramp
-//! nothing is looked at; elsewhere the sums above are, knot by knot and in steps so short that what lies between is bounded.
+//! so a ramp may use the margin that the trajectory itself leaves, which can be zero. A lower pace increases the margin: everywhere, to at
+//! least a share `1 - r²` of the accelerations and `1 - r³` of the jerks. If that suffices for the ramp, the guard samples nothing;
+//! otherwise it samples the sums above knot by knot, in steps so short that the values between them are bounded.
 //! Position units, seconds. Nothing allocates; the work is bounded by [`WORK`].
 
 use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
@@ -18,12 +18,12 @@ use arcline_contour::{AxisLimits, Peaks, Piece, Rates, State as Axes, Trajectory
 use arcline_geometry::Point;
 use arcline_profile::Profile;
 
-/// The limits that a trajectory is to keep at another pace.
+/// The limits of a trajectory that a different pace must keep.
 pub(super) struct Guard<'a> {
     trajectory: &'a Trajectory,
-    /// Vector deceleration and jerk that are allowed in any case: those of a stop.
+    /// Vector deceleration and jerk that are permitted in any case: those of a stop.
     extra: [f64; 2],
-    /// Of the axes and, last, of the vector.
+    /// The rows of the axes and, last, of the vector.
     rows: [Row; 4],
     s_curve: bool,
 }
@@ -46,7 +46,7 @@ struct Rate {
 }
 
 impl<'a> Guard<'a> {
-    /// `extra`: vector deceleration and jerk that are allowed besides those of the moves.
+    /// `extra`: vector deceleration and jerk that are permitted besides those of the moves.
     pub(super) fn new(trajectory: &'a Trajectory, extra: [f64; 2]) -> Self {
         let Peaks {
             velocity, acceleration, ..
@@ -77,8 +77,8 @@ impl<'a> Guard<'a> {
         }
     }
 
-    /// Whether a ramp of the pace, whose position is the trajectory's own time, keeps all limits from `since` (seconds) to its
-    /// end and, at the pace that it ends with, for ever after. The pace stays within 0 and 1.
+    /// The ramp of the pace, whose position is the trajectory's own time, keeps all limits from `since` (seconds) to its end and, at its final
+    /// pace, from then on. The pace stays within 0 and 1.
     pub(super) fn allows(&self, ramp: &Profile, since: f64) -> bool {
         let times = ramp.segment_times();
         // Between the ends of its segments the pace is monotone.
@@ -125,7 +125,7 @@ impl<'a> Guard<'a> {
         Verdict::Kept
     }
 
-    /// Whether a stretch of a ramp is one that could be anywhere on the trajectory.
+    /// The margin that a lower pace leaves everywhere on the trajectory suffices for a stretch of a ramp.
     fn has_room(&self, segment: &Segment, begin: f64, end: f64) -> bool {
         let ((_, a), (_, b)) = (segment.at(begin), segment.at(end));
         let first = a.first.abs().max(b.first.abs());
@@ -147,7 +147,7 @@ impl<'a> Guard<'a> {
             let (from, until) = (begin + width * step as f64, begin + width * (step + 1) as f64);
             let (behind, _) = segment.at(until);
             let mut at = from;
-            // Both sides of every knot on the way, and both ends.
+            // Samples both sides of every knot of the stretch, and both ends.
             loop {
                 let Some(less) = left.checked_sub(1) else {
                     return false;
@@ -185,7 +185,7 @@ impl<'a> Guard<'a> {
         };
         let limits = self.trajectory.axes();
         let Rate { pace, first, second } = rate;
-        // What a step may hide: the second derivative of the sums, over eight.
+        // The largest deviation of the sums within a step: their second derivative times width², over eight.
         let bend = width * width;
         let hidden = second.abs() + first * first;
 
@@ -222,7 +222,7 @@ impl<'a> Guard<'a> {
         of_axes && within(jerk.norm(), vector, own_jerk.norm(), bent(vector))
     }
 
-    /// The programmed rates: in any direction the larger one, along the path each.
+    /// Checks the programmed rates: the larger one in any direction, and each one along the path.
     fn allows_vector(&self, axes: &Axes, acceleration: &Point, rates: &Rates, hidden: f64) -> bool {
         let down = rates.deceleration.max(self.extra[0]);
         let up = rates.acceleration;
@@ -241,11 +241,11 @@ impl<'a> Guard<'a> {
     }
 }
 
-/// How a ramp fares in one of its segments.
+/// The verdict on a segment of a ramp.
 enum Verdict {
     Kept,
     Exceeded,
-    /// The trajectory is over before the segment is.
+    /// The trajectory ends within the segment.
     AtTheEnd,
 }
 
@@ -288,8 +288,8 @@ impl Segment {
     }
 }
 
-/// Cells and points that one ramp is looked at in; a longer one is not allowed.
+/// Most cells and samples for one ramp; a ramp that needs more is not allowed.
 const WORK: usize = 1500;
-/// Seconds of a ramp that are looked at as a whole, and one by one.
+/// Seconds of a ramp that are examined as a whole before they are sampled.
 const CELL: f64 = 0.004;
 const STEP: f64 = 0.000_5;

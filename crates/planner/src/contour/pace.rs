@@ -1,9 +1,9 @@
-//! The pace at which a trajectory's own time runs, and how it comes to another one.
+//! The pace of a trajectory's own time, and its ramps to another pace.
 //!
-//! A ramp begins at once where the limits leave room for it. Where they do not, a gentler one, or one to a nearer pace, is
-//! looked for, and at every tick a better one than that which is under way, until the ramp is the one that was asked for.
-//! A ramp that is under way has always been proved to its end ([`Guard`]), so at no instant a limit is exceeded.
-//! Own seconds per second; its derivatives per second. Nothing allocates; a few ramps are tried in a tick.
+//! A ramp begins at once if the limits leave room for it. Otherwise a gentler one, or one to a nearer pace, is chosen, and every tick
+//! searches for a better one than the active one, until the ramp is the requested one. An active ramp has always been checked to its end
+//! ([`Guard`]), so no limit is exceeded at any instant. Own seconds per second; its derivatives per second. Nothing allocates; a tick tries a
+//! few ramps.
 
 use arcline_contour::Trajectory;
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
@@ -12,7 +12,7 @@ use super::guard::Guard;
 use crate::tolerance::REACHED_PACE_SHARE;
 use crate::{Clock, Instant};
 
-/// A pace that is asked for, and how fast it may be come to at most.
+/// A requested pace, and the highest rates of its ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wanted {
     pub(super) target: f64,
@@ -20,7 +20,7 @@ pub(super) struct Wanted {
     pub(super) rate: f64,
     /// Second derivative; `None`: the first may step.
     pub(super) jerk: Option<f64>,
-    /// Vector deceleration and jerk that may be used although they are not those of the moves: those of a stop.
+    /// Vector deceleration and jerk of a stop, which are permitted besides those of the moves.
     pub(super) extra: [f64; 2],
 }
 
@@ -31,9 +31,9 @@ pub(super) struct Pace {
     ramp: Profile,
     start: Instant,
     wanted: Wanted,
-    /// Which of the ramps is under way; [`NONE`] where it leads elsewhere.
+    /// Index of the active ramp; [`NONE`] if it does not lead to the requested pace.
     under_way: usize,
-    /// The ramp to be tried next.
+    /// Index of the ramp to try next.
     next: usize,
 }
 
@@ -59,7 +59,7 @@ impl Pace {
         }
     }
 
-    /// Comes to rest from a state on, without looking at the limits of a trajectory.
+    /// Comes to rest from a state, without regard to the limits of a trajectory.
     pub(super) fn stopping(from: KinematicState, rate: f64, jerk: Option<f64>, clock: &Clock) -> Self {
         let from = KinematicState {
             acceleration: if jerk.is_some() { from.acceleration } else { 0.0 },
@@ -84,14 +84,14 @@ impl Pace {
         self.ramp.duration()
     }
 
-    /// How long from the present tick until the trajectory's own time has come to a place, negative for what has passed;
-    /// `None`: it never does, as things are.
+    /// Seconds from the present tick to an instant of the trajectory's own time, negative for a past one; `None`: the present ramp never
+    /// reaches it.
     pub(super) fn until(&self, own: f64, clock: &Clock) -> Option<f64> {
         Some(self.ramp.time_at_position(own)? - self.start.elapsed(clock))
     }
 
-    /// When it came to a place on the trajectory's own time that lies at or before the present tick; the beginning of the present
-    /// ramp at the earliest.
+    /// The instant of a point in the trajectory's own time that lies at or before the present tick, but not before the beginning of the present
+    /// ramp.
     pub(super) fn instant_of(&self, own: f64, clock: &Clock) -> Instant {
         let since = self.ramp.time_at_position(own).unwrap_or(0.0);
         self.start.after(since.min(self.start.elapsed(clock)), clock)
@@ -102,24 +102,24 @@ impl Pace {
         self.ramp.at(self.start.elapsed(clock))
     }
 
-    /// The pace that is asked for.
+    /// The requested pace.
     pub(super) fn target(&self) -> f64 {
         self.wanted.target
     }
 
-    /// Whether the pace is, and stays, the one that is asked for.
+    /// The pace has reached the requested one, and stays there.
     pub(super) fn is_settled(&self, clock: &Clock) -> bool {
         self.ramp.end().velocity == self.wanted.target && self.start.elapsed(clock) >= self.ramp.duration()
     }
 
-    /// Asks for a pace, from the present tick on.
+    /// Requests a pace, from the present tick on.
     pub(super) fn ask(&mut self, wanted: Wanted, trajectory: &Trajectory, clock: &Clock) {
         self.wanted = wanted;
         (self.under_way, self.next) = (NONE, 0);
         self.steer(trajectory, clock);
     }
 
-    /// Looks for a better ramp than the one under way: once a tick. Whether there is one.
+    /// Searches for a better ramp than the active one, once a tick. Returns true if it has found one.
     pub(super) fn steer(&mut self, trajectory: &Trajectory, clock: &Clock) -> bool {
         if self.under_way == 0 || self.is_settled(clock) {
             return false;
@@ -150,7 +150,7 @@ impl Pace {
         false
     }
 
-    /// Whether what is under way keeps the limits of another trajectory, which takes the place of the one before.
+    /// The active ramp keeps the limits of another trajectory, which replaces the present one.
     pub(super) fn suits(&self, trajectory: &Trajectory, clock: &Clock) -> bool {
         let elapsed = self.start.elapsed(clock);
         elapsed >= self.ramp.duration() || Guard::new(trajectory, self.wanted.extra).allows(&self.ramp, elapsed)
@@ -171,11 +171,11 @@ impl Pace {
         Profile::to_velocity(state, self.wanted.target, &limits(1.0, None))
     }
 
-    /// Ramps by how good they are: to the end and, at the same rates, less far; then the same with gentler rates.
+    /// The ramps, the best first: all the way at the same rates, then shorter distances; then the same with gentler rates.
     fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64) -> Profile {
         let (reach, gentler) = (ramp_index % REACHES.len(), ramp_index / REACHES.len());
         let target = self.wanted.target - gap * REACHES[reach];
-        // Twice the time, half of the rate, a quarter of its change.
+        // Twice the time: half the rate, a quarter of the jerk.
         let time = f64::powi(2.0, gentler as i32);
         let jerk = self.wanted.jerk.map(|jerk| jerk / (time * time));
         Profile::to_velocity(now, target, &limits(self.wanted.rate / time, jerk))
@@ -194,11 +194,11 @@ fn limits(rate: f64, jerk: Option<f64>) -> Limits {
     }
 }
 
-/// No ramp that leads where it should is under way.
+/// No ramp to the requested pace is active.
 const NONE: usize = usize::MAX;
-/// Shares of the way that a ramp leaves.
+/// Shares of the distance to the requested pace that a ramp leaves.
 const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
-/// Ramps that there are: the gentlest has 2^13 times the time.
+/// Number of ramps: the gentlest takes 2^13 times as long.
 const RAMPS: usize = 14 * REACHES.len();
-/// Ramps that are tried in a tick.
+/// Ramps to try in a tick.
 const TRIES: usize = 3;

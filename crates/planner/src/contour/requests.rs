@@ -1,4 +1,4 @@
-//! Which moves are to be planned, and the plan's way into execution: from rest, or on from a trajectory that runs.
+//! The selection of moves to plan, and the start of a plan: from rest, or as the continuation of a trajectory in execution.
 //!
 //! Real-time: nothing here allocates or frees.
 
@@ -16,32 +16,32 @@ use super::tuning::{
 };
 use crate::{Clock, Ending, Move};
 
-/// A plan that is asked for.
+/// A requested plan.
 #[derive(Clone, Debug)]
 pub struct ContourBatch {
-    /// The plan is expected with it.
+    /// The number that the plan must carry.
     pub generation: u32,
-    /// The trajectory that runs meanwhile; `None`: the plan begins at rest.
+    /// The trajectory in execution meanwhile; `None`: the plan begins at rest.
     pub extends: Option<Extension>,
 }
 
-/// A trajectory in execution that is to be extended ([`arcline_contour::extend`]).
+/// A trajectory in execution to be extended ([`arcline_contour::extend`]).
 #[derive(Clone, Debug)]
 pub struct Extension {
     /// The trajectory.
     pub trajectory: Arc<Trajectory>,
-    /// Moves of it that are complete.
+    /// Its moves that are complete.
     pub passed: usize,
-    /// Where on it the motion is, seconds on its own time.
+    /// The present position on it, seconds of its own time.
     pub now: f64,
-    /// Until when it has to stay as it is, seconds on its own time.
+    /// The instant until which it must stay unchanged, seconds of its own time.
     pub earliest: f64,
-    /// The pace that it is travelled at, where what is left of it is to be planned anew ([`arcline_contour::replan`]).
+    /// Its pace, if its rest is to be planned anew ([`arcline_contour::replan`]).
     pub anew: Option<f64>,
 }
 
 impl Extension {
-    /// Plans what is asked for. Not bounded: outside the tick.
+    /// Plans the extension. Not bounded: outside the tick.
     #[must_use]
     pub fn plan(&self, moves: &[ContourMove], limits: &AxisLimits) -> Option<Trajectory> {
         let Extension {
@@ -59,9 +59,8 @@ impl Extension {
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// The moves that are to be planned now, up to the first that ends in a stop: from rest, or together with what is
-    /// left of the trajectory in execution. A queue with room for more is given a moment to grow; `time` shows time for that.
-    /// Asks once.
+    /// The moves to plan now, up to the first that ends in a stop: from rest, or together with the rest of the trajectory in execution. A queue
+    /// with room waits a moment for further moves; `time` shows time for that. Requests each plan once.
     pub fn batch(&mut self, clock: &Clock, time: &Clock, take: impl FnMut(ContourMove)) -> Option<ContourBatch> {
         if self.asked.is_some() || self.moves.is_empty() {
             return None;
@@ -99,8 +98,8 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 
-    /// Whether the first of the moves that wait has come just now, so that others may be about to come with it, or, behind a contour that
-    /// came to rest as the program was too slow, they still come and are not enough to plan on from before the motion is at its end.
+    /// The queue waits for further moves: the first unplanned move has just arrived, so others may follow at once. After a contour that came to
+    /// rest because the program was too slow, it waits longer, while moves keep arriving and are too short to plan the next contour in time.
     fn is_gathering(&self, time: &Clock) -> bool {
         let Some(waited) = self.gathering.map(|first| first.elapsed(time)) else {
             return false;
@@ -109,7 +108,7 @@ impl<T: Copy> ContourQueue<T> {
         waited < GATHER_S || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN_S))
     }
 
-    /// Whether the moves last for so many seconds at their programmed speeds.
+    /// The moves last for at least this many seconds at their programmed speeds.
     fn lasts(&self, seconds: f64) -> bool {
         let mut sum = 0.0;
         self.moves.iter().any(|motion| {
@@ -118,13 +117,13 @@ impl<T: Copy> ContourQueue<T> {
         })
     }
 
-    /// Whether the next move may be about to come.
+    /// A move has arrived so recently that the next one may follow at once.
     fn is_growing(&self, time: &Clock) -> bool {
         self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER_S)
     }
 
-    /// What is to be planned anew, since its moves are to have other speeds or rates and its pace is within them, or what is to
-    /// be extended, if it is time to: many moves wait, or nothing has come for a moment and its end is near.
+    /// The part of the trajectory to plan anew, if its moves have changed speeds or rates and its pace is within them; or the trajectory to
+    /// extend, if many moves wait, or if no move has arrived for a moment and its end is near.
     fn extension(&self, run: &Run, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
         let state = run.pace.at(clock);
@@ -137,7 +136,7 @@ impl<T: Copy> ContourQueue<T> {
             trajectory: Arc::clone(&run.trajectory),
             passed: run.passed,
             now,
-            earliest: now + run.lead * anew.unwrap_or(1.0),
+            earliest: now + run.planning_s * anew.unwrap_or(1.0),
             anew,
         };
         let pace = state.velocity;
@@ -148,7 +147,7 @@ impl<T: Copy> ContourQueue<T> {
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
         let next = self.moves.get(planned)?;
-        // The more of it is left, the more are planned at once: each extension plans the end of what runs anew.
+        // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
         let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
         let many = waiting * few >= planned;
         let near = left <= NEAR_S && !self.is_growing(time);
@@ -156,8 +155,7 @@ impl<T: Copy> ContourQueue<T> {
         (goes_on && (many || near)).then(|| ask(None))
     }
 
-    /// The share of the programmed speeds that is planned with: all of them where a move is too long to be planned anew when the
-    /// override rises again.
+    /// The override for which moves are planned: 1 if a move is too long to be planned anew when the override rises again.
     pub(super) fn planned_rate(&self) -> f64 {
         let slowest = self.rate.max(LEAST_PACE_SHARE);
         let long = |motion: &Move<T>| motion.path.length() > LONG_MOVE_S * motion.limits.speed * slowest;
@@ -168,10 +166,10 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// `kept`: what is on the trajectory stays as it was planned.
+    /// Passes the moves to a plan. `kept`: the moves on the trajectory stay as they were planned.
     fn take_moves(&self, kept: bool, mut take: impl FnMut(ContourMove)) {
         let running = self.run.as_ref().filter(|_| kept);
-        // What comes behind moves that are to be planned anew is planned like them.
+        // New moves behind moves that wait to be planned anew get the same share of their speed.
         let like = running.filter(|run| run.stale).and_then(|run| {
             let last = self.moves.get(self.planned().checked_sub(1)?)?;
             let planned = run.trajectory.rates(run.trajectory.moves().checked_sub(1)?)?;
@@ -213,12 +211,11 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Takes a plan at the present tick: begins to travel it, or goes on with it where it extends the trajectory in
-    /// execution, which is handed back. `None`: nothing was found; what runs goes on to its end.
+    /// Takes a plan at the present tick: starts it, or continues with it if it extends the trajectory in execution, which is returned. `None`:
+    /// no plan was found, and the trajectory in execution continues to its end.
     ///
     /// # Errors
-    /// The plan itself when it cannot be used: the moves were cancelled or changed meanwhile, or the motion is already
-    /// beyond the instant up to which both are the same.
+    /// The plan itself if it cannot be used: the moves were cancelled or changed meanwhile, or the motion is already beyond the splice.
     pub fn install(
         &mut self,
         generation: u32,
@@ -255,13 +252,13 @@ impl<T: Copy> ContourQueue<T> {
             stale: false,
             changed: clock.now(),
             state: RunState::Travelling,
-            lead: PLANNING_S,
+            planning_s: PLANNING_S,
             asked: 0.0,
             retry: 0.0,
             nominal,
         });
         self.change_pace(clock);
-        // It begins at rest, so its pace may be anything.
+        // It begins at rest, so any pace is possible.
         if let Some(run) = &mut self.run {
             run.pace = Pace::constant(0.0, run.pace.target(), clock);
         }
@@ -278,11 +275,11 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return Err(planned);
         };
-        // A plan made anew has the time that passes.
+        // A plan made anew takes as much of the trajectory's own time as it takes time.
         let own = run.pace.at(clock).position;
         let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
-        // The next one has time for as much again.
+        // The next plan has time for as long again.
         let took = PLANNING_MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
@@ -294,7 +291,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.rounded /= pace.unwrap_or(1.0);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.lead = took.clamp(PLANNING_S, MOST_PLANNING_S);
+                run.planning_s = took.clamp(PLANNING_S, MOST_PLANNING_S);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
                     run.begun.1 /= pace.unwrap_or(1.0);
@@ -304,9 +301,13 @@ impl<T: Copy> ContourQueue<T> {
                 Ok(Installed::Extended(old))
             }
             late => {
-                // Too late: the next one has more time. No plan: a later one begins later by itself.
-                let lead = if late.is_some() { 2.0 * run.lead } else { PLANNING_S };
-                run.lead = lead.max(took).min(MOST_PLANNING_S);
+                // A late plan doubles the time for the next one. A failed plan is retried later.
+                let longer = if late.is_some() {
+                    2.0 * run.planning_s
+                } else {
+                    PLANNING_S
+                };
+                run.planning_s = longer.max(took).min(MOST_PLANNING_S);
                 let share = if pace.is_some() { RETRY_ANEW_SHARE } else { RETRY_SHARE };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
@@ -315,22 +316,22 @@ impl<T: Copy> ContourQueue<T> {
     }
 }
 
-/// The speed that a move is planned with: one that is held is planned all the same, and its pace is 0.
+/// The speed for which a move is planned; a held move is planned at full speed, with a pace of 0.
 pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
     let rate = if rate > 0.0 { rate.max(LEAST_PACE_SHARE) } else { 1.0 };
     if speed > 0.0 { speed * rate } else { 1.0 }
 }
 
-/// The use that is made of a plan.
+/// The use of a plan.
 #[derive(Debug)]
 pub enum Installed {
     /// Its first move is active.
     Started,
-    /// The trajectory goes on with it; this is the one before, to be freed elsewhere.
+    /// The trajectory continues with it; this is the replaced one, to be freed elsewhere.
     Extended(Arc<Trajectory>),
 }
 
-/// How far from a corner superposition without a tolerance would pass it: what No Decel may round by
+/// The deviation from a corner by superposition without a tolerance, and thus the rounding that No Decel permits
 /// (spec/motion-core.md §6.1; the lower bound, which holds for S-curves too).
 fn no_decel<T>(first: &Move<T>, second: &Move<T>) -> f64 {
     let turn = (second.path.start_tangent() - first.path.end_tangent()).norm();

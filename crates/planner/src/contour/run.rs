@@ -1,6 +1,6 @@
-//! A trajectory in execution, and the plan that is to continue it.
+//! A trajectory in execution, and the plan requested to continue it.
 //!
-//! Not here: when a plan is asked for ([`super::requests`]), and how the pace changes ([`super::pace`]).
+//! Not here: the request of a plan ([`super::requests`]), and changes of the pace ([`super::pace`]).
 
 use std::sync::Arc;
 
@@ -12,21 +12,21 @@ use super::pace::Pace;
 use crate::tolerance::{SAME_INSTANT_S, STEADY_SHARE};
 use crate::{Instant, Sample};
 
-/// A plan under way.
+/// A requested plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Asked {
-    /// From rest.
+    /// A contour from rest.
     Contour,
-    /// Of what follows a trajectory in execution, of which so many moves had been completed then.
+    /// The continuation of a trajectory in execution.
     Extension {
-        /// Moves of it that had been completed.
+        /// Its moves that were complete at the request.
         passed: usize,
     },
-    /// Of what is left of a trajectory in execution, with what its moves are to have now.
+    /// The rest of a trajectory in execution, for changed moves.
     Anew {
-        /// Moves of it that had been completed.
+        /// Its moves that were complete at the request.
         passed: usize,
-        /// The pace that it was travelled at.
+        /// Its pace at the request.
         pace: f64,
     },
 }
@@ -35,42 +35,42 @@ pub(super) enum Asked {
 #[derive(Debug)]
 pub(super) struct Run {
     pub(super) trajectory: Arc<Trajectory>,
-    /// Moves of it that have been completed.
+    /// Its moves that are complete.
     pub(super) passed: usize,
-    /// When its active move became active, and where that was, seconds on the trajectory's own time.
+    /// The instant at which its active move became active, in time and in seconds of the trajectory's own time.
     pub(super) begun: (Instant, f64),
-    /// How far the active move had gone at a place on the trajectory's own time: that place in seconds, and units along the curve.
+    /// A reference point of the active move: seconds of the trajectory's own time, and the distance covered there, units along the curve.
     pub(super) gone: (f64, f64),
-    /// Until when the corner before the active move is rounded, seconds on the trajectory's own time.
+    /// The end of the rounded corner before the active move, seconds of the trajectory's own time.
     pub(super) rounded: f64,
-    /// How fast its own time runs.
+    /// The pace of its own time.
     pub(super) pace: Pace,
-    /// It was not planned for what its moves are to have now.
+    /// Its moves have changed since it was planned.
     pub(super) stale: bool,
-    /// Since when they are to have that.
+    /// The instant of that change.
     pub(super) changed: Instant,
     pub(super) state: RunState,
-    /// How long a plan that extends it may take, seconds on the trajectory's own time.
-    pub(super) lead: f64,
-    /// Where on it the last one was asked for.
+    /// The time reserved for planning an extension, seconds of the trajectory's own time.
+    pub(super) planning_s: f64,
+    /// The position on it at the last request, seconds of its own time.
     pub(super) asked: f64,
-    /// Where on it an extension may be asked for again.
+    /// The position on it from which on an extension may be requested again, seconds of its own time.
     pub(super) retry: f64,
-    /// The speed of the master that it was planned for, master units/s; 1 for time.
+    /// The nominal speed of the master for which it was planned, master units/s; 1 for time.
     pub(super) nominal: f64,
 }
 
-/// Whether a trajectory in execution is travelled or stopped: the meaning of a pace of 0.
+/// The meaning of a pace of 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RunState {
-    /// A pace of 0 is a hold: the trajectory goes on when the pace rises again.
+    /// A pace of 0 is a hold: the trajectory continues when the pace rises again.
     Travelling,
     /// A pace of 0 is the end.
     Stopping,
 }
 
 impl Run {
-    /// Where the coordinate system is at a place of the trajectory's own time that goes on like this.
+    /// The motion of the coordinate system at an instant of the trajectory's own time and a pace.
     pub(super) fn at(&self, pace: KinematicState) -> Sample {
         let duration = self.trajectory.duration();
         let own = if pace.position >= duration - SAME_INSTANT_S {
@@ -101,14 +101,14 @@ impl Run {
         }
     }
 
-    /// How far the active move has gone along the curve at an instant of the trajectory's own time, units.
+    /// The distance of the active move covered at an instant of the trajectory's own time, units along the curve.
     pub(super) fn gone_at(&self, own: f64) -> f64 {
         let (at, gone) = self.gone;
         (gone + self.trajectory.arc_length(own) - self.trajectory.arc_length(at)).max(0.0)
     }
 
-    /// Whether the speed along the curve rises or falls: a tangential acceleration of less than a hundredth of what the move and the axes may have
-    /// in that direction, at the present pace, is none, as a planned contour is never quite without one.
+    /// The phase of the speed along the curve. A planned contour always has a small tangential acceleration: less than a hundredth of the
+    /// limits of the move and the axes in that direction, at the present pace, counts as steady.
     fn phase(&self, velocity: &Point, tangential: f64, pace: f64) -> Phase {
         let speed = velocity.norm();
         let axes = self.trajectory.axes().acceleration;
@@ -116,7 +116,7 @@ impl Run {
             most.min(axes[axis] * speed / velocity[axis].abs())
         });
         let rates = self.trajectory.rates(self.passed);
-        // Where it is about to start or has all but stopped, any is one.
+        // Close to rest, any acceleration counts.
         let creeps = rates.is_none_or(|rates| speed < STEADY_SHARE * pace * rates.speed);
         let share = if creeps { 0.0 } else { STEADY_SHARE * pace * pace };
         let slight = |programmed: Option<f64>| share * programmed.map_or(most, |rate| most.min(rate));
@@ -130,7 +130,7 @@ impl Run {
     }
 }
 
-/// The jerk that a contour is planned with.
+/// The jerk for which a contour is planned.
 pub(super) fn least(jerk: Jerk) -> f64 {
     jerk.acceleration.min(jerk.deceleration)
 }

@@ -1,7 +1,7 @@
-//! A stop of a planned contour that begins at once, whatever the limits of the axes, and what it would do before it is needed.
+//! A stop of a planned contour that begins at once, whatever the limits of the axes, and its prediction.
 //!
-//! [`ContourQueue::stop`] waits for room within the limits of the axes; where a robot must not go on, there is no time for
-//! that. Nothing here allocates. Position units, seconds.
+//! [`ContourQueue::stop`] waits until the limits of the axes leave room; a robot at the end of its reach has no time for that. Nothing here
+//! allocates. Position units, seconds.
 
 use arcline_profile::{KinematicState, Limits};
 
@@ -11,7 +11,7 @@ use super::run::{Run, RunState};
 use crate::tolerance::CREEPING_SHARE;
 use crate::{Clock, Sample};
 
-/// A stop at once that has not begun.
+/// A predicted immediate stop.
 #[derive(Clone, Copy, Debug)]
 pub struct ContourStopping(Pace);
 
@@ -23,8 +23,8 @@ impl ContourStopping {
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `way`: how what
-    /// `clock` shows goes on, where a master leads; `time` then shows time. Real-time.
+    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `rate`: the rate of `clock` if a master
+    /// leads; `time` then shows time. Real-time.
     pub fn stopping(
         &self,
         limits: &Limits,
@@ -36,14 +36,14 @@ impl<T: Copy> ContourQueue<T> {
         Some(ContourStopping(run.stopping(limits, rate, clock, time)))
     }
 
-    /// Where the coordinate system would be at an instant of a stop. Real-time.
+    /// The motion of the coordinate system at an instant of a predicted stop. Real-time.
     pub fn sample_stopping(&self, stopping: &ContourStopping, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
         Some(run.at(stopping.0.at(clock)))
     }
 
-    /// Brakes on the path from the present tick on at the rates of `limits`, besides what the trajectory itself does there. The
-    /// moves are the caller's to end. Real-time.
+    /// Brakes on the path from the present tick on at the rates of `limits`, in addition to the trajectory's own accelerations. The caller ends
+    /// the moves. Real-time.
     pub fn stop_at_once(&mut self, limits: &Limits, clock: &Clock) {
         self.asked = None;
         if let Some(run) = &mut self.run {

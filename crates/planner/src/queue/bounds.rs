@@ -1,4 +1,4 @@
-//! The speeds of the places between pending moves: a pass backwards over the queue, as long as a tick allows.
+//! The speeds of the bounds between pending moves: a pass backwards over the queue, within the budget of a tick.
 //!
 //! Units: position units, seconds. Nothing allocates.
 
@@ -9,22 +9,22 @@ use arcline_profile::entry_speed;
 use super::{MoveNumber, Queue};
 use crate::junction::JunctionDemand;
 
-/// A place that must not be passed faster than at a speed, with acceleration 0 if it is passed at that speed.
+/// A point with a highest speed; at that speed, the acceleration must be 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound {
     /// Number of the move behind it.
     pub(crate) next: MoveNumber,
-    /// Where on the run before it.
+    /// Its position on the run before it.
     pub(crate) at: f64,
     pub(crate) demand: JunctionDemand,
-    /// The speed, with the rate it was computed for.
+    /// The highest speed, with the override for which it was computed.
     pub(super) speed: f64,
-    /// The speed from which the corners behind it can be met, whatever is programmed: infinite where there is none before
-    /// the next rest.
+    /// The speed from which the corners behind it can be met, whatever the programmed speeds: infinite if the next rest comes before any
+    /// corner.
     pub(super) corners: f64,
 }
 
-/// The next bound behind a place, or the end of the queue.
+/// The next bound behind a point, or the end of the queue.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Following {
     at: f64,
@@ -32,34 +32,34 @@ pub(super) struct Following {
     corners: f64,
 }
 
-/// A backward pass that is not over.
+/// An unfinished backward pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BackwardPass {
-    /// Bounds up to this number are still to be looked at.
+    /// Bounds up to this number are still to be computed.
     pub(super) next: MoveNumber,
-    /// Bounds up to this number are to be looked at even where the one behind them has not changed.
+    /// Bounds up to this number are to be computed even if the bound behind them has not changed.
     pub(super) stale: MoveNumber,
-    /// Bounds that are looked at in one tick.
+    /// Bounds to compute in one tick.
     pub(super) work: usize,
 }
 
-/// Bounds that are looked at in one tick,
+/// Bounds to compute in one tick,
 pub(super) const WORK: usize = 8;
 /// and after a change of all moves: 50 µs.
 pub(super) const WORK_OF_A_CHANGE: usize = 256;
-/// Moves whose bounds are computed at once after a change of all: at least, and at most.
+/// Moves whose bounds are computed at once after a change of all moves: at least, and at most.
 pub(super) const LEAST: usize = 32;
 pub(super) const MOST: usize = 128;
 
 impl<T: Copy> Queue<T> {
-    /// Goes on with a backward pass that was too long for one tick; whether there was anything to do.
+    /// Continues a backward pass that was too long for one tick. Returns true if there was one.
     pub(crate) fn continue_pass(&mut self) -> bool {
         let work = self.backward_pass.map(|pass| pass.work);
         self.look_at(work.unwrap_or(0));
         work.is_some()
     }
 
-    /// Goes on with the backward pass, over so many bounds at most.
+    /// Continues the backward pass over at most this number of bounds.
     pub(super) fn look_at(&mut self, most: usize) {
         let Some(mut pass) = self.backward_pass.take() else {
             return;
@@ -95,12 +95,12 @@ impl<T: Copy> Queue<T> {
         self.backward_pass = Some(pass);
     }
 
-    /// The speed of a bound, at most what the present rate leaves of the programmed ones.
+    /// The speed of a bound, limited to the programmed ones under the present override.
     pub(crate) fn speed(&self, bound: &Bound) -> f64 {
         bound.speed.min(bound.demand.programmed() * self.rate)
     }
 
-    /// The speed that must be kept at a bound whatever is programmed.
+    /// The speed that a bound must not exceed, whatever the programmed speeds.
     pub(crate) fn must(&self, bound: &Bound) -> f64 {
         self.bounded(bound, bound.demand.corner(), &self.following(bound.next))
     }
@@ -110,7 +110,7 @@ impl<T: Copy> Queue<T> {
         bound.corners
     }
 
-    /// Bounds have to be computed anew: those of the nearest moves at once, as if the others stayed as they are.
+    /// Computes the bounds anew: those of the nearest moves at once, as if the others stayed the same.
     pub(super) fn look_again(&mut self, count: usize) {
         let nearest = self.first.plus(count);
         let all = |next: MoveNumber| BackwardPass {
@@ -125,7 +125,7 @@ impl<T: Copy> Queue<T> {
         self.backward_pass = (last > nearest).then(|| all(last));
     }
 
-    /// The last bound up to a number.
+    /// The last bound at or before a number.
     fn before(&self, next: MoveNumber) -> Option<Bound> {
         let last = |bounds: &VecDeque<Bound>| {
             let count = bounds.partition_point(|bound| bound.next <= next);
@@ -137,7 +137,7 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// The first bound behind a number: the end of the queue, at rest, if there is none.
+    /// The first bound behind a number; if there is none, the end of the queue, at rest.
     pub(super) fn following(&self, next: MoveNumber) -> Following {
         let first = |bounds: &VecDeque<Bound>| bounds.get(bounds.partition_point(|bound| bound.next <= next)).copied();
         let bound = match (first(&self.slower), first(&self.ends)) {
@@ -157,8 +157,8 @@ impl<T: Copy> Queue<T> {
         self.bounded(bound, most, following)
     }
 
-    /// At most `most`, and the speed from which the move behind a bound can slow down: to all that is behind it, or for type 5
-    /// to the corners behind it.
+    /// The speed, at most `most`, from which the move behind a bound can slow down: to all bounds behind it or, for type 5, to the corners behind
+    /// it.
     fn bounded(&self, bound: &Bound, most: f64, following: &Following) -> f64 {
         if most == 0.0 {
             return most;
@@ -170,8 +170,8 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: what is too fast
-    /// for it goes beyond it and comes back.
+    /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: a motion that is too fast for it
+    /// overshoots and returns.
     pub(super) fn corners_from(&self, bound: &Bound, following: &Following) -> f64 {
         match bound.demand {
             JunctionDemand::Rest => f64::INFINITY,
@@ -179,7 +179,7 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// The speed at a bound from which the move behind it can slow down to a speed at a place on its run.
+    /// The speed at a bound from which the move behind it can slow down to `speed` at `at` on its run.
     fn entry(&self, bound: &Bound, at: f64, speed: f64) -> f64 {
         if speed == f64::INFINITY {
             return speed;
@@ -190,7 +190,7 @@ impl<T: Copy> Queue<T> {
         entry_speed(at - behind.start, speed, &behind.motion.limits)
     }
 
-    /// Puts a bound in place of the one before the same move.
+    /// Replaces the bound before the same move.
     fn replace(&mut self, bound: &Bound) {
         let bounds = match bound.demand {
             JunctionDemand::Slower { .. } => &mut self.slower,

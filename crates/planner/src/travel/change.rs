@@ -1,4 +1,4 @@
-//! Changes of the dynamics and of the override while moves are under way.
+//! Changes of the dynamics and of the override during moves.
 
 use arcline_profile::Limits;
 
@@ -6,12 +6,12 @@ use super::Travel;
 use crate::{ContourQueue, Move, TimeBase};
 
 impl<T: Copy> Travel<T> {
-    /// The share of the programmed speeds of all moves.
+    /// The override: a share of the programmed speeds of all moves.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Takes a share (at least 0) of the programmed speeds of all moves, from the present tick on; 0 holds.
+    /// Sets the override: a share (at least 0) of the programmed speeds of all moves, from the present tick on; 0 holds.
     pub fn set_rate(&mut self, rate: f64, base: &TimeBase) {
         self.rate = rate;
         let clock = self.contour_clock(base);
@@ -21,7 +21,7 @@ impl<T: Copy> Travel<T> {
         self.planner.set_rate(rate, &base.clock());
     }
 
-    /// Changes all waiting moves; `limits` are those that the active one is to have. [`Travel::change_limits`] then makes it take effect.
+    /// Changes all pending moves; `limits` are the future ones of the active move. [`Travel::change_limits`] then puts the change into effect.
     pub fn change_waiting(&mut self, limits: &Limits, base: &TimeBase, mut change: impl FnMut(&mut Move<T>)) {
         let active = usize::from(self.contour_in_force().is_some_and(ContourQueue::is_running));
         if let Some(contour) = &mut self.contour {

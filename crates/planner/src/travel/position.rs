@@ -1,4 +1,4 @@
-//! Where the motion is, and when it comes to a point of its path.
+//! The present motion, and the times at which it reaches points of its path.
 
 use arcline_geometry::Point;
 use arcline_profile::Limits;
@@ -8,7 +8,7 @@ use crate::move_event::EventTime;
 use crate::{Clock, Sample, TimeBase};
 
 impl<T: Copy> Travel<T> {
-    /// Where the coordinate system is at the present tick, by time, and its speed along the path by what the active move is a function of.
+    /// The motion of the coordinate system at the present tick, by time, and its speed along the path in the variable of the active move.
     pub fn sample(&self, base: &TimeBase) -> Option<(Sample, f64)> {
         let contour = self.contour_in_force();
         let sample = match contour {
@@ -26,7 +26,7 @@ impl<T: Copy> Travel<T> {
         Some((rate.sample(sample), planned))
     }
 
-    /// Seconds until the active move is at its end or its successor becomes active, as planned now; `None` where no time is known.
+    /// Seconds until the end of the active move, or until its successor becomes active, as planned now; `None` if the time is unknown.
     pub fn time_left(&self, time: &Clock) -> Option<f64> {
         match self.contour_in_force() {
             Some(contour) => contour.time_left(time),
@@ -34,7 +34,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Length of the path of the active move, units: of a contour the curve that it is travelled on.
+    /// Length of the path of the active move, units: for a contour, of its planned curve.
     pub fn length(&self) -> f64 {
         match self.contour_in_force() {
             Some(contour) => contour.length(),
@@ -45,7 +45,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Whether the motion is off the programmed path at the present tick, in a blend.
+    /// The motion is in a blend at the present tick, off the programmed path.
     pub fn in_transition(&self, base: &TimeBase) -> bool {
         match self.contour_in_force() {
             Some(contour) => contour.in_transition(&self.contour_clock(base)),
@@ -53,7 +53,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// When so much of the active move is left, at least 0, after it became active: seconds, or master units.
+    /// The time, after it became active, at which the active move has `distance` (at least 0) left: seconds, or master units.
     pub fn reaches(&self, distance: f64, base: &TimeBase) -> EventTime {
         let Some(contour) = self.contour_in_force() else {
             return self.planner.reaches(distance, &base.clock());
@@ -64,13 +64,13 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The acceleration that the curvature of superposed paths gives at the present tick, units/s².
+    /// The acceleration from the curvature of superposed paths at the present tick, units/s².
     pub fn centripetal(&self, base: &TimeBase) -> Point {
         let rate = base.master.as_ref().map_or(1.0, |master| master.rate.speed);
         self.planner.centripetal(&base.clock()) * (rate * rate)
     }
 
-    /// With what the turn of the present may be braked ([`crate::Planner::turn_limits`]).
+    /// The limits for braking the present rotation ([`crate::Planner::turn_limits`]).
     pub fn turn_limits(&self) -> Option<Limits> {
         self.planner.turn_limits()
     }

@@ -1,4 +1,4 @@
-//! Stops on the path, and what they would do before they are needed.
+//! Stops on the path, and their prediction.
 
 use arcline_geometry::{Path, Rotation};
 use arcline_profile::Limits;
@@ -8,13 +8,13 @@ use crate::contour::ContourStopping;
 use crate::stopping::Stopping;
 use crate::{Clock, Sample, TimeBase};
 
-/// A stop on the path that has not begun.
+/// A predicted stop on the path.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "a box would allocate in the tick")]
 pub enum PathStopping {
-    /// Of superposed moves.
+    /// A stop of superposed moves.
     Superposed(Stopping),
-    /// Of a contour.
+    /// A stop of a contour.
     Contour(ContourStopping),
 }
 
@@ -29,7 +29,7 @@ impl PathStopping {
 }
 
 impl<T: Copy> Travel<T> {
-    /// Brakes on the path, by time from now on. The moves are the caller's to end.
+    /// Brakes on the path, by time from now on. The caller ends the moves.
     pub fn stop(&mut self, limits: &Limits, base: &TimeBase) {
         let (clock, rate) = (self.contour_clock(base), self.contour_rate(base));
         match (self.contour_in_force_mut(), &base.master) {
@@ -42,8 +42,8 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// As [`Travel::stop`] of a move by time, for what a robot must not go on with: a contour brakes without waiting for room within the
-    /// limits of the axes, and what comes to rest sooner by its own profile goes on with that.
+    /// As [`Travel::stop`] of a move by time, for a robot at the end of its reach: a contour brakes without waiting for room within the limits of
+    /// the axes, and a motion whose own profile comes to rest sooner continues on that.
     pub fn stop_soonest(&mut self, limits: &Limits, time: &Clock) {
         match self.contour_in_force_mut() {
             Some(contour) => contour.stop_at_once(limits, time),
@@ -68,7 +68,7 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Where the coordinate system would be at an instant of a stop.
+    /// The motion of the coordinate system at an instant of a predicted stop.
     pub fn sample_stopping(&self, stopping: &PathStopping, time: &Clock) -> Option<Sample> {
         match stopping {
             PathStopping::Superposed(stopping) => Some(self.planner.sample_stopping(stopping, time)),
@@ -76,12 +76,12 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// The path and the turn of the move that the active one blends with.
+    /// The path and the rotation of the move with which the active one blends.
     pub fn tail(&self) -> Option<(&Path, Option<&Rotation>)> {
         self.planner.tail()
     }
 
-    /// What the active move blends with brakes with limits of its own; everything has just been stopped.
+    /// Brakes the move with which the active one blends, with limits of its own; a stop of all has just begun.
     pub fn stop_tail(&mut self, limits: &Limits, time: &Clock) {
         self.planner.stop_tail(limits, time);
     }

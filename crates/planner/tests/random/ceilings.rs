@@ -1,4 +1,4 @@
-//! What bounds the speed of a change and of a merge whose jerk takes a present acceleration away too slowly
+//! The bounds on the speed of a change and of a merge whose jerk removes a present acceleration too slowly
 //! (spec/coordinated-instructions.md §5.4, §6.3): one rule for both.
 
 use arcline_planner::geometry::{Path, Point};

@@ -79,7 +79,7 @@ fn off(moves: &[Move<usize>], q: &Point) -> f64 {
     moves.iter().map(distance).fold(f64::INFINITY, f64::min)
 }
 
-/// What is done to a contour.
+/// The changes of a contour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Plot {
     /// Overrides, holds and shares, again and again.
@@ -98,7 +98,7 @@ struct Ride {
     moves: Vec<Move<usize>>,
     limits: AxisLimits,
     s_curve: bool,
-    /// What a stop may use.
+    /// The limits of a stop.
     stop: Option<Limits>,
     last: Option<(Point, Point, Point)>,
     /// The override, and when something was changed last.
@@ -115,7 +115,7 @@ struct Ride {
     anew: [usize; 2],
 }
 
-/// What became of a ride.
+/// The result of a ride.
 struct Ridden {
     plans: Plans,
     /// Seconds from a stop or a hold to rest, and the speed where it began.
@@ -265,7 +265,7 @@ impl Ride {
                 sample.acceleration.norm()
             ));
         }
-        // What was asked for has been come to.
+        // The requested speed is reached.
         let programmed = self
             .queue
             .moves()
@@ -296,7 +296,7 @@ impl Ride {
                 self.fail(&format!("a step by {}", moved.norm()));
             }
             let change = (sample.acceleration - acceleration) / PERIOD;
-            // What rounding leaves of a difference.
+            // Rounding of a difference.
             let slack = 1e-3;
             if let Some(limits) = self.limits.jerk {
                 for axis in 0..3 {

@@ -1,4 +1,4 @@
-//! What random motion must keep, found again by its seed.
+//! The properties of random motion; its seed reproduces a case.
 //!
 //! `ARCLINE_CASES` sets how many cases of each kind are run, `ARCLINE_SEED` the first (0). Without them `ARCLINE_LONG` runs the number
 //! that stands in the test (`.ci/run campaigns`), and a plain `cargo test` a tenth of it. Of kinds whose cases take long a stated

@@ -76,7 +76,7 @@ fn initial(random: &mut Random, old: &Limits) -> (InitialMotion, f64) {
         initial.velocity += second * other.velocity;
         initial.acceleration += second * other.acceleration;
     }
-    // How wide a stop with the old limits is.
+    // The distance of a stop with the old limits.
     let speed = initial.velocity.norm();
     let along = initial.acceleration.dot(&initial.velocity) / speed.max(1e-300);
     let from = KinematicState {
@@ -144,7 +144,7 @@ fn travel(seed: u64) {
     let mut bound = speed.max(old.speed).max(new.speed);
     let first = planner.sample(&clock).expect("it moves");
     let step = (first.velocity - initial.velocity).norm();
-    // What is nearly along the path keeps its speed.
+    // A velocity nearly along the path does not change.
     assert!(step <= 0.0018 * speed + 1e-9, "{}: it steps by {step}", told());
     let mut change = (random.share() < 0.3).then(|| (random.between(0.0, 0.5) / PERIOD) as u64);
     let mut last = first;

@@ -18,7 +18,7 @@ const STEP: [f64; 2] = [10.0, 4.0];
 /// No program takes longer, ticks.
 const LONGEST: u64 = 60_000;
 
-/// What a program does beside its moves.
+/// The actions of a program besides its moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Meanwhile {
     Nothing,

@@ -21,7 +21,7 @@ const LEAST_JERK: f64 = 5000.0;
 /// Length of the last move where jerks are lowered, units.
 const LONG: f64 = 60.0;
 
-/// What a kind of storm consists of.
+/// The contents of a kind of storm.
 struct Kind {
     name: &'static str,
     s_curve: bool,

@@ -40,7 +40,7 @@ const KINDS: &[Kind] = &[
 /// Moves of a long stream.
 const LONG: usize = 1000;
 
-/// How streams have fared.
+/// The results of streams.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     asked: usize,

@@ -155,7 +155,7 @@ fn entry_speeds_against_plans() {
             (stop - displacement(moving(speed, 0.0), 0.0, &limits)).abs() <= 1e-12 * stop,
             "{told}"
         );
-        // Not monotone in the end speed: the last of the deceleration takes less way at a lower speed.
+        // Not monotone in the end speed: the final part of the deceleration is shorter at a lower speed.
         assert!(entry_speed(1.01 * length, end, &limits) >= speed, "{told}");
     }
 }
@@ -163,7 +163,7 @@ fn entry_speeds_against_plans() {
 #[test]
 fn exit_speeds_against_plans() {
     let (mut met, mut turned) = (0, 0);
-    // The one at the end comes back to where it has been: it knows its end to fewer digits.
+    // The last case returns to its start: its end has fewer digits.
     for case in (0..cases(5_000)).chain([1_451_939]) {
         let mut random = Random(case ^ 0x4321);
         let limits = random_limits(&mut random, case);
@@ -175,7 +175,7 @@ fn exit_speeds_against_plans() {
         let speed = exit_speed(from, length, &limits);
         let told = format!("case {case}: {speed} over {length} from {from:?}, {limits:?}");
         assert!((0.0..=limits.speed).contains(&speed), "{told}");
-        // The speed if the acceleration is brought to 0 at once: below it the way grows again.
+        // The speed if the acceleration is brought to 0 at once: below it the distance grows again.
         let a = from.acceleration;
         let level = match limits.jerk {
             Some(j) if from.velocity < 0.0 && a > 0.0 => {
@@ -205,7 +205,7 @@ fn exit_speeds_against_plans() {
             position: length,
             ..moving(speed, 0.0)
         };
-        // Out and nearly back again: the difference is known to the digits of the way out only.
+        // Out and nearly back again: the difference has only the digits of the excursion.
         let ramp = Profile::to_velocity(from, speed, &limits);
         let farthest = ramp.segments[..ramp.len]
             .iter()

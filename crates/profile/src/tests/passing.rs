@@ -1,4 +1,4 @@
-//! The speed at which a place is passed, against plans.
+//! The speed at which a point is passed, against plans.
 
 use super::*;
 
@@ -50,7 +50,7 @@ fn what_is_told_can_be_planned_and_nothing_nearer_can() {
             .jerk
             .map_or(0.0, |jerk| 0.5 * from.acceleration.powi(2) / jerk.deceleration);
         if from.acceleration < 0.0 && from.velocity < relieved {
-            // It turns back whatever is done.
+            // It reverses in any case.
             continue;
         }
         let wanted = random.unit() * limits.speed;
@@ -67,7 +67,7 @@ fn what_is_told_can_be_planned_and_nothing_nearer_can() {
         if !passing.level {
             continue;
         }
-        // A speed below what is wanted was reached by speeding up, or is that of who brakes to less.
+        // A speed below `wanted` was reached by speeding up, or by braking to a lower speed.
         let nearer = passing.speed + 1e-3 * (wanted - passing.speed);
         if (passing.speed - wanted).abs() > 1e-6 * limits.speed {
             assert!(

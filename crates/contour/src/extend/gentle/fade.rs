@@ -14,8 +14,8 @@ pub(super) struct Fade {
 }
 
 impl Fade {
-    /// From the state of a motion to the speed curve, travelled by a profile: within the shortest time that leaves most of the limits to other things and stays inside
-    /// the tolerance, else the time that comes nearest to both. With the share of what is allowed that it needs.
+    /// From the state of a motion to the speed curve, on which a profile runs: in the shortest time that leaves most of the limits unused and
+    /// stays inside the tolerance, otherwise in the time that comes closest to both. Returns also the share of the allowed values that it needs.
     pub(super) fn new(speed_curve: &SpeedCurve<'_>, from: &State, profile: &Profile) -> (Fade, f64) {
         let to = speed_curve.moving(&profile.at(0.0));
         let offset = [
@@ -46,7 +46,7 @@ impl Fade {
         best.unwrap_or((Fade::within(duration, offset), f64::INFINITY))
     }
 
-    /// The largest share of the tolerance that is used until it has faded out.
+    /// The largest share of the tolerance that it uses until it has faded out.
     fn off(&self, speed_curve: &SpeedCurve<'_>, profile: &Profile) -> f64 {
         let Section {
             reference, allowance, ..
@@ -54,9 +54,9 @@ impl Fade {
         let used = |k: u32| {
             let u = f64::from(k) / f64::from(TUNING.gentle.fade_samples);
             let along = profile.at(u * self.duration);
-            let place = speed_curve.moving(&along).position + self.at(u)[0];
+            let point = speed_curve.moving(&along).position + self.at(u)[0];
             let progress = along.position.min(reference.length());
-            allowance.used(reference, &place, reference.piece_at(progress), progress)
+            allowance.used(reference, &point, reference.piece_at(progress), progress)
         };
         (0..=TUNING.gentle.fade_samples).map(used).fold(0.0, f64::max)
     }

@@ -1,8 +1,9 @@
-//! A continuation that is within all limits from the first guess on: the running motion until it is left, then a speed curve at speeds so low that nothing there comes
-//! near to a limit. Position units and seconds.
+//! A continuation that is within all limits from the warm start on: first the running motion, then a speed curve at speeds so low that no
+//! limit is nearly reached. Position units and seconds.
 //!
-//! The speed curve is the programmed path with every corner rounded evenly; the offset from it at the instant at which the running motion is left fades out in position,
-//! velocity and acceleration. Of dense chords it is the smooth curve that goes on from the running motion, so that there is no offset.
+//! The speed curve is the programmed path with every corner rounded evenly. When the continuation leaves the running motion, its offset from
+//! the speed curve fades out in position, velocity and acceleration. For dense chords the speed curve is the smooth curve that continues the
+//! running motion, without an offset.
 
 mod fade;
 mod smoothed;
@@ -18,8 +19,8 @@ use smoothed::Smoothed;
 pub(crate) use speed_curve::SpeedCurve;
 use speed_curve::SpeedCurveTiming;
 
-/// Control points of a motion that follows the running one until it is left and then the speed curve, with shares of what is possible there (of the limits along the
-/// path, and of the speed). `None`: it is too fast for what comes.
+/// Control points of a motion that follows the running one and then the speed curve, with shares of the possible values (of the limits along
+/// the path, and of the speed). `None`: the running motion is too fast for the path ahead.
 pub(crate) fn gentle(speed_curve: &SpeedCurve<'_>, running: Running<'_>, shares: [f64; 2]) -> Option<ControlPoints> {
     let section = speed_curve.section;
     let left = running.leave - running.splice;
@@ -50,7 +51,7 @@ pub(crate) fn gentle(speed_curve: &SpeedCurve<'_>, running: Running<'_>, shares:
     control(section, (initial, grid, followed), before, behind)
 }
 
-/// The same along the smooth curve of dense chords, with the first of the shares that is possible. `None` also where too little comes behind what is kept.
+/// The same along the smooth curve of dense chords, with the first possible pair of shares. `None` also if too little follows the kept part.
 pub(crate) fn gentle_and_smooth(
     section: &Section<'_>,
     running: Running<'_>,
@@ -80,14 +81,15 @@ pub(crate) fn gentle_and_smooth(
     control(section, (initial, grid, count), before, behind)
 }
 
-/// Control points on a grid of which the first knots are followed: the states at instants of it and behind its last followed knot, with their progress.
+/// Control points on a grid whose first knots follow the running motion: from the states at instants of it and after its last followed knot,
+/// with their progress.
 fn control(
     section: &Section<'_>,
     (initial, mut grid, followed): (State, Vec<f64>, usize),
     mut before: impl FnMut(f64) -> (State, f64),
     behind: impl Fn(f64) -> (State, f64),
 ) -> Option<ControlPoints> {
-    // The last span is left out: there the motion comes to rest.
+    // Without the last span, in which the motion comes to rest.
     let whole = grid.pop()?;
     let left = grid[followed - 1];
     let mut control = ControlPoints::continuing(initial, &grid, followed);
@@ -105,9 +107,9 @@ fn control(
     Some(control.completed(&section.reference))
 }
 
-/// Where the nodes of a motion along the speed curve are; there is one at a cut.
+/// The grid of nodes for a motion along the speed curve; one of them is at a cut.
 fn steps(speed_curve: &SpeedCurve<'_>, timing: &SpeedCurveTiming, cut: f64) -> Vec<Span> {
-    // The first profile may pass several stretches.
+    // The first profile may cross several stretches.
     let (first, profile) = timing.first();
     let mut spans: Vec<Span> = Vec::new();
     let mut from = 0.0;
@@ -139,19 +141,19 @@ fn steps(speed_curve: &SpeedCurve<'_>, timing: &SpeedCurveTiming, cut: f64) -> V
     spans
 }
 
-/// A stretch of time: its end, seconds from node to node, and whether there is a knot at its end, as the motion changes there.
+/// A stretch of time: its end, seconds from node to node, and whether a change of the motion needs a knot at its end.
 struct Span {
     end: f64,
     step: f64,
     knot: bool,
 }
 
-/// Instants of nodes behind 0, no farther apart than the steps and without sudden changes, until the end of the last of the stretches.
+/// Instants of nodes after 0, no farther apart than the steps and without sudden changes, until the end of the last stretch.
 fn marched(spans: &[Span]) -> Vec<f64> {
     let whole = spans.last().map_or(0.0, |last| last.end);
     let growth = TUNING.grid.spread;
     let begin = |k: usize| if k > 0 { spans[k - 1].end } else { 0.0 };
-    // What is possible at the start of each stretch beside what lies before, and at its end beside what lies behind.
+    // The step at the start of each stretch that the previous one permits, and at its end that the next one permits.
     let mut before = vec![f64::INFINITY; spans.len()];
     let mut behind = vec![f64::INFINITY; spans.len()];
     for k in 1..spans.len() {
@@ -163,7 +165,7 @@ fn marched(spans: &[Span]) -> Vec<f64> {
         behind[k - 1] = step.min(behind[k] + growth * (end - begin(k)));
     }
     let (mut times, mut t, mut k) = (Vec::new(), 0.0, 0);
-    // The node from which on they are not at their places, and its time.
+    // The node since which the steps do not fit the stretches yet, and its time.
     let (mut fitted, mut since) = (0, 0.0);
     while t < whole {
         let Span { end, step, .. } = spans[k];

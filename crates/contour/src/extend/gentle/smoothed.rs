@@ -1,4 +1,4 @@
-//! The smooth curve of dense chords that goes on from a running motion, by its own arc length. Position units and seconds.
+//! The smooth curve of dense chords that continues a running motion, by its own arc length. Position units and seconds.
 
 use crate::extend::warm_start::{Running, knots, warm_start};
 use crate::path::margin::ToleranceMargin;
@@ -8,20 +8,20 @@ use crate::timing::resample::project;
 use crate::{Point, State, Trajectory};
 use arcline_profile::KinematicState;
 
-/// Its timing is that of a first guess, and only places its nodes.
+/// Its timing is that of a warm start, and only places its nodes.
 pub(crate) struct Smoothed {
     motion: Trajectory,
-    /// The time of each node, and the arc length of the reference path that it stands for.
+    /// The time of each node, and the corresponding arc length of the reference path.
     times: Vec<f64>,
     progress: Vec<f64>,
-    /// Instants of the knots that keep the running motion, from the one before the splice on.
+    /// Instants of the knots that follow the running motion, from the one before the splice on.
     followed: Vec<f64>,
-    /// Arc length from which on it goes straight to its end.
+    /// Arc length from which on it is straight to its end.
     straight: f64,
 }
 
 impl Smoothed {
-    /// `None` where too little comes behind what is kept.
+    /// `None` if too little follows the kept part.
     pub(crate) fn new(section: &Section<'_>, running: Running<'_>) -> Option<Smoothed> {
         let mut control = warm_start(section, running);
         let margin = ToleranceMargin::new();
@@ -51,7 +51,7 @@ impl Smoothed {
         &self.followed
     }
 
-    /// How the motion that is followed comes to the end of that.
+    /// The state along the curve at the end of the followed part.
     pub(crate) fn begin(&self) -> KinematicState {
         let time = self.followed[self.followed.len() - 1];
         let state = self.motion.at(time);
@@ -67,7 +67,7 @@ impl Smoothed {
         self.motion.at(time)
     }
 
-    /// The arc lengths of its knots behind what is followed, and of its end.
+    /// The arc lengths of its knots after the followed part, and of its end.
     pub(crate) fn sites(&self) -> Vec<f64> {
         let begin = self.begin().position;
         let inner = self.motion.arc_lengths.iter().copied();
@@ -89,7 +89,7 @@ impl Smoothed {
         self.progress[k - 1] + (self.progress[k] - self.progress[k - 1]) * part
     }
 
-    /// The same at its own arc length.
+    /// The arc length of the reference path at an arc length of this curve.
     pub(crate) fn progress_at(&self, s: f64) -> f64 {
         self.progress(self.time(s))
     }
@@ -128,5 +128,5 @@ impl Smoothed {
     }
 }
 
-/// Knots at its end between which it goes straight.
+/// Knots at its end that lie on a straight line.
 const LAST_KNOTS: usize = 4;

@@ -1,4 +1,4 @@
-//! What a gentle continuation goes along, and how. Position units and seconds.
+//! The curve of a gentle continuation, and its speeds. Position units and seconds.
 
 use crate::extend::gentle::fade::Fade;
 use crate::extend::gentle::smoothed::Smoothed;
@@ -12,14 +12,14 @@ use crate::tuning::TUNING;
 use crate::{Point, State};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
 
-/// A curve with the speeds at which it can be travelled.
+/// A curve with the speeds that it permits.
 pub(crate) struct SpeedCurve<'a> {
     pub(super) section: &'a Section<'a>,
     curve: Curve,
     pub(super) parts: Vec<Part>,
 }
 
-/// What is travelled, by its progress.
+/// The curve by its progress.
 enum Curve {
     /// The reference path with every corner rounded.
     Rounded(Vec<Stretch>),
@@ -33,15 +33,16 @@ pub(super) struct Part {
     pub(super) to: f64,
     /// The constant speed at which it is within all limits.
     pub(super) speed: f64,
-    /// Whether it is part of a line.
+    /// The part belongs to a line.
     is_straight: bool,
-    /// The nodes that it has at least.
+    /// The least number of its nodes.
     nodes: f64,
-    /// Which piece of the reference path it is on.
+    /// The piece of the reference path to which it belongs.
     piece: usize,
 }
 
-/// How a motion goes on along a speed curve: one profile for each stretch, with the instant at which it begins. The acceleration along the path is 0 between them.
+/// The timing along a speed curve: one profile for each stretch, with the instant at which it begins. Between them, the acceleration along
+/// the path is 0.
 pub(super) struct SpeedCurveTiming {
     /// The part that it begins on.
     first: usize,
@@ -60,12 +61,12 @@ impl SpeedCurveTiming {
         (self.first, &self.parts[0].1)
     }
 
-    /// How many profiles.
+    /// The number of profiles.
     pub(super) fn count(&self) -> usize {
         self.parts.len()
     }
 
-    /// When each profile ends.
+    /// The instants at which the profiles end.
     pub(super) fn ends(&self) -> impl Iterator<Item = f64> + '_ {
         self.parts.iter().map(|(from, profile)| from + profile.duration())
     }
@@ -113,7 +114,7 @@ impl<'a> SpeedCurve<'a> {
         }
     }
 
-    /// A smooth curve, in parts in which its speed changes little.
+    /// A smooth curve, in parts with little change of its speed.
     pub(super) fn smooth(section: &'a Section<'a>, curve: Smoothed) -> Self {
         let reference = &section.reference;
         let sites = curve.sites();
@@ -159,7 +160,7 @@ impl<'a> SpeedCurve<'a> {
         }
     }
 
-    /// Seconds between the nodes of a part that is travelled in a time.
+    /// Seconds between the nodes of a part of this duration.
     pub(super) fn step(&self, part: &Part, lasts: f64) -> f64 {
         let node_s = self.section.allowance.node_s();
         if part.nodes > 0.0 {
@@ -169,7 +170,7 @@ impl<'a> SpeedCurve<'a> {
         }
     }
 
-    /// With which speed each stretch is entered, and at rest after the last.
+    /// The speed at the start of each stretch, and the rest after the last.
     pub(crate) fn ends(&self, shares: [f64; 2]) -> Vec<f64> {
         let count = self.parts.len();
         let mut ends = vec![0.0; count + 1];
@@ -182,7 +183,8 @@ impl<'a> SpeedCurve<'a> {
         ends
     }
 
-    /// Whether a motion that is left goes on gently; `ends` as [`SpeedCurve::ends`]. The share of what is allowed that its offset needs to fade out.
+    /// The share of the allowed values that the offset of a gentle continuation needs to fade out; `ends` as [`SpeedCurve::ends`].
+    /// `None` if there is no gentle continuation.
     pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
         let from = running.trajectory.at(running.leave);
         let at = followed(self.section, running).last()?.progress;
@@ -190,10 +192,10 @@ impl<'a> SpeedCurve<'a> {
         Some(Fade::new(self, &from, &profile).1)
     }
 
-    /// How a motion that is left comes to the speed curve at its speed: the stretch at whose end it has done so, and the profile until there. `None`: it is too fast for
-    /// what comes.
+    /// The transition from the running motion to the speed curve at its speed: the stretch at whose end it is complete, and the profile until
+    /// there. `None`: the motion is too fast for the path ahead.
     fn first(&self, state: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<(usize, Profile)> {
-        let first = self.place(state.position);
+        let first = self.part_at(state.position);
         if state.velocity <= 0.0 {
             return None;
         }
@@ -228,9 +230,10 @@ impl<'a> SpeedCurve<'a> {
             })
     }
 
-    /// How a motion that begins on the speed curve goes on along it to rest at its end; `ends` as [`SpeedCurve::ends`]. `None`: it is too fast for what comes.
+    /// The timing of a motion from its beginning on the speed curve to rest at its end; `ends` as [`SpeedCurve::ends`]. `None`: it is
+    /// too fast for the path ahead.
     pub(super) fn timing(&self, begin: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<SpeedCurveTiming> {
-        let first = self.place(begin.position);
+        let first = self.part_at(begin.position);
         let (last, profile) = self.first(begin, ends, shares)?;
         let (mut time, mut state) = (profile.duration(), profile.end());
         let mut parts = vec![(0.0, profile)];
@@ -249,15 +252,17 @@ impl<'a> SpeedCurve<'a> {
         (state.velocity == 0.0 && time.is_finite()).then_some(SpeedCurveTiming { first, parts })
     }
 
-    /// Which stretch is at a progress.
-    fn place(&self, progress: f64) -> usize {
-        let place = self.parts.partition_point(|part| part.to < progress);
-        place.min(self.parts.len() - 1)
+    /// The index of the part at a progress.
+    fn part_at(&self, progress: f64) -> usize {
+        let index = self.parts.partition_point(|part| part.to < progress);
+        index.min(self.parts.len() - 1)
     }
 
     fn at(&self, progress: f64) -> [Point; 3] {
         match &self.curve {
-            Curve::Rounded(stretches) => stretches[self.place(progress)].derivatives(&self.section.reference, progress),
+            Curve::Rounded(stretches) => {
+                stretches[self.part_at(progress)].derivatives(&self.section.reference, progress)
+            }
             Curve::Smooth(curve) => curve.derivatives(progress),
         }
     }
@@ -278,7 +283,7 @@ impl<'a> SpeedCurve<'a> {
         }
     }
 
-    /// The motion on the path.
+    /// The motion on the path at a state along it.
     pub(super) fn moving(&self, along: &KinematicState) -> State {
         let [position, tangent, curvature] = self.at(along.position);
         State {
@@ -289,27 +294,27 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// Limits along a stretch.
-    fn limits(&self, place: usize, [rates, speed]: [f64; 2]) -> Limits {
-        let share = if self.parts[place].is_straight {
+    fn limits(&self, part: usize, [rates, speed]: [f64; 2]) -> Limits {
+        let share = if self.parts[part].is_straight {
             rates
         } else {
             rates.min(TUNING.gentle.turning_share)
         };
-        self.limits_of(place, share, speed)
+        self.limits_of(part, share, speed)
     }
 
     /// Shares of the limits along a stretch.
-    fn limits_of(&self, place: usize, share: f64, speed: f64) -> Limits {
-        let bound = &self.section.bounds[self.parts[place].piece];
+    fn limits_of(&self, part: usize, share: f64, speed: f64) -> Limits {
+        let bound = &self.section.bounds[self.parts[part].piece];
         let rate = share * bound.axes.acceleration.min();
         let (acceleration, deceleration) = (
             rate.min(share * bound.acceleration),
             rate.min(share * bound.deceleration),
         );
-        // A step of the acceleration is more than it is on a curve of nodes.
+        // The nodes cannot follow a step of the acceleration, so the jerk is limited in any case.
         let jerk = (share * bound.least_jerk()).min(acceleration.min(deceleration) / TUNING.gentle.step_s);
         Limits {
-            speed: speed * self.parts[place].speed,
+            speed: speed * self.parts[part].speed,
             acceleration,
             deceleration,
             jerk: Some(Jerk {
@@ -320,7 +325,7 @@ impl<'a> SpeedCurve<'a> {
     }
 }
 
-/// The constant speed at which a curve is within all limits: at sites a step apart.
+/// The constant speed at which a curve is within all limits, from samples one step apart.
 fn most_speed(bound: &Bounds, sites: impl Iterator<Item = [Point; 3]>, step: f64) -> f64 {
     let mut before: Option<Point> = None;
     let mut most = f64::INFINITY;

@@ -6,7 +6,7 @@ use crate::tolerance::{LEAST_DIAGONAL, PIVOT_SHARE};
 #[derive(Clone, Debug)]
 pub(crate) struct Band {
     rows: Vec<[f64; 5]>,
-    /// One by each pivot.
+    /// The reciprocal of each pivot.
     inverse: Vec<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Band {
         &mut self.rows[row]
     }
 
-    /// Takes a variable out of the system: its row and column become those of the unit matrix.
+    /// Removes a variable from the system: its row and column become those of the unit matrix.
     pub(crate) fn fix(&mut self, variable: usize) {
         self.rows[variable] = [1.0, 0.0, 0.0, 0.0, 0.0];
         for left in 1..5 {
@@ -38,23 +38,23 @@ impl Band {
         }
     }
 
-    /// Makes the diagonal larger by a share of itself.
+    /// Increases the diagonal by a share of itself.
     pub(crate) fn lift(&mut self, share: f64) {
         for row in &mut self.rows {
             row[0] *= 1.0 + share;
         }
     }
 
-    /// Solves for `right` in place by Cholesky's method without roots, which destroys the matrix. A pivot that is not above `1e-14` of its
-    /// diagonal is lifted there.
+    /// Solves for `right` in place by Cholesky's method without roots, which destroys the matrix. A pivot not above `1e-14` of its diagonal is
+    /// raised to that.
     pub(crate) fn solve(&mut self, right: &mut [f64]) {
-        // The last four rows, their inverse pivots and their right sides; before the first row there is nothing.
+        // The last four rows, their inverse pivots and their right sides; zeros before the first row.
         let mut l: [[f64; 5]; 4] = [[0.0; 5]; 4];
         let mut p = [0.0; 4];
         let mut y = [0.0; 4];
         for (i, row) in self.rows.iter_mut().enumerate() {
             let [diagonal, b1, b2, b3, b4] = *row;
-            // `l[0]` is the row before.
+            // `l[0]` is the previous row.
             let t4 = b4;
             let t3 = b3 - t4 * l[2][1];
             let t2 = b2 - t4 * l[1][2] - t3 * l[1][1];

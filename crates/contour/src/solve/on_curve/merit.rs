@@ -1,11 +1,11 @@
-//! The function that is minimised, and the least slacks, of the timing alone.
+//! The objective and the least slacks for the optimisation of the timing alone.
 
 use super::Here;
 use crate::Point;
 use crate::solve::problem::{Limits, Problem};
 use crate::tuning::TUNING;
 
-/// The logarithm of a product of many factors, taken as seldom as the range of numbers permits.
+/// The logarithm of a product of many factors, calculated as rarely as the range of numbers permits.
 struct LogSum {
     product: f64,
     sum: f64,
@@ -66,7 +66,7 @@ impl Slacks {
 }
 
 impl Problem<'_> {
-    /// [`Problem::merit`] of the timing alone; sets the least slacks by node. Infinite outside the feasible set.
+    /// [`Problem::merit`] for the timing alone; sets the least slacks by node. Infinite outside the feasible set.
     pub(crate) fn timing_merit(&self, time_weight: f64, spans: &[f64], slacks: &mut [f64]) -> f64 {
         slacks.fill(f64::INFINITY);
         let mut time = 0.0;

@@ -1,7 +1,7 @@
 //! The optimisation of the timing alone: the curve stays, and only the spans are unknown.
 //!
-//! The same function as that of [`crate::solve::problem`] with fewer unknowns, computed in one pass over the nodes: with one unknown a node
-//! all derivatives are multiples of a few vectors, and the matrix has four entries beside its diagonal. Letters and units are those of
+//! The objective is that of [`crate::solve::problem`] with fewer unknowns, computed in one pass over the nodes: with one unknown per node all
+//! derivatives are multiples of a few vectors, and the matrix has four entries beside its diagonal. Letters and units are those of
 //! [`crate::solve::derivatives`].
 
 mod band;
@@ -13,17 +13,17 @@ pub(crate) use band::Band;
 use crate::Point;
 use crate::solve::problem::Problem;
 
-/// Velocities, accelerations and jerk about interval `i`.
+/// Velocities, accelerations and the jerk at interval `i`.
 struct Here {
     /// Spans of the intervals `i - 2..=i + 2`.
     spans: [f64; 5],
-    /// What turns a difference of nodes into a velocity, in the intervals `i - 1..=i + 1`.
+    /// The factors from a difference of nodes to a velocity, in the intervals `i - 1..=i + 1`.
     wide: [f64; 3],
     velocities: [Point; 3],
-    /// What turns a difference of velocities into an acceleration, at the nodes `i` and `i + 1`.
+    /// The factors from a difference of velocities to an acceleration, at the nodes `i` and `i + 1`.
     rates: [f64; 2],
     accelerations: [Point; 2],
-    /// One by the span of interval `i`.
+    /// The reciprocal of the span of interval `i`.
     inverse: f64,
     jerk: Point,
 }
@@ -76,12 +76,12 @@ impl Problem<'_> {
         }
     }
 
-    /// From which interval on velocity, acceleration and jerk are looked at: what the given nodes and spans decide alone is not.
+    /// The first intervals whose velocity, acceleration and jerk count; those that depend on given nodes and spans only do not.
     fn firsts(&self) -> [isize; 3] {
         if self.continues { [2, 2, 1] } else { [0, 0, -1] }
     }
 
-    /// What is left of the reciprocal limits at a node, and how much their barriers count.
+    /// The shares of the reciprocal limits at a node, and the weights of their barriers.
     #[inline(always)]
     fn counted(&self, i: isize) -> [[f64; 2]; 3] {
         if self.relaxed.is_empty() {

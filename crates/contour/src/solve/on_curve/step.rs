@@ -6,18 +6,18 @@ use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
 use crate::tuning::TUNING;
 
-/// What a barrier adds: its slope, and its curvature as that of the axes and along two directions.
+/// The contribution of a barrier: its slope, and its curvature by axis and along two directions.
 struct Barrier {
     slope: Point,
     axes: Point,
     /// Directions, each times the root of its curvature.
     along: [Point; 2],
-    /// How many of them there are.
+    /// The number of directions in use.
     directions: usize,
 }
 
 impl Barrier {
-    /// Of the limits of the axes and of the vector.
+    /// The barrier of the limits of the axes and of the vector.
     #[inline(always)]
     fn new(value: &Point, inverse: &Point, vector: f64, share: f64) -> Barrier {
         let mut barrier = Barrier {
@@ -49,7 +49,7 @@ impl Barrier {
         self.directions += 1;
     }
 
-    /// Of the limits along a tangent and against it.
+    /// Adds the limits along a tangent and against it.
     #[inline(always)]
     fn tangential(&mut self, value: &Point, tangent: &Point, [up, down]: [f64; 2]) {
         if up > 0.0 {
@@ -82,7 +82,7 @@ impl Barrier {
     }
 }
 
-/// The part of matrix and gradient of one interval: the spans `i - 2..=i + 2`.
+/// The part of matrix and gradient for one interval: the spans `i - 2..=i + 2`.
 struct Local {
     values: [[f64; 5]; 5],
     slopes: [f64; 5],
@@ -108,7 +108,7 @@ impl Here {
 }
 
 impl Problem<'_> {
-    /// The matrix, and minus the gradient, of the timing alone.
+    /// The matrix, and the negative gradient, for the timing alone.
     pub(crate) fn assemble_timing(&self, weight: f64, spans: &[f64], matrix: &mut Band, right: &mut [f64]) {
         matrix.clear();
         right.fill(0.0);
@@ -170,7 +170,7 @@ impl Problem<'_> {
     }
 }
 
-/// The part of one interval into the whole. Beyond the ends the span is that of the end.
+/// Adds the part for one interval to the whole. Beyond the ends the span is that of the end.
 #[inline(always)]
 fn scatter(i: isize, n: isize, local: &Local, matrix: &mut Band, right: &mut [f64]) {
     if i >= 2 && i + 2 < n {

@@ -1,7 +1,6 @@
 //! One update of an axis that homing moves: its legs and latches at their instants within the update.
 //!
-//! Not here: which leg comes next ([`super`]). Units: position units, seconds. Nothing allocates; the work of an update is
-//! bounded.
+//! Not here: the order of the legs ([`super`]). Units: position units, seconds. Nothing allocates; the work of an update is bounded.
 
 use arcline_planner::Clock;
 use arcline_planner::profile::Profile;
@@ -13,13 +12,13 @@ use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::tolerance::SHORTEST_STEP_S;
 
-/// Legs within one update; what is left then is done in the next one.
+/// Legs within one update; the next update continues with the rest.
 const MOST_LEGS: usize = 64;
 
 impl Axis {
-    /// The command of an axis that homing moves, at the present tick: legs that end before it, and the one that is under way.
+    /// The command at the present tick of an axis that homing moves: executes the legs that end before it, and the active one.
     pub(crate) fn advance_homing(&mut self, clock: &Clock) {
-        // In every tick of every axis.
+        // Called in every tick for every axis.
         if self.is_driven_home() {
             self.advance_legs(clock);
         }
@@ -27,7 +26,7 @@ impl Axis {
 
     fn advance_legs(&mut self, clock: &Clock) {
         let began = began(clock);
-        // Seconds of this update that the command has behind it.
+        // Seconds of this update that the legs so far have used.
         let mut at = 0.0;
         for _ in 0..MOST_LEGS {
             let Some(leg) = self.present_leg(&began) else {
@@ -47,8 +46,7 @@ impl Axis {
         }
     }
 
-    /// The leg that comes behind the latch that has closed: it begins at the instant of the latch, if that lies within the update,
-    /// otherwise now.
+    /// Begins the leg after a latch that has closed: at the instant of the latch if that lies within the update, otherwise now.
     pub(crate) fn take_home_latch(&mut self, clock: &Clock) {
         if !self.is_driven_home() {
             return;
@@ -64,7 +62,7 @@ impl Axis {
             within.max(-leg.elapsed)
         };
         if self.seeks_stop() {
-            // Nothing moves on: the command goes back to where the axis is held.
+            // No leg follows: the command returns to the position at which the axis is held.
             self.set_home_command(KinematicState::at_rest(self.actual.position));
         } else {
             self.set_home_command(leg.at(at));
@@ -100,7 +98,7 @@ impl Axis {
         })
     }
 
-    /// The command is that of a leg, in positions of the axis.
+    /// Sets the command from that of a leg, in positions of the axis.
     fn set_home_command(&mut self, mut command: KinematicState) {
         let frame = self.sum.seen_from(GeneratorKind::Home, Some(0.0)).unwrap_or_default();
         command.position -= frame;
@@ -109,15 +107,15 @@ impl Axis {
     }
 }
 
-/// The beginning of the update that the present tick ends.
+/// The beginning of the update that ends at the present tick.
 fn began(clock: &Clock) -> Clock {
     Clock::at(clock.tick.saturating_sub(1), clock.period_ns)
 }
 
-/// A leg as an update sees it: times are seconds since the update began.
+/// A leg in the time of an update: seconds since the update began.
 struct Leg {
     profile: Profile,
-    /// How long the leg had been under way when the update began; negative when it began within it.
+    /// Time for which the leg had run when the update began; negative if it began within the update.
     elapsed: f64,
     /// Added to positions of the profile.
     frame: f64,
@@ -128,7 +126,7 @@ impl Leg {
         self.profile.at(self.elapsed + seconds) + self.frame
     }
 
-    /// Its end, to the last bit.
+    /// Its end state, exact to the last bit.
     fn last(&self) -> KinematicState {
         self.at(f64::INFINITY)
     }

@@ -1,4 +1,4 @@
-//! Planted defects: what a planner, a transform or a follower must never do is done to its generator between two ticks.
+//! Planted defects: between two ticks, a test corrupts a generator as no planner, transform or follower ever should.
 
 use arcline_drive::{DriveState, Drives, ExchangeLost, Feedback, Following, SetPoint};
 use arcline_instruction_set::{
@@ -32,7 +32,7 @@ fn machine(limits: CommandLimits, action: ExceptionAction) -> MotionGroup {
     MotionGroup::new(["X", "Y", "A"].map(axis).to_vec(), vec![system])
 }
 
-/// Drives whose axes are where their set-points are.
+/// Drives whose axes are exactly at their set-points.
 #[derive(Debug)]
 struct AtSetPoints;
 
@@ -51,16 +51,16 @@ impl Drives for AtSetPoints {
     }
 }
 
-/// A call with 0 for every operand that is not named.
+/// A call with 0 for every operand that `operands` does not name.
 fn call(mnemonic: Mnemonic, target: u16, control: u32, operands: &[(&str, Argument)]) -> Call {
     let instruction = mnemonic.instruction();
     let mut arguments = [Argument::None; MAX_OPERANDS];
-    for place in instruction.given_operands() {
-        arguments[place] = Argument::Number(0.0);
+    for index in instruction.given_operands() {
+        arguments[index] = Argument::Number(0.0);
     }
     for name in ["Event Distance", "Calculated Data"] {
-        if let Some(place) = instruction.operand(name) {
-            arguments[place] = Argument::None;
+        if let Some(index) = instruction.operand(name) {
+            arguments[index] = Argument::None;
         }
     }
     for (name, argument) in operands {
@@ -115,7 +115,7 @@ fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
     motion
 }
 
-/// What went out to the drives of X, Y and A, and every change of faults, from one tick to when all stand.
+/// The set-points of X, Y and A, and every change of faults, from one tick until all axes stand.
 struct Run {
     sent: Vec<[[f64; 2]; 3]>,
     faults: Vec<FaultChange>,

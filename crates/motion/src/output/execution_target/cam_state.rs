@@ -1,6 +1,6 @@
 //! A cam of an execution target with the states of its elements.
 //!
-//! Not here: what happens to them ([`super::events`]). Nothing allocates behind [`CamState::new`].
+//! Not here: the events of the elements ([`super::events`]). Nothing allocates after [`CamState::new`].
 
 use std::sync::Arc;
 
@@ -10,11 +10,11 @@ use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 use arcline_instruction_set::enumerations::ExecutionMode;
 
-/// Place of the cam that is armed.
+/// Index of the active cam.
 pub(super) const ACTIVE: usize = 0;
-/// Place of the one that waits for its end.
+/// Index of the pending cam.
 pub(super) const PENDING: usize = 1;
-/// Place of the one before, of which some elements go on.
+/// Index of the previous cam, some elements of which continue.
 pub(super) const TAIL: usize = 2;
 
 /// An output cam that an instruction arms.
@@ -29,10 +29,10 @@ pub(crate) struct ArmedCam {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Phase {
     Free,
-    /// Until the axis crosses the arm position.
+    /// The cam waits until the axis crosses the arm position.
     Waiting(Crossing),
     Armed,
-    /// It is over, but for what goes on of it.
+    /// The cam has ended, but some of its elements continue.
     Ending,
 }
 
@@ -65,7 +65,7 @@ impl CamState {
         self.program.as_ref().map(|program| &program.cam)
     }
 
-    /// An element with what compensates its bit.
+    /// An element and the compensation of its bit.
     pub(super) fn element(&self, element_index: usize) -> Option<(&Element, &Compensation)> {
         let cam = self.cam()?;
         let element = cam.elements.get(element_index)?;

@@ -1,6 +1,6 @@
-//! The events of the elements of output cams within an update, in their order, and what comes of them.
+//! The events of the elements of output cams within an update, in their order, and their effects.
 //!
-//! Not here: when a cam is armed and when it is over ([`super::pieces`]). Real-time: nothing allocates.
+//! Not here: the arming and the end of a cam ([`super::pieces`]). Real-time: nothing allocates.
 
 use arcline_planner::{Clock, Instant};
 
@@ -16,7 +16,7 @@ use super::piece::{Piece, instant};
 #[derive(Clone, Copy, Debug)]
 pub(in crate::output) struct Edge {
     share: f64,
-    /// How far from the beginning of the update.
+    /// Its distance from the position at the beginning of the update.
     along: f64,
     what: Happens,
     cam_index: usize,
@@ -27,7 +27,7 @@ pub(in crate::output) struct Edge {
 pub(in crate::output) const MOST_EDGES: usize = 3 * 4 * MAX_OUTPUT_ELEMENTS;
 
 impl Target {
-    /// The events between two shares of an update.
+    /// Handles the events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
         for &cam_index in self.live() {
@@ -66,13 +66,13 @@ impl Target {
             self.expire(at, clock);
             let again = edge.what == Happens::LatchEntered && self.state(edge.cam_index, edge.element).is_in(true);
             if again {
-                // More than one turn in an update.
+                // The axis moves by more than one turn in an update.
                 self.happens(edge.cam_index, edge.element, Happens::UnlatchLeft, at);
                 self.happens(edge.cam_index, edge.element, Happens::UnlatchEntered, at);
             }
             self.happens(edge.cam_index, edge.element, edge.what, at);
         }
-        // What rounding has made of the ends.
+        // Corrects the states for rounding at the ends of the ranges.
         for &cam_index in self.live() {
             for element_index in 0..self.cams[cam_index].states.len() {
                 if self.state(cam_index, element_index).passed {
@@ -88,7 +88,7 @@ impl Target {
         }
     }
 
-    /// Places of the cams that go by where the axis is.
+    /// Indices of the cams that depend on the position of the axis.
     fn live(&self) -> &'static [usize] {
         if self.phase == Phase::Armed {
             &[ACTIVE, PENDING, TAIL]
@@ -97,7 +97,7 @@ impl Target {
         }
     }
 
-    /// How the position of an axis that an element compares goes, in the positions of its cam, and with what it is compared.
+    /// The position that an element compares, over the update, and the window with which it compares it.
     fn signal(&self, piece: &Piece, cam_index: usize, element_index: usize, latch: bool) -> (Interpolation, Window) {
         let Some((element, compensation)) = self.cams[cam_index].element(element_index) else {
             return (Interpolation::step(0.0, 0.0), Window::NONE);
@@ -109,7 +109,7 @@ impl Target {
         )
     }
 
-    /// Where an element's range is, as a position of the axis.
+    /// The range of an element, in positions of the axis.
     pub(super) fn window(&self, cam_index: usize, element: &Element, compensation: &Compensation) -> Window {
         let Some(cam) = self.cams[cam_index].cam() else {
             return Window::NONE;
@@ -144,7 +144,7 @@ impl Target {
         }
     }
 
-    /// An element is in its ranges, or it is not.
+    /// Corrects an element that should be in its ranges, or outside of them.
     pub(super) fn correct(&mut self, cam_index: usize, element_index: usize, [latch, unlatch]: [bool; 2], at: Instant) {
         let events = [
             (false, unlatch, Happens::UnlatchLeft, Happens::UnlatchEntered),
@@ -188,7 +188,7 @@ impl Target {
         }
     }
 
-    /// A bit is off, unless an element holds it.
+    /// Clears a bit, unless an element holds it.
     pub(super) fn release(&mut self, bit: usize) {
         let holds = |cam_index: &CamState| {
             let of_bit = |element_index: usize| {
@@ -204,7 +204,7 @@ impl Target {
         }
     }
 
-    /// Durations that are over at an instant.
+    /// Ends the durations that are over at an instant.
     pub(super) fn expire(&mut self, at: Instant, clock: &Clock) {
         let is_over = |off_at: Instant| off_at.elapsed(clock) >= at.elapsed(clock);
         for bit in 0..OUTPUT_BITS {
@@ -224,7 +224,7 @@ impl Target {
         }
     }
 
-    /// The enable bits as they are now.
+    /// Updates the enable conditions of all cams.
     pub(super) fn enable_all(&mut self, at: Instant) {
         for cam_index in [ACTIVE, PENDING, TAIL] {
             self.enable(cam_index, at);

@@ -1,4 +1,4 @@
-//! The part of an update in which an axis moves without a change by an instruction.
+//! The part of an update in which no instruction changes the motion of an axis.
 
 use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
@@ -14,7 +14,7 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// The position of the axis, `delay` ahead.
+    /// The position of the axis, `delay` seconds ahead.
     pub(super) fn interpolation(&self, delay: f64) -> Interpolation {
         let [from, to] = [&self.from, &self.to].map(|point| {
             let rate = point.velocity + delay * point.acceleration;
@@ -28,7 +28,7 @@ impl Piece {
     }
 }
 
-/// When a share of an update is reached.
+/// The instant of a share of an update.
 pub(super) fn instant(piece: &Piece, share: f64, clock: &Clock) -> Instant {
     let began = Clock::at(clock.tick.saturating_sub(1), clock.period_ns);
     if piece.jumps {

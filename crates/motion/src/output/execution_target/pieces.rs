@@ -1,6 +1,6 @@
-//! Where the axis goes within an update: when a cam is armed, and when it is over.
+//! The motion of the axis within an update: the arming and the end of cams.
 //!
-//! Not here: what happens to elements meanwhile ([`super::events`]). Real-time: nothing allocates; an update is cut into a bounded
+//! Not here: the events of elements meanwhile ([`super::events`]). Real-time: nothing allocates; an update is divided into a bounded
 //! number of pieces.
 
 use arcline_instruction_set::enumerations::ExecutionMode;
@@ -17,11 +17,11 @@ use super::piece::{Piece, instant};
 use crate::execution::Execution;
 use crate::tolerance::OUTPUT_CAM_SHARE;
 
-/// Most a piece of an update is cut into: at the arm position and at ends of cams.
+/// Most cuts of an update: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
 
 impl Target {
-    /// The axis goes from where it was to where it is now. `ended`: whose cams end meanwhile.
+    /// Moves the axis from its last motion to its present one. `ended`: the instructions of cams that end meanwhile.
     pub(super) fn go(
         &mut self,
         to: KinematicState,
@@ -47,13 +47,13 @@ impl Target {
         self.began = to;
     }
 
-    /// Where the positions of the armed cam begin.
+    /// The axis position of the active cam's zero.
     pub(super) fn zero(&self) -> f64 {
         let length = self.cams[ACTIVE].cam().map_or(0.0, |cam| cam.end - cam.start);
         self.base + self.turns * length
     }
 
-    /// Turns that are those of the armed cam: behind it comes the pending one, before it there was another.
+    /// The turns of the axis that belong to the active cam: in those behind it the pending cam applies, in those before it the previous one.
     pub(super) fn turns_of_active(&self) -> Turns {
         let repeats = |mode: ExecutionMode| mode == ExecutionMode::Continuous;
         if !self.cams[ACTIVE]
@@ -121,7 +121,7 @@ impl Target {
         }
     }
 
-    /// Where, from a share of the interval on, the axis leaves a cam that ends there: the share, and the place.
+    /// The point after a share of the interval at which the axis leaves a cam that ends there: its share and its position.
     fn exit(&self, interval: &Interpolation, share: f64) -> Option<(f64, f64)> {
         let program = self.cams[ACTIVE].program.as_ref()?;
         if program.mode != ExecutionMode::Once && self.cams[PENDING].program.is_none() {
@@ -133,7 +133,7 @@ impl Target {
         let beyond = |position: f64| position > end + rounding || position < start - rounding;
         let here = interval.at(share);
         if beyond(here) {
-            // A persistent one was left long ago.
+            // The axis left a persistent cam in an earlier update.
             return Some((share, here));
         }
         if !beyond(interval.to) {
@@ -143,7 +143,7 @@ impl Target {
         Some((interval.share_of(bound).max(share), bound))
     }
 
-    /// The cam is armed where the axis is at a place. `ahead`: where it is with a delay.
+    /// Arms the cam at a position of the axis. `ahead`: the position with a delay.
     pub(super) fn arm(&mut self, position: f64, ahead: impl Fn(f64) -> f64, at: Instant) {
         (self.base, self.turns) = (position - self.entry, 0.0);
         for element in 0..self.cams[ACTIVE].states.len() {
@@ -157,7 +157,7 @@ impl Target {
         self.arm_enabled(at);
     }
 
-    /// Brings durations, whole turns and the bits that are shown to the present tick.
+    /// Advances durations, whole turns and the shown bits to the present tick.
     pub(super) fn settle(&mut self, clock: &Clock) {
         let now = clock.now();
         self.expire(now, clock);
@@ -180,7 +180,7 @@ impl Target {
             }
         };
         if self.came_forward.is_some_and(is_behind) {
-            // Back over where it took over: it is repeated there, too.
+            // The axis is back across the point of the takeover: the cam repeats in that direction, too.
             self.came_forward = None;
         }
         let turns = ((self.last.position - self.zero() - cam.start) / length).floor();

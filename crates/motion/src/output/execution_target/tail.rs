@@ -1,8 +1,8 @@
-//! The parts of an output cam that go on when it is over: edges that lag behind its axis, and durations.
+//! The parts of an output cam that continue after its end: events that lag behind its axis, and durations.
 //!
-//! An offset or a delay below 0 can put edges behind where the axis is. When it leaves the cam these are still to come: the elements
-//! stay until each of them has come past the end of the cam, or until the axis comes back to where it left. Durations run out in
-//! any case. Not here: what happens to elements ([`super::events`]). Real-time: nothing allocates.
+//! A negative offset or delay can move events behind the position of the axis. They are still pending when the axis leaves the cam: the
+//! elements stay until the lagging position of each has passed the end of the cam, or until the axis returns to the point of its exit.
+//! Durations run out in any case. Not here: the events of elements ([`super::events`]). Real-time: nothing allocates.
 
 use arcline_planner::Instant;
 
@@ -13,20 +13,20 @@ use super::Target;
 use super::cam_state::{ACTIVE, PENDING, Phase, TAIL};
 use crate::execution::Execution;
 
-/// How a cam was left.
+/// The exit from a cam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trailing {
-    /// Where its positions begin.
+    /// The axis position of its zero.
     pub(super) zero: f64,
-    /// Of those that it was repeated in.
+    /// The turns in which it was repeated.
     pub(super) turns: Turns,
     forward: bool,
-    /// Where the axis left it.
+    /// The position at which the axis left it.
     position: f64,
 }
 
 impl Target {
-    /// The armed cam is over at a position; the pending one takes over. Returns whose is over.
+    /// Ends the active cam at a position; the pending one takes over. Returns the instruction of the ended cam.
     pub(super) fn leave(&mut self, position: f64, at: Instant) -> Option<Execution> {
         let zero = self.zero();
         let middle = |start: f64, end: f64| 0.5 * (start + end);
@@ -57,7 +57,7 @@ impl Target {
         over
     }
 
-    /// Elements whose edges have all come are over where the axis is now.
+    /// Ends the elements whose events have all passed at the position of the axis.
     pub(super) fn let_pass(&mut self, at: Instant) {
         let Some(left) = self.trailing else { return };
         let axis = self.last;
@@ -81,12 +81,12 @@ impl Target {
         }
     }
 
-    /// Whether edges of a cam that is over are still to come.
+    /// Events of an ended cam are still pending.
     pub(super) fn lags(&self) -> bool {
         self.trailing.is_some() && self.cams[TAIL].states.iter().any(|state| !state.passed)
     }
 
-    /// The bits of what goes on.
+    /// The bits of elements that continue.
     pub(super) fn tail(&self) -> u32 {
         let cam_index = &self.cams[TAIL];
         let elements = cam_index
@@ -98,7 +98,7 @@ impl Target {
         bits.fold(self.trailing_bits(), |all, bit: u32| all | bit)
     }
 
-    /// Bits that something other than the armed cam holds.
+    /// Bits held by elements or durations outside of the active cam.
     pub(super) fn held(&self) -> u32 {
         let mut bits = self.trailing_bits();
         for cam_index in [&self.cams[PENDING], &self.cams[TAIL]] {
@@ -111,7 +111,7 @@ impl Target {
         bits
     }
 
-    /// Durations that are under way go on without the elements of a cam, and bits show as they did.
+    /// Continues the running durations of a cam without its elements; their bits look the same.
     pub(super) fn carry(&mut self, cam_index: usize) {
         for element_index in 0..self.cams[cam_index].states.len() {
             let Some((element, compensation)) = self.cams[cam_index].element(element_index) else {
@@ -127,14 +127,14 @@ impl Target {
         }
     }
 
-    /// Nothing goes on.
+    /// Drops all elements and durations that continue.
     pub(super) fn forget(&mut self) {
         self.trailing_bits = [None; OUTPUT_BITS];
         self.cams[TAIL].take();
         self.trailing = None;
     }
 
-    /// The cam before the one that is over makes room for that one.
+    /// Frees the slot of the previous cam for the one that has just ended.
     fn make_room(&mut self, at: Instant) {
         for element_index in 0..self.cams[TAIL].states.len() {
             self.pass(element_index, at);
@@ -143,7 +143,7 @@ impl Target {
         self.cams[TAIL].take();
     }
 
-    /// An element is over, but for a duration. Bits that it does not hold by its position stay as they are.
+    /// Ends an element, except for a running duration. Bits that its position does not hold keep their values.
     fn pass(&mut self, element_index: usize, at: Instant) {
         let state = self.state(TAIL, element_index);
         if state.passed {
