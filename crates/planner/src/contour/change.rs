@@ -71,6 +71,7 @@ impl<T: Copy> ContourQueue<T> {
             target,
             rate: rates.acceleration.min(rates.deceleration) / speed,
             jerk: rates.jerk.map(|jerk| jerk / speed),
+            near: Some((rates.acceleration.min(rates.deceleration), rates.jerk)),
             extra: [0.0; 2],
         };
         run.pace.ask(wanted, &run.trajectory, clock);
@@ -114,6 +115,7 @@ impl<T: Copy> ContourQueue<T> {
             target: 0.0,
             rate: limits.deceleration / speed,
             jerk: jerk.map(|jerk| jerk / speed),
+            near: None,
             extra: [limits.deceleration, jerk.unwrap_or(0.0)],
         };
         run.state = RunState::Stopping;

@@ -5,7 +5,7 @@
 //! ([`Guard`]), so no limit is exceeded at any instant. Own seconds per second; its derivatives per second. Nothing allocates; a tick tries a
 //! few ramps.
 
-use arcline_contour::Trajectory;
+use arcline_contour::{State, Trajectory};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
@@ -20,6 +20,8 @@ pub(super) struct Wanted {
     pub(super) rate: f64,
     /// Second derivative; `None`: the first may step.
     pub(super) jerk: Option<f64>,
+    /// Vector rate and jerk of the ramps that suit the present state; `None`: there are no such ramps.
+    pub(super) near: Option<(f64, Option<f64>)>,
     /// Vector deceleration and jerk of a stop, which are permitted besides those of the moves.
     pub(super) extra: [f64; 2],
 }
@@ -52,6 +54,7 @@ impl Pace {
                 target: pace,
                 rate: 1.0,
                 jerk: None,
+                near: None,
                 extra: [0.0; 2],
             },
             under_way: 0,
@@ -72,6 +75,7 @@ impl Pace {
                 target: 0.0,
                 rate,
                 jerk,
+                near: None,
                 extra: [0.0; 2],
             },
             under_way: 0,
@@ -136,11 +140,11 @@ impl Pace {
         }
         let guard = Guard::new(trajectory, self.wanted.extra);
         for _ in 0..TRIES {
-            if self.next >= self.under_way.min(RAMPS) {
+            if self.next >= self.under_way.min(self.ramps()) {
                 self.next = 0;
             }
             let ramp_index = self.next;
-            let ramp = self.ramp(ramp_index, now, gap);
+            let ramp = self.ramp(ramp_index, now, gap, trajectory);
             if guard.allows(&ramp, 0.0) {
                 self.take(ramp_index, ramp, clock);
                 return true;
@@ -171,15 +175,36 @@ impl Pace {
         Profile::to_velocity(state, self.wanted.target, &limits(1.0, None))
     }
 
-    /// The ramps, the best first: all the way at the same rates, then shorter distances; then the same with gentler rates.
-    fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64) -> Profile {
-        let (reach, gentler) = (ramp_index % REACHES.len(), ramp_index / REACHES.len());
+    /// The ramps, the best first: at the full rates; at rates that suit the present state; then shorter distances, and the same with gentler
+    /// rates.
+    fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64, trajectory: &Trajectory) -> Profile {
+        let number = match (ramp_index.checked_sub(1), self.wanted.near) {
+            (Some(near), Some(most)) if near < NEAR.len() => {
+                let (rate, jerk) = near_rates(most, NEAR[near], &trajectory.at(now.position), trajectory.peaks().speed);
+                return Profile::to_velocity(now, self.wanted.target, &limits(rate, jerk));
+            }
+            (Some(_), Some(_)) => ramp_index - NEAR.len(),
+            _ => ramp_index,
+        };
+        let (reach, gentler) = (number % REACHES.len(), number / REACHES.len());
         let target = self.wanted.target - gap * REACHES[reach];
         // Twice the time: half the rate, a quarter of the jerk.
         let time = f64::powi(2.0, gentler as i32);
         let jerk = self.wanted.jerk.map(|jerk| jerk / (time * time));
         Profile::to_velocity(now, target, &limits(self.wanted.rate / time, jerk))
     }
+
+    fn ramps(&self) -> usize {
+        RAMPS + self.wanted.near.map_or(0, |_| NEAR.len())
+    }
+}
+
+/// First and second derivative of the pace that take a share of a vector rate and of a jerk in a state of the trajectory: the speed takes
+/// `q' r'` of the rate, and `3 q'' r r' + q' r''` of the jerk.
+fn near_rates((rate, jerk): (f64, Option<f64>), share: f64, state: &State, peak: f64) -> (f64, Option<f64>) {
+    let speed = state.velocity.norm().max(LEAST_SPEED_SHARE * peak);
+    let first = jerk.map_or(f64::INFINITY, |jerk| jerk / (3.0 * state.acceleration.norm()));
+    (share * first.min(rate / speed), jerk.map(|jerk| share * jerk / speed))
 }
 
 fn limits(rate: f64, jerk: Option<f64>) -> Limits {
@@ -198,7 +223,11 @@ fn limits(rate: f64, jerk: Option<f64>) -> Limits {
 const NONE: usize = usize::MAX;
 /// Shares of the distance to the requested pace that a ramp leaves.
 const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
-/// Number of ramps: the gentlest takes 2^13 times as long.
+/// Shares of the rates and the jerk of ramps that suit the present state. Not all: the guard counts in what may lie between its points.
+const NEAR: [f64; 8] = [0.95, 0.75, 0.58, 0.45, 0.35, 0.26, 0.18, 0.12];
+/// The least speed that such ramps are made for, of the highest one.
+const LEAST_SPEED_SHARE: f64 = 0.01;
+/// Number of other ramps: the gentlest takes 2^13 times as long.
 const RAMPS: usize = 14 * REACHES.len();
 /// Ramps to try in a tick.
 const TRIES: usize = 3;

@@ -273,7 +273,8 @@ impl Program {
                     }
                 }
             }
-            if let (Some(before), true) = (before, speed == 0.0) {
+            // An S-curve contour that accelerates ends its acceleration before it pauses (docs/MOTION.md).
+            if let (Some(before), true) = (before, speed == 0.0 && self.kind != Kind::Contours) {
                 let active = self.moves.iter().find(|(tag, _)| self.bench.control(tag).has(Flag::Ac));
                 self.coasting = Some(Coasting {
                     why: format!("{whole} of {before:?} at {from:?}"),
