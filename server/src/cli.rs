@@ -1,5 +1,5 @@
-//! The command line of `arcline-server` (spec/contract.md §1). What the commands do is in `run`, `simulate` and
-//! `arcline-config`.
+//! The command line of `arcline-server` (spec/contract.md §1). The modules `run` and `simulate`, and `arcline-config`, carry out the
+//! commands.
 
 use std::io::IsTerminal as _;
 use std::net::SocketAddr;
@@ -215,7 +215,7 @@ impl<T: FromStr> FromStr for OrOff<T> {
     }
 }
 
-/// What ends the program early: one message and the exit code.
+/// An error that ends the program: one message and the exit code.
 #[derive(Debug)]
 pub(crate) struct Failure {
     code: u8,
@@ -242,7 +242,7 @@ impl Failure {
     }
 }
 
-/// Does what the command line says. The exit codes are those of spec/contract.md §1.
+/// Executes the command of the command line. The exit codes are those of spec/contract.md §1.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
@@ -316,7 +316,7 @@ fn log() {
         .init();
 }
 
-/// Prints what a configuration creates, or everything that is wrong with it, an error a line.
+/// Prints the objects that a configuration creates, or all its errors, one a line.
 fn check(config: &Path) -> Result<ExitCode, Failure> {
     let (text, file) = read(Some(config))?;
     match arcline_config::load_all(&text, &file) {
@@ -362,12 +362,12 @@ fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(if loaded.is_ok() { 0 } else { WRONG }))
 }
 
-/// Exit code for what the user must put right first.
+/// The exit code for an error that the user must correct first.
 pub(crate) const WRONG: u8 = 2;
 
 pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     use std::io::Write as _;
-    // A reader that closed the pipe has what it wanted.
+    // A reader that closed the pipe needs no more of the text.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(ExitCode::SUCCESS)
 }

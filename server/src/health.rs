@@ -23,7 +23,7 @@ pub(crate) struct HealthArgs {
     within: f64,
 }
 
-/// Prints its name; the exit code is 1 when it does not answer.
+/// Prints the server's name; the exit code is 1 when the server does not answer.
 pub(crate) fn run(args: &HealthArgs) -> Result<ExitCode, Failure> {
     let at = args.server;
     let within = Duration::try_from_secs_f64(args.within).unwrap_or(Duration::MAX);

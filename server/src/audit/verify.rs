@@ -78,7 +78,7 @@ pub(super) enum Broken {
         line: usize,
         /// The number that belongs there.
         n: u64,
-        /// What is wrong.
+        /// The error in the line.
         reason: &'static str,
     },
     /// No line has the hash.

@@ -1,4 +1,4 @@
-//! `doctor`: looks at what a server needs of this computer, and says what is amiss and what to do (docs/DOCTOR.md).
+//! `doctor`: examines the ports, rights and real-time settings of this computer, and reports each defect with its remedy (docs/DOCTOR.md).
 
 mod network;
 mod real_time;
@@ -34,7 +34,7 @@ pub(crate) struct DoctorArgs {
     json: bool,
 }
 
-/// How a check came out, the better first.
+/// The result of a check, the better first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Grade {
@@ -49,12 +49,12 @@ pub(crate) enum Grade {
 /// One check.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub(crate) struct Finding {
-    /// What was looked at.
+    /// The name of the check.
     pub(crate) check: &'static str,
     pub(crate) grade: Grade,
-    /// What was found.
+    /// The result of the check in words.
     pub(crate) found: String,
-    /// What to do; empty: nothing.
+    /// The remedy; empty if the user need not do anything.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) remedy: String,
 }

@@ -1,4 +1,4 @@
-//! The real-time thread itself, for a few seconds: what it gets of the system, and how late its ticks begin.
+//! A test run of the real-time thread for a few seconds: the priority and memory lock that the system grants it, and the lateness of its ticks.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! What the system says of itself below `/proc` and `/sys`.
+//! The settings of the system that `/proc` and `/sys` show.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -57,7 +57,7 @@ impl System {
         Finding::ok("kernel", format!("{release}, without PREEMPT_RT"))
     }
 
-    /// What part of each second real-time threads may have.
+    /// The share of each second that the system allows real-time threads.
     pub(super) fn real_time_share(&self) -> Finding {
         let number = |name: &str| -> Option<i64> { self.read(&format!("proc/sys/kernel/{name}"))?.parse().ok() };
         let (runtime, period) = (number("sched_rt_runtime_us"), number("sched_rt_period_us"));
@@ -140,7 +140,7 @@ pub(super) fn descriptors(clients: usize) -> Finding {
     }
 }
 
-/// Whether the state can be kept there.
+/// Checks that the server can write the file of the retained state.
 pub(super) fn state(file: &Path) -> Finding {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! What a request is answered with: the device, the ends of its connection, the room for its reply, and the tag memory.
+//! The resources for the answer to a request: the device, the ends of the connection, the room for the reply, and the tag memory.
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::adapter::Adapter;
 use super::device::Device;
 use crate::plant::{Principal, Transaction};
 
-/// What a request needs to be answered.
+/// The resources for the answer to a request.
 pub(crate) struct Context<'a> {
     /// The device.
     pub(crate) device: &'a Device,

@@ -1,7 +1,7 @@
 //! Discovery over UDP: ListIdentity, ListServices and ListInterfaces, unicast and broadcast (spec/ethernet-ip.md §2).
 //!
-//! What is answered is `arcline-proto`'s [`discovery`]; here are the socket, the address that a peer can connect back
-//! to, and the random delay that keeps the answers to a broadcast apart.
+//! The answers themselves come from [`discovery`] of `arcline-proto`. This module has the socket, the address to which a peer can connect
+//! back, and the random delay that spreads the answers to a broadcast.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
         let (length, peer) = match received {
             Ok(received) => received,
             Err(error) => {
-                // An ICMP answer to what was sent before; the socket goes on.
+                // An ICMP error for an earlier datagram; the socket remains usable.
                 debug!(%error, "UDP receive");
                 tokio::task::yield_now().await;
                 continue;

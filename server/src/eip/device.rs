@@ -1,4 +1,4 @@
-//! What all connections of the server share: the plant, the identity, limits and counters.
+//! The data that all connections of the server share: the plant, the identity, limits and counters.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -32,13 +32,13 @@ pub struct Settings {
     pub identity: Identity,
     /// The network side of the configuration.
     pub config: ServerConfig,
-    /// How long a peer may take to read what has been written to it.
+    /// The time within which a peer must read the written bytes.
     pub write_timeout: Duration,
-    /// Where the files are in which the system shows its network.
+    /// The root of the files in which the system shows its network.
     pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
-    /// Where session handles and connection ids come from; `None` where there are no random numbers.
+    /// The source of session handles and connection ids; `None` if there are no random numbers.
     pub random: fn() -> Option<u32>,
     /// The socket of implicit I/O and its address; `None`: one of the system's.
     pub datagrams: Option<(Arc<dyn Datagrams>, SocketAddr)>,
@@ -85,7 +85,7 @@ fn serial_number(name: &str) -> u32 {
     })
 }
 
-/// What ListIdentity tells of the security; `None`: TLS is off.
+/// The security information of a ListIdentity reply; `None`: TLS is off.
 fn security_information(security: &Security, has_io: bool) -> Option<SecurityInformation> {
     security.tls?;
     let ports = [
@@ -103,7 +103,7 @@ fn security_information(security: &Security, has_io: bool) -> Option<SecurityInf
     })
 }
 
-/// What all connections share.
+/// The data that all connections share.
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(crate) plant: Plant,

@@ -45,7 +45,7 @@ struct Client {
     close: CancellationToken,
 }
 
-/// How far a client has come: of two clients, the one of the earlier stage loses its place first.
+/// The progress of a client. Of two clients, the one at the earlier stage loses its place first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Stage {
     /// No session.
@@ -120,7 +120,7 @@ impl ClientLimiter {
         self.lock().close_oldest(Stage::Registered, |_, _| true);
     }
 
-    /// Whether the clients of an address may have one more class 3 connection; counts it if so.
+    /// Counts one more class 3 connection of an address if the limit allows it. Returns whether the limit allows it.
     pub(crate) fn acquire_connection(&self, peer: IpAddr) -> bool {
         let peer = counted(peer);
         let mut state = self.lock();

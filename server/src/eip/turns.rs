@@ -36,7 +36,7 @@ impl Turns {
         }
     }
 
-    /// Whether a turn must be waited for.
+    /// Whether all turns are taken, so that a connection must wait for one.
     pub(crate) fn are_taken(&self) -> bool {
         self.threads.available_permits() == 0
     }
@@ -53,7 +53,7 @@ impl Turns {
     }
 }
 
-/// What one connection has used of a thread.
+/// The time of a thread that one connection has used.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Share {
     /// Until then its messages take turns, since the epoch of the connection.
@@ -61,7 +61,7 @@ pub(crate) struct Share {
 }
 
 impl Share {
-    /// Whether it has used more than its share.
+    /// Whether the connection has used more than its share.
     pub(crate) fn is_used(&self, now: Duration) -> bool {
         now < self.paid
     }

@@ -1,11 +1,11 @@
 //! The guard of jogs: it stops those of clients that are lost, silent, or no longer hold the button.
 //!
-//! It has a thread of its own, `arcline-stop`, that comes after the tick and before everything else where the system allows that, and a
-//! way to the tick of its own ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays a stop. On the
-//! same thread the page's viewers are read, for their STOP. What runs on it must be short.
+//! The guard has its own thread, `arcline-stop`, whose priority is below that of the tick and, where the system allows that, above all other
+//! threads. It also has its own path to the tick ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays
+//! a stop. The same thread reads the page's viewers, for their STOP. Tasks on this thread must be short.
 //!
 //! A stop of a jog is one at the axis's full deceleration, not at the programmed one; the guard requests it again until the axis stands.
-//! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Principal`).
+//! Not here: the messages of a page that stop (`hmi`), and the reaction of motion other than jogs (`plant::Principal`).
 
 mod table;
 mod watch;
@@ -32,7 +32,7 @@ use arcline_state::planted::is_planted;
 
 /// Without a sign of life for so long, a jog that is held by a button is stopped.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
-/// How often jogs are looked at.
+/// Time between two checks of the jogs.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Sessions from this number on are viewers of the page.
@@ -92,7 +92,7 @@ impl Signs {
         self.0.heard.store(micros, Ordering::Relaxed);
     }
 
-    /// Whether the guard wants to look at the socket, once.
+    /// Whether the guard wants to look at the socket; a call clears the wish.
     pub(crate) fn is_wanted(&self) -> bool {
         self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
     }
@@ -123,7 +123,7 @@ impl Guard {
     /// # Errors
     /// When the system has no thread left.
     pub(crate) fn spawn(&self, plant: Weak<crate::plant::Shared>) -> std::io::Result<()> {
-        // What is ready is looked at after every task.
+        // After every task the runtime polls the ready sockets.
         let runtime = Builder::new_current_thread().enable_all().event_interval(1).build()?;
         let _ = self.0.runtime.set(runtime.handle().clone());
         let guard = self.clone();
@@ -190,7 +190,7 @@ impl Guard {
         }
     }
 
-    /// What is known of a client.
+    /// The identity of a client.
     pub(crate) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
         self.table().identity_of(session)
     }
@@ -263,7 +263,7 @@ impl Guard {
         axes
     }
 
-    /// What an owner began goes on without it.
+    /// The motion of an owner goes on without it.
     pub(crate) fn forget(&self, owner: Principal) {
         self.table().forget(owner);
     }
@@ -297,7 +297,7 @@ impl Guard {
         }
     }
 
-    /// Stops what is due, and looks again at what was stopped.
+    /// Stops the jogs that are due, and checks the stopped ones again.
     fn look(&self, plant: &Plant) {
         let now = self.now();
         // Without the lock, which another thread may hold for long, a jog is taken for one that runs.
@@ -396,7 +396,7 @@ fn is_of(jog: &Jog, session: u64) -> bool {
     jog.owner.session() == Some(session)
 }
 
-/// Whether its jogs are held by a button.
+/// Whether a button holds the jogs of an owner.
 fn is_button(owner: Principal) -> bool {
     matches!(owner, Principal::Button(_))
 }

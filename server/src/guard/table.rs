@@ -45,7 +45,7 @@ pub(super) struct Ending {
     from: Duration,
 }
 
-/// What is known of a jog that is to be stopped.
+/// The observed state of a jog that is to be stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Seen {
     /// It stands, or something else moves the axis.
@@ -60,7 +60,7 @@ impl Table {
         told(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
     }
 
-    /// What is known of a client.
+    /// The identity of a client.
     pub(super) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
         let client = self.clients.get(&session);
         client.map(|client| client.identity.clone()).unwrap_or_default()
@@ -169,7 +169,7 @@ impl Table {
         due.cloned().collect()
     }
 
-    /// Whether there is nothing to look after.
+    /// Whether there is no jog to watch.
     pub(super) fn is_idle(&self) -> bool {
         self.ending.is_empty() && self.jogging().next().is_none()
     }

@@ -30,7 +30,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     let mut last = shared.plant.events_since(0, |_, _, events| newest(&events));
     let mut changes = shared.plant.changes();
     loop {
-        // What happens to an instruction or a fault is published with the tags.
+        // The changes of tags include those of instructions and faults.
         sleep(EVERY).await;
         if changes.next().await.is_none() {
             return;
@@ -168,7 +168,7 @@ fn rest_event(plant: &Plant, rest: &Rest) -> RestEvent {
     }
 }
 
-/// What ended an instruction or cleared a fault: its text and its parts.
+/// The cause that ended an instruction or cleared a fault: its text and its parts.
 fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<EndCause> {
     let text = image.ending(machine, cause)?.to_string();
     let by = match cause {

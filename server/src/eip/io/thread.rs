@@ -88,7 +88,7 @@ impl Worker {
             PollFd::from_borrowed_fd(socket, PollFlags::IN),
             PollFd::new(&self.io.wake, PollFlags::IN),
         ];
-        // A signal ends it early: what is due is looked at again.
+        // A signal ends the wait early: the next turn checks the due times again.
         let _ = poll(&mut fds, timeout.as_ref());
         let woken = fds.get(1).is_some_and(|fd| !fd.revents().is_empty());
         if woken {

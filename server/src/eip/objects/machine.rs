@@ -149,7 +149,7 @@ fn step(cx: &mut ObjectContext<'_, '_>) -> Result<(), CipStatus> {
     cx.apply(Command::Step { ticks, until }).map(drop)
 }
 
-/// Notes what a client tells of itself.
+/// Stores the identification that a client sends.
 fn identify(cx: &ObjectContext<'_, '_>) -> Result<(), CipStatus> {
     let told = Identification::decode(&cx.request.data)?;
     if let Some(session) = cx.context.principal.session() {

@@ -83,7 +83,7 @@ impl Objects {
         self.0.iter().copied().find(|object| object.class() == class)
     }
 
-    /// What a service to a name needs: motion objects have no more of their own than the symbol.
+    /// The access of a service that addresses a tag by name. A motion object has the services of the symbol only.
     pub(crate) fn access_by_name(self, code: u8) -> Access {
         self.find(class::SYMBOL)
             .map_or(Access::Read, |symbol| symbol.access(code))

@@ -236,7 +236,7 @@ fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     }
 }
 
-/// What a robot is built with, one attribute a number.
+/// The dimensions of a robot; each attribute has one number.
 fn robot(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     let parameters = system.robot.map(|robot| robot.parameters).unwrap_or_default();
     let numbers = [

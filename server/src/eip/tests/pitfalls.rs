@@ -1,7 +1,7 @@
-//! Where other servers fail with real clients (spec/ethernet-ip.md §17), by its numbers.
+//! The pitfalls in which other servers fail with real clients (spec/ethernet-ip.md §17), by their numbers.
 //!
-//! How well an interval is kept in real time (11) and what a request costs (14) is measured by `tests/tests/io_scanner.rs`
-//! and `tests/benches/network.rs`; here is what no machine can change.
+//! `tests/tests/io_scanner.rs` measures the real-time accuracy of an interval (11), and `tests/benches/network.rs` the cost of a request
+//! (14). The tests here do not depend on the machine's speed.
 
 use std::net::SocketAddr;
 

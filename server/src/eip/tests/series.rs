@@ -1,4 +1,4 @@
-//! Series of moves: their order, the move that fails, the queue without room, and what is no move.
+//! Series of moves: their order, the move that fails, the queue without room, and requests that are not moves.
 
 use arcline_instruction_set::predefined::coordinate_system_status::MOTION_STATUS;
 use arcline_instruction_set::{Flag, Mnemonic, MotionControl};

@@ -1,4 +1,4 @@
-//! What single stock clients send that others do not, byte by byte, each a test named after its client. Those that
+//! Requests that only one stock client sends, byte by byte; each test has the name of its client. The clients that
 //! `tests/system/tests/foreign/interop.rs` runs against a whole server are not here.
 
 use arcline_proto::cip::{join_multiple, split_multiple_replies};
