@@ -305,7 +305,7 @@ fn man(folder: Option<&Path>) -> Result<ExitCode, Failure> {
     }
 }
 
-/// To standard error, warnings and worse, unless `RUST_LOG` says otherwise.
+/// Sends the log to standard error: warnings and worse, unless `RUST_LOG` sets another level.
 fn log() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
@@ -372,7 +372,7 @@ pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The text of a configuration file, or of the embedded default, and what messages call it.
+/// The text of a configuration file, or of the embedded default, and its name in messages.
 pub(crate) fn read(config: Option<&Path>) -> Result<(String, String), Failure> {
     Ok(match config {
         None => (arcline_config::DEFAULT.to_owned(), "default configuration".to_owned()),

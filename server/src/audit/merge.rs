@@ -44,7 +44,7 @@ impl Merge {
         }
     }
 
-    /// The lines of writes that have waited for so long.
+    /// The lines of writes that have waited for this time.
     pub(super) fn ready(&mut self, after: Duration) -> Vec<(Event, u64)> {
         let now = Instant::now();
         let due: Vec<_> = self

@@ -1,7 +1,7 @@
-//! The audit: a line for each thing that a client did to the machine or was refused, in files that show a change (spec/security.md §9).
+//! The audit: a line for each action of a client on the machine and for each refusal, in files that reveal later changes (spec/security.md §9).
 //!
-//! Nothing waits for it: who records an event puts it into a bounded queue; a thread of its own merges plain writes of a second, chains
-//! the lines by their hashes, and writes them. A full queue or a full disk costs lines, whose number the audit and the log tell.
+//! No client waits for the audit: it puts an event into a bounded queue. A thread of its own merges plain writes of a second, chains the
+//! lines by their hashes, and writes them. A full queue or a full disk costs lines; the audit and the log report their number.
 
 mod chain;
 mod file;
@@ -110,9 +110,9 @@ struct Shared {
 /// Events that are in no line.
 #[derive(Debug, Default)]
 struct Lost {
-    /// Those that no line tells of yet.
+    /// Lost events that no line reports yet.
     untold: AtomicU64,
-    /// All since the start.
+    /// All lost events since the start.
     total: AtomicU64,
 }
 
@@ -146,7 +146,7 @@ impl Audit {
         })))
     }
 
-    /// Without files and thread: the events come out of the receiver.
+    /// Makes an audit without files and thread: the events come out of the receiver.
     pub(crate) fn stepped() -> (Self, Receiver<Option<Event>>) {
         let (sender, events) = sync_channel(WAITING);
         let audit = Self(Arc::new(Shared {
@@ -175,7 +175,7 @@ impl Audit {
         self.0.head.load().as_ref().clone()
     }
 
-    /// Writes what waits, and ends.
+    /// Writes the waiting events, and ends.
     pub(crate) fn close(&self) {
         // The thread may have failed already.
         let _ = self.0.sender.send(None);
@@ -227,7 +227,7 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: 
         for (event, count) in &lines {
             if let Err(error) = files.append(event, *count) {
                 match event.what {
-                    // Its events are told of later.
+                    // A later line reports that its events were lost.
                     What::AuditLost => {
                         lost.untold.fetch_add(missed, Ordering::Relaxed);
                     }

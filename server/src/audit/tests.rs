@@ -20,7 +20,7 @@ fn event(number: u64, is_plain_write: bool) -> Event {
     }
 }
 
-/// A folder with an audit of so many lines, behind its first one.
+/// A folder with an audit of this number of lines behind its first one.
 fn folder(lines: u64) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let mut files = Files::open(folder.path()).expect("a writable folder");
@@ -74,7 +74,7 @@ fn every_change_of_a_line_is_found() {
             }
         }
     }
-    // The end can be cut: only a hash that was kept elsewhere shows it.
+    // Lines can be cut off at the end: only a hash that is stored elsewhere shows it.
     fs::write(&file, lines[..150].join("\n")).expect("a writable folder");
     assert!(verify(folder.path(), None).is_ok());
     assert!(matches!(

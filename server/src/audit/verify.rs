@@ -50,7 +50,7 @@ const BROKEN: u8 = 3;
 pub(super) struct Verified {
     /// Lines.
     pub(super) lines: u64,
-    /// The number of the first line that is kept.
+    /// The number of the first line in the files.
     pub(super) first: u64,
     /// The number of the last one.
     pub(super) last: u64,
@@ -58,7 +58,7 @@ pub(super) struct Verified {
     pub(super) head: String,
 }
 
-/// Why a chain does not hold.
+/// The error of a chain.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Broken {
     /// A file cannot be read.
@@ -66,7 +66,7 @@ pub(super) enum Broken {
     Read {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error of the system.
         error: io::Error,
     },
     /// A line is not the one that was written there.

@@ -38,7 +38,7 @@ pub(crate) struct DoctorArgs {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Grade {
-    /// As it should be.
+    /// No defect.
     Ok,
     /// A server runs, but ticks may be late, or something may fail later.
     Warning,
@@ -46,7 +46,7 @@ pub(crate) enum Grade {
     Failed,
 }
 
-/// One check.
+/// The result of one check.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub(crate) struct Finding {
     /// The name of the check.
@@ -74,7 +74,7 @@ impl Finding {
     }
 }
 
-/// Looks at everything. The exit code is 0 when nothing is amiss, 1 when something warns, and 2 when a server would not start.
+/// Makes all checks. The exit code is 0 without a defect, 1 with a warning, and 2 if a server would not start.
 pub(crate) fn run(args: &DoctorArgs) -> Result<ExitCode, Failure> {
     let findings = findings(args)?;
     let worst = findings.iter().map(|finding| finding.grade).max().unwrap_or(Grade::Ok);

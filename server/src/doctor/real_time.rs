@@ -8,7 +8,7 @@ use arcline_realtime::{Options, Report};
 use super::{Finding, Grade};
 use crate::cli::Failure;
 
-/// Runs the machine at rest for so many seconds.
+/// Runs the machine at rest for a number of seconds.
 pub(super) fn measure(machine: &Machine, seconds: f64) -> Result<Vec<Finding>, Failure> {
     let (link, handle) =
         arcline_realtime::spawn(machine, Options::default()).map_err(|error| Failure::new(2, error.to_string()))?;

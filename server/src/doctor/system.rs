@@ -53,7 +53,7 @@ impl System {
         if self.read("sys/kernel/realtime").as_deref() == Some("1") {
             return Finding::ok("kernel", format!("{release}, PREEMPT_RT"));
         }
-        // Most tests need none, and the measurement tells what matters.
+        // Most tests need none, and the measurement shows the effect.
         Finding::ok("kernel", format!("{release}, without PREEMPT_RT"))
     }
 
@@ -123,7 +123,7 @@ impl System {
     }
 }
 
-/// Open files for so many clients.
+/// The limit of open files, for this number of clients.
 pub(super) fn descriptors(clients: usize) -> Finding {
     let wanted = u64::try_from(clients)
         .unwrap_or(u64::MAX)

@@ -13,7 +13,7 @@ use crate::plant::Asked;
 /// A request that is no packet of requests, taken apart.
 #[derive(Debug)]
 pub(crate) struct ParsedRequest<'r> {
-    /// As it came.
+    /// The request.
     pub(crate) request: &'r Request,
     /// The meaning of its path.
     pub(crate) target: Target<'r>,
@@ -34,7 +34,7 @@ pub(crate) enum Action {
     Object(&'static dyn Object, Access),
     /// A service of the motion object of a name, or else of its symbol.
     Named(Access),
-    /// Nothing that exists.
+    /// The service, object or tag does not exist.
     Refused(CipStatus),
 }
 
@@ -87,7 +87,7 @@ impl Action {
             return action;
         }
         match target.class {
-            // Only tags are in the scope of a name, a program's.
+            // Only a tag can have a name, that of its program, in front of its class.
             Some(class) if class != class::SYMBOL && !target.symbols.is_empty() => Self::Refused(unknown()),
             Some(class) => match objects.find(class) {
                 Some(object) if is_motion && object.is_motion() => Self::Motion,

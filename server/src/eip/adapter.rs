@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The adapter that has an address, as it was when it was looked at.
+/// The adapter of an address at the time of its last read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Adapter {
     /// The interface, such as `eth0`; empty: not known.
@@ -54,7 +54,7 @@ pub(crate) struct Adapters {
 struct Known {
     adapter: Arc<Adapter>,
     read: Instant,
-    /// It is being read again.
+    /// A thread reads it again.
     reading: bool,
 }
 
@@ -153,7 +153,7 @@ const MEDIA_COUNTERS: [&str; 12] = [
     "rx_fifo_errors",
 ];
 
-/// Longest file that is looked at, bytes.
+/// Longest file that the server reads, bytes.
 const MAX_FILE: usize = 64 * 1024;
 
 impl Adapter {

@@ -1,7 +1,7 @@
 //! One TCP connection: frames in, the session's rules, requests to the router, replies out.
 //!
-//! Requests of one connection are executed one after the other, in the order in which they came. While a peer does not
-//! read its replies, nothing more is read from it; after [`Settings::write_timeout`](super::Settings) it is closed.
+//! The server executes the requests of one connection one after the other, in the order in which they came. While a peer does not
+//! read its replies, the server reads no more from it; after [`Settings::write_timeout`](super::Settings) it closes the connection.
 
 use std::future::Future;
 use std::net::{IpAddr, SocketAddr, SocketAddrV4};
@@ -57,7 +57,7 @@ const POLLING: Duration = Duration::from_micros(200);
 /// for its next request. Before other peers the thread sleeps at once.
 const BUSY_POLLS: u32 = 40;
 
-/// Why a connection ended.
+/// The end of a connection.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Ended {
     /// The peer closed the socket.
@@ -332,7 +332,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
         self.session.set_inactivity(*self.inactivity.borrow_and_update());
         let due = self.epoch + self.session.poll_timeout().unwrap_or(self.now + IDLE);
-        // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
+        // Setting the timer costs more than a wake-up in vain: set it only if it would fire too late, or has fired.
         if due < timer.deadline() || timer.is_elapsed() {
             timer.as_mut().reset(due);
         }
@@ -504,7 +504,7 @@ async fn at_once<F: Future>(mut future: Pin<&mut F>) -> Poll<F::Output> {
     std::future::poll_fn(|cx| Poll::Ready(future.as_mut().poll(cx))).await
 }
 
-/// The output of a future if it is there within so many polls, between which other tasks run.
+/// The output of a future if it is ready within this number of polls, between which other tasks run.
 async fn busy_poll<F: Future>(mut future: Pin<&mut F>, times: u32) -> Option<F::Output> {
     for _ in 0..times {
         if let Poll::Ready(output) = at_once(future.as_mut()).await {

@@ -33,14 +33,14 @@ impl Context<'_> {
 
 /// The tag memory as one message sees it.
 pub(crate) enum Memory<'a, 't> {
-    /// To read; the plant's lock is free.
+    /// For reading; the plant's lock is free.
     Read(&'a Image),
-    /// To read and write, under the plant's lock.
+    /// For reading and writing, under the plant's lock.
     Write(&'a mut Transaction<'t>),
 }
 
 impl<'t> Memory<'_, 't> {
-    /// For reading.
+    /// The tag memory for reading.
     pub(crate) fn image(&self) -> &Image {
         match self {
             Self::Read(image) => image,

@@ -47,14 +47,14 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those of a configuration. The serial number is a hash of the product name, so that it stays the same.
+    /// The settings of a configuration. The serial number is a hash of the product name, so that it stays the same.
     pub fn new(config: &ServerConfig) -> Self {
         Self {
             identity: Identity::new(&config.name, serial_number(&config.name)),
             write_timeout: Duration::from_secs(30),
             system: PathBuf::from("/"),
             session: session::Settings {
-                // Each request is executed before the next frame is looked at: a Forward Close or the end of the session does
+                // The session executes each request before it reads the next frame: a Forward Close or the end of the session does
                 // not overtake a request in front of it.
                 max_pending: 1,
                 inactivity: match config.inactivity_timeout {
@@ -71,7 +71,7 @@ impl Settings {
     }
 }
 
-/// From the system's generator.
+/// A random number from the system's generator.
 fn system_random() -> Option<u32> {
     getrandom::u32()
         .inspect_err(|error| error!(%error, "no random numbers: the server refuses sessions and connections"))
@@ -109,7 +109,7 @@ pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
-    /// Of sessions without TLS.
+    /// The settings of sessions without TLS.
     pub(crate) plain_settings: Arc<session::Settings>,
     assembly_data: AssemblyData,
     /// The CIP objects that answer.
@@ -182,7 +182,7 @@ impl Device {
         })
     }
 
-    /// The assemblies and what they command.
+    /// The assemblies and the newest outputs.
     pub(crate) fn assembly_data(&self) -> &AssemblyData {
         &self.assembly_data
     }

@@ -33,7 +33,7 @@ pub(crate) struct ClientLimiter {
 #[derive(Debug, Default)]
 struct State {
     next: u64,
-    /// By age, the oldest first.
+    /// The clients by age, the oldest first.
     clients: BTreeMap<u64, Client>,
     addresses: BTreeMap<IpAddr, Address>,
 }
@@ -154,7 +154,7 @@ impl State {
     /// Closes a client for a newcomer.
     fn close_for(&mut self, peer: IpAddr) -> bool {
         let own = self.clients_of(peer);
-        // One address does not close the clients of addresses that have fewer.
+        // A new client of an address does not close the clients of addresses that have fewer.
         let may = |state: &Self, client: &Client| client.peer == peer || state.clients_of(client.peer) > own;
         if self.close_oldest(Stage::Asking, may) {
             return true;
@@ -174,7 +174,7 @@ impl State {
     fn close_oldest(&mut self, before: Stage, which: impl Fn(&Self, &Client) -> bool) -> bool {
         let clients = self.clients.iter();
         let early = clients.filter(|(_, client)| client.stage < before && which(self, client));
-        // Of equal ones the first, which is the oldest.
+        // Of clients at the same stage the first, which is the oldest.
         let oldest = early.min_by_key(|(_, client)| client.stage).map(|(number, _)| *number);
         oldest.is_some_and(|number| self.close(number))
     }

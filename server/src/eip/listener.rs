@@ -39,7 +39,7 @@ const PORT_TRIES: usize = 16;
 #[derive(Debug)]
 pub struct Listener {
     endpoints: Vec<Endpoint>,
-    /// Of the first.
+    /// The local address of the first listener.
     local: SocketAddr,
     device: Arc<Device>,
 }
@@ -121,7 +121,7 @@ impl Listener {
 
     /// Serves until the future is dropped; that closes every connection.
     pub async fn serve(self) {
-        // Ends with this future.
+        // The thread ends with this future.
         let _io = self.device.io().and_then(|io| {
             IoThread::spawn(self.device.clone(), io.clone())
                 .inspect_err(|error| error!(%error, "no thread for implicit I/O: nothing is produced"))
@@ -209,7 +209,7 @@ async fn accept_each<A: Accept, F>(
 pub struct BindError {
     /// Which.
     pub address: SocketAddr,
-    /// Why.
+    /// The error of the system.
     #[source]
     pub error: io::Error,
 }

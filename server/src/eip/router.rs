@@ -1,7 +1,7 @@
 //! The message router: one CIP message in, one reply out.
 //!
-//! It knows which object a path means and in which order things happen, not what they do: tags are
-//! [`tags`](super::tags)'s, objects [`objects`](super::objects)'s, instructions the plant's. Every request gets a reply.
+//! The router knows the object of a path and the order of actions. The actions themselves are in [`tags`](super::tags), in
+//! [`objects`](super::objects), and for instructions in the plant. Every request gets a reply.
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
@@ -114,7 +114,7 @@ impl Router {
         self.device.plant.asked(parsed.action.asked(), is_done);
     }
 
-    /// A write that must be kept and is not does not succeed.
+    /// A write succeeds only if the file of the retained state has it.
     async fn finish(
         &self,
         step: Step<'_, '_>,

@@ -30,7 +30,7 @@ use self::table::{Jog, Seen, Table};
 use crate::plant::{ClientIdentity, Plant, Principal};
 use arcline_state::planted::is_planted;
 
-/// Without a sign of life for so long, a jog that is held by a button is stopped.
+/// The guard stops a jog that a button holds after this time without a sign of life.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
 /// Time between two checks of the jogs.
 const LOOK: Duration = Duration::from_millis(10);
@@ -60,7 +60,7 @@ struct Shared {
 struct Client {
     signs: Signs,
     face: Weak<dyn Face>,
-    /// Ends the look at its socket.
+    /// Ends the watch on its socket.
     watched: Option<CancellationToken>,
 }
 
@@ -81,7 +81,7 @@ struct SignsOfLife {
     epoch: Instant,
     /// When something was heard last, µs since the epoch.
     heard: AtomicU64,
-    /// The guard wants to look at the client's socket.
+    /// The guard wants to watch the client's socket.
     wanted: AtomicBool,
 }
 
@@ -92,7 +92,7 @@ impl Signs {
         self.0.heard.store(micros, Ordering::Relaxed);
     }
 
-    /// Whether the guard wants to look at the socket; a call clears the wish.
+    /// Whether the guard wants to watch the socket; a call clears the wish.
     pub(crate) fn is_wanted(&self) -> bool {
         self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
     }
@@ -103,7 +103,7 @@ impl Signs {
 }
 
 impl Guard {
-    /// Of a machine; `silence` in ms, 0: never. Nothing is looked at before [`Guard::spawn`].
+    /// Makes the guard of a machine; `silence` in ms, 0: never. It watches nothing before [`Guard::spawn`].
     pub(crate) fn new(stops: Stops, machine: &Machine, silence: u16) -> Self {
         Guard(Arc::new(Shared {
             stops,
@@ -183,7 +183,7 @@ impl Guard {
         [clients.len() - viewers, viewers]
     }
 
-    /// A client has told more of itself.
+    /// A client has sent its identification.
     pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
         if self.clients().contains_key(&session) {
             self.table().identify(session, told);
@@ -209,7 +209,7 @@ impl Guard {
         self.0.wake.notify_one();
     }
 
-    /// Looks at a client's socket as long as it jogs: whether something comes, and whether it closes.
+    /// Watches a client's socket as long as the client jogs, for arriving data and for its close.
     pub(crate) fn watch(&self, session: u64, socket: OwnedFd) {
         let mut clients = self.clients();
         let (Some(runtime), Some(client)) = (self.runtime(), clients.get_mut(&session)) else {
@@ -283,7 +283,7 @@ impl Guard {
         self.0.wake.notify_one();
     }
 
-    /// Looks at jogs until the plant has gone.
+    /// Checks the jogs until the plant has gone.
     pub(crate) async fn run(&self, plant: &Weak<crate::plant::Shared>) {
         while !self.0.closed.load(Ordering::Acquire) {
             let idle = self.table().is_idle();
@@ -300,7 +300,7 @@ impl Guard {
     /// Stops the jogs that are due, and checks the stopped ones again.
     fn look(&self, plant: &Plant) {
         let now = self.now();
-        // Without the lock, which another thread may hold for long, a jog is taken for one that runs.
+        // Without the lock, which another thread may hold for long, the guard assumes that a jog still runs.
         plant.try_with_executions(|runs| self.table().prune(runs));
         let released = self.table().overdue(now);
         self.stop(&released, JogEnd::Released);

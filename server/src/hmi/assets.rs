@@ -16,7 +16,7 @@ pub(super) struct Assets {
 }
 
 impl Assets {
-    /// Those of the program, unless the environment names a folder.
+    /// The files in the program, unless the environment names a folder.
     pub(super) fn from_environment() -> Self {
         Assets {
             folder: std::env::var_os(FOLDER_VARIABLE).map(PathBuf::from),

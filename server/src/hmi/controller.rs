@@ -282,7 +282,7 @@ pub(super) fn look(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Op
     }))
 }
 
-/// Looks at nothing any more.
+/// A viewer stops watching.
 pub(super) fn leave(plant: &Plant, viewer: ViewerId) {
     if let Some(program) = plant.program() {
         program.looks.end(viewer);

@@ -22,7 +22,7 @@ use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause};
 const EVERY: Duration = Duration::from_millis(100);
 /// Events of one message at most: the newest.
 const MOST: usize = 1000;
-/// Pushes that may wait for a viewer; one that is too slow asks for what it missed.
+/// Pushes that may wait for a viewer; a viewer that is too slow asks for the missed ones.
 pub(super) const WAITING: usize = 64;
 
 /// Pushes events as they come, until the future is dropped.

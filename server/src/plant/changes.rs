@@ -42,7 +42,7 @@ pub struct TagChanges {
 }
 
 impl TagChanges {
-    /// Whether a tag is among them.
+    /// Whether a tag has changed.
     pub fn has(&self, tag: TagId) -> bool {
         self.tags.binary_search(&tag).is_ok()
     }
@@ -105,9 +105,9 @@ impl Changes {
 }
 
 impl Plant {
-    /// The stream of changes from now on. What is read of the tags behind this call, and the stream, leave nothing out.
+    /// The stream of changes from now on. Reads of the tags after this call, together with the stream, miss no change.
     pub fn changes(&self) -> Changes {
-        // Not between the two halves of a publication.
+        // A lock keeps the call out of the middle of a publication.
         let _held = self.0.lock();
         self.0.published.changes.read()
     }

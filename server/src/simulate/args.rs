@@ -140,7 +140,7 @@ impl SimulateArgs {
         })
     }
 
-    /// That standard input and output are free for a plant.
+    /// Checks that standard input and output are free for a plant.
     pub(crate) fn check_step(&self) -> Result<(), Failure> {
         let pipes = [
             (self.program.as_ref(), "the program"),

@@ -118,7 +118,7 @@ pub(crate) enum TokensCommand {
     },
 }
 
-/// Why a command failed.
+/// The reason for which a command failed.
 #[derive(Debug, thiserror::Error)]
 enum CommandError {
     #[error(transparent)]

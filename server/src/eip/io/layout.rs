@@ -44,7 +44,7 @@ pub(crate) mod status {
 
 /// A number of something.
 pub(crate) struct Field<T> {
-    /// Name; what ends in `[n]` is an element.
+    /// Name; a name that ends in `[n]` is an element.
     pub(crate) name: &'static str,
     /// Meaning.
     pub(crate) meaning: &'static str,

@@ -52,7 +52,7 @@ pub(crate) struct AssemblyData {
 }
 
 impl AssemblyData {
-    /// For a machine.
+    /// The assemblies of a machine.
     pub(crate) fn new(machine: &Machine, reaction: IoLoss) -> Self {
         Self {
             assemblies: layout::assemblies(machine),
@@ -74,7 +74,7 @@ impl AssemblyData {
         out.freeze()
     }
 
-    /// The input assembly of the newest tick in place of what `out` holds; where the plant is busy, only the head of it.
+    /// Replaces the contents of `out` by the input assembly of the newest tick; while the plant is busy, it refreshes the head only.
     fn refresh_input(&self, plant: &Plant, ownership: Ownership, out: &mut BytesMut) {
         let head = self.head(ownership);
         let done = plant.try_with_snapshot(|snapshot| {

@@ -47,7 +47,7 @@ impl Outputs {
         let changed = rises(command::OVERRIDE) || self.word & command::HOLD != 0 || !same(&overrides, &self.overrides);
         let (resume, hold, stop) = (rises(command::RESUME), rises(command::HOLD), rises(command::STOP));
         if stop {
-            // It waits for no lock; what else is set does, and cannot undo it.
+            // It waits for no lock. The other bits and values do, and cannot undo it.
             plant.stop_all();
         }
         if wanted && changed {

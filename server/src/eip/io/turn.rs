@@ -42,7 +42,7 @@ pub(crate) enum Arrived {
 }
 
 impl IoTurns {
-    /// Of a device's I/O.
+    /// The turns of a device's I/O.
     pub(crate) fn new(device: Arc<Device>, io: Arc<Io>) -> Self {
         Self {
             device,
@@ -71,7 +71,7 @@ impl IoTurns {
     fn take(&mut self) -> Arrived {
         for _ in 0..BATCH {
             let Ok((length, from)) = self.io.socket.receive(&mut self.received) else {
-                // Nothing more; anything else shows again, if it lasts.
+                // No more datagrams, or an error; an error that lasts shows again.
                 return Arrived::All;
             };
             let now = self.io.now();

@@ -1,4 +1,4 @@
-//! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
+//! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, the identifications of clients, and the counters of commands.
 //! Series of moves are in [`series`](super::series).
 
 use arcline_controller::image::MOST_STEPS;

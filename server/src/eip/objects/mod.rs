@@ -75,7 +75,7 @@ static OBJECTS: [&dyn Object; 22] = [
 pub(crate) struct Objects(pub(crate) &'static [&'static dyn Object]);
 
 impl Objects {
-    /// Those of a controller.
+    /// The objects of a controller.
     pub(crate) const ALL: Objects = Objects(&OBJECTS);
 
     /// The object of a class code.

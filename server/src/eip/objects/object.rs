@@ -67,7 +67,7 @@ pub(crate) trait Object: Debug + Sync {
         &[1, 2, 3, 6, 7]
     }
 
-    /// Why there is no such instance (1 or more), if there is none.
+    /// Checks that an instance (1 or more) exists.
     fn check(&self, cx: &ObjectContext<'_, '_>, instance: u32) -> Result<(), CipStatus> {
         if instance <= self.extent(cx)?.highest {
             Ok(())
@@ -124,7 +124,7 @@ pub(crate) enum Access {
     Read,
     /// May set an attribute that is in it, under the plant's lock.
     Set,
-    /// Changes the table of tags, under the plant's lock; it succeeds only when the change is kept over a restart.
+    /// Changes the table of tags, under the plant's lock; it succeeds only when the file of the retained state has the change.
     Change,
     /// Is answered when the plant's lock is free.
     Late,
@@ -154,7 +154,7 @@ pub(crate) enum On {
     Class,
     /// On an instance that exists.
     Instance,
-    /// On any number: it is no instance to the service.
+    /// On any instance number, which the service ignores.
     Any,
 }
 

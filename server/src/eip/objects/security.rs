@@ -105,7 +105,7 @@ impl Object for CipSecurity {
         }
     }
 
-    /// Without attribute 3, as OpENer has it.
+    /// Attribute 3 is left out, as in OpENer.
     fn all(&self) -> &'static [u16] {
         &[1, 2]
     }

@@ -1,4 +1,4 @@
-//! The audit has what EtherNet/IP clients change without a command of the plant (spec/security.md §9).
+//! The audit has the changes that EtherNet/IP clients make without a command of the plant (spec/security.md §9).
 
 use arcline_config::{IoLoss, Role};
 use arcline_proto::arcline::trace::service as of_trace;

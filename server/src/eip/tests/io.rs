@@ -461,7 +461,7 @@ async fn openings_that_are_refused_and_counted() {
         assert_eq!(reply.status, expected, "{why}");
         assert_eq!(listens, None, "{why}");
     }
-    // Another TCP connection sees the same, and may close what comes from its address.
+    // A client on another TCP connection sees the same, and may close the connections from its address.
     let mut other = bench.client().await;
     assert_eq!(other.open_io(&open(1, OUTPUT), 1).await.0.status, failed(0x0100));
     let listener = other.scan(&open(3, LISTEN_ONLY)).await;
@@ -540,7 +540,7 @@ async fn inputs_are_sent_to_a_group() {
     let mut client = bench.client().await;
     let mut wanted = open(1, INPUT_ONLY);
     wanted.t_to_o.connection_type = ConnectionType::Multicast;
-    // Host 1 of 127.0.0.0/8: the first group, what attribute 9 of the TCP/IP Interface tells too.
+    // Host 1 of 127.0.0.0/8: the first group, as in attribute 9 of the TCP/IP Interface.
     let group = SocketAddrV4::new(Ipv4Addr::new(239, 192, 1, 0), 2222);
     let heard = UdpSocket::bind(group).await.expect("nobody else has the group");
     heard

@@ -87,7 +87,7 @@ impl Bench {
     }
 }
 
-/// Begins motion over a class 3 connection of 10 ms × 4, ends it, and sees what came of it.
+/// Begins motion over a class 3 connection of 10 ms × 4, ends the connection, and returns the state of the motion.
 async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
     let mut other = bench.client().await;
     assert!(other.ask(&jog(OTHER, B)).await.status.is_success());
@@ -325,7 +325,7 @@ async fn the_reaction_is_an_attribute_of_whoever_asks() {
         let reply = client.ask_connected(&mut connected, &set(value)).await;
         assert_eq!(codes(reply.status), (expected, 0), "{value:?}");
     }
-    // It is forgotten with the connection.
+    // The reaction is forgotten with the connection.
     assert!(client.close(&connected).await.status.is_success());
     let mut again = client.open(500, 1).await;
     assert_eq!(client.ask_connected(&mut again, &get).await.data[..], [0]);

@@ -145,7 +145,7 @@ pub(super) struct Bench {
 pub(super) fn project() -> arcline_config::Project {
     let text = format!("{}{TAGS}", arcline_config::DEFAULT);
     let mut project = arcline_config::load(&text, "test").expect("a valid configuration");
-    // Of silence there are tests of their own; others may be slow.
+    // Silent jogs have tests of their own; the clients of other tests may be slow.
     project.server.jog_silence = 0;
     project
 }

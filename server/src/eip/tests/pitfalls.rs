@@ -417,7 +417,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
     }
 }
 
-/// 10 ms a read is what made 32 clients wait for a third of a second: here all of them together are answered in far less.
+/// With 10 ms for a read, 32 clients would wait for a third of a second: here all of them together have their answers in far less.
 #[tokio::test]
 async fn pitfall_14_a_read_costs_no_client_the_time_of_another() {
     const CLIENTS: usize = 32;

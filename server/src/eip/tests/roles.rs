@@ -1,4 +1,4 @@
-//! EtherNet/IP clients of every role: what each may, as a service, by a tag, in a packet, and inside of Unconnected Send.
+//! EtherNet/IP clients of every role: the permitted services, tags and packets of each, also inside of Unconnected Send.
 
 use std::collections::BTreeMap;
 
@@ -122,7 +122,7 @@ fn services(made: Made) -> Vec<(String, Needs, Request)> {
                 On::Class => 0,
                 On::Instance | On::Any => instance_of(class, made),
             };
-            // A series is judged when it is whole.
+            // The server checks a whole series.
             let data = match (class, own.code) {
                 (machine::CLASS, machine::service::EXECUTE_SERIES) => {
                     join_multiple(&[on(Mnemonic::Mclm, 1, &line("", &[0.0; 3]))]).expect("short")
