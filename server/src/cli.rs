@@ -34,7 +34,7 @@ struct Cli {
 enum Command {
     /// Run the server (the default), and the program of a project beside its motion.
     Run(RunProgram),
-    /// Validate a configuration and print what it would create.
+    /// Validate a configuration and print the objects that it creates.
     Check {
         /// The configuration file.
         #[arg(long, value_name = "FILE")]
@@ -69,9 +69,9 @@ enum Command {
         #[command(subcommand)]
         command: TokensCommand,
     },
-    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do.
+    /// Check the ports, rights and real-time settings of this computer, and name each defect and its remedy.
     Doctor(DoctorArgs),
-    /// Ask a server on this computer who it is, and fail when none answers: the health check of a container.
+    /// Ask a server on this computer for its identity, and fail when none answers: the health check of a container.
     Health(HealthArgs),
     /// Print the completions of a shell.
     Completions {
@@ -111,7 +111,7 @@ pub(crate) struct RunArgs {
     /// The address of the web page.
     #[arg(long, value_name = "ADDR:PORT|off")]
     pub(crate) hmi: Option<OrOff<SocketAddr>>,
-    /// The file that keeps positions and plain tags between runs; without it they are not kept.
+    /// The file for positions and plain tags between runs; without it a restart loses them.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
     /// The folder of the audit; by default that of --state with `.audit` behind its name, where the configuration has `[security]`.
@@ -120,7 +120,7 @@ pub(crate) struct RunArgs {
     /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
     #[arg(long)]
     pub(crate) open_to_network: bool,
-    /// What makes ticks pass: real time, steps of clients, or a number of times real time. For tests; time-outs of the network stay real.
+    /// The clock of the ticks: real time, steps of clients, or a multiple of real time. For tests; time-outs of the network stay real.
     #[arg(long, value_name = "real|step|fast[:N]", default_value = "real", value_parser = clock)]
     pub(crate) clock: Clock,
     /// Stop as by SIGTERM when standard input closes: a program that holds the other end takes the server along, however it ends.
@@ -177,7 +177,7 @@ pub(crate) struct ImportArgs {
     /// Exit with 1 when an element of the file was left out or changed.
     #[arg(long)]
     pub(crate) strict: bool,
-    /// List what of the project's program would not run, and write no configuration.
+    /// List the parts of the project's program that would not run, and write no configuration.
     #[arg(long, conflicts_with_all = ["output", "strict"])]
     pub(crate) report: bool,
     /// List it as JSON lines.

@@ -18,7 +18,7 @@ pub(crate) struct HealthArgs {
     /// The address of the server.
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:44818")]
     server: SocketAddr,
-    /// How long it may take, s.
+    /// Time within which the server must answer, s.
     #[arg(long, value_name = "SECONDS", default_value = "3", value_parser = crate::cli::seconds)]
     within: f64,
 }

@@ -42,7 +42,7 @@ pub(crate) enum CertsCommand {
         /// The name of the client, which is the Common Name of the certificate.
         #[arg(value_name = "NAME", value_parser = name)]
         name: String,
-        /// How long it holds.
+        /// Days for which the certificate is valid.
         #[arg(long, value_name = "DAYS", default_value_t = 365, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
