@@ -1,4 +1,4 @@
-//! What binds, what is refused and why, and which operand is out of range first.
+//! Calls that bind, calls that do not with the reason, and the operand that is out of range first.
 
 use proptest::prelude::*;
 
@@ -57,7 +57,7 @@ fn given(text: &str) -> Vec<Given> {
     operands
 }
 
-/// Binds and verifies: `ok`, the operand out of range, or the message of what cannot be bound.
+/// Binds and verifies: `ok`, the operand out of range, or the message of the operand that cannot be bound.
 fn outcome(name: &str, axes: usize, operands: &str) -> String {
     let mnemonic: Mnemonic = name.parse().expect("a mnemonic");
     match bind(mnemonic, Some(0), ControlSlot(0), &given(operands), &Machine) {
