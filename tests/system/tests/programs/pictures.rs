@@ -59,7 +59,7 @@ fn pictures_are_new() {
     }
 }
 
-/// A file of the documentation; what is a block of a page is written into the folder.
+/// A file of the documentation; a block of a page is written into the folder.
 fn file(docs: &Path, name: &str, folder: &Path) -> std::path::PathBuf {
     let Some((page, name)) = name.split_once('#') else {
         return docs.join(name);
