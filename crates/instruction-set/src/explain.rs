@@ -101,7 +101,7 @@ mod tests {
     fn what_exerr_points_at_is_told() {
         #[rustfmt::skip]
         let cases = [
-            // why,                    err, exerr, instruction,          told
+            // why,                    err, exerr, instruction,          explanation
             ("an operand",             13,  4, Some(Mnemonic::Mclm), Some("Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units; 0: the move waits until MCCD or MCD gives it a speed).")),
             ("a word",                 13,  2, Some(Mnemonic::Mclm), Some("Operand 2 of MCLM is Move Type: word or number, 0 Absolute, 1 Incremental.")),
             ("no such operand",        13, 99, Some(Mnemonic::Mso),  Some("MSO has no operand 99: they are 0 to 1.")),

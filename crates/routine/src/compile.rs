@@ -33,7 +33,7 @@ pub trait Directory {
     fn object_type(&self, name: &str) -> Option<TagType>;
     /// Index of a motion object.
     fn object(&self, object: Object, name: &str) -> Option<u16>;
-    /// Whether it executes instructions of motion.
+    /// Whether the host executes instructions of motion.
     fn has_motion(&self) -> bool {
         true
     }

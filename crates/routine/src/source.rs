@@ -96,7 +96,7 @@ pub struct InstructionSource {
     pub has_prescan: bool,
     /// Whether the routine `EnableInFalse` runs.
     pub has_enable_in_false: bool,
-    /// Whether its content is encoded.
+    /// Whether the instruction's content is encoded.
     pub is_encoded: bool,
 }
 

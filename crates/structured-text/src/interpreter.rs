@@ -24,8 +24,8 @@ pub enum Request {
     /// The numbers of an array from that element on, answered with [`Answer::Array`]; a tag that is no array
     /// is an array of one.
     ReadArray(TagPath),
-    /// A tag is to be written, answered with [`Answer::Done`]. The value is a BOOL or an LREAL; the tag's
-    /// own type decides what becomes of it.
+    /// A tag is to be written, answered with [`Answer::Done`]. The value is a BOOL or an LREAL, which the driver converts to the
+    /// type of the tag.
     Write(TagPath, Value),
     /// An instruction is to be executed in this tick, as a false-to-true transition of its rung; answered
     /// with [`Answer::Done`], erred or not, or with [`Answer::QueueFull`].

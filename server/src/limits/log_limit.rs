@@ -1,4 +1,4 @@
-//! Bounds what a peer can write to the log: ten lines of one kind and address a minute, then one line with the number of those left out.
+//! Bounds the log lines that a peer can cause: ten lines of one kind and address a minute, then one line with the number of those left out.
 
 use std::collections::HashMap;
 use std::net::IpAddr;

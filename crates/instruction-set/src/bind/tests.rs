@@ -155,7 +155,7 @@ fn operands_out_of_range_are_found_in_faceplate_order() {
         ("MCLM", 3, MCLM, &[(19, "5")], "13/19"),
         ("MCLM", 3, MCLM, &[(20, "[5,nan]")], "13/20"),
         ("MCLM", 3, MCLM, &[(20, "[5,1]"), (21, "Results")], "ok"),
-        ("MCLM", 3, MCLM, &[(4, "-1"), (2, "9")], "13/2"), // the first one is told
+        ("MCLM", 3, MCLM, &[(4, "-1"), (2, "9")], "13/2"), // the first one counts
         ("MCCM", 2, MCCM, &[], "ok"),
         ("MCCM", 1, MCCM, &[], "13/0"),
         ("MCCM", 2, MCCM, &[(2, "2")], "13/2"),

@@ -9,7 +9,7 @@
 //! | 4 | SINT | STATE |
 //! | 5 | DINT | SEGMENT |
 //! | 6 | SINT | EXERR |
-//! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; this is what Get Attributes All returns |
+//! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; Get Attributes All returns it |
 //! | 8 | structure | why the instruction ended that has ended without PC and without an error |
 //!
 //! Attribute 8: USINT 0 nothing to say, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine, 4 the end of a jog by

@@ -1,5 +1,5 @@
 //! Implicit I/O with a real server: a minute at 2 ms (five seconds where `ARCLINE_IO_SECONDS` does not say so, which is for
-//! a release build and `--test-threads=1`), the shortest interval that is confirmed, a scanner that dies, and what Wireshark says to it.
+//! a release build and `--test-threads=1`), the shortest interval that is confirmed, a scanner that dies, and Wireshark's findings.
 //!
 //! Every server has a loopback address of its own, so that it can have port 2222.
 

@@ -1,5 +1,5 @@
-//! The pictures of the documentation are what `arcline plot` draws of the traces of their programs. `UPDATE_EXPECT=1` draws
-//! them anew.
+//! `arcline plot` draws the pictures of the documentation from the traces of their programs. `UPDATE_EXPECT=1` draws them
+//! anew.
 
 use std::path::Path;
 use std::process::Command;
