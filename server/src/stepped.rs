@@ -2,7 +2,7 @@
 //! makes, and the listener, the page and the tasks beside the plant run on the runtime of the caller, whose clock may be paused. A simulation
 //! (`tests/sim`) drives the server so, from a seed.
 //!
-//! No decisions are made here: each step is the one that a thread of the program makes in its loop.
+//! This module makes no decisions: each step is the one that a thread of the program makes in its loop.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;

@@ -2,8 +2,9 @@
 //!
 //! This library is their common ground. It finds the programs ([`programs`]), runs a server for the length of a test ([`server`]) and
 //! the command line ([`command_line`], [`terminal`]), the pages of the guide ([`guide`]), foreign clients ([`interop`], [`python`],
-//! [`node`], [`libplctag`], through a [`tunnel`] to a [`secured`] server) and a browser ([`browser`]), exchanges data in cycles
-//! ([`scanner`]), makes many requests at a time ([`load`]), measures their effect on the ticks ([`lateness`]) and records the traffic of the loopback interface ([`capture`]).
+//! [`node`], [`libplctag`], through a [`tunnel`] to a [`secured`] server) and a browser ([`browser`]). It exchanges data in cycles
+//! ([`scanner`]), makes many requests at a time ([`load`]), measures their effect on the ticks ([`lateness`]) and records the traffic of
+//! the loopback interface ([`capture`]).
 //!
 //! `tests/programs` needs the programs only. `tests/foreign` needs programs of others and `tests/load` the machine for itself;
 //! `cargo test` runs these two only by name. A test that lacks a program reports it by [`not_run`].

@@ -10,9 +10,9 @@
 //! | 5 | DINT | SEGMENT |
 //! | 6 | SINT | EXERR |
 //! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; Get Attributes All returns it |
-//! | 8 | structure | why the instruction ended that has ended without PC and without an error |
+//! | 8 | structure | the cause that ended the instruction without PC and without an error |
 //!
-//! Attribute 8: USINT 0 nothing to say, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine, 4 the end of a jog by
+//! Attribute 8: USINT 0 no cause, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine, 4 the end of a jog by
 //! the server; SHORT_STRING the other's motion control tag, or the axis; SHORT_STRING its mnemonic, or the faults as words with blanks
 //! between them, or of a jog `released` (the button of the page), `silent` or `lost` (the client that began it); LREAL the time of the machine, s; ULINT the time, µs since 1970-01-01 UTC.
 

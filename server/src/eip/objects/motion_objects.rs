@@ -20,7 +20,7 @@
 //! | 20 to 25 | | | ZeroAngleOffset1 to ZeroAngleOffset6, LREAL, degrees |
 //! | 12 (axis) | | faults, UDINT: bits of docs/FAULTS.md | |
 //! | 26 | | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set |
-//! | 27 to 29 | | | of the active move, LREAL: distance to go, length of its path (0: no move is active), seconds to its planned end (NaN: not known) |
+//! | 27 to 29 | | | of the active move, LREAL: distance to go, length of its path (0: no move is active), seconds to its planned end or its successor (NaN: not known) |
 //! | 13 (axis), 30 | | the mover: a [`Mover`](arcline_proto::arcline::motion::Mover) | the mover |
 //!
 //! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart

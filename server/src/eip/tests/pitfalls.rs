@@ -1,7 +1,7 @@
 //! The pitfalls in which other servers fail with real clients (spec/ethernet-ip.md §17), by their numbers.
 //!
-//! `tests/tests/io_scanner.rs` measures the real-time accuracy of an interval (11), and `tests/benches/network.rs` the cost of a request
-//! (14). The tests here do not depend on the machine's speed.
+//! `tests/system/tests/load/io_scanner.rs` measures the real-time accuracy of an interval (11), and `tests/system/benches/network.rs` the
+//! cost of a request (14). The tests here do not depend on the machine's speed.
 
 use std::net::SocketAddr;
 
