@@ -86,7 +86,7 @@ impl Program {
     /// Reads a program. [`Program::check`] checks the names.
     ///
     /// # Errors
-    /// The first thing that cannot be read, with its place. Programs are read up to 8 MiB and 128 levels of
+    /// The first error, with its position. Programs are read up to 8 MiB and 128 levels of
     /// nesting.
     pub fn parse(text: &str) -> Result<Program, SyntaxError> {
         parser::program(text)

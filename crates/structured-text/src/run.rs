@@ -4,7 +4,8 @@
 //! reaction to errors, the end of a WAIT that cannot come true, the wait for all motion at the end. Times are in seconds.
 //!
 //! Moves between which a program makes no other request are a series: they are executed together, in their order, before the next request of
-//! another kind. So no statement can tell them from moves that were executed one after the other; only the line that runs is ahead of them.
+//! another kind. So no statement can distinguish them from moves that were executed one after the other; only the line that runs is ahead of
+//! them.
 
 use arcline_instruction_set::{Ending, MotionControl, MotionError};
 

@@ -1,7 +1,7 @@
-//! `arcline-server audit verify`: whether the lines of an audit are those that were written, in their order.
+//! `arcline-server audit verify`: checks that the lines of an audit are the written ones, in their order.
 //!
-//! A chain shows every line that was changed, removed, added or moved, but for the end: whether lines are missing there shows only by a
-//! hash that was kept elsewhere (`--head`).
+//! A chain reveals every line that was changed, removed, added or moved, except at the end: only a hash that is stored elsewhere (`--head`)
+//! reveals missing lines there.
 
 use std::fs;
 use std::io;

@@ -1,8 +1,8 @@
 //! The stream of changes: which tags have changed, step by step, for readers that would otherwise poll.
 //!
-//! A step is one publication of the tag memory, at most one a tick but for writes. Of each tag only the number of its last step is
-//! kept, so the log is bounded by the tags, and a reader takes all steps since its last look at once: a slow one learns how many
-//! steps that were ([`TagChanges::steps`]) and delays no other reader. Values are not here; a reader reads those that it wants.
+//! A step is one publication of the tag memory, at most one a tick but for writes. The log has only the number of each tag's last step, so
+//! the number of tags bounds it. A reader takes all steps since its last read at once: a slow one gets their number ([`TagChanges::steps`])
+//! and delays no other reader. Values are not here; a reader reads those that it wants.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,7 +1,7 @@
 //! Every change of the machine, as one enum, with its outcomes and refusals.
 //!
 //! A new command does not compile before [`policy`](super::policy) has the right that it needs, the owner of the motion that it begins,
-//! whether it is kept over a restart, and its counter.
+//! its part of the retained state, and its counter.
 
 use std::sync::Arc;
 

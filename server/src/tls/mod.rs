@@ -179,8 +179,8 @@ impl Tls {
         Ok((stream, TlsClient { chain, leaf }))
     }
 
-    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so no address is locked for it: browsers fail while
-    /// a person looks at a certificate that they do not trust.
+    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so it locks no address: browsers fail while
+    /// a person examines a certificate that they do not trust.
     ///
     /// # Errors
     /// See [`Failed`]; the socket is closed then.

@@ -470,8 +470,8 @@ proptest! {
         prop_assert_eq!(parse(&bytes).map(|kept| kept.state), Ok(state));
     }
 
-    /// Whatever stands in a file, reading it ends, in a state or in an error. The checksums are right, so that the
-    /// records are looked at.
+    /// Any bytes in a file are read to a state or an error. The checksums are right, so that the reader decodes the
+    /// records.
     #[test]
     fn any_bytes_in_a_record_are_a_state_or_an_error(data in prop::collection::vec(any::<u8>(), 0..200)) {
         let mut bytes = format::fresh(&State::default()).0[..12_288].to_vec();

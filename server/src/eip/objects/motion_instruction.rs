@@ -1,5 +1,5 @@
-//! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for every instruction that was executed, the
-//! newest 4,096 kept.
+//! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for each of the newest 4,096 executed
+//! instructions.
 //!
 //! | attribute | type | |
 //! |---|---|---|
