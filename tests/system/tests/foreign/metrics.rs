@@ -93,7 +93,10 @@ fn prometheus_scrapes_the_server() {
     check(&promtool, &["check", "metrics"], &metrics);
     let rules = workspace().join("docs/metrics/alerts.yml");
     check(&promtool, &["check", "rules", rules.to_str().expect("UTF-8")], "");
-    let alerts = std::fs::read_to_string(&rules).expect("the rules").matches("alert:").count();
+    let alerts = std::fs::read_to_string(&rules)
+        .expect("the rules")
+        .matches("alert:")
+        .count();
     let series = metrics.lines().filter(|line| !line.starts_with('#')).count();
     assert!((100..5000).contains(&series), "{series} series");
 
