@@ -98,14 +98,14 @@ def batch():
 
 
 def plant():
-    """What a plant in Python costs."""
+    """The cost of a plant in Python."""
     machine = arcline.Machine(plant=lambda set_points, feedback: None)
     machine.program(MOVE)
     print(f"ticks with a plant: {TICKS / 10 / seconds(lambda: machine.step(TICKS // 10)):,.0f}/s")
 
 
 def check():
-    """Whether each figure reaches its floor in one of some tries."""
+    """Return whether each figure reaches its floor in one of some tries."""
     below = []
     for figure in (run, step, batch):
         floor = FLOORS[figure.__name__]

@@ -20,7 +20,7 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Prints what happens while the program runs; returns how many instructions it executed.
+/// Prints the events of the program; returns the number of instructions that it executed.
 pub(crate) async fn run(client: &Client) -> Result<usize, ProgramError> {
     let mut executed = 0;
     let mut print = |event: Event<'_>| {

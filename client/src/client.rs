@@ -23,7 +23,7 @@ pub const DEFAULT_PORT: u16 = 44818;
 /// Settings of a connection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Options {
-    /// For connecting, and for every answer.
+    /// The time-out of the connect, and of every answer.
     pub timeout: Duration,
     /// Bytes of the requested class 3 connection, with its sequence count; 64 to 65,535.
     pub connection_size: u16,

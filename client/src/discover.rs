@@ -20,9 +20,9 @@ const SPREAD_MS: u16 = 200;
 /// A server that answered.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Discovered {
-    /// Where the answer came from.
+    /// The address that sent the answer.
     pub from: SocketAddr,
-    /// Where it says it listens.
+    /// The address in the answer, on which the server says it listens.
     pub listens: SocketAddrV4,
     /// Its identity.
     pub identity: Identity,

@@ -11,7 +11,7 @@ use arcline_tag::{Elementary, PathError, nearest};
 
 use crate::Ended;
 
-/// Why a request gave no result.
+/// The reason for which a request gave no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClientError {
@@ -20,7 +20,7 @@ pub enum ClientError {
     Connect {
         /// The address of the request.
         address: String,
-        /// Why.
+        /// The error of the system.
         source: io::Error,
     },
     /// The files of TLS are of no use.
@@ -54,9 +54,9 @@ pub enum ClientError {
     TooLarge {
         /// The quantity.
         what: &'static str,
-        /// How much.
+        /// The announced length.
         claimed: usize,
-        /// Accepted.
+        /// The greatest accepted length.
         limit: usize,
     },
     /// The request was refused.
@@ -140,7 +140,7 @@ pub enum ClientError {
     Path {
         /// The path.
         path: String,
-        /// Why.
+        /// The error of the path.
         source: PathError,
     },
     /// A number that the attribute cannot be.
@@ -190,7 +190,7 @@ pub enum ClientError {
 }
 
 impl ClientError {
-    /// Whether there is no connection to the server any more, so that further requests fail too.
+    /// Whether the connection to the server is lost, so that further requests fail too.
     pub fn is_connection(&self) -> bool {
         matches!(
             self,

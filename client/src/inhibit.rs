@@ -27,7 +27,7 @@ impl Client {
         self.of_machine(service::RELEASE, Bytes::new()).await
     }
 
-    /// Whether STOP inhibits motion.
+    /// Reads whether STOP inhibits motion.
     ///
     /// # Errors
     /// As [`Client::inhibit_motion`].
@@ -83,7 +83,7 @@ impl Client {
         self.ask("the mode", set, path, data).await.map(drop)
     }
 
-    /// Tells the server the product, the user and the program of this client. The server shows them where this client moves an axis or a
+    /// Sends the server the product, the user and the program of this client. The server shows them where this client moves an axis or a
     /// coordinate system. A server without this service is not an error.
     ///
     /// # Errors

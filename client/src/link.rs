@@ -5,8 +5,8 @@
 //!
 //! A class 3 connection that was lost (a reply did not come in time, or the server refused a packet) is opened again by the
 //! next request, once. A request that had no reply is repeated only if it [reads](is_read); any other may have been carried
-//! out, so its caller gets the error. A TCP connection that was lost stays lost: what the server knew of this client (jogs,
-//! executions, control) has gone with it, so the program that uses the client decides whether to connect again.
+//! out, so its caller gets the error. A TCP connection that was lost stays lost: the server has dropped its data of this client (jogs,
+//! executions, control), so the program that uses the client decides whether to connect again.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddrV4;
@@ -51,12 +51,12 @@ pub(crate) struct Link {
 
 #[derive(Debug)]
 struct Job {
-    what: What,
+    work: Work,
     answer: oneshot::Sender<Outcome>,
 }
 
 #[derive(Debug)]
-enum What {
+enum Work {
     Register,
     Identify,
     /// Opens a class 3 connection, unless one is open.
@@ -82,9 +82,9 @@ impl Link {
             size: None,
             reopening: Arc::default(),
         };
-        this.ask(What::Register).await?;
+        this.ask(Work::Register).await?;
         for size in [size, size.min(SMALL_CONNECTION)] {
-            match this.ask(What::Open(open_options(size))).await {
+            match this.ask(Work::Open(open_options(size))).await {
                 Ok(Outcome::Opened { budget, .. }) => {
                     this.budget = budget;
                     this.size = Some(size);
@@ -112,19 +112,19 @@ impl Link {
                 limit: self.budget,
             });
         }
-        let first = self.outcome(What::Message(request.clone())).await?;
+        let first = self.outcome(Work::Message(request.clone())).await?;
         let Some(size) = self.size.filter(|_| may_repeat(&first, &request)) else {
             return self.reply(&request, first);
         };
         self.reopen(size).await?;
-        let second = self.outcome(What::Message(request.clone())).await?;
+        let second = self.outcome(Work::Message(request.clone())).await?;
         self.reply(&request, second)
     }
 
     /// Opens the class 3 connection again, unless another caller has done it.
     async fn reopen(&self, size: u16) -> Result<(), ClientError> {
         let _alone = self.reopening.lock().await;
-        self.ask(What::Open(open_options(size))).await.map(drop)
+        self.ask(Work::Open(open_options(size))).await.map(drop)
     }
 
     fn reply(&self, request: &Request, outcome: Outcome) -> Result<Reply, ClientError> {
@@ -138,7 +138,7 @@ impl Link {
 
     /// The identity of the server, and the address at which it says it listens.
     pub(crate) async fn identify(&self) -> Result<(SocketAddrV4, Identity), ClientError> {
-        match self.ask(What::Identify).await? {
+        match self.ask(Work::Identify).await? {
             Outcome::Identity(Some(found)) => Ok(found),
             _ => Err(ClientError::Malformed {
                 what: "a ListIdentity reply holds no identity",
@@ -149,18 +149,18 @@ impl Link {
     /// Closes connection and session.
     pub(crate) async fn close(&self) {
         // The connection is closed, with or without an answer of the server.
-        let _ = self.ask(What::Close).await;
+        let _ = self.ask(Work::Close).await;
     }
 
-    async fn ask(&self, what: What) -> Result<Outcome, ClientError> {
-        let outcome = self.outcome(what).await?;
+    async fn ask(&self, work: Work) -> Result<Outcome, ClientError> {
+        let outcome = self.outcome(work).await?;
         self.checked(outcome)
     }
 
-    async fn outcome(&self, what: What) -> Result<Outcome, ClientError> {
+    async fn outcome(&self, work: Work) -> Result<Outcome, ClientError> {
         let (answer, answered) = oneshot::channel();
         self.jobs
-            .send(Job { what, answer })
+            .send(Job { work, answer })
             .await
             .map_err(|_| ClientError::Closed)?;
         answered.await.map_err(|_| ClientError::Closed)
@@ -175,7 +175,7 @@ impl Link {
     }
 }
 
-/// Whether a request on a class 3 connection that ended like this can be sent again without being carried out twice.
+/// Whether a request on a class 3 connection with this outcome can be sent again without being carried out twice.
 fn may_repeat(outcome: &Outcome, request: &Request) -> bool {
     match outcome {
         Outcome::Failed(session::ClientError::NotOpen) => true,
@@ -225,7 +225,7 @@ struct Wire<S> {
     input: BytesMut,
     start: Instant,
     connection: Option<Opened>,
-    /// How the connection that is being opened is opened.
+    /// The parameters of the connection that is being opened.
     opening: Option<OpenOptions>,
     waiting: BTreeMap<Call, oneshot::Sender<Outcome>>,
     life: Life,
@@ -239,12 +239,12 @@ struct Opened {
     options: OpenOptions,
 }
 
-/// How far the end has come.
+/// The progress of the end.
 enum Life {
     Open,
     /// Waits for the Forward Close to be confirmed.
     Closing(Call, oneshot::Sender<Outcome>),
-    /// UnRegisterSession has been said.
+    /// UnRegisterSession has been sent.
     Closed,
 }
 
@@ -278,7 +278,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             tokio::select! {
                 // A dropped client closes the session; no caller waits for that.
                 job = jobs.recv(), if matches!(self.life, Life::Open) => {
-                    self.start(job.unwrap_or_else(|| Job { what: What::Close, answer: oneshot::channel().0 }));
+                    self.start(job.unwrap_or_else(|| Job { work: Work::Close, answer: oneshot::channel().0 }));
                 }
                 read = self.stream.read_buf(&mut self.input) => match read {
                     // A stream that cannot be read on has failed every call, which `settle` sees.
@@ -337,10 +337,10 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
 
     fn start(&mut self, job: Job) {
         let now = self.start.elapsed();
-        let call = match (job.what, &self.connection) {
-            (What::Register, _) => Ok(self.session.register(now)),
-            (What::Identify, _) => Ok(self.session.identify(now)),
-            (What::Open(_), Some(opened)) if self.session.is_open(opened.connected) => {
+        let call = match (job.work, &self.connection) {
+            (Work::Register, _) => Ok(self.session.register(now)),
+            (Work::Identify, _) => Ok(self.session.identify(now)),
+            (Work::Open(_), Some(opened)) if self.session.is_open(opened.connected) => {
                 let outcome = Outcome::Opened {
                     connection: opened.connected,
                     budget: opened.budget,
@@ -348,17 +348,17 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
                 drop(job.answer.send(outcome));
                 return;
             }
-            (What::Open(options), lost) => {
+            (Work::Open(options), lost) => {
                 if let Some(lost) = lost {
-                    // Whether the server still has it or not: no caller waits for the answer.
+                    // The server may or may not still have it: no caller waits for the answer.
                     let _ = self.session.close_lost(&lost.options, now);
                 }
                 self.opening = Some(options.clone());
                 self.session.open(options, now)
             }
-            (What::Message(request), Some(opened)) => self.session.request_connected(opened.connected, &request, now),
-            (What::Message(request), None) => self.session.request(&request, None, now),
-            (What::Close, opened) => {
+            (Work::Message(request), Some(opened)) => self.session.request_connected(opened.connected, &request, now),
+            (Work::Message(request), None) => self.session.request(&request, None, now),
+            (Work::Close, opened) => {
                 let close = opened
                     .as_ref()
                     .and_then(|opened| self.session.close(opened.connected, now).ok());

@@ -44,7 +44,7 @@ impl Client {
         Ok(axes)
     }
 
-    /// How many axes a coordinate system has, by its instance: they count from 1 in the order of their tags.
+    /// Reads the number of axes of a coordinate system, by its instance: instances count from 1 in the order of their tags.
     ///
     /// # Errors
     /// [`ClientError::Refused`] when the server does not have the attribute; otherwise an error of the connection.

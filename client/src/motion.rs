@@ -15,7 +15,7 @@ use arcline_tag::{Elementary, Value};
 
 use crate::{Client, ClientError};
 
-/// Time between two looks at an instruction's status.
+/// Time between two reads of an instruction's status.
 const POLL: Duration = Duration::from_millis(5);
 
 /// An instruction that the server has executed.
@@ -34,7 +34,7 @@ pub struct Execution {
 }
 
 impl Execution {
-    /// Whether the instruction has a PC that will come, or not come when it is stopped.
+    /// Whether the instruction has a PC, which comes unless the instruction is stopped.
     pub fn completes(&self) -> bool {
         self.mnemonic.instruction().bits.contains(&Flag::Pc)
     }
@@ -72,7 +72,7 @@ impl Operands {
         }
     }
 
-    /// With an operand set, by its name on the faceplate or its member name, case and blanks ignored.
+    /// Sets an operand, by its name on the faceplate or its member name, case and blanks ignored.
     ///
     /// # Errors
     /// [`ClientError::UnknownOperand`].

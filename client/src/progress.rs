@@ -1,4 +1,4 @@
-//! How far the active move of a coordinate system is: attributes of class 0x0302.
+//! The progress of the active move of a coordinate system: attributes of class 0x0302.
 
 use arcline_instruction_set::{FaultSet, Object};
 use arcline_proto::arcline::motion::{axis, coordinate_system};

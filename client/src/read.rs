@@ -258,7 +258,7 @@ impl Client {
             Some(reply) if !reply.status.is(CipStatus::PARTIAL_TRANSFER) => {
                 return Err(ClientError::refused(&part.text, reply.status));
             }
-            // It did not fit: again, alone.
+            // The part did not fit: read it again, alone.
             _ => self.read_bytes(part).await?,
         };
         part.decode(&bytes)

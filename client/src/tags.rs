@@ -57,7 +57,7 @@ pub enum Access {
     ReadWrite,
     /// Read.
     ReadOnly,
-    /// Nothing.
+    /// No access.
     None,
 }
 
@@ -74,7 +74,7 @@ fn object_of(type_name: &str) -> Option<Object> {
 /// The tags and types that are known so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TagTable {
-    /// By lower-case name.
+    /// The symbols by lower-case name.
     symbols: BTreeMap<String, Symbol>,
     templates: BTreeMap<u16, Arc<Template>>,
 }
@@ -234,7 +234,7 @@ impl Client {
     /// [`ClientError::UnknownTag`]; [`ClientError::Refused`]: 0x0F for another tag than a plain one, 0x0C for one that an
     /// alias stands for.
     pub async fn delete_tag(&self, name: &str) -> Result<(), ClientError> {
-        // As it is now: an instance may be another tag's by now.
+        // Refresh first: the instance may belong to another tag by now.
         self.refresh_symbols().await?;
         let tag = self.tag(name).await?;
         let (path, _) = symbol_path(&tag.name, tag.instance);

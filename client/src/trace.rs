@@ -22,7 +22,7 @@ pub use arcline_proto::arcline::trace::{TraceRequest, Trigger};
 /// Most signals that are listed.
 const MAX_NAMES: usize = 65_535;
 
-/// How a trace stands.
+/// The state of a trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TraceState {
     /// Waits for its trigger.
@@ -36,7 +36,7 @@ pub enum TraceState {
 /// Rows of a trace, without a gap between them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TraceRows {
-    /// How the trace stands.
+    /// The state of the trace.
     pub state: TraceState,
     /// Tick of the first row.
     pub first: u64,

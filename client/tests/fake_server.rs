@@ -417,7 +417,7 @@ async fn a_request_that_nobody_waits_for_spoils_nothing() {
     }
 }
 
-/// What a lying server puts into every successful reply.
+/// The results of requests to a lying server that puts `data` into every successful reply.
 async fn lied_to(data: Bytes, status: CipStatus) -> Vec<Result<(), ClientError>> {
     let handler = move |request: &Request, _| Some(Reply::with_status(request.service, status, data.clone()));
     let client = connect_with(Settings::default(), Box::new(handler)).await.unwrap();
@@ -439,7 +439,7 @@ async fn hostile_replies_are_errors_and_end() {
     ] {
         for byte in [0x00, 0x01, 0x7F, 0xFF] {
             for length in [0, 1, 2, 3, 4, 5, 7, 16, 19, 20, 64, 1000] {
-                // What matters: it ends, nothing panics, nothing huge is held.
+                // The calls end without a panic and without a huge allocation.
                 let results = lied_to(Bytes::from(vec![byte; length]), status).await;
                 assert_eq!(results.len(), 5);
             }

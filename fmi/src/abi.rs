@@ -21,7 +21,7 @@ pub const FATAL: Status = 4;
 /// `fmi3LogMessageCallback`.
 pub type LogMessage = Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// What `fmi3Instance` points to.
+/// The target of an `fmi3Instance`.
 #[derive(Debug)]
 pub struct Component {
     instance: Instance,
@@ -315,7 +315,7 @@ variables! {
 /// Functions that have nothing to do.
 macro_rules! nothing {
     ($($name:ident)*) => {$(
-        /// Nothing is to be done.
+        /// Has no effect.
         #[unsafe(no_mangle)]
         pub extern "C" fn $name(_: *mut c_void) -> Status {
             OK

@@ -17,7 +17,7 @@ pub const PROGRAM: &str = "program.st";
 /// The file with the tags that are variables there: `input NAME` or `output NAME`, one a line.
 pub const TAGS: &str = "tags.txt";
 
-/// What the FMU is made of.
+/// The parts of the FMU.
 #[derive(Debug)]
 pub struct Description {
     /// The machine.
@@ -26,7 +26,7 @@ pub struct Description {
     pub program: Program,
     /// The variables; the place of each is its value reference.
     pub variables: Vec<Variable>,
-    /// By what the library knows that the description is its own.
+    /// The token by which the library recognises its own description.
     pub token: String,
 }
 
@@ -35,22 +35,22 @@ pub struct Description {
 pub struct Variable {
     /// Its name.
     pub name: String,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Its type.
     pub of: Type,
 }
 
-/// What a variable is.
+/// The kind of a variable.
 #[derive(Clone, Debug)]
 pub enum Kind {
     /// Simulated time.
     Time,
-    /// Parameter: the inputs of the axes say where these are.
+    /// Parameter: the positions of the axes come from the inputs.
     Plant,
     /// Output: a column of [`AXIS_SIGNALS`] of an axis.
     Axis(usize, usize),
-    /// Input: where the plant says that an axis is.
+    /// Input: the position of an axis in the plant.
     Feedback(AxisId),
     /// Input: a tag that the program reads.
     Input(TagPath),

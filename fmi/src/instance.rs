@@ -23,13 +23,13 @@ pub struct Instance {
     start: f64,
 }
 
-/// Where the inputs say that axes are.
+/// The positions of axes from the inputs.
 #[derive(Clone, Debug, Default)]
 struct Given(Arc<Mutex<Inputs>>);
 
 #[derive(Debug, Default)]
 struct Inputs {
-    /// The inputs mean something.
+    /// Whether the inputs are in use.
     used: bool,
     /// Axes and positions.
     positions: Vec<(AxisId, f64)>,

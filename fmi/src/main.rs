@@ -1,4 +1,4 @@
-//! Writes what an FMU has besides its library: `arcline-fmu FOLDER MACHINE.toml PROGRAM.st [input|output TAG]...`
+//! Writes the files that an FMU has besides its library: `arcline-fmu FOLDER MACHINE.toml PROGRAM.st [input|output TAG]...`
 
 use std::path::Path;
 use std::process::ExitCode;

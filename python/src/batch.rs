@@ -15,7 +15,7 @@ use crate::inner::{parsed, policy};
 use crate::signals::{self, Signal, sample};
 use crate::{errors, values};
 
-/// Ticks between two looks at the signals of Python.
+/// Ticks between two checks for signals of Python.
 const SLICE: u64 = 4096;
 
 /// A truth for each machine.

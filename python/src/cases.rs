@@ -51,7 +51,7 @@ pub(crate) fn simulate_many(
         jobs: threads,
     };
     let mut output = Vec::new();
-    // Looked at between results: Ctrl-C ends a batch behind the case that runs.
+    // Checked between results: Ctrl-C ends a batch behind the case that runs.
     let mut interrupted = None;
     let ran = py.detach(|| {
         batch.run(cases.as_bytes(), &mut output, &mut |_| {

@@ -80,7 +80,7 @@ pub(crate) fn no_tag(py: Python<'_>, image: &Image, path: &str, why: &str) -> Py
     raise(py, "TagError", (format!("{why}{hint}"),))
 }
 
-/// Why a tag cannot be read.
+/// The exception for a tag that cannot be read.
 pub(crate) fn unread(py: Python<'_>, image: &Image, path: &str, error: &ReadError) -> PyErr {
     match error {
         ReadError::NoSuchTag { .. } => no_tag(py, image, path, &error.to_string()),

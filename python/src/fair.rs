@@ -1,11 +1,11 @@
-//! `Fair`: a lock that a thread which takes it again and again shares with those that wait.
+//! `Fair`: a lock that a thread which takes it again and again shares with waiting threads.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 
-/// A value behind a lock. Who waits for it stands in the turn, so that a thread that lets time pass slice by slice, and takes the lock again at once,
+/// A value behind a lock. A waiting thread holds the turn, so that a thread that lets time pass slice by slice, and takes the lock again at once,
 /// waits behind it.
 pub(crate) struct Fair<T> {
     turn: Mutex<()>,

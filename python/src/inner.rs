@@ -1,4 +1,4 @@
-//! The machine behind a `Machine` of Python: its programs, the events that wait, faults to come, and the journal of what was done.
+//! The machine behind a `Machine` of Python: its programs, waiting events, future faults, and the journal of calls.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::signals::{Columns, Signal, sample};
 /// Events that wait to be taken, at most; older ones are dropped.
 const EVENTS: usize = 100_000;
 
-/// What a machine has, behind its lock.
+/// The parts of a machine, behind its lock.
 pub(crate) struct Inner {
     pub(crate) runner: Runner,
     /// The programs by their number, in the order in which they were started.
@@ -27,13 +27,13 @@ pub(crate) struct Inner {
     pub(crate) events: Events,
     /// Faults that are to be injected, by tick: axis and causes, or none to take them away.
     pub(crate) faults: BTreeMap<u64, Vec<(AxisId, u32)>>,
-    /// What was done since the beginning; `None`: it is not kept.
+    /// The calls since the beginning; `None`: the machine has no journal.
     pub(crate) journal: Option<Vec<Entry>>,
-    /// What it shares with its plant.
+    /// The state that it shares with its plant.
     plant: Option<Shared>,
 }
 
-/// What a caller did to a machine: what is needed to do it again.
+/// A call on a machine, with the data to repeat it.
 #[derive(Clone, Debug)]
 pub(crate) enum Entry {
     Step(u64),
@@ -212,7 +212,7 @@ pub(crate) fn parsed(py: Python<'_>, image: &Image, text: &str) -> PyResult<Prog
     checked.map_err(|error| errors::program(py, &error.to_string(), error.line))
 }
 
-/// How a program runs.
+/// The policy of a program.
 pub(crate) fn policy(wait: bool, keep_going: bool) -> Policy {
     Policy {
         queue_full: if wait { QueueFull::Wait } else { QueueFull::Error },

@@ -20,22 +20,22 @@ use crate::plant::{Plant, Shared};
 use crate::signals::signal;
 use crate::values;
 
-/// Ticks between two looks at the wall clock.
+/// Ticks between two reads of the wall clock.
 const SLICE: u64 = 1024;
-/// Wall time between two looks at the signals of Python, such as Ctrl-C.
+/// Wall time between two checks for signals of Python, such as Ctrl-C.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// A machine on a virtual clock, with its tags and programs. Deterministic: the same calls in the same order give the same state.
 #[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
 pub(crate) struct Machine {
     inner: Fair<Inner>,
-    /// What it shares with its plant.
+    /// The state that it shares with its plant.
     plant: Option<Shared>,
     config: String,
     seed: u64,
 }
 
-/// Whole ticks of so many seconds.
+/// The whole ticks in a number of seconds.
 fn ticks_of(machine: &Configured, seconds: f64) -> PyResult<u64> {
     if !(0.0..1e9).contains(&seconds) {
         return Err(PyValueError::new_err(format!("{seconds} s: expected 0 to 1e9 seconds")));
@@ -64,7 +64,7 @@ impl Machine {
         self.plant.as_ref().and_then(Shared::take_error).map_or(Ok(()), Err)
     }
 
-    /// Lets ticks pass, and looks at signals of Python now and then.
+    /// Lets ticks pass, and checks for signals of Python now and then.
     fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         self.look_inside()?;
         let mut left = ticks;
@@ -162,7 +162,7 @@ impl Machine {
         Ok(image.tags().iter().map(|tag| image.full_name(tag)).collect())
     }
 
-    /// Whether nothing moves, and nothing is under way that would end.
+    /// Whether the machine is at rest: no axis moves, and no execution is still to end.
     #[getter]
     fn at_rest(&self, py: Python<'_>) -> PyResult<bool> {
         Ok(self.lock(py)?.runner.simulation().controller().at_rest())
@@ -245,7 +245,7 @@ impl Machine {
         Ok(array)
     }
 
-    /// Puts a cause of a fault on an axis, now or `at` so many seconds; `None` takes all causes away.
+    /// Injects a cause of a fault on an axis, now or at the time `at`, seconds; `None` removes all causes.
     #[pyo3(signature = (axis, kind, at=None))]
     fn fault(&self, py: Python<'_>, axis: &str, kind: Option<&str>, at: Option<f64>) -> PyResult<()> {
         let machine = self.configured(py)?;
@@ -363,7 +363,7 @@ impl Machine {
         Ok(error.map(|error| error.into_value(py).into_bound(py).into_any()))
     }
 
-    /// Ends a program where it is.
+    /// Ends a program at its present statement.
     fn _remove(&self, py: Python<'_>, program: usize) -> PyResult<()> {
         let mut inner = self.lock(py)?;
         if let Some(id) = inner.programs.get(program).copied() {
@@ -373,7 +373,7 @@ impl Machine {
         Ok(())
     }
 
-    /// What makes the same machine again: the configuration, the seed, and all that was done.
+    /// The data to make the same machine again: the configuration, the seed, and all calls.
     fn _journal<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let inner = self.lock(py)?;
         let Some(journal) = &inner.journal else {
@@ -400,7 +400,7 @@ impl Machine {
         (self.config.as_str(), self.seed, list).into_pyobject(py)
     }
 
-    /// Does again what a journal says.
+    /// Repeats the calls of a journal.
     fn _replay(&self, py: Python<'_>, journal: Vec<Bound<'_, PyTuple>>) -> PyResult<()> {
         for entry in journal {
             let kind: String = entry.get_item(0)?.extract()?;

@@ -19,7 +19,7 @@ const SENT: usize = 5;
 /// Rows of the array of feedback: position, velocity, acceleration, fault.
 const ANSWERED: usize = 4;
 
-/// What a machine and its plant share.
+/// The state that a machine and its plant share.
 #[derive(Clone, Default)]
 pub(crate) struct Shared(Arc<Mutex<State>>);
 
@@ -41,12 +41,12 @@ impl Shared {
         self.state().error.take()
     }
 
-    /// Whether the plant has failed, and its exception was not raised yet.
+    /// Whether the plant has failed with an exception that is not raised yet.
     pub(crate) fn has_failed(&self) -> bool {
         self.state().error.is_some()
     }
 
-    /// Whether the plant itself asks.
+    /// Whether the call comes from the plant itself.
     pub(crate) fn is_inside(&self) -> bool {
         self.state().inside == Some(std::thread::current().id())
     }

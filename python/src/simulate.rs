@@ -19,7 +19,7 @@ use crate::plant::{Plant, Shared};
 use crate::signals::{Columns, Signal, signal};
 use crate::values;
 
-/// What a run keeps.
+/// The records of a run.
 struct Kept<'s> {
     trace: Option<Record>,
     events: Option<Record>,

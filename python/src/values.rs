@@ -71,7 +71,7 @@ fn object(py: Python<'_>, value: &TagValue) -> PyResult<Py<PyAny>> {
     })
 }
 
-/// What Python wants to be written.
+/// The value of Python to write to a tag.
 pub(crate) fn given(value: &Bound<'_, PyAny>) -> PyResult<WriteValue> {
     if let Ok(on) = value.cast::<PyBool>() {
         return Ok(WriteValue::Bool(on.is_true()));

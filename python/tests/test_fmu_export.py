@@ -36,7 +36,7 @@ def make(tmp_path_factory):
     def make(program, *tags):
         (folder / "machine.toml").write_text(MACHINE)
         (folder / "program.st").write_text(program)
-        # It shares what the module has built.
+        # The library shares the build of the module.
         environment = {**os.environ, "CARGO_TARGET_DIR": str(ROOT / "python" / "target")}
         command = [ROOT / "fmi" / "make.sh", folder / "machine.toml", folder / "program.st", folder / "arcline.fmu", *tags]
         subprocess.run(command, env=environment, check=True)

@@ -43,7 +43,7 @@ def test_the_examples_of_the_readmes(page):
 
 
 def test_the_ci_example_of_the_guide_is_a_workflow():
-    """It is YAML, and each of its commands names files and options that there are."""
+    """The file is YAML, and each of its commands names existing files and options."""
     (block,) = re.findall(r"^```yaml\n(.*?)^```", GUIDE.read_text(), re.M | re.S)
     job = yaml.safe_load(block)["jobs"]["motion"]
     assert job["runs-on"].startswith("ubuntu")

@@ -218,7 +218,7 @@ def test_other_threads_run_while_time_passes():
     while thread.is_alive():
         seen.add(m.tick)
     thread.join()
-    # It is a busy computer that looks only a few times; one that never looks in between would wait for the end.
+    # A busy computer reads only a few times; a thread without a fair lock would read at the end only.
     assert len(seen - {0, whole}) > 2 and m.tick == whole
 
 

@@ -25,7 +25,7 @@ def test_the_load_of_the_crane_swings_as_a_pendulum_does(tmp_path):
     # Two steps of acceleration a, and two back: each leaves a swing of up to 2 a/g.
     left = np.abs(angle[-2500:]).max()
     assert 10.0 < left < np.degrees(4 * 2.0 / 9.81)
-    # It swings with the period of a pendulum, longer by what the amplitude makes of it: 1 + left² / 16.
+    # The load swings with the period of a pendulum, longer by the effect of the amplitude: 1 + left² / 16.
     zeros = np.flatnonzero(np.diff(np.signbit(angle[-3000:])))
     period = 2e-3 * np.diff(zeros).mean()
     assert period == pytest.approx(crane.PERIOD * (1 + np.radians(left) ** 2 / 16), rel=2e-3)

@@ -64,7 +64,7 @@ class SpringMass:
 
 
 def closed_form(times, hertz, speed=100.0, rate=1000.0, distance=40.0):
-    """Where the mass is when its spring does a trapezoid: the response to four steps of the acceleration, added up."""
+    """The position of the mass when its spring moves by a trapezoid: the sum of the responses to four steps of the acceleration."""
     omega = 2 * math.pi * hertz
     ramp = speed / rate
     whole = distance / speed + ramp
@@ -110,7 +110,7 @@ def test_a_mass_on_a_spring_moves_as_the_closed_form_says():
     trace = m.trace(["X.CommandPosition", "X.ActualPosition", "Y.ActualPosition"], 1000)
     expected = closed_form(np.arange(1000) / 1000, hertz)
     assert np.abs(trace[:, 1] - expected).max() < 1e-9
-    # It swings on where the command stands, by as much as the acceleration makes of it.
+    # The mass swings about the command position, by the effect of the acceleration.
     swing = np.abs(trace[600:, 1] - 40.0).max()
     assert 1e-3 < swing < 5 * 1000 / (2 * math.pi * hertz) ** 2
     assert trace[-1, 0] == 40.0 and not trace[:, 2].any() and p.done

@@ -1,5 +1,5 @@
-//! The command line of `arcline-server` (spec/contract.md §1). What the commands do is in `run`, `simulate` and
-//! `arcline-config`.
+//! The command line of `arcline-server` (spec/contract.md §1). The modules `run` and `simulate`, and `arcline-config`, carry out the
+//! commands.
 
 use std::io::IsTerminal as _;
 use std::net::SocketAddr;
@@ -34,7 +34,7 @@ struct Cli {
 enum Command {
     /// Run the server (the default), and the program of a project beside its motion.
     Run(RunProgram),
-    /// Validate a configuration and print what it would create.
+    /// Validate a configuration and print the objects that it creates.
     Check {
         /// The configuration file.
         #[arg(long, value_name = "FILE")]
@@ -69,9 +69,9 @@ enum Command {
         #[command(subcommand)]
         command: TokensCommand,
     },
-    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do.
+    /// Check the ports, rights and real-time settings of this computer, and name each defect and its remedy.
     Doctor(DoctorArgs),
-    /// Ask a server on this computer who it is, and fail when none answers: the health check of a container.
+    /// Ask a server on this computer for its identity, and fail when none answers: the health check of a container.
     Health(HealthArgs),
     /// Print the completions of a shell.
     Completions {
@@ -111,7 +111,7 @@ pub(crate) struct RunArgs {
     /// The address of the web page.
     #[arg(long, value_name = "ADDR:PORT|off")]
     pub(crate) hmi: Option<OrOff<SocketAddr>>,
-    /// The file that keeps positions and plain tags between runs; without it they are not kept.
+    /// The file for positions and plain tags between runs; without it a restart loses them.
     #[arg(long, value_name = "FILE|off")]
     pub(crate) state: Option<OrOff<PathBuf>>,
     /// The folder of the audit; by default that of --state with `.audit` behind its name, where the configuration has `[security]`.
@@ -120,7 +120,7 @@ pub(crate) struct RunArgs {
     /// Listen beyond this computer though the configuration has no `[security]`: clients elsewhere may look and stop.
     #[arg(long)]
     pub(crate) open_to_network: bool,
-    /// What makes ticks pass: real time, steps of clients, or a number of times real time. For tests; time-outs of the network stay real.
+    /// The clock of the ticks: real time, steps of clients, or a multiple of real time. For tests; time-outs of the network stay real.
     #[arg(long, value_name = "real|step|fast[:N]", default_value = "real", value_parser = clock)]
     pub(crate) clock: Clock,
     /// Stop as by SIGTERM when standard input closes: a program that holds the other end takes the server along, however it ends.
@@ -177,7 +177,7 @@ pub(crate) struct ImportArgs {
     /// Exit with 1 when an element of the file was left out or changed.
     #[arg(long)]
     pub(crate) strict: bool,
-    /// List what of the project's program would not run, and write no configuration.
+    /// List the parts of the project's program that would not run, and write no configuration.
     #[arg(long, conflicts_with_all = ["output", "strict"])]
     pub(crate) report: bool,
     /// List it as JSON lines.
@@ -215,7 +215,7 @@ impl<T: FromStr> FromStr for OrOff<T> {
     }
 }
 
-/// What ends the program early: one message and the exit code.
+/// An error that ends the program: one message and the exit code.
 #[derive(Debug)]
 pub(crate) struct Failure {
     code: u8,
@@ -242,7 +242,7 @@ impl Failure {
     }
 }
 
-/// Does what the command line says. The exit codes are those of spec/contract.md §1.
+/// Executes the command of the command line. The exit codes are those of spec/contract.md §1.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     log();
@@ -305,7 +305,7 @@ fn man(folder: Option<&Path>) -> Result<ExitCode, Failure> {
     }
 }
 
-/// To standard error, warnings and worse, unless `RUST_LOG` says otherwise.
+/// Sends the log to standard error: warnings and worse, unless `RUST_LOG` sets another level.
 fn log() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
@@ -316,7 +316,7 @@ fn log() {
         .init();
 }
 
-/// Prints what a configuration creates, or everything that is wrong with it, an error a line.
+/// Prints the objects that a configuration creates, or all its errors, one a line.
 fn check(config: &Path) -> Result<ExitCode, Failure> {
     let (text, file) = read(Some(config))?;
     match arcline_config::load_all(&text, &file) {
@@ -362,17 +362,17 @@ fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
     Ok(ExitCode::from(if loaded.is_ok() { 0 } else { WRONG }))
 }
 
-/// Exit code for what the user must put right first.
+/// The exit code for an error that the user must correct first.
 pub(crate) const WRONG: u8 = 2;
 
 pub(crate) fn print(text: &str) -> Result<ExitCode, Failure> {
     use std::io::Write as _;
-    // A reader that closed the pipe has what it wanted.
+    // A reader that closed the pipe needs no more of the text.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(ExitCode::SUCCESS)
 }
 
-/// The text of a configuration file, or of the embedded default, and what messages call it.
+/// The text of a configuration file, or of the embedded default, and its name in messages.
 pub(crate) fn read(config: Option<&Path>) -> Result<(String, String), Failure> {
     Ok(match config {
         None => (arcline_config::DEFAULT.to_owned(), "default configuration".to_owned()),

@@ -18,12 +18,12 @@ pub(crate) struct HealthArgs {
     /// The address of the server.
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:44818")]
     server: SocketAddr,
-    /// How long it may take, s.
+    /// Time within which the server must answer, s.
     #[arg(long, value_name = "SECONDS", default_value = "3", value_parser = crate::cli::seconds)]
     within: f64,
 }
 
-/// Prints its name; the exit code is 1 when it does not answer.
+/// Prints the server's name; the exit code is 1 when the server does not answer.
 pub(crate) fn run(args: &HealthArgs) -> Result<ExitCode, Failure> {
     let at = args.server;
     let within = Duration::try_from_secs_f64(args.within).unwrap_or(Duration::MAX);

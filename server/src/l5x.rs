@@ -1,4 +1,4 @@
-//! `arcline-server import` and `export`: the files around `arcline-l5x`, and what is said of them.
+//! `arcline-server import` and `export`: they read and write the files for `arcline-l5x`, and print its findings.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -9,7 +9,7 @@ use arcline_routine::{Finding, Line};
 use crate::cli::{ExportArgs, Failure, ImportArgs, print, project};
 use crate::simulate;
 
-/// Turns an L5X file into a configuration. What is not in it goes to standard error.
+/// Turns an L5X file into a configuration. The findings of the import go to standard error.
 pub(crate) fn import(args: &ImportArgs) -> Result<ExitCode, Failure> {
     let file = args.file.display().to_string();
     let text = read(&args.file)?;
@@ -34,7 +34,7 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     let file = path.display().to_string();
     let unreadable = |error: String| Failure::usage(format!("{file}: cannot be read: {error}"));
     let mut bytes = Vec::new();
-    // One byte more than is read: the importer says that it is too much.
+    // One byte more than the limit: the importer reports that the file is too long.
     let most = arcline_l5x::MAX_TEXT as u64 + 1;
     let open = std::fs::File::open(path).map_err(|error| unreadable(error.to_string()))?;
     open.take(most)
@@ -47,7 +47,7 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Lists what of a project's program would not run.
+/// Lists the parts of a project's program that would not run.
 fn report(args: &ImportArgs, text: &str) -> Result<ExitCode, Failure> {
     let file = args.file.display().to_string();
     let findings = simulate::findings(text, &file)?;

@@ -30,7 +30,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
         (None, Some((file, _))) => live::configuration(file)?,
         (config, _) => project(config.as_deref())?,
     };
-    // As it was read: what a reload is compared with.
+    // The configuration as the server read it; a reload compares the new one with it.
     let configured = project.clone();
     if let Some((first, also)) = args.listen.split_first() {
         project.server.listen = *first;
@@ -84,7 +84,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
     }
 }
 
-/// What a server begins with beside its project.
+/// The settings of a server beside its project.
 struct Start<'a> {
     hmi: Option<HmiAt>,
     retained: Option<(Image, ChangeTracker)>,
@@ -300,11 +300,11 @@ struct Signals {
     input: Option<oneshot::Receiver<()>>,
 }
 
-/// What a signal asks.
+/// The request of a signal.
 enum Signal {
-    /// To read the configuration, certificates and program again.
+    /// Read the configuration, certificates and program again.
     Reload,
-    /// To end, and the reason.
+    /// End, with the reason.
     End(&'static str),
 }
 
@@ -337,13 +337,13 @@ impl Signals {
     }
 }
 
-/// Is ready when standard input has closed. A thread reads it, as nothing else does.
+/// Is ready when standard input has closed. No other thread reads standard input.
 fn end_of_input() -> io::Result<oneshot::Receiver<()>> {
     let (closed, input) = oneshot::channel();
     std::thread::Builder::new()
         .name("arcline-stdin".to_owned())
         .spawn(move || {
-            // What comes is not for the server; an error ends the input too.
+            // Discard the input: it is not for the server. An error ends the input too.
             let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
             let _ = closed.send(());
         })?;
@@ -375,7 +375,7 @@ fn reload_program(plant: &Plant, live: &live::Live) {
     }
 }
 
-/// Refuses to listen beyond this computer without `[security]`, unless the user says so; then a banner says what that means.
+/// Refuses to listen beyond this computer without `[security]`, unless the user allows it; then a banner names the risk.
 fn check_open(server: &ServerConfig, hmi: Option<HmiAt>, args: &RunArgs) -> Result<(), Failure> {
     let page = hmi.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
     let eip = [server.listen].into_iter().chain(server.listen_also.iter().copied());

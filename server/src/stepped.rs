@@ -2,7 +2,7 @@
 //! makes, and the listener, the page and the tasks beside the plant run on the runtime of the caller, whose clock may be paused. A simulation
 //! (`tests/sim`) drives the server so, from a seed.
 //!
-//! Nothing here decides anything: each step is the one that a thread of the program makes in its loop.
+//! This module makes no decisions: each step is the one that a thread of the program makes in its loop.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -49,7 +49,7 @@ pub struct Changes {
     pub logged: u64,
 }
 
-/// What the caller chooses for a server beside its project.
+/// The settings of a stepped server beside its project.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
     /// The room in the rings to and from the tick.
@@ -60,7 +60,7 @@ pub struct Conditions {
     pub wall: fn() -> SystemTime,
 }
 
-/// Those of the program.
+/// The conditions of the program itself.
 impl Default for Conditions {
     fn default() -> Self {
         Conditions {
@@ -80,19 +80,19 @@ pub struct Audited {
     pub from: String,
     /// The tag, or the instruction with its target.
     pub object: String,
-    /// The value written, hexadecimal; empty for what is no write.
+    /// The value written, hexadecimal; empty if the event is not a write.
     pub new: String,
-    /// `done`, or why not.
+    /// `done`, or the reason for the refusal.
     pub result: &'static str,
 }
 
-/// Why a server does not start.
+/// The reason for which a server does not start.
 #[derive(Debug, thiserror::Error)]
 #[error("the server does not start: {0}")]
 pub struct StartError(String);
 
 impl<D: Disk> Stepped<D> {
-    /// Starts the server of a project with the state of a file on a disk, which it keeps there at a pace; `None`: nothing is kept.
+    /// Starts the server of a project with the state of a file on a disk, to which it writes at a pace; `None`: the state is not stored.
     ///
     /// # Errors
     /// The disk cannot be used.
@@ -142,7 +142,7 @@ impl<D: Disk> Stepped<D> {
         &self.plant
     }
 
-    /// One tick. `see` gets its snapshot.
+    /// Runs one tick. `see` gets its snapshot.
     pub fn tick(&mut self, see: &mut dyn FnMut(&Snapshot)) {
         self.reported += arcline_realtime::step_seen(&mut self.controller, &mut self.rings, see);
     }
@@ -161,22 +161,22 @@ impl<D: Disk> Stepped<D> {
         }
     }
 
-    /// One turn of the contour planner. Whether there was a request.
+    /// Makes one turn of the contour planner. Returns whether there was a request.
     pub fn plan(&mut self) -> bool {
         self.planning.as_mut().is_some_and(Planning::step)
     }
 
-    /// One turn of the trace.
+    /// Makes one turn of the trace.
     pub fn trace(&self) {
         self.plant.trace().step();
     }
 
-    /// One turn of implicit I/O. On the clock of the runtime of [`Stepped::start`], which the caller has entered.
+    /// Makes one turn of implicit I/O, on the clock of the runtime of [`Stepped::start`], which the caller has entered.
     pub fn exchange(&mut self) {
         self.face.exchange();
     }
 
-    /// One turn of the writer of the retained state, at a time since the start, with the end of a synchronisation. Returns the next
+    /// Makes one turn of the writer of the retained state, at a time since the start, with the end of a synchronisation. Returns the next
     /// synchronisation, which takes as long as the caller likes.
     pub fn keep(&mut self, ended: Option<Ended>, now: Duration) -> Option<Task<D>> {
         let keeper = self.keeper.as_mut()?;
@@ -219,7 +219,7 @@ impl<D: Disk> Stepped<D> {
         self.page.connect((stream, peer));
     }
 
-    /// What the server holds of its clients.
+    /// The number of clients and connections of the server.
     pub fn held(&self) -> Held {
         Held {
             browsers: self.page.browsers(),

@@ -1,4 +1,4 @@
-//! What the server says to systemd, or to another supervisor with `sd_notify(3)`: that it is ready, that its ticks pass, that it stops.
+//! The messages to systemd, or to another supervisor with `sd_notify(3)`: the server is ready, its ticks pass, it stops.
 //!
 //! A message is one datagram to the socket that the environment names. Without one the server says nothing; a message that does not arrive changes nothing.
 
@@ -17,7 +17,7 @@ use crate::plant::Plant;
 #[derive(Debug)]
 pub(crate) struct Supervisor {
     socket: UnixDatagram,
-    /// It ends a process that says nothing for so long; `None`: it does not look.
+    /// The supervisor ends a process that is silent for this time; `None`: it does not watch.
     watchdog: Option<Duration>,
 }
 

@@ -250,7 +250,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -297,7 +297,7 @@ fn the_hmi_is_where_the_ready_line_says() {
         stream.write_all(request.as_bytes()).ok()?;
         std::io::read_to_string(&mut stream).ok()
     });
-    // It is of no more use, whatever came of it.
+    // The process is no longer needed, with or without success.
     let _ = child.kill();
     let _ = child.wait();
     let page = page.unwrap_or_else(|| panic!("no HMI where {line:?} says"));

@@ -1,4 +1,4 @@
-//! The users of the page with the real program: the commands that write them, and what of their secrets is written down.
+//! The users of the page with the real program: the commands that write them, and the protection of their secrets in files.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -12,7 +12,7 @@ const SERVER: &str = env!("CARGO_BIN_EXE_arcline-server");
 /// Longer than anything here may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Runs a command with a line on its standard input; its exit code and what it printed.
+/// Runs a command with a line on its standard input; returns its exit code and its output.
 fn run(arguments: &[&str], input: &str) -> (Option<i32>, String) {
     let mut child = Command::new(SERVER)
         .args(arguments)
@@ -99,7 +99,7 @@ fn all_files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 /// Passwords, secrets of sessions and tokens are in no file that the server writes: not in the log at its most, the audit or the state.
-/// What is typed in place of a user's name may be a password.
+/// The text typed in place of a user's name may be a password.
 #[test]
 fn secrets_are_written_nowhere() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -219,7 +219,7 @@ fn secrets_are_written_nowhere() {
     }
 }
 
-/// Beyond this computer the server listens only when it is told who may do what, or with a banner.
+/// Beyond this computer the server listens only with roles in its configuration, or with a banner.
 #[test]
 fn the_page_is_not_opened_by_accident() {
     for door in [

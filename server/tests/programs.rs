@@ -6,7 +6,7 @@ use std::process::Command;
 
 use expect_test::expect_file;
 
-/// Rows of the trace between two that are kept.
+/// Rows of the trace between two stored ones.
 const EVERY: usize = 10;
 
 #[test]

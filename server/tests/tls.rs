@@ -392,7 +392,7 @@ const SUITES: [&[&str]; 3] = [
     ],
 ];
 
-/// Of all suites that OpenSSL has, the server takes the nine of the list and no other.
+/// Of all suites of OpenSSL, the server takes the nine of the list and no other.
 #[test]
 fn the_suites_that_are_taken_are_those_of_the_list() {
     if !has_openssl() {
@@ -511,7 +511,7 @@ async fn a_record_that_is_changed_on_the_way_ends_the_connection() {
                 break;
             }
         }
-        // Ends when the server has closed.
+        // The thread ends when the server has closed.
         back.join().expect("no panic")
     });
     let files = TlsFiles {
@@ -711,7 +711,7 @@ async fn a_reload_takes_roles_and_authorities_over() {
     bench.configure("default_role = \"operator\"", &[("operator", "viewer")]);
     bench.hang_up();
     bench.logged("the certificates of TLS were read again").await;
-    // The request behind the reload is judged by the new rows; the log tells of the reload before that.
+    // The new rows decide on the request behind the reload; the log reports the reload before that.
     let began = Instant::now();
     while client.write("Count", 1_i32).await.is_ok() {
         assert!(began.elapsed() < Duration::from_secs(1), "{}", bench.log());
@@ -722,7 +722,7 @@ async fn a_reload_takes_roles_and_authorities_over() {
     stranger.write("Count", 2_i32).await.expect("promoted");
     let lines = fs::read_to_string(bench.file("audit").join("000001.jsonl")).expect("it is there");
     assert!(lines.contains("the roles of certificates"), "{lines}");
-    // What needs a restart beside the rows is refused, and the rows hold all the same.
+    // The change that needs a restart is refused, and the rows take effect all the same.
     let text = fs::read_to_string(bench.file("machine.toml")).expect("it is there");
     let text = text
         .replace("role = \"viewer\"", "role = \"engineer\"")
@@ -773,7 +773,7 @@ async fn a_connection_ends_with_its_certificate() {
     );
     assert!(clocked.client("brief").await.is_err(), "nor does it open another one");
     stays.read("Count").await.expect("it is valid for longer");
-    // The other server looked at the same second.
+    // The other server checked its certificates in the same second.
     clients[1].read("Count").await.expect("it does not look at the clock");
     clockless.client("brief").await.expect("nor for new connections");
     clockless.forge("early", |params| {
@@ -930,7 +930,7 @@ async fn keys_are_readable_by_their_owner_only() {
     assert_eq!(audit.permissions().mode() & 0o777 & !0o640, 0, "the audit");
 }
 
-/// What is wrong with the files is said at the start, without their content.
+/// The error of the files is reported at the start, without their content.
 #[test]
 fn files_that_are_of_no_use_are_refused_at_the_start() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-// What every case needs: a browser with an empty profile, pages, pixels, a probe of the samples. The browser is
+// The common functions of the cases: a browser with an empty profile, pages, pixels, a probe of the samples. The browser is
 // Debian's Chromium; playwright-core comes from the working directory, where npm has put it.
 
 import assert from "node:assert/strict";
@@ -15,7 +15,7 @@ const PHONE = { width: 390, height: 844 };
 /** The views of the page, in the order of their list. */
 export const VIEWS = ["machine", "path", "trends", "drive", "program", "tags", "events"];
 
-/** How long a condition may take; far more than it needs, for machines that are busy. */
+/** The longest time for a condition; far more than it needs, for busy machines. */
 export const PATIENCE = 20_000;
 
 /** Starts the browser with a profile of its own, which is removed with it. */
@@ -23,14 +23,14 @@ export function launch() {
   return chromium.launch({ executablePath: CHROMIUM, headless: true, args: FLAGS, timeout: 60_000 });
 }
 
-/** A new viewer on a view, connected. What the page writes as an error fails the case. */
+/** Opens a new viewer on a view, connected. An error that the page logs fails the case. */
 export async function open(browser, url, view, { scheme = "light", phone = false, agent = undefined } = {}) {
   const context = await browser.newContext({ colorScheme: scheme, viewport: phone ? PHONE : DESKTOP, hasTouch: phone, isMobile: phone, reducedMotion: "reduce", userAgent: agent, acceptDownloads: true, ignoreHTTPSErrors: true });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE);
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.stack ?? error.message));
-  // The page asks nobody but its server.
+  // The page makes requests to its own server only.
   page.on("request", (request) => /^(https?|wss?):/.test(request.url()) && new URL(request.url()).host !== new URL(url).host && page.faults.push(`asked ${request.url()}`));
   page.on("console", (message) => message.type() === "error" && page.faults.push(`${message.text()} ${message.location().url}`));
   await page.goto(`${url}/#/${view}`);

@@ -1,4 +1,4 @@
-// What must hold in the browser, a function each. A case throws when it does not.
+// The cases for the browser, a function each. A case throws when it fails.
 
 export * from "./clarity.mjs";
 export * from "./controller.mjs";

@@ -1,5 +1,5 @@
-// What the page says is true and is said once: errors, control, the present and the past, values that cannot be. A case
-// throws when it does not hold.
+// The page shows the truth, and shows it once: errors, control, the present and the past, impossible values. A case
+// throws when it fails.
 
 import assert from "node:assert/strict";
 import { PATIENCE, arrived, close, go, open, operand, positions, ready, take, until } from "./browser.mjs";
@@ -49,7 +49,7 @@ export async function an_error_is_one_message({ browser, url }) {
   await close(page);
 }
 
-/** Where control is missing, the message says of what, and offers it. */
+/** If control is missing, the message names the object and offers its control. */
 export async function control_is_offered_where_it_is_missing({ browser, url }) {
   const page = await open(browser, url, "tags");
   await page.getByLabel("Name of a tag or member to watch").fill("MoveGantry.EnableIn");
@@ -146,7 +146,7 @@ export async function a_live_view_says_so({ browser, url }) {
   await close(page);
 }
 
-/** What is chosen is what the form, the jog and the stop act on: an axis has forms of its own. */
+/** The form, the jog and the stop act on the chosen object: an axis has forms of its own. */
 export async function an_axis_has_its_own_form({ browser, url }) {
   const page = await open(browser, url, "drive");
   await page.getByLabel("What to drive").selectOption("Conveyor");
@@ -164,7 +164,7 @@ export async function an_axis_has_its_own_form({ browser, url }) {
   await close(page);
 }
 
-/** A target that nobody has typed is where the machine stands, also when something else has moved it. */
+/** A target that no user has typed is the present position, also after another client has moved the machine. */
 export async function targets_follow_the_machine({ browser, url }) {
   const page = await open(browser, url, "drive");
   const other = await open(browser, url, "drive");
@@ -182,7 +182,7 @@ export async function targets_follow_the_machine({ browser, url }) {
   await close(page);
 }
 
-/** What the browser has kept may be damaged or old: the page leaves it out. */
+/** The choices stored in the browser may be damaged or old: the page ignores such a choice. */
 export async function a_damaged_choice_is_left_out({ browser, url }) {
   const page = await open(browser, url, "trends");
   await page.evaluate(() => {

@@ -6,7 +6,7 @@ import { VIEWS, actual, arrived, close, go, open, operand, pixels, positions, pr
 /** The longest that an axis may go on after the page is gone, before it begins to brake. */
 const DEAD_MAN_MS = 250;
 
-/** What the form says is what the machine does; without the right it does nothing. */
+/** The machine moves as the form says; without control it does not move. */
 export async function a_move_started_by_the_form_arrives({ browser, url }) {
   const page = await open(browser, url, "drive");
   await positions(page, "Position", [30, -20, 10]);
@@ -48,7 +48,7 @@ export async function a_press_behind_an_edit_runs_the_edit({ browser, url }) {
     await arrived(page, "X", target);
     await until(page, "one execution", () => document.querySelector(".form[data-ready=true]"));
   }
-  // What cannot be executed is not, whatever line was there before.
+  // A form with an error is not executed, even if its earlier line was valid.
   await page.evaluate(() => {
     const input = document.querySelector('.target-table [data-member="Position"]');
     input.value = "";
@@ -101,7 +101,7 @@ export async function a_jog_ends_with_its_page({ browser, url }) {
     }
   };
   const still = () => until(watcher, "X stands still", () => window.samples.at(-1).speed === 0);
-  /** How long after a moment the axis went on at full speed, in ms. */
+  /** The time for which the axis went on at full speed after a moment, in ms. */
   const went = (moment) => watcher.evaluate((since) => window.clockOf(window.samples.findLast(({ speed }) => Math.abs(speed - 50) < 0.01).tick) - since, moment);
 
   const hold = async () => {
@@ -243,7 +243,7 @@ export async function a_program_runs({ browser, url }) {
   await state("Paused, line 2");
   await page.getByRole("button", { name: "Continue" }).click();
   await state("Ended");
-  // Faster than an axis may be: the peaks of the dry run are told, and the limit that is exceeded first.
+  // The dry run of a move that is too fast for an axis shows the peaks, and the first limit that it exceeds.
   await editor.fill("MAM(X, M3, Absolute, 500, 2000, Unitspersec, 9000, Unitspersec2, 9000, Unitspersec2);\nWAIT(M3.PC);\n");
   await page.locator(".editor-errors:empty").waitFor({ state: "attached" });
   await page.getByRole("button", { name: "Dry run" }).click();

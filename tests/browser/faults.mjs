@@ -1,4 +1,4 @@
-// Faults in the browser: what ended a move, the fault itself, a reset that does not help. A case throws when it does not hold.
+// Faults in the browser: the cause that ended a move, the fault itself, a reset that does not help. A case throws when it fails.
 
 import assert from "node:assert/strict";
 import { close, go, open, take } from "./browser.mjs";
@@ -13,7 +13,7 @@ async function run(page, text) {
   await page.getByRole("button", { name: "Run", exact: true }).click();
 }
 
-/** A move that a fault ends is told as that, with axis, fault and time; the fault is an event; a reset that does not help says so. */
+/** The page shows the fault that ended a move, with axis, fault and time; the fault is an event; a reset that does not help is an error. */
 export async function a_fault_is_an_event({ browser, url }) {
   const page = await open(browser, url, "drive");
   await take(page, "Motion");
@@ -36,7 +36,7 @@ export async function a_fault_is_an_event({ browser, url }) {
   const reset = page.locator(".event", { hasText: "MAFR" }).first();
   await reset.locator(".pill", { hasText: "Still faulted" }).waitFor();
   await page.locator(".event .pill", { hasText: "Faulted again" }).first().waitFor();
-  // And now it has gone.
+  // Now the cause is gone.
   await run(page, "FaultInject[0] := 0;\nDELAY(0.1);\nMAFR(X, Good);\nWAIT(Good.DN);\nDELAY(0.1);\n");
   await go(page, "events");
   await page.getByRole("button", { name: "All", exact: true }).click();

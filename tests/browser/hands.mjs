@@ -10,7 +10,7 @@ const beyond = (page, axis, place) =>
   until(page, `${axis} beyond ${place}`, ([name, least]) =>
     Number(document.querySelector(`.jog-row[aria-label="Axis ${name}"] output`).textContent.replace("\u2212", "-")) > least, [axis, place]);
 
-/** A finger jogs as long as it is down, wherever it slips; what takes it away ends the jog, and so does a second one on STOP. */
+/** A finger jogs as long as it is down, wherever it slips; an interruption of the touch ends the jog, and so does a second finger on STOP. */
 export async function a_finger_jogs_while_it_is_down({ browser, url }) {
   const page = await open(browser, url, "drive", { phone: true });
   await take(page, "CS1");
@@ -48,7 +48,7 @@ export async function a_finger_jogs_while_it_is_down({ browser, url }) {
 /** Everything that moves the machine can be done without a pointer. */
 export async function the_keyboard_drives({ browser, url }) {
   const page = await open(browser, url, "machine");
-  /** Goes on with Tab until what has the focus is called so. */
+  /** Presses Tab until the element with this name has the focus. */
   const reach = async (name) => {
     for (let presses = 0; presses < 150; presses++) {
       await page.keyboard.press("Tab");
@@ -81,10 +81,10 @@ export async function the_keyboard_drives({ browser, url }) {
   await close(page);
 }
 
-/** Who clicks about without the right to drive moves nothing, and no instruction comes of it. */
+/** Clicks without control move no axis and execute no instruction. */
 export async function a_stray_click_moves_nothing({ browser, url }) {
   const page = await open(browser, url, "machine");
-  // What asks for the right, what asks for a file, and what holds the machine still on purpose.
+  // The elements that request control, that open a file, and that hold the machine on purpose.
   const meant = /^(Take control|Open|Feed hold|Stop.*)$/;
   let clicks = 0;
   for (const view of VIEWS) {
@@ -102,7 +102,7 @@ export async function a_stray_click_moves_nothing({ browser, url }) {
   await close(page);
 }
 
-/** Every instruction of the catalogue has a form with all of its operands; what the form says is what happens. */
+/** Every instruction of the catalogue has a form with all of its operands; the execution agrees with the form. */
 export async function every_instruction_has_a_form({ browser, url }) {
   const page = await open(browser, url, "drive");
   await page.context().grantPermissions(["clipboard-read", "clipboard-write"], { origin: url });

@@ -11,7 +11,7 @@ export async function the_history_is_exact({ browser, url }) {
     const wrong = [];
     const expect = (what, value, wanted) => Object.is(value, wanted) || wrong.push(`${what}: ${value}, expected ${wanted}`);
     const samples = new Samples({ period_s: 0.001, axes: [{ name: "X" }], coordinate_systems: [{ name: "CS" }] });
-    // Whole numbers, so that what is kept in 32 bits is exact.
+    // Whole numbers, which 32-bit floats hold exactly.
     const command = (tick) => ((tick * 7919) % 100_003) - 50_000;
     const speed = (tick) => (tick * 31) % 1009;
     const frame = (first, count) => {
@@ -50,7 +50,7 @@ export async function the_history_is_exact({ browser, url }) {
       expect(`least of ${length} from ${from}`, pair[0], values.reduce((a, b) => Math.min(a, b)));
       expect(`greatest of ${length} from ${from}`, pair[1], values.reduce((a, b) => Math.max(a, b)));
     }
-    // What was before, of a few ticks at a time: a signal that rises by its tick, with a peak in the second piece.
+    // The past, a few ticks at a time: a signal that rises by its tick, with a peak in the second piece.
     const late = new Samples({ period_s: 0.001, axes: [{ name: "X" }], coordinate_systems: [] });
     const live = (first) => {
       const buffer = new ArrayBuffer(24 + 4 * 8 + 4 * 4);

@@ -1,5 +1,5 @@
-// What is where, at every size of a screen: nothing runs over, lies over another thing or is cut off; and what axe-core
-// finds, which sees the page as a screen reader does. A case throws when it does not hold.
+// The layout at every size of a screen: no element leaves its area, covers another one or is cut off; and the findings of
+// axe-core, which sees the page as a screen reader does. A case throws when it fails.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -36,7 +36,7 @@ function overflow() {
   return [...new Set(found)];
 }
 
-/** With many axes and long names, at every size, with a cursor A and a cursor B in the trends: nothing leaves its panel. */
+/** No panel overflows with many axes and long names, at every size, with a cursor A and a cursor B in the trends. */
 export async function nothing_overflows({ browser, url }) {
   const wrong = [];
   for (const [width, height] of SIZES) {
@@ -106,7 +106,7 @@ export async function axe_finds_nothing({ browser, url }) {
       });
       wrong.push(...found.map((what) => `${view} ${scheme}: ${what}`));
     }
-    // Buttons that look alike are told apart by their names.
+    // Buttons with the same look have different names.
     await go(page, "drive");
     const names = await page.locator(".jog-actions button").evaluateAll((buttons) => buttons.map((button) => button.getAttribute("aria-label") ?? button.textContent));
     assert.equal(new Set(names).size, names.length, names.join(", "));

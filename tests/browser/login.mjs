@@ -14,7 +14,7 @@ async function logIn(page, user, password) {
   await page.locator(".session-note button[type=submit]").click();
 }
 
-/** The button that says who has logged in. */
+/** The button with the name of the user. */
 const session = (page, text) => page.locator("button.session", { hasText: text });
 
 /** Stops by the key, and waits until the page says so. */
@@ -23,7 +23,7 @@ async function stop(page) {
   await page.getByText("Motion is inhibited by STOP").waitFor();
 }
 
-/** Who has not logged in looks and stops; a user does what the role may; a locked page stops. */
+/** A viewer without a log-in looks and stops; a user has the rights of the role; a locked page stops. */
 export async function a_login_gives_the_role({ browser, url, folder }) {
   const scheme = new URL(url).protocol.replace(":", "");
   const page = await open(browser, url, "drive");
@@ -61,7 +61,7 @@ export async function a_login_gives_the_role({ browser, url, folder }) {
   await page.getByRole("button", { name: "Log out" }).click();
   await session(page, "Log in").waitFor();
   assert.deepEqual(await page.context().cookies(), [], "the cookie has gone");
-  // The browser tells the refusal, too.
+  // The browser logs the refusal, too.
   page.faults = page.faults.filter((fault) => !fault.includes("401"));
   await close(page);
 }
@@ -110,7 +110,7 @@ export async function names_and_values_are_text({ browser, url, folder }) {
   await close(page);
 }
 
-/** What clients tell of themselves, the texts of a program, and errors that repeat them are text. */
+/** The page shows the identifications of clients, the texts of a program, and errors that repeat them as text. */
 export async function what_strangers_tell_is_text({ browser, url, folder }) {
   const agent = "<u>agent";
   const page = await open(browser, url, "machine");
@@ -129,7 +129,7 @@ export async function what_strangers_tell_is_text({ browser, url, folder }) {
   await other.mouse.down();
   await page.getByText(agent).first().waitFor();
   await other.mouse.up();
-  // An error that repeats what was asked for.
+  // An error that repeats the requested name.
   await go(page, "tags");
   await page.getByLabel("Name of a tag or member to watch").fill(MARKUP);
   await page.getByRole("button", { name: "Watch", exact: true }).click();

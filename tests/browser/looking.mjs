@@ -1,4 +1,4 @@
-// Looking in the browser: the path, earlier moments, tags, a lost server, what a frame costs. A case throws when it does not hold.
+// Views in the browser: the path, earlier moments, tags, a lost server, the cost of a frame. A case throws when it fails.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -7,7 +7,7 @@ import { PATIENCE, VIEWS, actual, arrived, close, go, open, operand, pixels, pos
 const PATH = ".view.path .path-canvas canvas";
 const PREVIEW = ".preview-panel canvas";
 
-/** What the oldest part of a trail keeps of its colour, where it was passed twice. */
+/** The share of its colour that the oldest part of a trail has, if the machine has passed it twice. */
 const FADED = 0.4;
 
 /** A preview, then the programmed path, then the trail are drawn where they belong. */
@@ -32,7 +32,7 @@ export async function a_path_is_drawn({ browser, url }) {
   await close(page);
 }
 
-/** Of a robot the tool is drawn, wherever its joints go. */
+/** For a robot, the page draws the tool, wherever its joints go. */
 export async function a_robots_tool_is_drawn({ browser, url }) {
   const page = await open(browser, url, "drive");
   for (const system of ["CART", "PICKER"]) await take(page, system);
@@ -56,13 +56,13 @@ export async function a_robots_tool_is_drawn({ browser, url }) {
   await close(page);
 }
 
-/** Where an element over the path ends, in pixels of the canvas. */
+/** The lower end of an element over the path, in pixels of the canvas. */
 const below = async (page, over) => {
   const [{ y, height }, canvas] = [await page.locator(over).boundingBox(), await page.locator(PATH).boundingBox()];
   return y + height - canvas.y;
 };
 
-/** Waits for a straight line of a colour, so many times as wide as it is high, with a pixel in every column. */
+/** Waits for a straight line of a colour, `ratio` times as wide as it is high, with a pixel in every column. */
 async function expectLine(page, canvas, property, ratio, what, share) {
   return becomes(() => pixels(page, canvas, property, 40, share), `${what} is a line, ${ratio} to 1`, ({ left, right, top, bottom, count }) => {
     const [wide, tall] = [right - left, bottom - top];
@@ -70,7 +70,7 @@ async function expectLine(page, canvas, property, ratio, what, share) {
   });
 }
 
-/** Waits until what is measured is as it should be, and gives it. */
+/** Waits until a measurement meets a condition, and returns it. */
 async function becomes(measure, what, is) {
   for (const deadline = Date.now() + PATIENCE; ;) {
     const now = await measure();
@@ -147,7 +147,7 @@ export async function the_scrub_shows_an_earlier_moment({ browser, url }) {
   await close(page);
 }
 
-/** A page that comes later, or again, has what was before it came. */
+/** A page that connects later, or again, has the past from before. */
 export async function a_new_page_has_the_past({ browser, url }) {
   const page = await open(browser, url, "drive");
   await take(page, "XY");
@@ -176,10 +176,10 @@ export async function a_new_page_has_the_past({ browser, url }) {
   await close(later);
 }
 
-/** What the page may take of the main thread for a frame, ms of processor time: of 60 a second each has 16.7. */
+/** The processor time of the main thread that the page may take for a frame, ms: of 60 a second each has 16.7. */
 const FRAME_MS = 12;
 
-/** What a frame of this view takes of the main thread, ms of processor time. */
+/** The processor time of the main thread for a frame of this view, ms. */
 async function frame_time(page, view, metrics) {
   const before = await metrics();
   const frames = await page.evaluate((most) => new Promise((done) => {
@@ -193,14 +193,14 @@ async function frame_time(page, view, metrics) {
     requestAnimationFrame(frame);
   }), 2000);
   const after = await metrics();
-  // Where the machine is too busy to draw, what comes from the server is no part of the few frames that there are.
+  // On a machine that is too busy to draw, the few frames do not include the work for the server's messages.
   const each = (name) => (1000 * (after[name] - before[name])) / Math.max(frames.count, 60 * frames.seconds);
   const [task, script, layout] = [each("TaskDuration"), each("ScriptDuration"), each("LayoutDuration") + each("RecalcStyleDuration")];
   console.log(`${view}: ${task.toFixed(2)} ms of the main thread for each of 60 frames a second (script ${script.toFixed(2)}, layout ${layout.toFixed(2)}); ${(frames.count / frames.seconds).toFixed(0)} frames a second were drawn`);
   return task;
 }
 
-/** With eight axes that move at 1 ms, each view leaves the browser most of every frame. */
+/** Each view leaves the browser most of every frame while eight axes move at 1 ms. */
 export async function frames_leave_time({ browser, url }) {
   const page = await open(browser, url, "program");
   const { axes } = await page.evaluate(() => fetch("/api/machine").then((answer) => answer.json()));
@@ -236,7 +236,7 @@ export async function frames_leave_time({ browser, url }) {
   await close(page);
 }
 
-/** A server that says nothing is told unmistakably, and so is its return. */
+/** The page shows a silent server unmistakably, and so its return. */
 export async function a_lost_server_is_told({ browser, url, server }) {
   const page = await open(browser, url, "machine");
   process.kill(server, "SIGSTOP");

@@ -1,5 +1,5 @@
-// Pictures of every view, light and dark, for a desk and for a phone; and what can be measured on each: nothing is wider
-// than the screen, everything that can be used has a name, every text can be read on its ground.
+// Pictures of every view, light and dark, for a desk and for a phone, and checks of each: no element is wider
+// than the screen, every control has a name, every text can be read on its ground.
 
 import assert from "node:assert/strict";
 import { mkdir } from "node:fs/promises";
@@ -24,7 +24,7 @@ export async function screenshots({ browser, url, folder }) {
           await page.getByRole("button", { name: "Dry run" }).click();
           await page.locator(".view.program .preview-facts, .view.program .problem").filter({ visible: true }).first().waitFor();
         }
-        // What a right to drive adds to the bar leaves room for STOP.
+        // The elements that control adds to the bar leave room for STOP.
         if (view === "drive" && phone) await take(page, "CS1");
         if (view === "drive") await until(page, "the line", () => document.querySelector(".form .line code")?.textContent.includes("MCLM"));
         await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -69,7 +69,7 @@ async function something(browser, url) {
   await page.context().close();
 }
 
-/** In the page: what is wider than the screen, has no name, or cannot be read. */
+/** In the page: the elements that are wider than the screen, have no name, or cannot be read. */
 function faults({ enough, large }) {
   const found = [];
   const main = document.querySelector("main");

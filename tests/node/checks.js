@@ -1,4 +1,4 @@
-// What the scripts of this folder have in common.
+// The common functions of the scripts of this folder.
 "use strict";
 
 const assert = require("assert");

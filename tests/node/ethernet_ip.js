@@ -1,7 +1,7 @@
 // Drives an Arcline server with an unmodified ethernet-ip: node ethernet_ip.js ADDRESS. Its port is always 44818.
 //
-// It does not browse, knows BOOL, SINT, INT, DINT and REAL, and sends everything unconnected over a route. It takes what
-// comes at once for one reply and loses the second of two, so nothing here asks before it has its answer.
+// It does not browse, knows BOOL, SINT, INT, DINT and REAL, and sends everything unconnected over a route. It takes replies
+// that come together for one reply and loses the second of two, so each request here waits for the answer of the one before.
 "use strict";
 
 const assert = require("assert");
@@ -71,7 +71,7 @@ async function groups(plc) {
     await refused("an unknown tag in a group", plc.readTagGroup(some), 0x1e);
 }
 
-// By subscriptions: what is changed here is written by the next scan, what changes there is told.
+// By subscriptions: the next scan writes the changed values, and reports the values that the server has changed.
 async function move(plc, end) {
     const names = ["EnableIn", "MotionControl.PC", "Position[0]", "Position[1]", "Position[2]"].map((name) => `Move1.${name}`);
     const tags = {};
@@ -96,11 +96,11 @@ async function move(plc, end) {
 }
 
 async function clock(plc) {
-    // It asks only what it takes for a 5580 controller.
+    // The client reads the clock only of a controller that it takes for a 5580.
     plc.properties.name += " (L8)";
     await plc.readWallClock();
     const shown = plc.properties.time.getTime();
-    // It takes the clock for one of its own time zone.
+    // The client takes the clock for one of its own time zone.
     const here = Date.now() + new Date().getTimezoneOffset() * 60000;
     assert(Math.abs(shown - here) < 60000, `the clock shows ${plc.time}`);
     console.log("ok  the clock");

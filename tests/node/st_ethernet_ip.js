@@ -64,7 +64,7 @@ async function types(plc) {
     equal("still connected", await read(plc, "Fixed", DINT), 42);
 }
 
-// It shows the hidden members that hold BOOLs.
+// The client shows the hidden members that hold BOOLs.
 function visible(value) {
     if (Array.isArray(value)) return value.map(visible);
     if (value === null || typeof value !== "object") return value;

@@ -55,7 +55,7 @@ async def values(plc):
     done = await plc.write_multiple([("ADint", 0xC4, struct.pack("<i", 8)), ("AnInt", 0xC3, struct.pack("<h", 9))])
     equal("written together", done, {"ADint": True, "AnInt": True})
 
-    # What must be refused.
+    # Requests that the server must refuse.
     for what, call in [("unknown tag: 05", plc.read_dint("Nothing")), ("read-only: 0F", plc.write_dint("Fixed", 1)),
                        ("another type: FF", plc.write_real("ADint", 1.0)), ("beyond the end: FF", plc.read_dint("Dints[10]"))]:
         try:
@@ -90,7 +90,7 @@ async def structures(plc):
     await plc.write_struct_value("Routes[2]", whole)
     equal("an element of an array", (await plc.read_struct("Routes[2]", route)).to_bytes(), whole.to_bytes())
     equal("its member", await plc.read_string("Routes[2].Name"), "north")
-    # It cannot put together a structure that comes in fragments: only the first one's type has four bytes for it.
+    # The client cannot join a structure that comes in fragments: only the first one's type has four bytes for it.
     system = await plc.read_struct("CS1", tags["CS1"].template)
     equal("a coordinate system", (len(system.to_bytes()), system.get_bool("ReadyStatus")), (104, True))
 

@@ -89,7 +89,7 @@ with client.connector(host=host, port=int(port), timeout=20.0) as plc:
         equal("an unknown tag in a packet", error.status, 0x1E)
 
 with client.connector(host=host, port=int(port), timeout=20.0) as plc:
-    # MCLM as a service, whose reply is looked at byte by byte.
+    # MCLM as a service, with a check of each byte of its reply.
     def service(code, path, data):
         plc.service_code(code, path, data=list(data), timeout=5.0)
         reply, _ = client.await_response(plc, timeout=10.0)

@@ -11,7 +11,7 @@ import ethernetip.ethernetip as scanner
 from checks import *
 
 host, port = sys.argv[1].split(":")
-# It knows no other than 44818.
+# The library knows no other port than 44818.
 scanner.ENIP_TCP_PORT = int(port)
 
 # Assemblies and their bytes (docs/IO.md): four coordinate systems, seven axes.
@@ -65,7 +65,7 @@ def cyclic(device, connection):
     eventually("the feed overrides", lambda: overrides() == [50.0, 60.0, 70.0, 80.0])
 
     other = device.explicit_conn(host)
-    # It numbers the connections of each session from 1.
+    # The library numbers the connections of each session from 1.
     other.conn_serial_num = 100
     equal("another session", other.registerSession(), 0)
     refused = forward_open(other, inputsz=INPUT, outputsz=OUTPUT)
@@ -74,7 +74,7 @@ def cyclic(device, connection):
 
     connection.stopProduce()
     equal("Forward Close", connection.sendFwdCloseReq(INPUTS, OUTPUTS, CONFIGURATION), 0)
-    # What was under way has come.
+    # The datagrams under way have arrived.
     time.sleep(0.2)
     last = word(inputs, 0)
     time.sleep(0.2)

@@ -17,7 +17,7 @@ with open(sys.argv[1], "rb") as file:
         topic["count"] += 1
         topic["last"] = message.log_time
         topic["sample"] = sample
-    # By the index: the second half only.
+    # The second half only, by the index.
     middle = (summary.statistics.message_start_time + summary.statistics.message_end_time) // 2
     later = sum(1 for _ in reader.iter_messages(start_time=middle))
 print(json.dumps({"messages": summary.statistics.message_count, "topics": topics, "later": later}))

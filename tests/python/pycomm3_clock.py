@@ -65,7 +65,7 @@ with LogixDriver(sys.argv[1]) as plc:
     check("negative ticks are refused", plc.write(("ClockStep", -1)).error is not None)
     check("nothing has passed", plc.read("ClockStep").value == ended)
 
-    # STOP acts without a step, and what it stops stands after some.
+    # STOP acts without a step, and the axis comes to rest after some steps.
     plc.write("Move1.EnableIn", False)
     plc.write(("Move1.Position{3}", [0.0, 0.0, 0.0]), ("Move1.EnableIn", True))
     step(plc, 500)

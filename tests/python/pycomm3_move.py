@@ -95,7 +95,7 @@ with LogixDriver(server) as plc:
     holds("write 12,000 bytes", plc.write("Recipe{3000}", recipe))
     equal("read 12,000 bytes", plc.read("Recipe{3000}").value, recipe)
 
-    # What must be refused.
+    # Requests that the server must refuse.
     for tag, value in [("X.CommandPosition", 5.0), ("Move1.MotionControl.FLAGS", 0), ("CS1.CoordinateSystemStatus", 0)]:
         written = plc.write(tag, value)
         holds(f"{tag} is read-only", not written and "Permission denied" in written.error, written)

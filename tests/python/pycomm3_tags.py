@@ -84,7 +84,7 @@ with LogixDriver(server) as plc:
     equal("neighbours stay", plc.read("Routes[0].Home").value, dict(ROUTE["Home"], Valid=True))
     holds("a program's tag is another", plc.read("ADint").value != 1 << 40)
 
-    # What must be refused, each for itself, without harm to its neighbours.
+    # Requests that the server must refuse one by one, without harm to their neighbours.
     written = plc.write(("Fixed", 1), ("ADint", 5))
     equal("read-only among others", [bool(tag) for tag in written], [False, True])
     equal("unchanged", plc.read("Fixed").value, 42)

@@ -98,7 +98,7 @@ with PLC(host, port=int(port)) as plc:
     write("Recipe[0]", recipe)
     equal("12,000 bytes", value("Recipe[0]", 3000), recipe)
 
-    # What must be refused.
+    # Requests that the server must refuse.
     equal("an axis is read-only", plc.Write("X.CommandPosition", 5.0).Status, "Privilege violation")
     equal("so is a motion control", plc.Write("Move1.MotionControl.FLAGS", 0).Status, "Privilege violation")
     holds("unknown tag", plc.Read("NoSuchTag").Status in ("Path destination unknown", "Path segment error"),

@@ -1,4 +1,4 @@
-//! A machine on the virtual clock, driven a tick at a time: what the semantics of instructions are tested on.
+//! A machine on the virtual clock, driven a tick at a time, for tests of the semantics of instructions.
 //!
 //! [`Bench::call`] takes one Structured Text call with literal operands and executes it at the present tick.
 
@@ -23,7 +23,7 @@ use crate::trace::Trace;
 /// A controller between the beginning and the end of a tick, and everything it has reported so far.
 pub struct Bench {
     project: Project,
-    /// Of its tags only the plain ones count: motion and motion controls are the controller's.
+    /// The simulation. Only its plain tags count: the controller has motion and motion controls.
     simulation: Simulation,
     controls: BTreeMap<String, ControlSlot>,
     arrays: Vec<String>,
@@ -95,7 +95,7 @@ impl Bench {
         (shown.err, shown.exerr)
     }
 
-    /// Executes one instruction now. Returns what its motion control tag shows right after.
+    /// Executes one instruction now. Returns its motion control tag right after.
     pub fn execute(&mut self, text: &str) -> MotionControl {
         let program = Program::parse_call(text).unwrap_or_else(|error| panic!("{error}"));
         let mut interpreter = Interpreter::new(program);
@@ -190,7 +190,7 @@ impl Bench {
         self.tick_seen(|_| ());
     }
 
-    /// The same; in between `look` sees what everybody outside sees of the tick that has ended.
+    /// The same; between the two, `look` reads the state of the ended tick as clients see it.
     pub fn tick_seen<T>(&mut self, look: impl FnOnce(&Self) -> T) -> T {
         let mut trace = self.trace.take();
         self.simulation.end(&mut Seen {
@@ -211,7 +211,7 @@ impl Bench {
         seen
     }
 
-    /// No program of the tests asks an axis for what it cannot follow, but those that are about that.
+    /// Only programs that test refused commands command an axis beyond its limits.
     fn assert_no_command_was_refused(&self) {
         if self.refusals_expected {
             return;
@@ -256,7 +256,7 @@ impl Bench {
         self.simulation.tick()
     }
 
-    /// What a motion control tag shows.
+    /// The state of a motion control tag.
     pub fn control(&self, tag: &str) -> MotionControl {
         self.controls.get(tag).map_or_else(MotionControl::default, |slot| {
             self.simulation.controller().control(*slot)
@@ -273,7 +273,7 @@ impl Bench {
         shown.collect::<Vec<_>>().join(" ")
     }
 
-    /// What an instruction has written to an array by now; nothing at first.
+    /// The values that an instruction has written to an array so far; empty at first.
     pub fn array(&self, name: &str) -> Vec<f64> {
         self.written.get(name).cloned().unwrap_or_default()
     }
@@ -325,7 +325,7 @@ impl Bench {
     }
 }
 
-/// What a bench keeps of a tick.
+/// The records of a tick.
 struct Seen<'b> {
     controls: &'b BTreeMap<String, ControlSlot>,
     arrays: &'b [String],
@@ -384,7 +384,7 @@ impl Directory for Bench {
         }
     }
 
-    /// An array of the configuration, or any name: an array of so many elements as it ends with, 4 where it does not.
+    /// An array of the configuration, or any name: a name that ends in a number is an array of that length, others have 4 elements.
     fn real_array(&self, name: &str) -> Option<WrittenArray> {
         self.simulation.image().real_array(name).or_else(|| {
             let elements = name.trim_start_matches(|letter: char| !letter.is_ascii_digit()).parse();

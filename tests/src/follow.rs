@@ -1,5 +1,5 @@
-//! A machine for transforms and gears: five coordinate systems of three axes without drives, one of servos, and what
-//! they can be refused for.
+//! A machine for transforms and gears: five coordinate systems of three axes without drives, and one of servos, with
+//! the errors that they can raise.
 
 use crate::bench::Bench;
 

@@ -1,7 +1,7 @@
-//! Tests of the controller, tick by tick on the virtual clock: what no single crate can test.
+//! Tests of the controller, tick by tick on the virtual clock, for behaviour that no single crate can test.
 //!
 //! This library is their common ground. It runs Structured Text on a controller ([`mod@bench`]), makes machines ([`follow`],
-//! [`robots`]), random programs ([`random`], [`robot_programs`]) and toolpaths ([`streams`]), and says what a machine cannot test
+//! [`robots`]), random programs ([`random`], [`robot_programs`]) and toolpaths ([`streams`]), and reports the tests that cannot run here
 //! ([`mod@not_run`]). It holds no tests; they are in `tests/tests`. The programs as users
 //! start them, with sockets and files, are tested by the package `arcline-system-tests` in `tests/system`.
 #![forbid(unsafe_code)]

@@ -1,16 +1,16 @@
-//! What a machine cannot test is said, and counted.
+//! Reports and counts the tests that cannot run on this machine.
 
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Whether this is a run of the project's CI, where nothing may be missing.
+/// Whether this is a run of the project's CI, in which every program must be present.
 #[must_use]
 pub fn in_ci() -> bool {
     std::env::var_os("CI").is_some_and(|value| value == "true" || value == "1")
 }
 
-/// Says on the terminal that `what` cannot be tested here and why, and how many tests of this process could not run. Adds a line to
+/// Prints that `what` cannot be tested here, with the reason and the number of such tests in this process. Adds a line to
 /// `target/not-run.txt`, which `.ci/run` counts at its end.
 ///
 /// # Panics
@@ -20,20 +20,20 @@ pub fn not_run(what: &str, why: &str) {
     not_granted(what, why);
 }
 
-/// The same for what a machine may refuse to a test although everything is installed, as to trace a process or to mount a file system. It is
-/// said and counted, in CI too, and is not a failure there.
+/// The same for a permission that a machine may refuse to a test although everything is installed, such as tracing a process or mounting a file
+/// system. It is printed and counted, in CI too, and is not a failure there.
 pub fn not_granted(what: &str, why: &str) {
     static COUNT: AtomicUsize = AtomicUsize::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed) + 1;
-    // The test harness captures what `println!` and `eprintln!` write, and shows it only when a test fails; not what is written to the
-    // handle itself.
+    // The test harness captures the output of `println!` and `eprintln!`, and shows it only when a test fails; it does not capture writes to
+    // the handle itself.
     let _ = writeln!(std::io::stderr(), "NOT RUN ({count} so far): {what}: {why}");
     let file = target_directory().join("not-run.txt");
     let file = std::fs::OpenOptions::new().create(true).append(true).open(file);
     let _ = file.and_then(|mut file| writeln!(file, "{what}: {why}"));
 }
 
-/// The target folder, for what tests fetch or leave behind.
+/// The target folder, for files that tests fetch or leave behind.
 ///
 /// # Panics
 /// When the running program is not a test that Cargo has built.

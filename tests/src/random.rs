@@ -25,7 +25,7 @@ impl Random {
         self.bits() % count
     }
 
-    /// One of several.
+    /// Draws one of several.
     ///
     /// # Panics
     /// When there is none.

@@ -24,7 +24,7 @@ use crate::robots::{
     PLANAR_INDEPENDENT, RobotMachine, SCARA, SCARA_DELTA, SCARA_J1J2J3J6, SIX_AXES,
 };
 
-/// How far programs go.
+/// The scope of the programs.
 #[derive(Clone, Copy, Debug)]
 pub struct Scope {
     /// The machines that take turns.
@@ -100,13 +100,13 @@ const TURN_RATE: f64 = 1000.0;
 const MAX_TURN: [f64; 2] = [360.0, 3600.0];
 /// A stop has this share of the Maximum Decelerations, which are 10000 units/s² and [`MAX_TURN`].
 const STOP: f64 = 0.25;
-/// What a joint does within a tick besides its velocity, degrees/s², away from singularities.
+/// The further travel of a joint within a tick beyond its velocity, degrees/s², away from singularities.
 const JOINT_RATE: f64 = 150_000.0;
 /// A J5 below this angle, degrees, is near the singularity of a wrist.
 const SINGULAR: f64 = 8.0;
 /// The velocity that a corner may change, units/s.
 const CORNER: f64 = 700.0;
-/// Full queues, stops under way, and stops of what does not move.
+/// Full queues, stops under way, and stops of objects at rest.
 const USUAL: [i16; 4] = [0, 23, 43, 78];
 
 const CARTESIAN: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
@@ -115,11 +115,11 @@ const TAGS: &str = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\nvalue = { Int
                     [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\nvalue = { UnitsMode = 1 }\n";
 const CART: &str = "actual_tolerance = 0.01\nmax_orientation_speed = 360.0\nmax_orientation_acceleration = 3600.0\n";
 
-/// What a robot's joints make of its tool.
+/// The kinematics from a robot's joints to its tool.
 enum Mechanism {
-    /// Behind the frame of the source.
+    /// The arm, behind the frame of the source.
     Arm(Robot, Frame),
-    /// With the work and the tool.
+    /// The robot with a wrist, with the frames of work and tool.
     Wrist(OrientedRobot, [Pose; 2]),
 }
 
@@ -140,15 +140,15 @@ pub struct RobotProgram {
     joint_speed: f64,
     /// Seconds.
     period: f64,
-    /// Where the tool is when it begins.
+    /// The pose of the tool at the beginning.
     base: [f64; 6],
     /// The joint of a robot that cannot do both at once tilts, and does not turn.
     tilts: bool,
     /// Termination types 4 and 5 make a declared step of the velocity in a corner.
     corners: bool,
-    /// Single axes move too: what adds up on an axis is not bounded as closely.
+    /// Whether single axes move too: the sum on an axis has a wider bound.
     singles: bool,
-    /// It came near the singularity of a wrist: the transform may fail, and its joints have no bound but their speed.
+    /// It came near the singularity of a wrist: the transform may fail, and only the speed bounds its joints.
     was_singular: bool,
     executed: u32,
     ticks: u64,
@@ -226,7 +226,7 @@ impl RobotProgram {
         self.axes[0].len() == 2 || (self.is_oriented() && self.axes[1].len() == 3)
     }
 
-    /// Links the robot, with frames such that the angles of its tool can be told apart.
+    /// Links the robot, with frames that make the angles of its tool unambiguous.
     fn link(&mut self) {
         if !self.is_oriented() {
             let mut turned = Point::new(0.0, 0.0, self.random.between(-50.0, 50.0));
@@ -285,7 +285,7 @@ impl RobotProgram {
         joints
     }
 
-    /// Where joints bring the tool of a robot with a wrist in the work frame.
+    /// The pose of the tool in the work frame, of a robot with a wrist with these joints.
     fn tool(&self, joints: &[f64; 6]) -> Pose {
         let Mechanism::Wrist(robot, [work, tool]) = &self.mechanism else {
             panic!("the robot has no wrist");
@@ -319,7 +319,7 @@ impl RobotProgram {
         ]
     }
 
-    /// From Speed on.
+    /// The operands from Speed on.
     fn dynamics(&mut self, speed: f64, rate: f64) -> String {
         let [speed, up, down] = self.rates(speed, rate);
         let (profile, jerk) = (self.random.below(2), self.random.between(20.0, 100.0));
@@ -346,7 +346,7 @@ impl RobotProgram {
                 to[place] += self.random.between(-most, most);
             }
         } else if self.swings() {
-            // From wherever it is: so it does only the one or the other.
+            // The start is arbitrary, so the move does only the one or the other.
             incremental = true;
             let place = if self.tilts { 4 } else { 5 };
             to[place] += self.random.between(-turn / 4.0, turn / 4.0);
@@ -363,7 +363,7 @@ impl RobotProgram {
             }
         }
         if self.random.below(6) == 0 {
-            // What only turns, or only moves.
+            // The parts of the move that only turn, or only move.
             let standing = self.random.below(2) == 0;
             for (place, to) in to.iter_mut().enumerate().filter(|(place, _)| standing == (*place < 3)) {
                 *to = if incremental { 0.0 } else { self.base[place] };
@@ -470,7 +470,7 @@ impl RobotProgram {
         } else {
             self.random.between(20.0, 300.0)
         };
-        // Not less than any programmed deceleration: a move that overshoots leaves the reach.
+        // At least every programmed deceleration: a move that overshoots leaves the reach.
         let (rate, scope) = (RATE, self.random.below(2));
         let call = |speed: f64| {
             format!("MCCD(CART, {{tag}}, 1, 1, {speed}, 0, 1, {rate}, 0, 1, {rate}, 0, 0, 0, 0, 0, 0, {scope})")
@@ -514,7 +514,7 @@ impl RobotProgram {
         }
     }
 
-    /// One tick: nothing jumps, and both sides are at one place.
+    /// Makes one tick: no axis jumps, and both sides agree.
     fn tick(&mut self) {
         let before = self.bench.snapshot();
         self.bench.tick();
@@ -547,7 +547,7 @@ impl RobotProgram {
         }
     }
 
-    /// The velocity of an axis is that of its positions, and changes by so much in a second at most.
+    /// Checks that the velocity of an axis is that of its positions, and that it changes by at most `most` in a second.
     fn check_axis(&self, axis: usize, [before, after]: [&Snapshot; 2], most: f64) {
         let name = &self.bench.machine().axes[axis].name;
         let [b, a] = [before, after].map(|snapshot| snapshot.axes[axis].command);
@@ -574,8 +574,8 @@ impl RobotProgram {
         );
     }
 
-    /// Whether a wrist is so near to its singularity, where the axes of J4 and J6 lie in one line, that these two joints change as fast
-    /// as their speed lets them. Single axes, residuals and turns about another axis than Z lead there from where the program begins.
+    /// Whether a wrist is so near to its singularity, at which the axes of J4 and J6 lie in one line, that these two joints turn at
+    /// their full speed. Single axes, residuals and turns about another axis than Z lead there from the start of the program.
     fn is_singular(&self, shown: &Snapshot) -> bool {
         let is_wrist = matches!(self.mechanism, Mechanism::Wrist(..)) && self.axes[1].len() == JOINTS.len();
         is_wrist && shown.axes[self.axes[1][4]].command[0].abs() < SINGULAR
@@ -676,8 +676,8 @@ impl RobotProgram {
     }
 }
 
-/// How much the velocity of an axis of the source may change in a second where no single axis moves: by two moves that are superposed
-/// and what ramps out of a merge, by moves or by their stops.
+/// The greatest change of an axis's velocity in a second while no single axis of the source moves: by two superposed moves
+/// and the residuals of a merge, by moves or by their stops.
 fn most(place: usize, oriented: bool) -> f64 {
     if place < 3 {
         // An arc adds its centripetal acceleration.

@@ -7,7 +7,7 @@ use crate::bench::Bench;
 pub struct RobotMachine {
     /// Keys of the coordinate system.
     pub keys: &'static str,
-    /// Where its joints are at the start.
+    /// The positions of its joints at the start.
     pub joints: &'static [f64],
     /// Maximum Speed and Acceleration of each joint.
     pub joint_speed: f64,
@@ -140,7 +140,7 @@ const TAGS: [(&str, &str); 6] = [
 ];
 
 impl RobotMachine {
-    /// Whether its system turns the tool too: `CART` has `RX RY RZ` behind `X Y Z` then.
+    /// Whether its system turns the tool too: `CART` then has `RX RY RZ` behind `X Y Z`.
     #[must_use]
     pub fn is_oriented(&self) -> bool {
         self.keys.contains("definition")

@@ -165,7 +165,7 @@ impl Course {
 /// A part of a random toolpath.
 #[derive(Clone, Copy, Debug)]
 enum Part {
-    /// So many chords: their length, the turn at each (rad), and how the turn changes from chord to chord.
+    /// A number of chords: their length, the turn at each (rad), and the change of the turn from chord to chord.
     Chords(usize, f64, f64, f64),
     /// A line.
     Line(f64),
@@ -173,7 +173,7 @@ enum Part {
     Arc(f64, f64),
     /// A sudden corner.
     Corner(f64),
-    /// A slot: so many times a line and an arc that goes on in its direction.
+    /// A slot: a number of times a line and an arc that goes on in its direction.
     Slot(usize, f64, f64),
 }
 
@@ -193,7 +193,7 @@ pub struct Wild {
 }
 
 impl Wild {
-    /// The toolpath of a seed, of about so many moves.
+    /// The toolpath of a seed, of about this number of moves.
     #[must_use]
     pub fn new(seed: u64, about: usize) -> Wild {
         let mut random = Random(seed);
@@ -321,29 +321,29 @@ fn numbered(paths: Vec<Path>, speed: f64, tolerance: f64, jerk: Option<f64>) -> 
         .collect()
 }
 
-/// How long a plan takes to come.
+/// The time from the request for a plan to its arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Latency {
-    /// It comes in the tick that asks for it, as in `simulate`.
+    /// The plan comes in the tick of its request, as in `simulate`.
     None,
-    /// So many seconds.
+    /// A number of seconds.
     Seconds(f64),
-    /// As long as it kept a processor busy (Linux).
+    /// The processor time of the planning (Linux).
     Measured,
 }
 
-/// How a stream is sent.
+/// The sending of a stream.
 #[derive(Clone, Copy, Debug)]
 pub struct Feed {
     /// Pending moves that the queue has room for.
     pub depth: usize,
     /// Moves that come in a tick, on average, where there is room; infinite: the queue is always full.
     pub per_tick: f64,
-    /// How late plans are.
+    /// The latency of plans.
     pub latency: Latency,
 }
 
-/// How a stream has fared.
+/// The results of a stream.
 #[derive(Clone, Debug, Default)]
 pub struct Travelled {
     /// Seconds from the first move in the queue to the first motion, and to the end.
@@ -360,11 +360,11 @@ pub struct Travelled {
     pub not_found: usize,
     /// Plans that came too late.
     pub late: usize,
-    /// Seconds for which planning kept a processor busy, all and the longest.
+    /// Processor time of the planning, s: the sum and the longest.
     pub planning: f64,
     /// The longest plan, seconds.
     pub longest: f64,
-    /// After each plan: the time, how far the motion has come and how far it is planned, seconds from its beginning.
+    /// After each plan: the time, the travelled and the planned part of the motion, seconds from its beginning.
     pub fronts: Vec<[f64; 3]>,
 }
 
@@ -378,8 +378,8 @@ pub fn limits(jerk: Option<f64>) -> AxisLimits {
     }
 }
 
-/// Travels moves on the virtual clock, a tick a millisecond. `look` sees the queue and where the motion is at every tick, and may change
-/// what it likes.
+/// Travels moves on the virtual clock, a tick a millisecond. `look` gets the queue and the position of the motion at every tick, and may change
+/// them.
 ///
 /// # Panics
 /// When the motion has not ended after an hour.
@@ -462,12 +462,12 @@ pub fn travel(
     told
 }
 
-/// Seconds for which this thread has kept a processor busy (Linux).
+/// Processor time of this thread, s (Linux).
 fn busy() -> f64 {
     let shown = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = shown.split(' ').next().and_then(|first| first.parse::<f64>().ok());
     nanoseconds.unwrap_or(0.0) * 1e-9
 }
 
-/// What each axis can do, mm/s².
+/// The greatest acceleration of each axis, mm/s².
 const ACCELERATION: f64 = 5000.0;

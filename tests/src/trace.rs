@@ -2,7 +2,7 @@
 //!
 //! With `ARCLINE_TRACES=FILE` in the environment every bench hashes each of its snapshots, events and changes of faults, and
 //! appends one line with the test's name and that hash when it is dropped. `tests/trace_table.py` makes a table with one
-//! line per test of them, and compares it with the one that is kept.
+//! line per test of them, and compares it with the stored one.
 
 use std::fs::OpenOptions;
 use std::hash::{DefaultHasher, Hasher};

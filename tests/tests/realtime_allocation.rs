@@ -22,7 +22,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// What is executed so far, with both profiles, all circle types, merges, refusals and stops on the way.
+/// The executed calls, with both profiles, all circle types, merges, refusals and stops on the way.
 const CALLS: &[&str] = &[
     "MCT(CS3, CS1, M20, [0, 0, 90], [0, 0, 0]);",
     "MCT(CS1, CS2, M21, [0, 0, 0], [0, 0, 0]);",
@@ -95,7 +95,7 @@ const CALLS: &[&str] = &[
     "MCS(XY, M17, CoordinatedMove, No, 0, Unitspersec2, No, 0, %ofTime);",
 ];
 
-/// What makes everything ready again, with the ticks that it takes.
+/// The calls that make the machine ready again, with the ticks that they take.
 const READY: &[(&str, u32)] = &[
     ("MGSD(Motion, M33);", 1500),
     ("MGSR(Motion, M34);", 2),
@@ -151,7 +151,7 @@ fn call(project: &Project, text: &str) -> Call {
         .unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-/// One call of every instruction in the catalogue that can be bound with nothing but zeros.
+/// One call of every instruction in the catalogue that can be bound with zeros only.
 fn zeros(project: &Project) -> Vec<Call> {
     let bound = Mnemonic::ALL.iter().filter_map(|mnemonic| {
         (0..=arcline_instruction_set::MAX_OPERANDS).rev().find_map(|count| {
@@ -166,7 +166,7 @@ fn zeros(project: &Project) -> Vec<Call> {
 struct Outer {
     link: Link,
     image: Image,
-    /// What instructions write to tags when they are done, by ticket.
+    /// Writes of instructions to tags at their end, by ticket.
     staged: BTreeMap<u64, Staged>,
     /// Mnemonic of every ticket so far.
     sent: Vec<Mnemonic>,
@@ -247,7 +247,7 @@ fn press(outer: &Mutex<Outer>, calls: &[Call]) {
     }
 }
 
-/// Where MCPM leads and how fast.
+/// The path and speed of MCPM.
 const PATHS: &str = "[[tag]]\nname = \"Way\"\ntype = \"PATH_DATA\"\nvalue = { InterpolationType = 1, TerminationType = 6, \
     CommandToleranceLinear = 2.0, Position = [9.0, 3.0, 4.0, 20.0, 30.0, 40.0, 0.0, 0.0, 0.0] }\n\
     [[tag]]\nname = \"Pace\"\ntype = \"DYNAMICS_DATA\"\nvalue = { Speed = 50.0, Profile = 1, Acceleration = 50.0, \
@@ -496,7 +496,7 @@ const SCENES: &[&[(&str, u32)]] = &[
     ],
 ];
 
-/// The same in every run: what is executed comes between two ticks of the same thread.
+/// The result is the same in every run: calls come between two ticks of the same thread.
 #[test]
 fn no_instruction_allocates() {
     let project = project();
@@ -523,7 +523,7 @@ fn no_instruction_allocates() {
             outer.accepted
         );
     }
-    // In any order, at any place of what the ones before are doing.
+    // Calls in any order, at any stage of the ones before.
     let calls = all_calls(&project);
     for turn in 0..8 {
         for (text, ticks) in READY {

@@ -1,4 +1,4 @@
-// What every view is given: the connection, the machine as the page knows it, and the commands that several views use.
+// The data and commands that the views share: the connection, the machine as the page knows it, and the commands of several views.
 
 import { Connection } from "./connection.js";
 import { Emitter } from "./emitter.js";
@@ -14,7 +14,7 @@ import { Toasts } from "./toasts.js";
 /** @import { Store } from "./store.js" */
 /** @import { Refusal as RefusalMessage, Simulated } from "../types/protocol.js" */
 
-/** The answer to a request comes at most so long after its event. */
+/** Longest time from an event to the answer of its request, ms. */
 const ANSWER_MS = 400;
 /** A refusal and an event within this time are the same error. */
 const REFUSED_MS = 5000;
@@ -24,8 +24,8 @@ const REFUSED_MS = 5000;
  * @typedef {object} View
  * @property {string} title
  * @property {HTMLElement} element
- * @property {boolean} [hasTime] Whether the view shows the moment that is chosen.
- * @property {boolean} [isHere] False: the machine has nothing to show there; the list does not name the view.
+ * @property {boolean} [hasTime] Whether the view shows the chosen moment.
+ * @property {boolean} [isHere] False: the machine has no data for the view, and the list does not name it.
  * @property {() => void} [show] Called when the view comes into the page.
  * @property {() => void} [hide] Called when the view leaves the page.
  * @property {() => void} [update] Called with each new status while the view is shown.

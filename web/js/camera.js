@@ -8,7 +8,7 @@
 /** The angles of a look, in radians. @typedef {{ turn: number, height: number }} Angles */
 
 const RIGHT_ANGLE = Math.PI / 2;
-/** Between a picture that is fitted and the edges of its place, and what covers a part of it. */
+/** Margins between a fitted picture and the edges of its area, and between it and elements that cover a part of it, pixels. */
 const MARGIN = 56;
 const CLEAR = 12;
 
@@ -20,7 +20,7 @@ export const LOOKS = {
   space: { turn: -Math.PI / 5, height: Math.PI / 6 },
 };
 
-/** Where from and how large the world is seen. */
+/** The direction and scale of the view. */
 export class Camera {
   turn = 0;
   height = RIGHT_ANGLE;
@@ -100,7 +100,7 @@ export class Camera {
     if (hidden) this.#fit(box, Math.max(...covers.map(({ bottom }) => bottom)) - MARGIN + CLEAR);
   }
 
-  /** Shows a box whole, with so many pixels at the top free beside the margin. @param {Box} box @param {number} top */
+  /** Shows a box whole, with `top` pixels free at the top beside the margin. @param {Box} box @param {number} top */
   #fit([low, high], top) {
     const { right, up } = this.axes();
     let [wide, tall] = [0, 0];

@@ -1,5 +1,5 @@
-// The WebSocket: requests with answers, pushes, binary samples; and knowing at once that the server is gone.
-// It reconnects by itself. It keeps nothing: what a page has shown before is for the store to say.
+// The WebSocket: requests with answers, pushes, binary samples, and the immediate detection of a lost server.
+// It reconnects by itself. It stores no data: the store has the state that the page has shown.
 
 import { Emitter } from "./emitter.js";
 
@@ -11,7 +11,7 @@ const ANSWER_MS = 10_000;
 const PATIENT = { preview: 120_000, dry_run: 120_000 };
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 2000;
-/** So many different refusals are remembered. */
+/** The most different refusals that the connection remembers. */
 const MOST_REFUSALS = 32;
 
 /** A refusal of the server, with `err`, `exerr`, `cause`, `remedy`, `line`, `column` as far as it has them. */
@@ -33,7 +33,7 @@ export class Refusal extends Error {
   }
 }
 
-/** What is known of a failure: a refusal as the server sent it, or the message of another error. @param {unknown} error @returns {RefusalMessage} */
+/** The known parts of a failure: a refusal as the server sent it, or the message of another error. @param {unknown} error @returns {RefusalMessage} */
 export function refusalOf(error) {
   if (error instanceof Refusal) return error;
   if (error instanceof Error) return { text: error.message };
@@ -70,7 +70,7 @@ export class Connection extends Emitter {
     return this.#opened;
   }
 
-  /** Begins to connect; after that the connection looks after itself. */
+  /** Begins to connect; after that the connection reconnects by itself. */
   start() {
     const socket = new WebSocket(this.url);
     socket.binaryType = "arraybuffer";

@@ -8,7 +8,7 @@ import { TagPanel } from "./tag_panel.js";
 
 /** @import { ControllerStatus, LookRow, RoutineList, RoutineRow, Rung, TextLine } from "../types/protocol.js" */
 
-/** Rungs that are asked for at a time, and the most that are looked at. */
+/** Rungs of one request, and the most that the page watches. */
 const PAGE = 50;
 const MOST_LOOKED = 100;
 const SCROLLED_MS = 60;
@@ -36,7 +36,7 @@ export class Controller {
   #asked = new Set();
   /** The newest state by place. @type {Map<number, LookRow>} */
   #rows = new Map();
-  /** What shows a row that is drawn. @type {Map<number, (row: LookRow | null) => void>} */
+  /** The functions that update the picture of each drawn row. @type {Map<number, (row: LookRow | null) => void>} */
   #pictures = new Map();
   /** The row that a fault or a use is at. @type {number | null} */
   #marked = null;
@@ -73,7 +73,7 @@ export class Controller {
     this.#show(null);
   }
 
-  /** Whether there is a program: without one the list of views does not name this one. */
+  /** Whether the controller has a program; without one the list of views does not name this view. */
   get isHere() {
     return Boolean(this.app.store.status?.controller);
   }
@@ -293,7 +293,7 @@ export class Controller {
     return { element, height: LINE, update };
   }
 
-  /** Looks at what is visible, and at nothing else. */
+  /** Watches the visible rows only. */
   #look() {
     const { routine } = this;
     if (!this.app.connection.isOpen || !this.element.isConnected || !routine || !this.rows.count || !this.#version) return;

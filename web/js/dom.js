@@ -43,7 +43,7 @@ export function fill(parent, ...children) {
   append(parent, children);
 }
 
-/** A picture of the sprite; it is decoration, the text beside it says what it means. @param {string} name */
+/** A picture of the sprite. It is decoration; the text beside it has the meaning. @param {string} name */
 export function icon(name) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   svg.setAttribute("class", "icon");
@@ -64,7 +64,7 @@ export function toggle(element, name, on) {
   if (element.classList.contains(name) !== Boolean(on)) element.classList.toggle(name, Boolean(on));
 }
 
-/** A `data-…` attribute, which the style sheets look at. @param {HTMLElement} element @param {string} name @param {string} value */
+/** Sets a `data-…` attribute, which the style sheets select by. @param {HTMLElement} element @param {string} name @param {string} value */
 export function state(element, name, value) {
   if (element.dataset[name] !== value) element.dataset[name] = value;
 }

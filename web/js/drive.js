@@ -1,5 +1,5 @@
-// The view for driving: rights, servo, home, jog, override, moves. Nothing here moves by a stray click: the right is
-// taken first, a jog lasts as long as it is held, and every other motion has a button of its own that says what it does.
+// The view for driving: control, servo, home, jog, override, moves. A stray click moves no axis: the user takes control
+// first, a jog lasts as long as its button is held, and every other motion has a button of its own that names the motion.
 
 import { ControlBar } from "./control.js";
 import { fill, h, icon, segmented, state, text } from "./dom.js";
@@ -323,7 +323,7 @@ export class Drive {
     this.form?.update();
   }
 
-  /** Until a position is chosen, the form of a single axis has the one where it stands. */
+  /** Until the user chooses a position, the form of a single axis has the present one. */
   #follow() {
     if (this.chosen !== "MAM" || !this.form) return;
     const status = this.app.store.axisStatus(this.form.object);

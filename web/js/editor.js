@@ -1,5 +1,5 @@
-// A text area with line numbers, colours, the line that runs, and errors at their place. It knows how Structured Text
-// looks, not what it means: errors are the server's.
+// A text area with line numbers, colours, the line that runs, and errors at their place. It knows the
+// syntax of Structured Text, not its meaning: the server finds the errors.
 
 import { fill, h, property } from "./dom.js";
 

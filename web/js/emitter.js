@@ -1,4 +1,4 @@
-// Events with a type for what they carry.
+// Events with typed data.
 
 /**
  * An `EventTarget` whose events are the members of `E`, each with the type of its detail.

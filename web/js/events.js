@@ -1,4 +1,4 @@
-// The view of what happened: the execution of every instruction, and of an error its cause and what to do.
+// The view of events: the execution of every instruction, and the cause and remedy of each error.
 
 import { fill, h, icon, segmented } from "./dom.js";
 import { clock, duration, timestamp } from "./format.js";
@@ -104,7 +104,7 @@ export class Events {
     return h(`li.event.${kind}`, {}, details);
   }
 
-  /** Shows the trends of the moment in which it began, if they are still kept. @param {Execution} execution */
+  /** Shows the trends of the moment in which the execution began, if they are still stored. @param {Execution} execution */
   #showTime(execution) {
     const { tick } = execution.steps[execution.steps.length - 1];
     const { samples, timeCursor, toasts } = this.app;

@@ -1,4 +1,4 @@
-// What is shown, as a file: CSV with every tick, or the picture. Nothing leaves the machine.
+// Saves the displayed data as a file: CSV with every tick, or the picture. No data leaves the computer.
 
 import { clock } from "./format.js";
 
@@ -39,12 +39,12 @@ export function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-/** Saves what a canvas shows as PNG. @param {HTMLCanvasElement} canvas @param {string} name */
+/** Saves the picture of a canvas as PNG. @param {HTMLCanvasElement} canvas @param {string} name */
 export function savePicture(canvas, name) {
   canvas.toBlob((blob) => blob && save(blob, name), "image/png");
 }
 
-/** A name for a file: what it is and the moment. @param {string} what @param {Samples} samples @param {number} tick @param {string} ending */
+/** A name for a file, from its content and the moment. @param {string} what @param {Samples} samples @param {number} tick @param {string} ending */
 export function fileName(what, samples, tick, ending) {
   return `arcline-${what}-${clock(samples.time(tick), 1).replaceAll(":", "-")}.${ending}`;
 }

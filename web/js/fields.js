@@ -1,5 +1,5 @@
-// One field of an instruction's form: what it looks like and how its text becomes an operand. All facts about an
-// operand come from `/api/instructions`; nothing about any instruction is known here.
+// One field of an instruction's form: its element, and the conversion of its text to an operand. All facts about an
+// operand come from `/api/instructions`; this module knows no instruction.
 
 import { h, options } from "./dom.js";
 import { exact } from "./format.js";
@@ -11,7 +11,7 @@ import { exact } from "./format.js";
 /** Values of the words that are chosen, by member. @typedef {Record<string, number>} Words */
 
 /**
- * The input of a field. `read` gives the operand's value, or throws a text that says what is wrong.
+ * The input of a field. `read` returns the operand's value, or throws the text of the error.
  * @typedef {object} Input
  * @property {HTMLInputElement | HTMLSelectElement} input
  * @property {() => string | number | number[]} read
@@ -48,7 +48,7 @@ function highest(range, values) {
 }
 
 /**
- * What is wrong with a number in a range; `null` if nothing is.
+ * The error of a number in a range; `null` without one.
  * @param {Pick<OperandForm, "kind" | "range">} operand
  * @param {number} value
  * @param {Words} values

@@ -14,7 +14,7 @@ import { explanation } from "./toasts.js";
 const LINE_MS = 120;
 const PREVIEW_MS = 350;
 const TAGS = 8;
-/** How often a press asks again because the form was edited meanwhile. */
+/** The most requests of one press, since an edit of the form repeats the request. */
 const TRIES = 8;
 /** Stops need no control. */
 export const STOPS = new Set(["MCS", "MAS", "MGS"]);
@@ -51,7 +51,7 @@ export class InstructionForm {
     /** Members of the operands that a person has edited. @type {Set<string>} */
     this.touched = new Set();
     this.asked = 0;
-    /** How often the form was edited, and the edit whose line is known, or known to be wrong. */
+    /** The number of edits, and the edit whose line, or whose error, is known. */
     this.edits = 0;
     this.answered = 0;
     this.isPressed = false;
@@ -197,7 +197,7 @@ export class InstructionForm {
     return unit.text === "position" ? rate(this.units, 0) : unit.text;
   }
 
-  /** The operands by member; marks what is wrong and gives `null`. */
+  /** The operands by member. With an error, it marks the wrong fields and returns `null`. */
   #read() {
     /** @type {Record<string, unknown>} */
     const operands = {};
@@ -294,7 +294,7 @@ export class InstructionForm {
     }
   }
 
-  /** Whether a preview makes sense: the instruction makes a process of its own. */
+  /** Whether the instruction has a preview: it makes a motion of its own. */
   get moves() {
     return this.instruction.operands.some(({ member }) => member === "Position" || member === "Path");
   }
@@ -339,7 +339,7 @@ export class InstructionForm {
     }
   }
 
-  /** Looks at the rights and the positions again. */
+  /** Updates the rights and the positions. */
   update() {
     this.table?.update();
     const { store, connection } = this.app;
@@ -354,7 +354,7 @@ export class InstructionForm {
   }
 }
 
-/** The next of a few motion control tags; a name that a user has typed is kept. @param {string} present */
+/** The next of a few motion control tags; a name that a user has typed stays. @param {string} present */
 function nextTag(present = "") {
   if (present !== "" && !/^Hmi[1-8]$/.test(present)) return present;
   lastTag = (lastTag % TAGS) + 1;

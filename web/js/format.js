@@ -2,7 +2,7 @@
 
 const MINUS = "\u2212";
 
-/** A number with so many decimals and a real minus sign; a dash where there is none. @param {number} value @param {number} decimals */
+/** A number with `decimals` decimals and a real minus sign; a dash if there is no number. @param {number} value @param {number} decimals */
 export function fixed(value, decimals = 3) {
   if (!Number.isFinite(value)) return "–";
   const shown = Math.abs(value).toFixed(decimals);

@@ -6,7 +6,7 @@ import { Samples } from "./samples.js";
 /** Asks for the past after each connection. */
 export class History {
   #turn = 0;
-  /** The end of what was known before the connection, until its first frame has come. @type {number | null} */
+  /** The end of the samples from before the connection, until its first frame has come. @type {number | null} */
   #known = null;
   #before = 0;
 

@@ -27,7 +27,7 @@ export class Jogger extends Emitter {
     app.connection.on("lost", () => this.#forget());
   }
 
-  /** Whether an axis is held. @param {string} axis */
+  /** Whether the jog button of an axis is held. @param {string} axis */
   holds(axis) {
     return this.#held.has(axis);
   }
@@ -104,7 +104,7 @@ export class Jogger extends Emitter {
     });
     for (const type of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(type, end);
     button.addEventListener("keydown", (event) => {
-      // Without a speed the button is one for steps, which a click makes.
+      // Without a speed, a click on the button makes a step.
       if ((event.key !== " " && event.key !== "Enter") || !speed()) return;
       event.preventDefault();
       if (!event.repeat && !button.disabled) this.begin(axis, speed());

@@ -1,5 +1,5 @@
-// The choices that the browser keeps for this page. Where it does not allow that, a choice lasts as long as the page.
-// Anyone can change what it keeps, and an older page may have written it: every value is checked when it is read.
+// The choices that the browser stores for this page. If the browser does not allow that, a choice lasts as long as the page.
+// Users can change the stored values, and an older page may have written them: every value is checked when it is read.
 
 export const keep = {
   /** The text of a key, or `null`. @param {string} key */

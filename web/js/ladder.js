@@ -1,5 +1,5 @@
 // A rung as a picture: contacts, coils and boxes between two rails, wires that show the power flow of the last scan, values of the
-// operands. The layout needs no browser; drawing makes SVG once, and later changes only what differs.
+// operands. The layout needs no browser; drawing makes SVG once, and later changes only the differences.
 
 /** @import { LookRow, Rung, RungElement } from "../types/protocol.js" */
 
@@ -140,9 +140,9 @@ export function shown(value) {
 
 /** The picture of a rung. */
 export class RungPicture {
-  /** What shows the condition at a place. @type {[element: Element, place: number][]} */
+  /** The elements that show the condition at a place. @type {[element: Element, place: number][]} */
   #wires = [];
-  /** What shows a value: a text, or the sign of a bit. @type {[element: Element, value: number, kind: "text" | "closed" | "open"][]} */
+  /** The elements that show a value: a text, or the sign of a bit. @type {[element: Element, value: number, kind: "text" | "closed" | "open"][]} */
   #values = [];
   #power = "?";
 

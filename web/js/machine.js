@@ -5,7 +5,7 @@ import { duration, fixed, rate } from "./format.js";
 
 /** @import { AxisConfiguration, AxisStatus, SystemConfiguration, SystemStatus } from "../types/protocol.js" */
 
-/** Bits of an axis's status words and what the axis does while one is set, the most telling first. */
+/** Bits of an axis's status words and the motion of the axis while one is set, the most specific first. */
 const DOING = [["HomingStatus", "Homing"], ["JogStatus", "Jogging"], ["PositionCamStatus", "Following a cam"], ["TimeCamStatus", "Following a cam"],
   ["GearingStatus", "Geared"], ["MoveStatus", "Moving (MAM)"], ["CoordinatedMotionStatus", "Coordinated move"], ["ControlledByTransformStatus", "Moved by a transform"], ["StoppingStatus", "Stopping"]];
 
@@ -146,7 +146,7 @@ export class Machine {
   }
 }
 
-/** What an axis does; a drive that runs may stand still. @param {AxisStatus} status */
+/** The state of an axis in words; an axis whose drive runs may stand still. @param {AxisStatus} status */
 function standing({ state, moving, bits }) {
   if (state !== "Running") return state;
   const doing = DOING.find(([bit]) => bits?.includes(bit))?.[1];

@@ -14,7 +14,7 @@ const TRAILS = [[5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
 
 export class Path {
   title = "Path";
-  /** This view shows the moment that is chosen. */
+  /** This view shows the chosen moment. */
   hasTime = true;
   /** The rows of the axes. @type {{ axis: string, command: HTMLElement, error: HTMLElement }[]} */
   rows = [];

@@ -1,5 +1,5 @@
-// The picture of a coordinate system: programmed path, preview, trail, tolerances, where it is. Units: position units.
-// Of a robot it is the tool, in the frame of the base. It draws what it is given; it asks the server for nothing.
+// The picture of a coordinate system: programmed path, preview, trail, tolerances, present position. Units: position units.
+// For a robot it shows the tool, in the frame of the base. It draws the data of the page, and makes no requests to the server.
 
 import { Camera, LOOKS } from "./camera.js";
 import { Stage, gestures } from "./canvas.js";
@@ -14,7 +14,7 @@ import { axisColour, palette } from "./theme.js";
 const TRAIL_POINTS = 1600;
 const TRAIL_SHADES = 6;
 const LEAST_BOX = 10;
-/** What the directions of a robot's base are called. */
+/** The names of the directions of a robot's base. */
 export const BASE = ["X1", "X2", "X3"];
 
 /** A path picture in `host`. */
@@ -25,9 +25,9 @@ export class PathCanvas {
   preview = null;
   /** Length of the trail in seconds. */
   trailSeconds = 20;
-  /** Gives what lies over the top of the picture: `{left, right, bottom}` in its pixels. @type {() => { left: number, right: number, bottom: number }[]} */
+  /** Returns the areas that cover the top of the picture: `{left, right, bottom}` in its pixels. @type {() => { left: number, right: number, bottom: number }[]} */
   covers = () => [];
-  /** What is drawn. */
+  /** The drawn layers. */
   layers = { path: true, trail: true, tolerance: true };
   #untouched = true;
   /** @type {Box | null} */
@@ -143,7 +143,7 @@ export class PathCanvas {
     return points;
   }
 
-  /** What is drawn of it over time: where its axes really are, or its tool. */
+  /** The series of the trail: the actual positions of the axes, or of the tool. */
   #series() {
     const { samples } = this.app;
     if (!this.system) return [];
@@ -155,7 +155,7 @@ export class PathCanvas {
     return this.system?.robot ? BASE : this.system?.axes ?? [];
   }
 
-  /** Where it is at the moment that is shown; `null` before anything is known. */
+  /** The position at the displayed moment; `null` before the first sample. */
   #place() {
     const { samples, timeCursor, store } = this.app;
     if (!this.system) return null;

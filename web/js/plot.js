@@ -27,7 +27,7 @@ const LABEL = 24;
 /** Columns that one picture has at most over all its lines; with more, each becomes wider. */
 const COLUMNS = 24_000;
 
-/** Where each lane is: `{top, height}` in pixels. @param {number} count @param {number} height */
+/** The position of each lane: `{top, height}` in pixels. @param {number} count @param {number} height */
 export function places(count, height) {
   const room = height - MARGIN.top - MARGIN.bottom - MARGIN.gap * (count - 1);
   const each = room / Math.max(count, 1);

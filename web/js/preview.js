@@ -1,4 +1,4 @@
-// What a preview or a dry run found: duration, the peaks of each axis against its limits, the first limit exceeded.
+// The result of a preview or a dry run: duration, the peaks of each axis against its limits, the first limit exceeded.
 
 import { fill, h } from "./dom.js";
 import { duration, short } from "./format.js";

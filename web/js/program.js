@@ -21,7 +21,7 @@ const COLOURS = { idle: "calm", running: "busy", paused: "warn", ended: "good", 
 /** @type {Record<ProgramStatus["state"], string>} */
 const WORDS = { idle: "No program is running", running: "Running", paused: "Paused", ended: "Ended", failed: "Failed" };
 
-/** What is shown before the server has told. @type {ProgramStatus} */
+/** The status before the first push of the server. @type {ProgramStatus} */
 const IDLE = { state: "idle", line: null, viewer: null, error: null, run: -1 };
 
 export class Program {
@@ -208,7 +208,7 @@ export class Program {
     this.update();
   }
 
-  /** Takes back what an earlier run has left: its error and the mark at its line. */
+  /** Removes the error of an earlier run and the mark at its line. */
   #forget() {
     this.failed = false;
     this.#say(null);

@@ -1,5 +1,5 @@
-// A list of which only what is visible is in the page: rows of different heights, those that are not known yet by an estimate. The row
-// at the top stays where it is when heights above it become known.
+// A list of which the page has the visible rows only. Rows have different heights, and an unknown height is an estimate. The row
+// at the top does not move when heights above it become known.
 
 import { h } from "./dom.js";
 
@@ -104,7 +104,7 @@ export class Rows {
   #view() {
     const { element } = this;
     if (!element.clientHeight || !this.#heights.length) return;
-    // Heights that become known move what is visible: it is looked at again until it stands.
+    // A newly measured height moves the visible rows: measure again until they stay.
     for (let round = 0; round < 4; round += 1) {
       const first = rowAt(this.#tops, element.scrollTop);
       const inside = element.scrollTop - this.#tops[first];

@@ -1,7 +1,7 @@
 // The last ten minutes and more of every signal, one value a tick, with the least and the greatest of every 16 and 256.
-// Positions in position units, rates per s, s² and s³. A tick that did not arrive is NaN. It knows nothing of drawing.
-// What was before the page came may be known of a few ticks at a time only: exact are then its extrema and every first
-// value, and between two of these lies a straight line.
+// Positions in position units, rates per s, s² and s³. A tick that did not arrive is NaN. Drawing is elsewhere.
+// The past before the page came may have one row for a few ticks only: then the extrema and every first value are exact,
+// and the values between two of these are interpolated.
 
 import { found } from "./dom.js";
 
@@ -24,7 +24,7 @@ const SECONDS = 660;
 const BUCKETS = [16, 256];
 
 /**
- * The signals of each axis that are kept, and the order of derivation of their units.
+ * The stored signals of each axis, and the order of derivation of their units.
  * @type {{ kind: "position" | "velocity" | "acceleration" | "jerk" | "error", title: string, order: number }[]}
  */
 export const KINDS = [
@@ -58,7 +58,7 @@ export class Series {
   }
 
   /**
-   * Enters what is known of the ticks `from` to before `to` into the extrema, beside what is there.
+   * Enters the least and greatest value of the ticks `from` to before `to` into the extrema, beside the present ones.
    * @param {number} from
    * @param {number} to
    * @param {number} low
@@ -133,11 +133,11 @@ export class Series {
 
 /** All signals of the machine. */
 export class Samples {
-  /** First tick that is kept. */
+  /** First stored tick. */
   first = 0;
   /** The tick behind the newest. */
   end = 0;
-  /** Where only a few ticks at a time are known. @type {{ from: number, to: number, every: number }[]} */
+  /** The ranges with one row for a few ticks. @type {{ from: number, to: number, every: number }[]} */
   coarse = [];
 
   /** `machine` is the answer of `/api/machine`. @param {Machine} machine */
@@ -178,12 +178,12 @@ export class Samples {
     return start;
   }
 
-  /** Whether a frame is one of what was before. @param {ArrayBuffer} buffer */
+  /** Whether a frame is one of the past. @param {ArrayBuffer} buffer */
   static isHistory(buffer) {
     return buffer.byteLength >= HEAD && new DataView(buffer).getUint32(0, true) === HISTORY;
   }
 
-  /** Takes a frame of what was before the tick `before`, behind which everything is known. @param {ArrayBuffer} buffer @param {number} before */
+  /** Takes a frame of the past before the tick `before`, from which on all samples are known. @param {ArrayBuffer} buffer @param {number} before */
   fill(buffer, before) {
     const frame = read(buffer, HISTORY, this.columns);
     if (!frame || before > this.end) return;
@@ -226,7 +226,7 @@ export class Samples {
         const here = value(row, column, 0);
         if (row + 1 >= count) return here;
         const line = here + share * (value(row + 1, column, 0) - here);
-        // A rotary axis that goes through its unwind does not pass through what lies between.
+        // A rotary axis that goes through its unwind does not pass through the values between.
         return Math.min(Math.max(line, value(row, column, 1)), value(row, column, 2));
       });
     }
@@ -250,7 +250,7 @@ export class Samples {
     this.tools.forEach(take);
   }
 
-  /** Fills what is missing before a tick; a server that began again, or a long gap, empties everything. @param {number} start @param {number} count */
+  /** Fills the gap before a tick; a server that began again, or a long gap, removes all samples. @param {number} start @param {number} count */
   #skipTo(start, count) {
     const restarted = start + count < this.end;
     if (this.end === 0 || restarted || start - this.end >= this.capacity) {
@@ -266,7 +266,7 @@ export class Samples {
   #put(tick, column) {
     const begins = tick === this.first;
     this.end = tick + 1;
-    // The oldest bucket is being overwritten, so what is kept begins behind it.
+    // The oldest bucket is being overwritten, so the stored ticks begin behind it.
     this.first = Math.max(this.first, this.end - this.capacity + BUCKETS[1]);
     while (this.coarse[0]?.to <= this.first) this.coarse.shift();
     this.#write(tick, column);

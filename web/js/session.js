@@ -1,11 +1,11 @@
-// The session of this page: who has logged in, what that user may do, log in, lock and log out. None of it stands in the way of STOP.
+// The session of this page: its user with the role, log in, lock and log out. STOP works without a session.
 
 import { fill, h, icon, state, text } from "./dom.js";
 
-/** Input of a person is told to the server at most so often. */
+/** Shortest time between two reports of input by a person to the server. */
 const ACTIVE_MS = 10_000;
 
-/** The answers of the server that a person can do something about. @type {Record<number, string>} */
+/** The answers of the server that a person can remedy. @type {Record<number, string>} */
 const REFUSED = { 401: "The user or the password is wrong.", 403: "Log in over HTTPS." };
 
 /** The button in the bar and the note above the view. */
@@ -96,7 +96,7 @@ export class Session {
     locked === null ? h("button", { type: "button", onclick: () => this.#toggle() }, "Cancel") : this.#logOut(), problem);
   }
 
-  /** Why the log-in was refused; empty after a log-in. @param {string} user @param {string} password */
+  /** The reason for the refusal of the log-in; empty after a log-in. @param {string} user @param {string} password */
   async #logIn(user, password) {
     try {
       const answer = await fetch("/login", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ user, password }) });

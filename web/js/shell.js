@@ -1,4 +1,4 @@
-// What surrounds every view: the bar with state and STOP, the list of views, the warning that the server is gone.
+// The frame of every view: the bar with state and STOP, the list of views, the warning of a lost server.
 
 import { h, icon, fill, state, text, toggle } from "./dom.js";
 import { clock } from "./format.js";
@@ -9,7 +9,7 @@ import * as theme from "./theme.js";
 /** @type {Record<theme.Choice, [icon: string, title: string]>} */
 const THEMES = { auto: ["auto", "System setting"], light: ["sun", "Light"], dark: ["moon", "Dark"] };
 
-/** How long a tick that was missed is told in the bar; the machine view tells all of them. */
+/** The time for which the bar shows a missed tick; the machine view counts all of them. */
 const MISSED_MS = 10_000;
 
 /** The frame of the page. `views` are `[key, icon, view]` in the order of the list. */
@@ -145,7 +145,7 @@ export class Shell {
     this.view?.update?.();
   }
 
-  /** Says unmistakably whether what is shown is true. @param {boolean} on */
+  /** Shows unmistakably whether the page has the present state. @param {boolean} on */
   connected(on) {
     document.documentElement.dataset.connection = on ? "open" : "lost";
     text(this.link, on ? "Connected" : "No connection");

@@ -1,4 +1,4 @@
-// Puts the page together: what it knows, what it shows, and the stop that works everywhere.
+// Builds the page: its data, its views, and the STOP that works in all of them.
 
 import { App } from "./app.js";
 import { Controller } from "./controller.js";

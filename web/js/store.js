@@ -1,5 +1,5 @@
-// What the page knows of the machine: its description, the newest status, who drives what.
-// A push holds only what has changed of the heavy parts; the store puts it together.
+// The page's data of the machine: its description, the newest status, the viewers that have control.
+// A push has large parts only when they have changed; the store adds the earlier ones.
 
 import { found } from "./dom.js";
 import { Emitter } from "./emitter.js";
@@ -17,9 +17,9 @@ const ROLES = ["viewer", "operator", "engineer", "administrator"];
 export class Store extends Emitter {
   /** The newest status, with every part. @type {Status | null} */
   status = null;
-  /** This viewer's name, as it stands in `status.drivers`. @type {string | null} */
+  /** This viewer's name, as in `status.drivers`. @type {string | null} */
   viewer = null;
-  /** The newest `session` push: what this viewer may do. @type {Omit<Extract<Push, { push: "session" }>, "push">} */
+  /** The newest `session` push, with this viewer's role. @type {Omit<Extract<Push, { push: "session" }>, "push">} */
   session = { role: "engineer", user: null, locked: false, can_log_in: false };
   /** The newest `program` push. @type {ProgramStatus | null} */
   program = null;
@@ -76,7 +76,7 @@ export class Store extends Emitter {
     return ROLES.indexOf(this.session.role) >= ROLES.indexOf(role);
   }
 
-  /** The configuration of an axis that there is. @param {string} name */
+  /** The configuration of an existing axis. @param {string} name */
   configuredAxis(name) {
     return found(this.axis(name), name);
   }
@@ -108,7 +108,7 @@ export class Store extends Emitter {
     return this.status?.axes?.find((axis) => axis.name === name);
   }
 
-  /** Where an axis is, without the noise of its drive. @param {string} name */
+  /** The position of an axis, without the noise of its drive. @param {string} name */
   standsAt(name) {
     return Math.round((this.axisStatus(name)?.actual ?? 0) * 1e6) / 1e6;
   }
@@ -133,7 +133,7 @@ export class Store extends Emitter {
     return this.catalogue.instructions.find((instruction) => instruction.mnemonic === mnemonic);
   }
 
-  /** What has happened when an axis has a fault, and what to do. @param {string} word */
+  /** The meaning and the remedy of an axis's fault. @param {string} word */
   faultText(word) {
     const meaning = this.catalogue.faults.find((fault) => fault.word === word)?.meaning ?? "";
     // Beyond a travel limit the servo stays on, and the way back is the remedy.
@@ -160,7 +160,7 @@ export class Store extends Emitter {
     return this.viewer !== null && this.driver(object) === this.viewer;
   }
 
-  /** What this page has taken that has axes in common with an object, or at all. @param {string} object */
+  /** The objects under this page's control that have axes in common with an object, or all of them. @param {string} object */
   taken(object = this.machine.group) {
     const axes = new Set(this.axesOf(object));
     const own = Object.entries(this.status?.drivers ?? {}).filter(([, viewer]) => viewer === this.viewer).map(([name]) => name);
@@ -174,7 +174,7 @@ function merged(old, fresh) {
   return { ...fresh, coordinate_systems: systems };
 }
 
-/** A newer server may send what this page does not know; the type checker holds that it knows every push of its own server. @param {never} _ */
+/** Ignores an unknown push of a newer server; the type checker ensures that the page knows every push of its own server. @param {never} _ */
 function unknown(_) {}
 
 /** @param {string} address */

@@ -162,7 +162,7 @@ export class Tags {
     }));
   }
 
-  /** Whether the tag that a path begins with is known to be read only. @param {string} name */
+  /** Whether the tag at the beginning of a path is known to be read only. @param {string} name */
   #isReadOnly(name) {
     return this.#readOnly.has(name) || this.#access.get(tagOf(name)) === "read";
   }

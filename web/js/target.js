@@ -1,5 +1,5 @@
 // The table of the target position: an end point, the actual position and a via point or centre for each axis.
-// Which columns and buttons there are, and what they are called, is the server's table (`target_position`).
+// The server's table (`target_position`) has the columns and buttons with their names.
 
 import { fill, found, h, text } from "./dom.js";
 import { exact, fixed } from "./format.js";
@@ -46,7 +46,7 @@ export class TargetTable {
     this.element = h("div.target", {}, this.table, h("div.buttons", {}, this.targetButton, rule.vias && this.viaButton));
   }
 
-  /** Takes the axes of a coordinate system; a number that was typed for an axis is kept. @param {string[]} axes */
+  /** Takes the axes of a coordinate system; a typed number stays with its axis. @param {string[]} axes */
   show(axes) {
     this.axes = axes;
     for (const axis of axes) {
@@ -142,7 +142,7 @@ export class TargetTable {
     this.changed();
   }
 
-  /** The operands of the table; throws a text that says what is wrong. */
+  /** The operands of the table; throws the text of an error. */
   read() {
     const list = (/** @type {Map<string, string>} */ values, /** @type {string[]} */ axes) => axes.map((axis) => {
       const value = number(values.get(axis) ?? "");

@@ -1,4 +1,4 @@
-// Light, dark, or as the system says; and the colours of the style sheet for what is drawn on a canvas.
+// Light, dark, or the system's setting; and the colours of the style sheet for a canvas.
 
 import { keep } from "./keep.js";
 

@@ -20,12 +20,12 @@ export class TimeCursor extends Emitter {
     return this.#tick;
   }
 
-  /** The tick that is shown as a number, whichever it is. */
+  /** The displayed tick as a number; the newest if none is chosen. */
   get shown() {
     return this.#tick ?? Math.max(this.samples.end - 1, 0);
   }
 
-  /** Shows a tick of those that are kept. @param {number} tick */
+  /** Shows one of the stored ticks. @param {number} tick */
   scrub(tick) {
     const { first, end } = this.samples;
     this.#set(Math.round(Math.min(Math.max(tick, first), Math.max(end - 1, first))));
@@ -36,7 +36,7 @@ export class TimeCursor extends Emitter {
     if (this.#tick === null) this.scrub(this.samples.end - 1);
   }
 
-  /** Stays among what is kept: the oldest is forgotten, and a server that began again has another history. */
+  /** Stays within the stored ticks: the oldest is forgotten, and a server that began again has another history. */
   keep() {
     const { first, end } = this.samples;
     if (this.#tick === null) return;

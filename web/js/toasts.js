@@ -1,4 +1,4 @@
-// Short messages at the edge of the page: what went wrong, why, and what to do. They do not take the focus.
+// Short messages at the edge of the page: an error, its cause and its remedy. They do not take the focus.
 
 import { refusalOf } from "./connection.js";
 import { ControlBar } from "./control.js";
@@ -37,8 +37,8 @@ export class Toasts {
   }
 
   /**
-   * Shows an error with what the server knows about it. The same error, which may arrive as a refusal and as an event,
-   * is one message. Where control was missing, the message offers it.
+   * Shows an error with its cause and remedy from the server. The same error, which may arrive as a refusal and as an event,
+   * is one message. If control was missing, the message offers to take it.
    * @param {string} what
    * @param {unknown} error
    */

@@ -24,7 +24,7 @@ const LEAST = { position: 0.01, velocity: 0.1, acceleration: 1, jerk: 10, error:
 
 export class Trends {
   title = "Trends";
-  /** This view shows the moment that is chosen. */
+  /** This view shows the chosen moment. */
   hasTime = true;
   #ticks = 20_000;
   /** @type {Lane[]} */

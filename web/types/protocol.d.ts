@@ -216,7 +216,7 @@ export interface Requests {
   /** Reads rungs or lines of a routine as they are written, at most 100. */
   rungs: {
     fields: {
-      /** How many. */
+      /** Number of rungs or lines. */
       count: number;
       /** Index of the first one, from 0. */
       from: number;
@@ -225,10 +225,10 @@ export interface Requests {
     };
     answer: RoutinePage;
   };
-  /** Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most five times a second, in place of those looked at before. Without a routine it ends. */
+  /** Watches rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most five times a second, in place of those watched before. Without a routine it ends. */
   look: {
     fields: {
-      /** How many. */
+      /** Number of rungs or lines. */
       count?: number;
       /** Index of the first rung or line, from 0. */
       from?: number;
@@ -254,7 +254,7 @@ export interface Requests {
   /** Lets the controller's own program run, or stops it and all motion. */
   mode: {
     fields: {
-      /** Whether it is to run. */
+      /** `true` lets the program run, `false` stops it. */
       run: boolean;
     };
     answer: Done;
@@ -277,7 +277,7 @@ export interface Requests {
   /** Begins or ends the binary frames of samples. */
   trace: {
     fields: {
-      /** Whether frames come. */
+      /** `true` begins the frames, `false` ends them. */
       on: boolean;
     };
     answer: Signals;
@@ -382,7 +382,7 @@ export type AxisConfiguration = {
   max_speed: number;
   /** Name. */
   name: string;
-  /** Whether positions unwind. */
+  /** Whether the axis is rotary. */
   rotary: boolean;
   /** Soft travel limits. */
   travel: TravelLimits | null;
@@ -457,7 +457,7 @@ export type Catalogue = {
   instructions: InstructionForm[];
 };
 
-/** What is wrong with a program. */
+/** The errors of a program. */
 export type Checked = {
   /** The errors with their lines and columns; empty for a program that can run. */
   errors: Refusal[];
@@ -497,7 +497,7 @@ export type ControllerFault = {
   value: number | null;
 };
 
-/** What the controller's own program does. */
+/** State of the controller's own program. */
 export type ControllerState = "stopped" | "running" | "faulted";
 
 /** The controller's own program. */
@@ -514,7 +514,7 @@ export type ControllerStatus = {
   mode: string;
   /** Ticks in which the due tasks were scanned. */
   scans: number;
-  /** What it does. */
+  /** State of the program. */
   state: ControllerState;
   /** Another number for each program that is loaded. */
   version: number;
@@ -545,23 +545,23 @@ export type DialogRow = {
   move_type: number;
   /** Heading of the end points. */
   target: string;
-  /** Whether "Set Targets = Actuals" can be pressed. */
+  /** Whether the dialog offers "Set Targets = Actuals". */
   targets_from_actuals: boolean;
   /** Heading of the vias, centres or the radius. */
   via: string | null;
-  /** Whether "Set Vias = Actuals" can be pressed. */
+  /** Whether the dialog offers "Set Vias = Actuals". */
   vias_from_actuals: boolean;
 };
 
-/** The server did what the page asked. */
+/** The server has carried out the request. */
 export type Done = {};
 
-/** How many elements an array has. */
+/** The number of elements of an array. */
 export type Elements = "per_axis" | {
   at_least: number;
 };
 
-/** What ended an instruction or cleared a fault. */
+/** The cause that ended an instruction or cleared a fault. */
 export type EndCause = {
   /** A sentence for people. */
   text: string;
@@ -581,7 +581,7 @@ export type EndCause = {
   by: "stop";
 } | {
   by: "dead-man";
-  /** Why. */
+  /** Reason for the end. */
   reason: string;
 });
 
@@ -637,7 +637,7 @@ export type FaultEvent = {
   again: string[];
   /** Name of the axis. */
   axis: string | null;
-  /** What cleared them. */
+  /** The cause that cleared the faults. */
   by: EndCause | null;
   /** Words of the faults that went. */
   clear: string[];
@@ -674,7 +674,7 @@ export type GroupStatus = {
   name: string;
 };
 
-/** What the binary frame in front of this answer holds. */
+/** The contents of the binary frame in front of this answer. */
 export type HistoryPiece = {
   /** Ticks of a row. */
   every: number;
@@ -688,7 +688,7 @@ export type HistoryPiece = {
 export type InstructionEvent = {
   /** Bits that were cleared. */
   clear: string[];
-  /** What ended it before its end. */
+  /** The cause that ended the instruction before its end. */
   ended: EndCause | null;
   /** ERR. */
   err: number;
@@ -752,7 +752,7 @@ export type Machine = {
   coordinate_systems: SystemConfiguration[];
   /** Name of the motion group. */
   group: string;
-  /** What is shown beside the log-in; null: nothing. */
+  /** The notice beside the log-in; null without one. */
   login_notice: string | null;
   /** Name of the server. */
   name: string;
@@ -823,7 +823,7 @@ export type PendingMove = {
 
 /** A program of the controller. */
 export type ProgramRow = {
-  /** Whether its task passes over it. */
+  /** Whether the task passes over the program. */
   disabled: boolean;
   /** Name of the routine that runs after a major fault. */
   fault: string | null;
@@ -840,7 +840,7 @@ export type ProgramState = "idle" | "running" | "paused" | "ended" | "failed";
 
 /** The program that runs, or ran last. */
 export type ProgramStatus = {
-  /** Why it failed. */
+  /** Error of a failed program. */
   error: Refusal | null;
   /** Line of the statement that runs or comes next, from 1. */
   line: number | null;
@@ -876,7 +876,7 @@ export type RealTime = {
   fifo: boolean;
   /** Tick lateness: maximum, µs. */
   max_us: number;
-  /** Whether its memory is locked. */
+  /** Whether the thread's memory is locked. */
   memory_locked: boolean;
   /** Missed ticks. */
   missed: number;
@@ -886,7 +886,7 @@ export type RealTime = {
   p99_us: number;
 };
 
-/** Why the server did not do what a page asked, or why an instruction erred. */
+/** The reason for which the server refuses a request, or the error of an instruction. */
 export type Refusal = {
   /** The usual cause of ERR, as `arcline explain` prints it. */
   cause?: string | null;
@@ -928,7 +928,7 @@ export type RefusedCommand = {
 export type RestEvent = {
   /** Rests of that cause since the start. */
   count: number;
-  /** What was too slow: `program`, whose next move came late, or `planner`. */
+  /** The part that was too slow: `program`, whose next move came late, or `planner`. */
   slow: SlowPart;
   /** The coordinate system. */
   system: string | null;
@@ -952,9 +952,9 @@ export type RoutineList = {
 
 /** Rungs or lines of a routine. */
 export type RoutinePage = {
-  /** Of a routine of Structured Text. */
+  /** The lines of a routine of Structured Text. */
   lines: TextLine[];
-  /** Of a ladder routine. */
+  /** The rungs of a ladder routine. */
   rungs: Rung[];
   /** Version of the program. */
   version: number;
@@ -998,9 +998,9 @@ export type RungElement = {
 
 /** An operand. */
 export type RungOperand = {
-  /** What it is. */
+  /** Name of the operand. */
   name: string;
-  /** As it is written. */
+  /** Its text in the project. */
   text: string;
 };
 
@@ -1012,7 +1012,7 @@ export type Signals = {
   signals: string[];
 };
 
-/** What a preview or a dry run found. */
+/** The result of a preview or a dry run. */
 export type Simulated = {
   /** Simulated time, s; null if the motion has no end. */
   duration_s: number | null;
@@ -1113,7 +1113,7 @@ export type SystemConfiguration = {
   name: string;
   /** Moves that its queue can hold. */
   queue_depth: number;
-  /** Whether it is a robot: frames of samples have the position of its tool. */
+  /** Whether the coordinate system is a robot: frames of samples have the position of its tool. */
   robot: boolean;
 };
 
@@ -1143,7 +1143,7 @@ export type SystemStatus = {
   speed: number;
 };
 
-/** Whether a tag can be written. */
+/** The access of clients to a tag. */
 export type TagAccess = "read" | "read/write";
 
 /** Tags by their names. */
@@ -1156,7 +1156,7 @@ export type TagPage = {
 
 /** A tag of a list. */
 export type TagRow = {
-  /** Whether it can be written. */
+  /** The access of clients to the tag. */
   access: TagAccess;
   /** Sizes of an array; empty for a single value. */
   dims: number[];
@@ -1170,7 +1170,7 @@ export type TagRow = {
 
 /** A task. */
 export type TaskRow = {
-  /** Whether it never runs. */
+  /** Whether the task is inhibited. */
   inhibited: boolean;
   /** Name. */
   name: string;
@@ -1213,11 +1213,11 @@ export type UnitForm = {
 
 /** The uses of a tag. */
 export type UseList = {
-  /** Whether there are more. */
+  /** Whether there are more uses. */
   more: boolean;
   /** Full name of the tag, through aliases. */
   tag: string;
-  /** At most 500. */
+  /** The uses, at most 500. */
   uses: UseRow[];
 };
 
@@ -1233,13 +1233,13 @@ export type UseRow = {
   operand: string;
   /** Number of the routine. */
   routine: number;
-  /** Whether it is written. */
+  /** Whether the instruction writes the tag. */
   writes: boolean;
 };
 
 /** Values of tags. */
 export type Values = {
-  /** Those of the names that cannot be written. */
+  /** Read-only tags among them. */
   read_only: string[];
   /** The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text. */
   values: Record<string, unknown>;

@@ -89,7 +89,7 @@ pub(crate) fn diff(command: &Diff, output: &Output) -> Result<(), Failure> {
     }
 }
 
-/// What a comparison has found.
+/// The result of a comparison.
 #[derive(Default)]
 struct Found {
     rows: usize,
@@ -101,7 +101,7 @@ struct Found {
 }
 
 impl Found {
-    /// Whether two numbers are more than the tolerance apart; what is no number equals itself.
+    /// Whether two numbers differ by more than the tolerance. Two NaN are equal.
     fn number(&mut self, x: f64, y: f64, tolerance: f64) -> bool {
         let apart = if x == y || x.is_nan() && y.is_nan() {
             0.0

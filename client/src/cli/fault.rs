@@ -129,7 +129,7 @@ fn names(set: FaultSet) -> Vec<String> {
 /// A reset is done within two updates, and an axis brakes within seconds.
 const DONE: Duration = Duration::from_secs(10);
 
-/// How soon an axis that brakes is looked at again.
+/// Time between two reads of an axis that brakes.
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
 /// An axis that brakes because of a fault.

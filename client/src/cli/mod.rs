@@ -40,7 +40,7 @@ use args::{Arguments, Command, FaultCommand, LocalCommand, MachineCommand};
 use output::Output;
 use server::Server;
 
-/// Why a command failed.
+/// The reason for which a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
@@ -232,7 +232,7 @@ async fn run(arguments: Arguments, output: &Output) -> Result<(), Failure> {
     result
 }
 
-/// A client that has told the server the product, the user and the program, which it shows beside all motion that this client begins.
+/// A client that has sent the server the product, the user and the program, which it shows beside all motion that this client begins.
 async fn connect(server: &Server, program: Option<&str>) -> Result<Client, ClientError> {
     let client = server.connect().await?;
     let user = ["USER", "LOGNAME", "USERNAME"].map(std::env::var);

@@ -333,7 +333,7 @@ async fn line_length(client: &Client, system: &str, end: &[f64], relative: bool)
     Some(sum.sqrt())
 }
 
-/// Whether an execution is waited for: it has a PC.
+/// Whether the command waits for the end of an execution: the execution has a PC.
 pub(crate) fn is_waited_for(execution: &Execution) -> bool {
     execution.completes() && !execution.control.has(Flag::Pc)
 }

@@ -12,7 +12,7 @@ use arcline_instruction_set::Ending;
 use super::Failure;
 use super::wait::Completed;
 
-/// Where results go.
+/// The output of results.
 #[derive(Debug)]
 pub(crate) struct Output {
     json: bool,
@@ -74,7 +74,7 @@ impl Output {
         }
     }
 
-    /// Tells why a command failed.
+    /// Prints the reason for which a command failed.
     pub(crate) fn failure(&self, failure: &Failure) {
         if matches!(
             failure,
@@ -141,7 +141,7 @@ fn json_text(object: &Json) -> String {
     escaped.collect()
 }
 
-/// Whether a character controls a terminal, or the direction of writing. Results have lines and columns of their own.
+/// Whether a character controls a terminal, or the direction of writing. The lines and columns of results are no such characters.
 fn controls(c: char) -> bool {
     let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     turns || c.is_control() && !matches!(c, '\n' | '\t')

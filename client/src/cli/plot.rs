@@ -1,4 +1,4 @@
-//! `plot`: a picture of a trace. How it is drawn is `arcline-plot`'s.
+//! `plot`: a picture of a trace, drawn by `arcline-plot`.
 
 use std::path::Path;
 

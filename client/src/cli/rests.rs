@@ -20,7 +20,7 @@ pub(super) struct Rests {
 }
 
 impl Rests {
-    /// Those of every coordinate system; none where the server has no such tag.
+    /// The rests of every coordinate system; none if the server has no such tag.
     pub(super) async fn read(client: &Client) -> Result<Vec<Self>, Failure> {
         match client.read(CONTOUR_RESTS).await {
             Ok(TagValue::Array(elements)) => Ok(elements.iter().map(Self::of).collect()),

@@ -27,14 +27,14 @@ pub(super) struct ObjectStatus {
     pub(super) name: String,
     pub(super) row: Vec<String>,
     pub(super) object: Json,
-    /// What moves it: a client, a page or a program.
+    /// The client, page or program that moves the object.
     pub(super) mover: Option<String>,
     /// Actual position of an axis, or of each axis of a coordinate system, position units.
     pub(super) position: Vec<f64>,
 }
 
 impl ObjectStatus {
-    /// With the client, page or program that moves it.
+    /// Adds the client, page or program that moves the object.
     fn moved_by(mut self, mover: Option<&Mover>) -> Self {
         if let Some(object) = self.object.as_object_mut() {
             let moved_by = mover.map(|mover| {
@@ -58,7 +58,7 @@ impl ObjectStatus {
         row
     }
 
-    /// With the rests of planned contours on the way, on a server that counts them.
+    /// Adds the rests of planned contours on the way, on a server that counts them.
     fn rested(mut self, rests: Option<&Rests>) -> Self {
         let Some(rests) = rests else { return self };
         if let Some(object) = self.object.as_object_mut() {
@@ -293,7 +293,7 @@ impl StatusQuery {
         Ok(self.systems.iter().cloned().zip(values).collect())
     }
 
-    /// Whether STOP inhibits motion; never on a server that cannot.
+    /// Whether STOP inhibits motion; always false on a server without STOP.
     pub(super) async fn is_inhibited(&self, client: &Client) -> Result<bool, Failure> {
         match client.is_motion_inhibited().await {
             Err(error) if error.is_connection() => Err(error.into()),

@@ -1,7 +1,6 @@
-//! How long an arc will be: radius times angle, for the progress of `arc`.
+//! The estimated length of an arc, radius times angle, for the progress of `arc`.
 //!
-//! An estimate from the present position. The definition of an arc, and the refusal of impossible ones, are the server's
-//! decides.
+//! The estimate begins at the present position. The server defines the arc and refuses an impossible one.
 
 use std::f64::consts::TAU;
 

@@ -33,7 +33,7 @@ async fn create(client: &Client, command: &CreateTag, output: &Output) -> Result
     Ok(())
 }
 
-/// Why a tag was not created, as far as the name or the type is the cause.
+/// The reason for which a tag was not created, as far as the name or the type is the cause.
 fn not_created(error: ClientError, command: &CreateTag) -> Failure {
     let CreateTag { name, data_type, .. } = command;
     let hint = match &error {
@@ -70,7 +70,7 @@ fn not_created(error: ClientError, command: &CreateTag) -> Failure {
     Failure::Usage(hint)
 }
 
-/// Whether the server takes it as the name of a tag.
+/// Whether the server accepts a name for a tag.
 fn is_name(name: &str) -> bool {
     let begins = name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
     begins && name.len() <= 40 && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
@@ -123,7 +123,7 @@ async fn list(client: &Client, pattern: Option<&str>, output: &Output) -> Result
     Ok(())
 }
 
-/// With `*` or `?` the whole name, else a part of it; case is ignored.
+/// Whether a pattern matches a name: with `*` or `?` the whole name, otherwise a part of it; case is ignored.
 fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (pattern.to_ascii_lowercase(), name.to_ascii_lowercase());
     if pattern.contains(['*', '?']) {

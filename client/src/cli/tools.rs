@@ -59,7 +59,7 @@ fn or_a_fault(error: Failure, tag: &str) -> Failure {
     }
 }
 
-/// What a control tag shows: ERR, EXERR, and the instruction, which is the type of an instruction tag.
+/// The contents of a control tag: ERR, EXERR, and the instruction, which is the type of an instruction tag.
 async fn of_tag(client: &Client, tag: &str, given: Option<Mnemonic>) -> Result<(i16, i8, Option<Mnemonic>), Failure> {
     let reading = client.read(tag).await?;
     let control = reading.member("MotionControl").unwrap_or(&reading);
@@ -112,7 +112,7 @@ fn codes(err: i16, exerr: Option<i8>, mnemonic: Option<Mnemonic>, output: &Outpu
     Ok(())
 }
 
-/// `doctor`: the server's own, since it knows what it needs.
+/// `doctor`: runs the command of the server, which knows its own needs.
 pub(crate) fn doctor(command: &Doctor, output: &Output) -> Result<(), Failure> {
     let program = server_program();
     let mut doctor = Command::new(&program);

@@ -104,7 +104,7 @@ impl StopCommand {
     }
 }
 
-/// Until Ctrl-C; for good when its signal cannot be had.
+/// Waits for Ctrl-C; forever if its signal is not available.
 pub(crate) async fn interrupted() {
     if tokio::signal::ctrl_c().await.is_err() {
         std::future::pending::<()>().await;
@@ -219,7 +219,7 @@ impl Odometer {
         self.last = Some((position, now));
     }
 
-    /// By its speed.
+    /// Follows the motion by its speed.
     fn moving(&mut self, speed: f64, now: Instant) {
         if let Some((_, then)) = &self.last {
             self.distance += 0.5 * (self.speed + speed) * now.duration_since(*then).as_secs_f64();

@@ -13,7 +13,7 @@ use arcline_tag::{PathSegment, TagPath, Value};
 use super::Event;
 use crate::{Client, ClientError, Execution, TagValue, WriteValue};
 
-/// Time between two looks at motion that must end.
+/// Time between two reads of motion that must end.
 const POLL: Duration = Duration::from_millis(5);
 /// Moves of a program that are executed together.
 const LONGEST_SERIES: usize = 64;
@@ -23,9 +23,9 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// A server on which a program runs.
 pub(super) struct Live<'r> {
     client: &'r Client,
-    /// Time between two looks at a WAIT or a full queue.
+    /// Time between two evaluations of a WAIT or of a full queue.
     tick: Duration,
-    /// Whether the server executes series of moves, as far as is known.
+    /// Whether the server executes series of moves, as far as the client knows.
     has_series: &'r mut bool,
     on_event: &'r mut (dyn FnMut(Event<'_>) + Send),
 }
@@ -93,7 +93,7 @@ impl Driver for Live<'_> {
         match self.client.read(&full).await {
             Ok(reading) => Ok(!reading.as_bool().unwrap_or_default()),
             Err(error) if error.is_connection() => Err(error),
-            // Not a coordinate system: the call says so better.
+            // The object is not a coordinate system: the call itself reports that better.
             Err(_) => Ok(true),
         }
     }
@@ -145,7 +145,7 @@ impl Driver for Live<'_> {
         };
         let control = match self.client.instruction(execution.instance).await {
             Ok(control) => control,
-            // So old that the server has dropped it: it has ended.
+            // The execution is so old that the server has dropped it: it has ended.
             Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {
                 return Ok(Progress::Ended);
             }
@@ -211,8 +211,8 @@ impl Driver for Live<'_> {
     }
 }
 
-/// The member of a motion control tag that the program has used: the whole tag is read, since its bits tell whether it
-/// can still change. `None`: it is something else.
+/// The member of a motion control tag that the program has used. The client reads the whole tag, since its bits show whether it
+/// can still change. `None`: the name is not that of a motion control tag.
 async fn read_control(
     client: &Client,
     path: &TagPath,

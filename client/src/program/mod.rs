@@ -19,15 +19,15 @@ use crate::tags::TagTable;
 use crate::{Client, ClientError, Ended, Execution};
 use live::Live;
 
-/// A tick of a program on a server that does not tell its coarse update period.
+/// A tick of a program on a server that does not report its coarse update period.
 pub const TICK: Duration = Duration::from_millis(1);
-/// Where a server tells it, in milliseconds.
+/// The tag and the member in which a server reports its coarse update period, in milliseconds.
 const REAL_TIME: &str = "RealTime";
 const UPDATE_PERIOD: &str = "UpdatePeriod";
-/// Longest coarse update period that is believed.
+/// Longest coarse update period that the client accepts.
 const LONGEST_TICK: Duration = Duration::from_secs(1);
 
-/// Why a program did not run to its end.
+/// The reason for which a program did not run to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
     /// The text cannot be parsed, or it names a tag, an instruction or an operand that does not exist.
@@ -36,7 +36,7 @@ pub enum ProgramError {
     /// An operation has no result.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
-    /// A WAIT can no longer come true: what it waits for has ended without it.
+    /// A WAIT can no longer come true: the motion that it waits for has ended without it.
     #[error(transparent)]
     Hopeless(#[from] Hopeless),
     /// The server refused, or is gone.
@@ -44,7 +44,7 @@ pub enum ProgramError {
     Client {
         /// Line of the statement, from 1.
         line: usize,
-        /// Why.
+        /// The error of the client.
         source: ClientError,
     },
 }
@@ -66,7 +66,7 @@ pub enum Event<'a> {
     Executed {
         /// Line of the call.
         line: usize,
-        /// What was executed.
+        /// The execution.
         execution: &'a Execution,
     },
     /// An instruction erred.
@@ -77,7 +77,7 @@ pub enum Event<'a> {
         mnemonic: Mnemonic,
         /// Its target.
         target: &'a str,
-        /// Why.
+        /// The error.
         error: &'a ClientError,
     },
     /// The motion of an instruction ended before its end, though no instruction of the program ended it.
@@ -86,7 +86,7 @@ pub enum Event<'a> {
         line: usize,
         /// The execution.
         execution: &'a Execution,
-        /// What ended it.
+        /// The cause of the end.
         ended: &'a Ended,
     },
 }
@@ -106,9 +106,9 @@ pub enum Event<'a> {
 pub struct Runner<'c> {
     client: &'c Client,
     run: ProgramRun<Execution>,
-    /// Time between two looks at a WAIT or a full queue.
+    /// Time between two evaluations of a WAIT or of a full queue.
     tick: Duration,
-    /// Whether the server executes series of moves, as far as is known.
+    /// Whether the server executes series of moves, as far as the client knows.
     has_series: bool,
 }
 
@@ -116,7 +116,7 @@ impl<'c> Runner<'c> {
     /// A whole program.
     ///
     /// # Errors
-    /// [`ProgramError::Syntax`] when it cannot be read or a name means nothing; what browsing meets.
+    /// [`ProgramError::Syntax`] when it cannot be read or a name does not exist; the errors of browsing.
     pub async fn program(client: &'c Client, text: &str) -> Result<Self, ProgramError> {
         Self::new(client, Program::parse(text)?).await
     }
@@ -169,14 +169,14 @@ impl<'c> Runner<'c> {
         Ok(())
     }
 
-    /// With another answer to a full queue than waiting.
+    /// Replaces the reaction to a full queue, which is to wait.
     #[must_use]
     pub fn queue_full(mut self, queue_full: QueueFull) -> Self {
         self.run.policy_mut().queue_full = queue_full;
         self
     }
 
-    /// With another answer to an error than stopping.
+    /// Replaces the reaction to an error, which is to stop.
     #[must_use]
     pub fn on_error(mut self, on_error: OnError) -> Self {
         self.run.policy_mut().on_error = on_error;
@@ -220,7 +220,7 @@ impl<'c> Runner<'c> {
     }
 }
 
-/// The coarse update period; `None` when the server, perhaps another make, does not tell it.
+/// The coarse update period; `None` if the server, perhaps another make, does not report it.
 async fn update_period(client: &Client) -> Result<Option<Duration>, ClientError> {
     let tells = client
         .table()

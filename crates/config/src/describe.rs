@@ -144,7 +144,7 @@ fn counted(count: usize, [one, more]: [&str; 2]) -> String {
     format!("{count} {}", if count == 1 { one } else { more })
 }
 
-/// How an axis is homed, where that is not by itself understood.
+/// The homing of an axis, as far as it is not the usual one.
 fn homing(home: &Home) -> &'static str {
     match (home.mode, home.sequence) {
         (_, HomeSequence::Immediate) => "",

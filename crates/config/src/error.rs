@@ -1,11 +1,11 @@
-//! What can be wrong with a configuration, and where.
+//! The errors of a configuration, and their positions.
 
 use std::borrow::Cow;
 use std::fmt;
 
-/// A configuration that cannot be used: the place, the key, what was found and what was expected.
+/// A configuration that cannot be used: the position, the key, the value found and the value expected.
 ///
-/// Displayed as `FILE:LINE:COLUMN: KEY: what was found, what was expected`.
+/// Displayed as `FILE:LINE:COLUMN: KEY: found value, expected value`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ConfigError {
     /// Name of the file, as given to [`crate::load`].
@@ -17,7 +17,7 @@ pub struct ConfigError {
     /// Path of the key, such as `axis[1].max_speed` (tables of a list count from 1) or `server.listen`; empty
     /// for the file as a whole.
     pub key: String,
-    /// What is wrong.
+    /// The problem.
     pub problem: Box<Problem>,
 }
 
@@ -37,7 +37,7 @@ impl std::error::Error for ConfigError {
     }
 }
 
-/// What is wrong at the place of a [`ConfigError`].
+/// The problem at the position of a [`ConfigError`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
@@ -66,7 +66,7 @@ pub enum Problem {
     /// A key that must be there is not.
     #[error("missing, expected {expected}")]
     Missing {
-        /// What the key should hold.
+        /// The expected value of the key.
         expected: Cow<'static, str>,
     },
     /// A value of the wrong type, out of range, or not in the list.
@@ -74,7 +74,7 @@ pub enum Problem {
     Value {
         /// The value as it stands in the file.
         found: String,
-        /// What the key should hold.
+        /// The expected value of the key.
         expected: Cow<'static, str>,
         /// The nearest legal word.
         suggestion: Option<String>,
@@ -82,7 +82,7 @@ pub enum Problem {
     /// A name that nothing has.
     #[error("there is no {what} `{name}`{}", suggest(.suggestion))]
     UnknownName {
-        /// What was looked for: `axis`, `coordinate system`.
+        /// The sort of the name: `axis`, `coordinate system`.
         what: &'static str,
         /// The name.
         name: String,
@@ -102,21 +102,21 @@ pub enum Problem {
     Conflict {
         /// The other key.
         other: &'static str,
-        /// Why.
+        /// The reason for the refusal.
         reason: &'static str,
     },
     /// More tables of one sort than there can be.
     #[error("found {count} of them, expected at most {limit}")]
     TooMany {
-        /// How many there are.
+        /// The number in the file.
         count: usize,
-        /// How many there can be.
+        /// The greatest number.
         limit: usize,
     },
 }
 
 impl Problem {
-    /// What the key or value should be, where there is a short answer.
+    /// The expected value of the key, if there is a short answer.
     pub fn expected(&self) -> Option<String> {
         match self {
             Self::Missing { expected } | Self::Value { expected, .. } => Some(expected.to_string()),

@@ -1,5 +1,5 @@
-//! The one table of keys: what a configuration may say, of which kind, its default and its meaning. Reading, checking, the
-//! list of known keys, writing, docs/CONFIGURATION.md and the JSON Schema follow from it. Rules between keys are `read`'s.
+//! The one table of keys: the keys of a configuration with their kinds, defaults and meanings. Reading, checking, the
+//! list of known keys, writing, docs/CONFIGURATION.md and the JSON Schema follow from it. `read` has the rules between keys.
 
 mod tables;
 
@@ -15,7 +15,7 @@ use crate::read::{is_name, member_types, tag_types};
 pub(crate) struct Keys {
     /// Its heading in docs/CONFIGURATION.md.
     pub(crate) heading: &'static str,
-    /// What stands under the key of the table, for messages.
+    /// The expected kind of table, for messages.
     pub(crate) expected: &'static str,
     pub(crate) keys: &'static [Key],
 }
@@ -30,7 +30,7 @@ pub(crate) struct Key {
     pub(crate) meaning: &'static str,
 }
 
-/// What a key has when the file does not say it.
+/// The value of a key that the file leaves out.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Default {
     /// The key must be there.
@@ -39,7 +39,7 @@ pub(crate) enum Default {
     Integer(usize),
     Boolean(bool),
     Text(&'static str),
-    /// It depends on other keys, or there is none: a phrase of Markdown.
+    /// The default depends on other keys, or there is none: a phrase of Markdown.
     Prose(&'static str),
 }
 
@@ -49,7 +49,7 @@ pub(crate) enum Kind {
     /// The name of a tag.
     Name,
     Text(&'static TextRule),
-    /// An address and port, or a list of up to so many.
+    /// An address and port, or a list of up to this number.
     Addresses(usize),
     /// An address and port such as this one, or `off`.
     AddressOrOff(&'static str),
@@ -65,14 +65,14 @@ pub(crate) enum Kind {
     Number(Range, &'static str),
     /// A whole number and its unit.
     Integer(RangeInclusive<usize>, &'static str),
-    /// The same, or 0.
+    /// The same range, or 0.
     ZeroOr(RangeInclusive<usize>, &'static str),
-    /// A list of names; how many there may be and what that is called. Other keys may narrow it.
+    /// A list of names; its possible lengths and the name of such a list. Other keys may narrow it.
     Names(RangeInclusive<usize>, &'static str),
     /// A list of numbers, likewise.
     Numbers(RangeInclusive<usize>, &'static str),
     Table(&'static Keys),
-    /// At most so many tables.
+    /// At most this number of tables.
     Tables(&'static Keys, usize),
     /// A value of a tag: its type decides.
     Any,
@@ -133,7 +133,7 @@ impl Range {
 }
 
 impl Kind {
-    /// What a value of the kind is, for messages.
+    /// The expected value of the kind, for messages.
     pub(crate) fn expected(&self) -> Cow<'static, str> {
         let with = |text: String, unit: &str| match unit {
             "" => text,
@@ -170,7 +170,7 @@ impl Kind {
         })
     }
 
-    /// Whether a text is one of the kind.
+    /// Whether a text is of the kind.
     pub(crate) fn takes_text(&self, text: &str) -> bool {
         match self {
             Self::Name => is_name(text),

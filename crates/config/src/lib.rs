@@ -1,7 +1,7 @@
 //! The configuration: TOML text in, a [`Project`] out whose machine is valid by its type.
 //!
-//! It reads no files and opens nothing: [`load`] takes the text, and the file's name only for its errors.
-//! What the keys mean is spec/contract.md §2; the units are the machine's (position units of each axis,
+//! It reads no files and opens no sockets: [`load`] takes the text, and the file's name only for its errors.
+//! The meaning of the keys is in spec/contract.md §2; the units are the machine's (position units of each axis,
 //! seconds), but for the coarse update period, which is written in milliseconds.
 
 mod describe;
@@ -36,10 +36,10 @@ pub use schema::schema;
 pub use security::{AllowList, CertificateRole, PlainAccess, Role, Security};
 pub use write::{build_of, definition_of, format, table};
 
-/// The default configuration, commented: what the server runs without `--config`.
+/// The default configuration, commented: the server runs it without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");
 
-/// Everything a configuration says.
+/// All contents of a configuration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Project {
     /// The network side.
@@ -77,9 +77,9 @@ impl Project {
 pub struct ServerConfig {
     /// Product name in the CIP Identity object, 1 to 32 printable ASCII characters.
     pub name: String,
-    /// Where EtherNet/IP listens, TCP and UDP; port 0 picks a free one.
+    /// The address of EtherNet/IP, TCP and UDP; port 0 picks a free one.
     pub listen: SocketAddr,
-    /// Further addresses where it listens.
+    /// Further addresses of EtherNet/IP.
     pub listen_also: Vec<SocketAddr>,
     /// TCP connections at a time.
     pub max_clients: usize,
@@ -91,13 +91,13 @@ pub struct ServerConfig {
     pub max_connections_per_address: usize,
     /// Silence after which a TCP connection is closed, s; 0: never.
     pub inactivity_timeout: u16,
-    /// Where the HMI listens; `None`: off.
+    /// The address of the HMI; `None`: off.
     pub hmi: Option<SocketAddr>,
-    /// Where implicit I/O listens, UDP.
+    /// The address of implicit I/O, UDP.
     pub io: IoListen,
-    /// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
+    /// The reaction of motion when the owner of the outputs is lost, closes its connection or goes idle.
     pub io_loss: IoLoss,
-    /// What becomes of motion when the class 3 connection or the session that began it is lost.
+    /// The reaction of motion when the class 3 connection or the session that began it is lost.
     pub connection_loss: ConnectionLoss,
     /// Silence after which the jogs (MAJ) of a client are stopped, ms; 0: never.
     pub jog_silence: u16,
@@ -114,9 +114,9 @@ pub struct ControllerConfig {
     pub program: Option<String>,
     /// Whether the program does not run at first.
     pub begins_stopped: bool,
-    /// Whether instructions that there are not are passed over.
+    /// Whether the program passes over unknown instructions.
     pub allow_missing: bool,
-    /// What answers the MSG instructions of the program.
+    /// The answers to the MSG instructions of the program.
     pub messages: Vec<MessageAnswer>,
     /// Wires between tags of the program and axes.
     pub wires: Vec<WireConfig>,
@@ -129,7 +129,7 @@ pub struct WireConfig {
     pub from: String,
     /// A BOOL or a bit of a tag, or an input of an axis.
     pub to: String,
-    /// How long `from` has a value until `to` takes it, ms.
+    /// The delay of the wire: the time from a change of `from` to the change of `to`, ms.
     pub delay_ms: u32,
 }
 
@@ -163,7 +163,7 @@ pub struct MessageAnswer {
     pub error: (u16, u32),
 }
 
-/// Where implicit I/O (class 0 and 1 connections) listens.
+/// The address of implicit I/O (class 0 and 1 connections).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum IoListen {
     /// On the address of EtherNet/IP: port 2222 beside port 44818, any free one beside another.
@@ -194,7 +194,7 @@ const EIP_PORT: u16 = 44_818;
 /// The UDP port of implicit I/O.
 const IO_PORT: u16 = 2222;
 
-/// What motion does when the owner of the outputs is lost, closes its connection or goes idle.
+/// The reaction of motion when the owner of the outputs is lost, closes its connection or goes idle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum IoLoss {
     /// Everything that moves is stopped, every axis by itself at its maximum deceleration.
@@ -215,8 +215,8 @@ impl IoLoss {
     }
 }
 
-/// What becomes of motion when the class 3 connection or the session over which it was begun is lost: ends without a Forward
-/// Close or UnRegisterSession. What others began is not touched.
+/// The reaction of motion when the class 3 connection or the session over which it was begun is lost: ends without a Forward
+/// Close or UnRegisterSession. Motion that other clients began goes on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConnectionLoss {
     /// Jogs are stopped; everything else goes on to its end.
@@ -226,7 +226,7 @@ pub enum ConnectionLoss {
     /// The coordinate systems of its coordinated moves are held (a feed override of 0), jogs are stopped; moves of single
     /// axes go on to their end.
     Hold,
-    /// It goes on to its end, or without end.
+    /// The motion goes on to its end, or without end.
     Finish,
 }
 
@@ -246,7 +246,7 @@ impl ConnectionLoss {
 }
 
 impl Default for ServerConfig {
-    /// Of a file without the table.
+    /// The configuration of a file without the table.
     fn default() -> Self {
         read::default_server()
     }
@@ -255,7 +255,7 @@ impl Default for ServerConfig {
 /// Reads a configuration. `file` only names the text in errors.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line, column and key, what was found and what was expected.
+/// The first error, with its line, column and key, the value found and the value expected.
 pub fn load(text: &str, file: &str) -> Result<Project, ConfigError> {
     load_all(text, file).map_err(|mut errors| errors.swap_remove(0))
 }

@@ -13,7 +13,7 @@ pub fn is_key(path: &str) -> bool {
 }
 
 /// The text of a configuration with keys replaced. The path of a key has the names of its tables; one of several (`[[axis]]`) is named by its `name`,
-/// or its place from 0. What the key may hold is checked when the text is loaded.
+/// or its place from 0. The values are checked when the text is loaded.
 ///
 /// # Errors
 /// The text is not TOML, a path leads nowhere, or a value is none of TOML.

@@ -1,6 +1,6 @@
-//! From the tables of the file to a [`Project`] that keeps what [`Machine`] promises (spec/contract.md §2). What each key may
-//! hold stands in `keys`; here are the rules between keys, and what they make. A key that does not do is reported and
-//! reading goes on with its default, so that all errors of a file are found at once.
+//! From the tables of the file to a [`Project`] that keeps the promises of [`Machine`] (spec/contract.md §2). The table `keys` has the values
+//! that each key may have; this module has the rules between keys, and makes the objects. It reports a wrong key and goes on with the default,
+//! so that it finds all errors of a file at once.
 
 mod axis;
 mod dynamics;

@@ -1,7 +1,7 @@
 //! The table of keys as a JSON Schema (draft 7), by which editors complete and check a configuration.
 //!
-//! What the schema refuses, the reader refuses; rules between keys, names of other tables and values of tags are the
-//! reader's alone. Words stand as the reader writes them; the reader ignores their case.
+//! The reader refuses all that the schema refuses. The reader alone checks the rules between keys, names of other tables and values of tags.
+//! Words have the reader's spelling; the reader ignores their case.
 
 use std::ops::RangeInclusive;
 

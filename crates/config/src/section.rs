@@ -1,7 +1,7 @@
 //! Reading one table of the file, with the place of everything at hand. Knows TOML and kinds of keys, not machines.
 //!
-//! [`Section::check`] reports all that is wrong with the keys and values of a table and those within. What it has reported reads
-//! like an absent key afterwards, so that reading goes on and finds what else is wrong.
+//! [`Section::check`] reports all errors of the keys and values of a table and of the tables in it. A key with a reported error reads
+//! like an absent key afterwards, so that reading goes on and finds the other errors.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -16,7 +16,7 @@ use crate::error::{ConfigError, Problem};
 use crate::keys::{Default, Key, Keys, Kind};
 use crate::words::Words;
 
-/// The file, for turning offsets into lines, and what was found wrong with it.
+/// The file, which turns offsets into lines, and the errors found in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'t> {
     pub(crate) file: &'t str,
@@ -257,7 +257,7 @@ impl<'t> Section<'t> {
         }
     }
 
-    /// How many values a list has; 0 when there is none.
+    /// The number of values in a list; 0 when there is none.
     pub(crate) fn count(&self, key: &str) -> usize {
         let items = self.find(key).and_then(|value| value.get_ref().as_array());
         items.map_or(0, |items| items.len())
@@ -293,7 +293,7 @@ impl<'t> Section<'t> {
         self.number(key).unwrap_or(1.0)
     }
 
-    /// What the word of a key stands for, or its default. The first stands for a missing one, which is reported.
+    /// The meaning of the word of a key, or its default. A missing key, which is reported, has the meaning of the first word.
     pub(crate) fn one_of<T: Copy>(&self, key: &'static str, words: Words<T>) -> T {
         let word = self.word(key);
         let given = words.iter().find(|(known, _)| Some(*known) == word);
@@ -368,7 +368,7 @@ impl<'t> Section<'t> {
         self.source.report(self.offset, self.path_of(key), problem);
     }
 
-    /// Reports a text that was read but does not do: what its kind is.
+    /// Reports a text that is not of the key's kind.
     pub(crate) fn refuse(&self, key: &str, text: &Placed<String>, suggestion: Option<String>) {
         let expected = self.kind(key).map_or(Cow::Borrowed(""), Kind::expected);
         self.refuse_as(text, expected, suggestion);
@@ -405,7 +405,7 @@ impl<'t> Section<'t> {
         self.refuse_key(key, Problem::Conflict { other, reason });
     }
 
-    /// Reports what is wrong with a key.
+    /// Reports a problem of a key.
     pub(crate) fn refuse_key(&self, key: &str, problem: Problem) {
         let offset = self.find(key).map_or(self.offset, |value| value.span().start);
         self.source.report(offset, self.path_of(key), problem);
@@ -464,7 +464,7 @@ impl<'t> Section<'t> {
 }
 
 impl Kind {
-    /// Whether its values are texts.
+    /// Whether values of the kind are texts.
     fn is_text(&self) -> bool {
         use Kind::{AddressOrOff, Addresses, MemberType, Mnemonic, Name, TagType, Text};
         matches!(
@@ -474,7 +474,7 @@ impl Kind {
     }
 }
 
-/// Whether a value that is no text and no table is of the kind.
+/// Whether a value other than a text or a table is of the kind.
 fn holds(kind: &Kind, value: &DeValue<'_>) -> bool {
     match kind {
         Kind::Boolean => value.as_bool().is_some(),

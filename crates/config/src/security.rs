@@ -1,4 +1,4 @@
-//! The `[security]` table: who may do what (spec/security.md §6).
+//! The `[security]` table: roles, certificates and access (spec/security.md §6).
 
 use std::net::{IpAddr, SocketAddr};
 
@@ -34,7 +34,7 @@ impl Role {
         }
     }
 
-    /// That of a word, case ignored.
+    /// The role of a word, case ignored.
     pub fn of_word(word: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
@@ -93,7 +93,7 @@ impl AllowList {
         Some(network.trunc())
     }
 
-    /// Whether the door answers an address. Without networks it answers all; this computer's own addresses of loopback always.
+    /// Whether the door answers an address. Without networks it answers all; it always answers this computer's own loopback addresses.
     pub fn allows(&self, address: IpAddr) -> bool {
         let address = address.to_canonical();
         self.0.is_empty() || address.is_loopback() || self.0.iter().any(|network| network.contains(&address))
@@ -105,7 +105,7 @@ impl AllowList {
 pub struct Security {
     /// Whether the file has the table.
     pub is_given: bool,
-    /// Where EtherNet/IP over TLS listens; `None`: nowhere.
+    /// The address of EtherNet/IP over TLS; `None`: off.
     pub tls: Option<SocketAddr>,
     /// The file with the certificates of the server.
     pub certificate: String,
@@ -115,11 +115,11 @@ pub struct Security {
     pub clients: String,
     /// The file with the lists of revoked certificates.
     pub revoked: Option<String>,
-    /// Whether the days of a certificate's validity are looked at.
+    /// Whether the server checks the days of a certificate's validity.
     pub check_expiration: bool,
     /// EtherNet/IP without TLS.
     pub plain: PlainAccess,
-    /// Whether class 0 and 1 connections that are opened through TLS, and whose data is not encrypted, are refused.
+    /// Whether the server refuses class 0 and 1 connections that are opened through TLS, and whose data is not encrypted.
     pub refuses_io_over_tls: bool,
     /// The role of a certificate that has no row.
     pub default_role: Role,
@@ -129,11 +129,11 @@ pub struct Security {
     pub loopback: Role,
     /// The role of clients elsewhere, without TLS.
     pub remote_plain: Role,
-    /// Where the web page listens over HTTPS; `None`: nowhere.
+    /// The address of the web page over HTTPS; `None`: off.
     pub hmi_tls: Option<SocketAddr>,
     /// Names of the host by which browsers reach the page, beside those of the certificate.
     pub hmi_names: Vec<String>,
-    /// What the page shows beside its log-in.
+    /// The notice of the page beside its log-in.
     pub login_notice: Option<String>,
     /// The file with the users of the page and the tokens of scripts; `None`: there are no log-ins.
     pub users: Option<String>,
@@ -141,11 +141,11 @@ pub struct Security {
     pub idle: u32,
     /// The longest session of the page, s.
     pub session: u32,
-    /// Who may reach EtherNet/IP without TLS.
+    /// The addresses that may reach EtherNet/IP without TLS.
     pub plain_allow: AllowList,
-    /// Who may reach EtherNet/IP over TLS.
+    /// The addresses that may reach EtherNet/IP over TLS.
     pub tls_allow: AllowList,
-    /// Who may reach the web page.
+    /// The addresses that may reach the web page.
     pub hmi_allow: AllowList,
     /// The most requests a second of one EtherNet/IP client, by its role; 0: any number.
     pub max_requests: [u32; 4],
@@ -165,7 +165,7 @@ impl Security {
 }
 
 impl Default for Security {
-    /// Of a file without the table.
+    /// The security of a file without the table.
     fn default() -> Self {
         ServerConfig::default().security
     }

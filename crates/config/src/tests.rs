@@ -697,7 +697,7 @@ mod by_schema {
         serde_json::to_value(table).expect("JSON")
     }
 
-    /// Why a value is not valid, by the keywords that the schema uses; any other keyword is a panic.
+    /// The reason for which a value is not valid, by the keywords that the schema uses; any other keyword is a panic.
     fn wrong(schema: &Value, value: &Value) -> Option<String> {
         let number = |limit: &Value, holds: fn(&f64, &f64) -> bool| {
             value

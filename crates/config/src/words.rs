@@ -1,5 +1,5 @@
-//! What the words of the keys stand for: reading and writing go by these lists. That each has the words of its key in the table of keys, a
-//! test holds.
+//! The meanings of the words of the keys: the reader and the writer use these lists. A test checks that each list has the words of its key in
+//! the table of keys.
 
 use arcline_controller::image::{Access, Writers};
 use arcline_controller::machine::{
@@ -9,13 +9,13 @@ use arcline_instruction_set::ExceptionAction;
 
 use crate::{ConnectionLoss, IoLoss, PlainAccess, Role};
 
-/// The words of a key, each with what it stands for.
+/// The words of a key, each with its meaning.
 pub(crate) type Words<T> = &'static [(&'static str, T)];
 
 pub(crate) const IO_LOSS: Words<IoLoss> = &IoLoss::WORDS;
 pub(crate) const CONNECTION_LOSS: Words<ConnectionLoss> = &ConnectionLoss::WORDS;
 pub(crate) const PLAIN: Words<PlainAccess> = &PlainAccess::WORDS;
-/// Whether such connections are refused.
+/// Whether the server refuses such connections.
 pub(crate) const IO_OVER_TLS: Words<bool> = &[("refuse", true), ("plain", false)];
 pub(crate) const ROLES: Words<Role> = &[
     (Role::Viewer.word(), Role::Viewer),

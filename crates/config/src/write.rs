@@ -1,5 +1,5 @@
-//! From a [`Project`] back to the tables of its configuration, and tables as text. The way back of `read`: what
-//! [`table`] writes, [`load`](crate::load) reads as the same project. Comments and the order of keys are not kept.
+//! From a [`Project`] back to the tables of its configuration, and tables as text. [`load`](crate::load) reads the tables that
+//! [`table`] writes as the same project. Comments and the order of keys are lost.
 
 use std::net::SocketAddr;
 
@@ -451,7 +451,7 @@ fn data_type(template: &Template) -> Value {
     ])
 }
 
-/// Whether a member is there only to hold BOOLs.
+/// Whether a member only holds BOOLs.
 fn is_host(template: &Template, member: &Member) -> bool {
     let holds = |other: &Member| other.bit.is_some() && other.offset == member.offset;
     member.bit.is_none() && member.hidden && template.members.iter().any(holds)
@@ -473,7 +473,7 @@ fn tag(tag: &PlainTag) -> Value {
         put("program", text(program));
     }
     put("access", text(word_of(words::ACCESS, &tag.access)));
-    // Not of a tag that no client writes, or that has the rules of another.
+    // Tags that no client writes, and aliases, have no rules of their own.
     if tag.rule.writers != Writers::Operators {
         put("write_role", text(word_of(words::WRITERS, &tag.rule.writers)));
     }

@@ -18,7 +18,7 @@ pub struct Attribute {
     pub quantity: Quantity,
 }
 
-/// What an [`Attribute`] is.
+/// The quantity of an [`Attribute`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Quantity {
     /// Maximum Speed, position units/s.
@@ -58,7 +58,7 @@ impl Attribute {
             .find(|one| one.object == object && one.number == number)
     }
 
-    /// Whether SSV and the Set Attribute services can set it. Such an attribute is a UDINT on the wire, any other an LREAL.
+    /// Whether SSV and the Set Attribute services can set the attribute. Such an attribute is a UDINT on the wire, any other an LREAL.
     #[must_use]
     pub fn is_settable(&self) -> bool {
         self.quantity == Quantity::DynamicsConfigurationBits

@@ -1,7 +1,7 @@
 //! From given operands to a [`Call`]: Structured Text, CIP services, instruction tags and the command
 //! line all come through here, so the same cause gives the same error.
 //!
-//! Binding looks at types, words and names. Ranges are looked at when the instruction executes
+//! Binding checks types, words and names. The execution checks ranges
 //! ([`crate::Instruction::verify`]), because a value out of range is a motion error with ERR and EXERR.
 
 mod error;
@@ -78,7 +78,7 @@ pub fn bind(
         };
         let value = values.next().unwrap_or(&Given::Missing);
         let kind = &instruction.operands[place].kind;
-        // An array of one number arrives as that number. A REAL 0 is one where what is calculated of it has a place.
+        // An array of one number arrives as that number. A REAL 0 is such an array if the call has an array for the results of it.
         let is_array = matches!(kind, Kind::ArrayOrNone)
             && *value == Given::Number(0.0)
             && values.peek().is_some_and(|next| !is_none(next));

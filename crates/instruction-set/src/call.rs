@@ -1,4 +1,4 @@
-//! A bound call: what crosses into the real-time thread. Fixed size, no heap.
+//! A bound call: the data that cross into the real-time thread. Fixed size, no heap.
 
 use crate::{Instruction, Mnemonic};
 
@@ -20,7 +20,7 @@ pub struct RealArray {
 }
 
 impl RealArray {
-    /// Takes the first [`MAX_ELEMENTS`] numbers; what lies behind them no instruction uses.
+    /// Takes the first [`MAX_ELEMENTS`] numbers; no instruction uses the others.
     pub fn from_slice(numbers: &[f64]) -> Self {
         let mut array = Self::default();
         for (place, number) in array.values.iter_mut().zip(numbers) {
@@ -36,7 +36,7 @@ impl RealArray {
     }
 }
 
-/// Where the data begin that an operand names: in which tag, and at which of its bytes.
+/// The tag and the byte in it at which the data of an operand begin.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub struct TagAddress(u32);
 
@@ -58,7 +58,7 @@ impl TagAddress {
         (self.0 & 0xFFFF) as usize * 4
     }
 
-    /// The address of the REAL that is so many elements behind.
+    /// The address of the REAL that is `index` elements behind.
     pub fn element(self, index: usize) -> Option<Self> {
         TagAddress::new(self.tag(), self.offset() + 4 * index)
     }
@@ -124,8 +124,8 @@ impl Call {
         }
     }
 
-    /// An operand as the value of an enumeration or a count, rounded half to even. What is not a number or
-    /// beyond a DINT has been refused by [`Instruction::verify`]; unverified it is 0 or the nearest DINT.
+    /// An operand as the value of an enumeration or a count, rounded half to even. [`Instruction::verify`] refuses a value that is not a number
+    /// or beyond a DINT; unverified it is 0 or the nearest DINT.
     pub fn word(&self, operand: usize) -> i32 {
         self.number(operand).round_ties_even() as i32
     }

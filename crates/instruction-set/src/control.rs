@@ -10,7 +10,7 @@ pub enum Flag {
     En,
     /// Done: accepted, or executed.
     Dn,
-    /// Error: ERR tells which.
+    /// Error: the code is in ERR.
     Er,
     /// In process.
     Ip,
@@ -126,7 +126,7 @@ impl MotionControl {
         ]
     }
 
-    /// Reads the structure; the reserved bytes are not looked at.
+    /// Reads the structure; the reserved bytes are ignored.
     pub const fn from_bytes(b: [u8; 16]) -> Self {
         Self {
             flags: u32::from_le_bytes([b[0], b[1], b[2], b[3]]),

@@ -1,12 +1,12 @@
-//! Why an instruction ended that did not come to its end, in words: for people, and as it travels.
+//! The cause that ended an instruction before its end, in words: for people, and for the wire.
 //!
-//! Not here: what ends an instruction, and when it did.
+//! Not here: the controller's decision to end an instruction, and its time.
 
 use std::fmt;
 
 use crate::{FAULTS, FaultSet, Mnemonic};
 
-/// What ended an instruction before its end.
+/// The cause that ended an instruction before its end.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Ending {
     /// Another instruction: one that stops, or one that takes its place.
@@ -29,10 +29,10 @@ pub enum Ending {
     Jog(JogEnd),
 }
 
-/// Why the server ends a jog by itself, at full deceleration.
+/// The reason for which the server ends a jog by itself, at full deceleration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum JogEnd {
-    /// The dead-man switch: the button of the page was not kept pressed.
+    /// The dead-man switch: the page no longer confirms that the button is pressed.
     Released,
     /// The client that began it was silent for longer than `jog_silence_ms`.
     Silent,
@@ -71,7 +71,7 @@ impl Ending {
         faults.kinds().map(|kind| kind.fault().word).collect()
     }
 
-    /// As it travels: a code, the name of the motion control tag or of the axis, and the mnemonic or the faults.
+    /// The parts for the wire: a code, the name of the motion control tag or of the axis, and the mnemonic or the faults.
     pub fn to_parts(&self) -> (u8, &str, String) {
         match self {
             Ending::Instruction { mnemonic, tag } => (INSTRUCTION, tag, mnemonic.name().to_owned()),
@@ -81,7 +81,7 @@ impl Ending {
         }
     }
 
-    /// From what travelled; `None` for a code that means nothing, and for none.
+    /// The cause of parts from the wire; `None` for an unknown code, and for no cause.
     pub fn from_parts(code: u8, name: &str, what: &str) -> Option<Ending> {
         match code {
             INSTRUCTION => Some(Ending::Instruction {
@@ -125,7 +125,7 @@ impl fmt::Display for Ending {
     }
 }
 
-/// What an instruction does to another one that it ends.
+/// The effect of an instruction on another one that it ends, as a verb.
 fn verb(mnemonic: Mnemonic) -> &'static str {
     use Mnemonic::{Mas, Masd, Mcs, Mcsd, Mgs, Mgsd, Mgsp, Msf};
     match mnemonic {

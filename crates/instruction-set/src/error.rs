@@ -1,4 +1,4 @@
-//! Motion errors: ERR, EXERR, and what they mean, in one table (spec/axis-and-data-types.md §6, §7).
+//! Motion errors: ERR, EXERR, and their meaning, in one table (spec/axis-and-data-types.md §6, §7).
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub struct OperandIndex(pub u8);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct AxisIndex(pub u8);
 
-/// What an error that can concern the coordinate system itself is about.
+/// The object of an error that can concern the coordinate system itself.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Culprit {
     /// The coordinate system: EXERR −1.
@@ -26,7 +26,7 @@ pub enum Culprit {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Detail(pub i8);
 
-/// How an error uses EXERR.
+/// The use of EXERR by an error.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Extended {
     /// Always 0.
@@ -61,13 +61,13 @@ pub struct ErrorText {
     pub err: i16,
     /// Name.
     pub name: &'static str,
-    /// How EXERR is used.
+    /// The use of EXERR.
     pub extended: Extended,
-    /// What usually causes it.
+    /// The usual cause.
     pub cause: &'static str,
-    /// What to do about it.
+    /// The remedy.
     pub remedy: &'static str,
-    /// What values of EXERR mean, for an error with a list of its own ([`Extended::Detail`]); others count something.
+    /// The meaning of the values of EXERR, for an error with a list of its own ([`Extended::Detail`]); others are a count.
     pub details: &'static [(i8, &'static str)],
 }
 
@@ -129,7 +129,7 @@ macro_rules! motion_errors {
     (@details) => { &[] };
     (@details $details:ident) => { $details };
     ($($err:literal $variant:ident $(($payload:ident $($details:ident)?))? $name:literal $cause:literal $remedy:literal;)*) => {
-        /// Why an instruction was refused or failed. The variant is ERR, the payload is EXERR.
+        /// The error of an instruction that was refused or failed. The variant is ERR, the payload is EXERR.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         #[non_exhaustive]
         pub enum MotionError {
@@ -338,12 +338,12 @@ impl MotionError {
         self.text().name
     }
 
-    /// What usually causes it.
+    /// The usual cause.
     pub fn cause(self) -> &'static str {
         self.text().cause
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub fn remedy(self) -> &'static str {
         self.text().remedy
     }
@@ -365,8 +365,8 @@ pub(crate) fn text(err: i16) -> Option<&'static ErrorText> {
         .map(|place| &ERRORS[place])
 }
 
-/// An error for people: `ERR 13 Parameter Out Of Range, operand 7 (Speed)`. The instruction tells the names
-/// of operands.
+/// An error for people: `ERR 13 Parameter Out Of Range, operand 7 (Speed)`. The names of operands come from the
+/// instruction.
 pub fn describe(err: i16, exerr: i8, mnemonic: Option<Mnemonic>) -> String {
     if err == 0 {
         return "no error".to_owned();

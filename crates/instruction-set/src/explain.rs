@@ -1,25 +1,25 @@
-//! What an error means for the one who made it: cause, remedy, and what EXERR points at, out of the table of errors and the
-//! faceplates. Not here: a fault of an axis, which is no instruction's error ([`crate::FAULTS`]).
+//! The explanation of an error: cause, remedy, and the operand, axis or detail that EXERR points at, from the table of errors and the
+//! faceplates. Not here: a fault of an axis, which is not the error of an instruction ([`crate::FAULTS`]).
 
 use crate::docs::{operand_type, operand_values};
 use crate::error::text;
 use crate::{Extended, Kind, Mnemonic, Object, describe};
 
-/// An error, told.
+/// An error in words.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Explanation {
-    /// As it is told everywhere: `ERR 13 Parameter Out Of Range, operand 4 (Speed)`.
+    /// The error as all faces show it: `ERR 13 Parameter Out Of Range, operand 4 (Speed)`.
     pub headline: String,
-    /// What usually causes it, a sentence.
+    /// The usual cause, a sentence.
     pub cause: &'static str,
-    /// What EXERR points at, where it points at something: `Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units).`
+    /// The operand, axis or detail that EXERR points at, if it does: `Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units).`
     pub concerns: Option<String>,
-    /// What to do about it, a sentence.
+    /// The remedy, a sentence.
     pub remedy: &'static str,
 }
 
-/// Explains a pair of codes; `None` for an ERR that does not exist. With the instruction it tells which operand was
-/// meant and what it takes.
+/// Explains a pair of codes; `None` for an ERR that does not exist. With the instruction it also describes the operand
+/// and its legal values.
 ///
 /// ```
 /// use arcline_instruction_set::{Mnemonic, explain};
@@ -48,7 +48,7 @@ pub fn explain(err: i16, exerr: i8, mnemonic: Option<Mnemonic>) -> Option<Explan
     })
 }
 
-/// The operand at a place, and what it takes.
+/// The operand at an index, and its legal values.
 fn operand(place: i8, mnemonic: Option<Mnemonic>) -> String {
     let Some(mnemonic) = mnemonic else {
         return format!("Operand {place} is counted on the faceplate, the target of the instruction being 0.");
@@ -101,7 +101,7 @@ mod tests {
     fn what_exerr_points_at_is_told() {
         #[rustfmt::skip]
         let cases = [
-            // why,                    err, exerr, instruction,          told
+            // why,                    err, exerr, instruction,          explanation
             ("an operand",             13,  4, Some(Mnemonic::Mclm), Some("Operand 4 of MCLM is Speed: number, 0 or more (in Speed Units; 0: the move waits until MCCD or MCD gives it a speed).")),
             ("a word",                 13,  2, Some(Mnemonic::Mclm), Some("Operand 2 of MCLM is Move Type: word or number, 0 Absolute, 1 Incremental.")),
             ("no such operand",        13, 99, Some(Mnemonic::Mso),  Some("MSO has no operand 99: they are 0 to 1.")),

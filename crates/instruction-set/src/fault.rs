@@ -1,7 +1,7 @@
 //! The faults of an axis as data: name, bits, default action, meaning (spec/axis-and-data-types.md §9.3, §12).
 //!
-//! Configuration keys, words of the command line, the tag `FaultInject` and docs/FAULTS.md are made from it. What a
-//! fault does is `arcline-motion`'s.
+//! Configuration keys, words of the command line, the tag `FaultInject` and docs/FAULTS.md are made from it.
+//! `arcline-motion` has the effect of a fault.
 
 /// A kind of fault. Its place in [`FAULTS`] is its bit in a [`FaultSet`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -24,7 +24,7 @@ pub enum FaultKind {
     OvertravelNegative,
     /// The encoder gives no signal.
     FeedbackLoss,
-    /// A command would have been beyond what the axis can follow.
+    /// A command would have been beyond the limits that the axis can follow.
     CommandLimit,
     /// The drive does not answer.
     DriveCommunication,
@@ -39,10 +39,10 @@ pub enum FaultWord {
     Cip,
 }
 
-/// What an axis does when a fault's cause appears (spec/axis-and-data-types.md §9.3).
+/// The reaction of an axis when a fault's cause appears (spec/axis-and-data-types.md §9.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ExceptionAction {
-    /// Nothing.
+    /// No reaction.
     Ignore,
     /// The alarm bit, while the cause is there.
     Alarm,
@@ -63,15 +63,15 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Its word in configurations and on the command line.
     pub word: &'static str,
-    /// Where it shows.
+    /// The status words in which the fault shows.
     pub shows: FaultWord,
     /// Bit of those words.
     pub bit: u8,
     /// The action of an axis that is not configured otherwise.
     pub default: ExceptionAction,
-    /// Whether it is found out while the machine runs; the others are only injected.
+    /// Whether the controller detects the fault while the machine runs; the others are only injected.
     pub detected: bool,
-    /// What has happened, in a sentence.
+    /// The event, in a sentence.
     pub meaning: &'static str,
 }
 
@@ -123,7 +123,7 @@ const fn fault(
 }
 
 impl FaultKind {
-    /// How many kinds there are.
+    /// The number of kinds.
     pub const COUNT: usize = 11;
 
     /// Every kind, in the order of [`FAULTS`].
@@ -170,7 +170,7 @@ impl ExceptionAction {
         Self::ALL[self as usize].0
     }
 
-    /// Whether it stops the axis, which errs with 20 until the fault is cleared.
+    /// Whether the action stops the axis, which errs with 20 until the fault is cleared.
     pub fn stops(self) -> bool {
         self >= ExceptionAction::StopPlanner
     }
@@ -194,18 +194,18 @@ impl FaultSet {
         FaultSet(bits & ((1 << FaultKind::COUNT) - 1))
     }
 
-    /// One bit for each kind, as in the tag `FaultInject`.
+    /// The bits, one for each kind, as in the tag `FaultInject`.
     pub const fn bits(self) -> u32 {
         self.0
     }
 
-    /// With a kind.
+    /// The set with a further kind.
     #[must_use]
     pub const fn with(self, kind: FaultKind) -> FaultSet {
         FaultSet(self.0 | 1 << kind as u32)
     }
 
-    /// Without the kinds of another set.
+    /// The set without the kinds of another one.
     #[must_use]
     pub const fn without(self, other: FaultSet) -> FaultSet {
         FaultSet(self.0 & !other.0)
@@ -217,12 +217,12 @@ impl FaultSet {
         FaultSet(self.0 | other.0)
     }
 
-    /// Whether a kind is in it.
+    /// Whether the set contains a kind.
     pub const fn contains(self, kind: FaultKind) -> bool {
         self.0 & 1 << kind as u32 != 0
     }
 
-    /// Whether there is none in it.
+    /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }

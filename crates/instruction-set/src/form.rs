@@ -1,14 +1,14 @@
-//! What a form of an instruction shows besides its operands: units, which fields matter, and the target position dialog
+//! The parts of an instruction's form besides its operands: units, the fields that apply, and the target position dialog
 //! (the reference page MCCM, "MCCM Target Position Entry Dialog Box").
 
 use crate::Mnemonic;
 use crate::enumerations::{CircleType, MoveType, NoYes};
 use crate::instruction::{Condition, Instruction, Kind, Range};
 
-/// What the number of an operand is counted in.
+/// The unit of an operand's number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unit {
-    /// What another operand says, by its place.
+    /// The unit that another operand selects, by its index.
     Operand(usize),
     /// Position units of the object.
     Position,
@@ -16,7 +16,7 @@ pub enum Unit {
     Master,
     /// Degrees.
     Degrees,
-    /// It has none.
+    /// No unit.
     None,
 }
 
@@ -31,9 +31,9 @@ pub struct TargetRow {
     pub target: &'static str,
     /// Title of the column of vias, centres or the radius.
     pub via: Option<&'static str>,
-    /// Whether "Set Targets = Actuals" can be pressed.
+    /// Whether the dialog offers "Set Targets = Actuals".
     pub targets_from_actuals: bool,
-    /// Whether "Set Vias = Actuals" can be pressed.
+    /// Whether the dialog offers "Set Vias = Actuals".
     pub vias_from_actuals: bool,
 }
 
@@ -48,7 +48,7 @@ pub struct TargetDialog {
     pub move_type: &'static str,
     /// Member of the circle type.
     pub circle_type: Option<&'static str>,
-    /// What it shows for every combination.
+    /// The headings for every combination.
     pub rows: &'static [TargetRow],
 }
 

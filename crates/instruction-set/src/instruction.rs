@@ -1,4 +1,4 @@
-//! What an instruction's faceplate is made of.
+//! The parts of an instruction's faceplate.
 
 use std::ops::RangeInclusive;
 
@@ -81,22 +81,22 @@ pub struct Instruction {
     pub mnemonic: Mnemonic,
     /// Its full name.
     pub title: &'static str,
-    /// What it does, in a sentence.
+    /// The effect of the instruction, in a sentence.
     pub summary: &'static str,
-    /// What it acts on.
+    /// The object of the instruction.
     pub object: Object,
     /// When DN comes.
     pub timing: Timing,
     /// The status bits it uses.
     pub bits: &'static [Flag],
-    /// How many axes its coordinate system must have, else 13 with operand 0.
+    /// The number of axes that its coordinate system must have; otherwise the error is 13 with operand 0.
     pub axes: Axes,
     /// In faceplate order: the place is also the EXERR of error 13.
     pub operands: &'static [Operand],
 }
 
 impl Instruction {
-    /// Whether it acts on an object; the others only calculate.
+    /// Whether the instruction acts on an object; the others only calculate.
     pub fn has_target(&self) -> bool {
         matches!(
             self.operands.first().map(|operand| &operand.kind),
@@ -166,9 +166,9 @@ impl Instruction {
 /// Legal numbers of axes, 1 to `usize::MAX` if it does not matter.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Axes {
-    /// At least.
+    /// The least number.
     pub least: usize,
-    /// At most.
+    /// The greatest number.
     pub most: usize,
 }
 
@@ -192,7 +192,7 @@ pub struct Operand {
     pub name: &'static str,
     /// Type and legal values.
     pub kind: Kind,
-    /// When the range is looked at.
+    /// The condition under which the range applies.
     pub condition: Condition,
     /// First value in an instruction tag: a full-speed S-curve. Not the value of an
     /// operand that is left out, which is always [`Operand::OMITTED`].
@@ -278,16 +278,16 @@ pub enum ArrayRule {
         /// Its value.
         value: i32,
     },
-    /// At least so many.
+    /// At least this number.
     AtLeast(u8),
 }
 
-/// When a range is looked at. Enumerations always are.
+/// The condition under which a range applies. Enumerations always apply.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Condition {
     /// Always.
     Always,
-    /// Only when the operand at this position is Yes; otherwise it may hold anything, NaN included.
+    /// Only when the operand at this position is Yes; otherwise any value is legal, NaN included.
     Changed(u8),
     /// Only when an operand has a value; otherwise any finite number is legal.
     When {

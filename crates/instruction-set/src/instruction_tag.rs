@@ -33,8 +33,8 @@ pub fn instruction_tag_template(mnemonic: Mnemonic) -> Arc<Template> {
     TEMPLATES[mnemonic as usize].clone()
 }
 
-/// Where the segments behind a tag's name lead. A status bit of an instruction tag is found without naming `MotionControl`:
-/// `PC` is `MotionControl.PC`. Of other tags it is [`TagType::locate`].
+/// Follows the segments behind a tag's name. The path of a status bit of an instruction tag may omit `MotionControl`:
+/// `PC` is `MotionControl.PC`. For other tags it is [`TagType::locate`].
 ///
 /// # Errors
 /// Names the member, index or bit that does not exist.
@@ -88,11 +88,10 @@ pub fn set_instruction_tag_target(mnemonic: Mnemonic, bytes: &mut [u8], target: 
     write_string(bytes.get_mut(member.offset as usize..)?, target)
 }
 
-/// What the bytes of the instruction tag `tag` give to [`crate::bind`].
+/// The operands in the bytes of the instruction tag `tag`, for [`crate::bind`].
 ///
-/// An array that is written, such as `CalculatedData`, is named as the tag's own member. An `EventDistance`
-/// of zeros only is "none", and then nothing is calculated. Bytes that are
-/// missing read as 0.
+/// An array for results, such as `CalculatedData`, is named as the tag's own member. An `EventDistance`
+/// of zeros only is "none", and then the instruction calculates no result. Missing bytes read as 0.
 pub fn instruction_tag_given(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> Vec<Given> {
     let instruction = mnemonic.instruction();
     let template = instruction_tag_template(mnemonic);

@@ -1,8 +1,8 @@
 //! The instructions of Arcline as data: operands, words, ranges, motion errors, predefined types.
 //!
-//! One catalogue says what every instruction takes; Structured Text, CIP services, instruction tags, the
-//! command line and the reference pages are made from it. Nothing is executed here and nothing is encoded
-//! for a network. Numbers stand in the units of their operands.
+//! One catalogue has the operands of every instruction; Structured Text, CIP services, instruction tags, the
+//! command line and the reference pages are made from it. This crate executes no instruction, and encodes none
+//! for a network. Numbers are in the units of their operands.
 #![forbid(unsafe_code)]
 
 mod attribute;

@@ -22,7 +22,7 @@ macro_rules! mnemonics {
                 match self { $(Self::$name => $text),* }
             }
 
-            /// Whether it stops motion or switches off, and begins nothing.
+            /// Whether the instruction stops motion or switches off, and begins no motion.
             pub const fn is_stop(self) -> bool {
                 matches!(
                     self,
@@ -30,7 +30,8 @@ macro_rules! mnemonics {
                 )
             }
 
-            /// Whether it begins motion, at once or when its trigger or master comes: what is refused while motion is inhibited.
+            /// Whether the instruction begins motion, at once or when its trigger or master comes. The controller refuses such an instruction
+            /// while motion is inhibited.
             pub const fn begins_motion(self) -> bool {
                 match self {
                     Self::Maj | Self::Mam | Self::Mag | Self::Mah | Self::Mapc | Self::Matc => true,
@@ -42,7 +43,7 @@ macro_rules! mnemonics {
                 }
             }
 
-            /// Whether it switches an axis on, or takes a shutdown back.
+            /// Whether the instruction switches an axis on, or resets a shutdown.
             pub const fn switches_on(self) -> bool {
                 matches!(self, Self::Mso | Self::Masr | Self::Mcsr | Self::Mgsr)
             }
@@ -112,7 +113,7 @@ impl fmt::Display for Mnemonic {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{name:?} is not a motion instruction")]
 pub struct UnknownMnemonic {
-    /// What was read.
+    /// The unknown name.
     pub name: String,
 }
 

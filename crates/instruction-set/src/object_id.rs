@@ -9,7 +9,7 @@ macro_rules! identity {
         pub struct $name(pub u16);
 
         impl $name {
-            /// The identity of each of so many objects, in the order of the configuration.
+            /// The identities of `count` objects, in the order of the configuration.
             pub fn first(count: usize) -> impl Iterator<Item = Self> + Clone + 'static {
                 (0..count).map($name::from_index)
             }

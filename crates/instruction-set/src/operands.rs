@@ -75,7 +75,7 @@ impl<T: FromCall> Operands for OperandValue<T> {
     }
 }
 
-/// What one operand can be.
+/// A type that an operand can have.
 pub trait FromCall {
     /// The operand at an index. Real-time.
     fn from_call(call: &Call, operand: usize) -> Self;

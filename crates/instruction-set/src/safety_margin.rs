@@ -1,4 +1,4 @@
-//! How much further a master must go than Calculated Data say (spec/coordinated-instructions.md §8.10, the reference page MCCM).
+//! The further distance that a master must go beyond the Calculated Data (spec/coordinated-instructions.md §8.10, the reference page MCCM).
 //!
 //! For programs in which a master goes just as far as a sequence of blended, master driven moves needs: without the margin the last
 //! move may not reach PC, because the master stops slightly early. Planning adds nothing of it. Master units, seconds.
@@ -19,7 +19,7 @@ pub struct BlendedSequence {
 }
 
 impl BlendedSequence {
-    /// What to add to the sum of the Calculated Data of the moves, master units.
+    /// The distance to add to the sum of the Calculated Data of the moves, master units.
     pub fn safety_margin(&self) -> f64 {
         let update = self.update_period * self.master_speed.abs();
         let end = |is_full: bool| if is_full { update } else { SHARE * update };

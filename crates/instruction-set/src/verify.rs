@@ -1,7 +1,7 @@
 //! Ranges of operands: error 13 (spec/coordinated-instructions.md §4.6, §12.3, §13.7, §14.3;
 //! spec/axis-and-data-types.md §7.2).
 //!
-//! Not here: what depends on the state of the machine, such as positions beyond the unwind, or units that
+//! Not here: checks that depend on the state of the machine, such as positions beyond the unwind, or units that
 //! do not go together (94, 95).
 
 use crate::enumerations::NoYes;
@@ -71,7 +71,7 @@ impl Operand {
 }
 
 impl Range {
-    /// Whether a number is legal; the call tells the units of a jerk. Real-time.
+    /// Whether a number is legal; `call` has the units of a jerk. Real-time.
     pub fn contains(self, number: f64, call: &Call) -> bool {
         self.holds(number)
             && match self {
@@ -83,7 +83,7 @@ impl Range {
             }
     }
 
-    /// Whether a number is legal whatever the units are. No magnitude is above 1e15, and no speed, rate, jerk or scaling
+    /// Whether a number is legal in any units. No magnitude is above 1e15, and no speed, rate, jerk or scaling
     /// but 0 below 1e-15: all that is calculated from them is finite. Real-time.
     pub fn holds(self, number: f64) -> bool {
         let positive = || (SMALLEST..=LARGEST).contains(&number);
@@ -113,7 +113,7 @@ const LARGEST: f64 = 1e15;
 /// The smallest speed, rate, jerk or scaling above 0.
 const SMALLEST: f64 = 1e-15;
 
-/// Rounds half to even; `None` for what is not a number or beyond a DINT.
+/// Rounds half to even; `None` for NaN, an infinity, or a number beyond a DINT.
 fn as_dint(number: f64) -> Option<i32> {
     let rounded = number.round_ties_even();
     (f64::from(i32::MIN)..=f64::from(i32::MAX))

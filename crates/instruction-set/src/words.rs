@@ -17,7 +17,7 @@ pub struct Word {
 /// An enumeration.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Words {
-    /// What it is called.
+    /// The name of the enumeration.
     pub name: &'static str,
     /// The legal values, ascending.
     pub words: &'static [Word],
@@ -85,7 +85,7 @@ fn plain_digit(c: char) -> char {
 pub trait Enumeration: Copy {
     /// Its words: the legal ones of the operands that take all of them.
     const WORDS: &'static Words;
-    /// What a number that is none of its values reads as, until [`crate::Instruction::verify`] refuses it.
+    /// The value that stands for an illegal number, until [`crate::Instruction::verify`] refuses it.
     const FIRST: Self;
 
     /// The value of a number.
@@ -268,7 +268,7 @@ pub mod list {
         }
         /// Master position that a slave follows.
         MASTER_REFERENCE Reference "Master Reference" { Actual = 0 "Actual", Command = 1 "Command" } {
-            /// MAOC: what the cam follows of its axis.
+            /// MAOC: the position of the axis that the cam follows.
             POSITION_REFERENCE "Position Reference" { Actual, Command };
             /// MRP.
             POSITION_SELECT "Position Select" { Actual, Command };

@@ -50,9 +50,9 @@ pub enum Problem {
     TooMuch {
         /// The unit of the count: `bytes`, `levels of elements`, `attributes of one element`.
         what: &'static str,
-        /// How much there is, as far as was counted.
+        /// The amount in the file, as far as it was counted.
         found: usize,
-        /// How much is read.
+        /// The greatest amount.
         limit: usize,
     },
     /// An element or attribute that must be there is not.

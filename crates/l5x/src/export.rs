@@ -19,8 +19,8 @@ pub fn export(project: &Project) -> String {
     let whole = arcline_config::table(project);
     let mut overlay = Table::new();
     let mut text = document(project, &overlay);
-    // What the file says so far; where it says too little to be a machine, the overlay is all. A key of the overlay can
-    // be the default of another, which then is in the next one.
+    // The configuration of the file so far. If the file does not describe a machine yet, the overlay has everything. A key of the overlay can
+    // be the default of another key, which then comes in the next round.
     for _ in 0..ROUNDS {
         let part = import(&text, "").map(|import| arcline_config::table(&import.project));
         let Some(lost) = difference(&whole, &part.unwrap_or_default()) else {

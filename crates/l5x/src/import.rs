@@ -31,7 +31,7 @@ pub struct Import {
 /// refused.
 ///
 /// # Errors
-/// The first thing that is wrong, with line, column and element, and the expected value. Unknown parts are in the report, and no errors.
+/// The first error, with line, column and element, and the expected value. Unknown parts are in the report, and no errors.
 pub fn import(text: &str, file: &str) -> Result<Import, L5xError> {
     // A byte order mark, as Windows writes it.
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
@@ -157,7 +157,7 @@ impl<'a, 't> Importer<'a, 't> {
         }
     }
 
-    /// How many entries a list has.
+    /// The number of entries in a list.
     fn count(&self, section: &str) -> usize {
         self.config.get(section).and_then(Value::as_array).map_or(0, Vec::len)
     }
@@ -169,7 +169,7 @@ impl<'a, 't> Importer<'a, 't> {
 
     fn finish(mut self, controller: Node<'a, 't>) -> Result<Import, L5xError> {
         overlay::apply(&mut self.config, std::mem::take(&mut self.overlay));
-        // Where an alias leads can only be seen when the rest is there.
+        // The target of an alias is known only when all other tags exist.
         for _ in 0..MAX_DEAD_ALIASES {
             let text = arcline_config::format(&self.config);
             let error = match arcline_config::load(&text, "") {
@@ -214,5 +214,5 @@ impl<'a, 't> Importer<'a, 't> {
     }
 }
 
-/// How often an alias that leads nowhere is left out and the rest tried again.
+/// The most aliases without a target that the importer leaves out before it gives up.
 const MAX_DEAD_ALIASES: usize = 64;

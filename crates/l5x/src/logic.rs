@@ -18,7 +18,7 @@ use crate::{L5xError, Problem};
 /// Reads the program of an L5X file. `file` only names the text in errors.
 ///
 /// # Errors
-/// The first thing that is wrong, with line, column and element. Parts that cannot run are no errors: loading names them.
+/// The first error, with line, column and element. Parts that cannot run are no errors: loading names them.
 pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let (source, document) = parse(file, text)?;
@@ -184,7 +184,7 @@ fn content(node: Node<'_, '_>) -> Content {
             Content::Ladder(rungs.collect())
         }
         "ST" if child(node, "EncodedData").is_none() => {
-            // Of several, the text without pending edits comes first.
+            // The text without pending edits is the first of several.
             let lines = children(node, "STContent")
                 .take(1)
                 .flat_map(|list| children(list, "Line"));
@@ -222,7 +222,7 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
     })
 }
 
-/// What of a tag that controllers share does not happen here.
+/// The sharing of a tag with other controllers, which does not take place here: name and reason.
 fn sharing(node: Node<'_, '_>) -> Option<(String, String)> {
     let name = node.attribute("Name")?.to_owned();
     match node.attribute("TagType")? {

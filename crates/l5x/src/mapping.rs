@@ -4,9 +4,9 @@
 /// The meaning of an attribute or child element of L5X in Arcline.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Meaning {
-    /// It becomes this key of a configuration, or a part of it.
+    /// The attribute becomes this key of a configuration, or a part of it.
     Key(&'static str),
-    /// It has no information to lose, for the reason in the words.
+    /// The attribute has no information to lose; the words give the reason.
     Form(&'static str),
     /// A configuration has nothing like it: reported, unless it has this value (empty: always).
     Without(&'static str),

@@ -38,7 +38,7 @@ pub(crate) fn difference(whole: &Table, part: &Table) -> Option<Table> {
     (!overlay.is_empty()).then_some(overlay)
 }
 
-/// An entry of a list as far as the list's other version does not have it, with what identifies it.
+/// The part of a list's entry that the other version of the list does not have, with the keys that identify the entry.
 fn lost_of(item: &Value, other: Option<&Value>) -> Option<Value> {
     let (Value::Table(whole), Some(Value::Table(other))) = (item, other) else {
         return Some(item.clone());
@@ -120,7 +120,7 @@ fn index(items: &[Value]) -> BTreeMap<String, usize> {
         .collect()
 }
 
-/// Whether the overlay says a key of an entry: `axis`, `X`, `["home", "speed"]`.
+/// Whether the overlay has a key of an entry: `axis`, `X`, `["home", "speed"]`.
 pub(crate) fn says(overlay: &Table, section: &str, name: &str, key: &[&str]) -> bool {
     let same = |item: &&Value| {
         item.get("name")

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Why something of the file is not in the configuration as it stands in the file.
+/// The reason for which a part of the file is not in the configuration as it is in the file.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Reason {
     /// An element, attribute or value that this version does not know.
@@ -27,7 +27,7 @@ impl fmt::Display for Reason {
 /// Everything with the same reason at the same path.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Group {
-    /// How often.
+    /// The number of such parts.
     pub count: usize,
     /// The first lines, from 1, at most [`Group::LINES`].
     pub lines: Vec<usize>,
@@ -45,12 +45,12 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether nothing was left out or changed.
+    /// Whether the import left out or changed no part.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
 
-    /// How many things were left out or changed.
+    /// The number of parts that the import left out or changed.
     pub fn count(&self) -> usize {
         self.groups.values().map(|group| group.count).sum()
     }

@@ -49,7 +49,7 @@ pub(crate) fn check(text: &str) -> Result<(), (usize, Problem)> {
     Ok(())
 }
 
-/// From behind `<`: the offset behind `>`, how many values stand in quotes, and whether it closes itself.
+/// Scans a tag from behind `<`: returns the offset behind `>`, the number of quoted values, and whether the tag closes itself.
 fn tag(bytes: &[u8], from: usize) -> (usize, usize, bool) {
     let mut attributes = 0;
     let mut quote = None;

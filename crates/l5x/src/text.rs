@@ -1,4 +1,4 @@
-//! How Logix writes values as text: radices, reals, and strings with `$` escapes. Bytes of strings are taken as they are.
+//! The text of values in Logix: radices, reals, and strings with `$` escapes. Bytes of strings are taken as they are.
 
 use arcline_tag::Elementary;
 

@@ -1,4 +1,4 @@
-//! A project that runs: its memory, its tasks, and what is due in a tick (spec/programs.md §8, §14).
+//! A project that runs: its memory, its tasks, and the due work of a tick (spec/programs.md §8, §14).
 
 use arcline_instruction_set::{ControlSlot, MotionControl, Object};
 
@@ -22,28 +22,28 @@ pub struct Cell {
     scanned: Vec<bool>,
     /// Tasks by priority: those of events, then periodic ones.
     order: Vec<usize>,
-    /// The events of tasks: what was seen of each, and when the task ran last, ns.
+    /// The events of tasks: the last state of each, and the last run of the task, ns.
     events: Vec<Seen>,
     /// The tick of the next continuous scan, and the state of the phase's numbers.
     next_scan: u64,
     phase: Option<u64>,
 }
 
-/// What a task that waits for an event has seen.
+/// The last event state of a task that waits for an event.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
-    /// Its bit, or a number for the bytes.
+    /// The bit of the event, or a number for the bytes.
     state: u64,
-    /// When it ran, ns.
+    /// The time of the task's last run, ns.
     ran: u64,
 }
 
 /// A project that was read.
 #[derive(Debug)]
 pub struct Loaded {
-    /// What runs.
+    /// The part of the project that runs.
     pub cell: Cell,
-    /// What does not.
+    /// The parts that do not run.
     pub findings: Vec<Finding>,
     /// The names of its tags and types, for a [`Listing`](crate::Listing).
     pub names: Names,
@@ -101,7 +101,7 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
 }
 
 impl Cell {
-    /// The code and what it runs on.
+    /// The code and its state.
     pub(crate) fn parts_mut(&mut self) -> (&Code, &mut State) {
         (&self.code, &mut self.state)
     }
@@ -131,7 +131,7 @@ impl Cell {
         &self.state.shared
     }
 
-    /// Brings what happened to an instruction to its motion control tag.
+    /// Brings a change of an instruction's status to its motion control tag.
     pub fn change_control(&mut self, slot: ControlSlot, change: impl FnOnce(&mut MotionControl)) {
         let Some((at, _)) = self.state.controls.iter().find(|(_, of)| *of == slot).copied() else {
             return;
@@ -430,10 +430,10 @@ impl Cell {
         fault.told(&self.code)
     }
 
-    /// An expression of tags in the controller's scope, to be looked at after each tick: `Done`, `C1.ACC >= 5`.
+    /// An expression of tags in the controller's scope, for an evaluation after each tick: `Done`, `C1.ACC >= 5`.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The error, in words.
     pub fn condition(&self, project: &Project, directory: &mut dyn Directory, text: &str) -> Result<Condition, String> {
         let mut compiler = Compiler::new(project, directory);
         let text = program_scopes(text);

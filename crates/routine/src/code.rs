@@ -53,7 +53,7 @@ pub(crate) struct Bit {
     pub(crate) select: Select,
 }
 
-/// What a call gives by reference: a place, and the bit there for a BOOL.
+/// The reference that a call passes: an address, and the bit there for a BOOL.
 #[derive(Clone, Debug)]
 pub(crate) struct Referenced {
     pub(crate) place: Place,
@@ -88,7 +88,7 @@ pub(crate) struct Area {
     pub(crate) length: u32,
     /// Dimensions of that array.
     pub(crate) dimensions: [u32; 3],
-    /// Whether the whole array is named, without subscript.
+    /// Whether the operand names the whole array, without subscript.
     pub(crate) is_whole: bool,
     /// Bytes from the array's beginning that constant subscripts skip.
     pub(crate) skipped: u32,
@@ -169,7 +169,7 @@ pub(crate) enum Compare {
 /// A function of one number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Function {
-    /// Of whole numbers; the others take numbers with a point.
+    /// The absolute value of whole numbers; the other functions take numbers with a point.
     AbsoluteWhole,
     Absolute,
     Sine,
@@ -231,7 +231,7 @@ pub(crate) struct Instruction {
     /// The mnemonic as it is written.
     pub(crate) name: TextId,
     pub(crate) arguments: Box<[Argument]>,
-    /// Whether its operands' subscripts are evaluated with a false rung too.
+    /// Whether the scan evaluates the operands' subscripts with a false rung too.
     pub(crate) is_edge: bool,
 }
 
@@ -279,9 +279,9 @@ pub(crate) struct MotionCall {
     pub(crate) call: Call,
     pub(crate) target: Option<Place>,
     pub(crate) control: Place,
-    /// Operands that are read at execution: place in the call, and what it is.
+    /// Operands that are read at execution: the index of each in the call, and its source.
     pub(crate) operands: Box<[(u8, MotionOperand)]>,
-    /// Whether it errs when the text runs it: DN or ER in the same scan.
+    /// Whether the instruction is in Structured Text: it sets DN or ER in the same scan.
     pub(crate) is_text: bool,
 }
 
@@ -329,7 +329,7 @@ pub(crate) struct Copy {
 #[derive(Clone, Debug)]
 pub(crate) struct System {
     pub(crate) attribute: Attribute,
-    /// What is read or written in the memory.
+    /// The memory that the instruction reads or writes.
     pub(crate) area: Area,
 }
 
@@ -338,7 +338,7 @@ pub(crate) struct System {
 pub(crate) enum Attribute {
     WallClock(WallClock),
     Task(u32, TaskAttribute),
-    /// Of a program.
+    /// The fault record of a program.
     Record(u32),
     DisableFlag(u32),
     /// A constant.
@@ -351,7 +351,7 @@ pub(crate) enum Attribute {
     MajorFaults,
     /// The number of minor (0) or major (1) faults.
     Events(u8),
-    /// One that Arcline does not have, and that is passed over.
+    /// An attribute that Arcline does not have; the instruction passes over it.
     Missing,
     /// An attribute of a motion object, by its number at the host.
     Host(u32),
@@ -397,7 +397,7 @@ pub(crate) enum Body {
 pub(crate) struct Rung {
     pub(crate) number: u32,
     pub(crate) nodes: Box<[Node]>,
-    /// Whether it has instructions of one known bit only, which call nothing and cannot fault.
+    /// Whether all its instructions are of one known bit, so that they call nothing and cannot fault.
     pub(crate) is_of_bits: bool,
 }
 
@@ -472,7 +472,7 @@ pub(crate) struct Program {
 pub(crate) struct Task {
     pub(crate) name: TextId,
     pub(crate) when: When,
-    /// An event task runs after so many ns without its event.
+    /// Time without its event after which an event task runs, ns.
     pub(crate) timeout: Option<u64>,
     pub(crate) priority: u32,
     pub(crate) watchdog_us: i32,
@@ -487,7 +487,7 @@ pub(crate) enum When {
     Periodic(u64),
     /// Each coarse update.
     Motion,
-    /// By EVENT alone.
+    /// The instruction EVENT alone triggers the task.
     Triggered,
     /// When this bit of the memory becomes true.
     Bit {

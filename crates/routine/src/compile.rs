@@ -1,4 +1,4 @@
-//! From a project to [`Code`]: names become places, types are checked, and all that does not run becomes a [`Finding`].
+//! From a project to [`Code`]: names become addresses, types are checked, and each part that does not run becomes a [`Finding`].
 
 mod add_on;
 mod call;
@@ -33,7 +33,7 @@ pub trait Directory {
     fn object_type(&self, name: &str) -> Option<TagType>;
     /// Index of a motion object.
     fn object(&self, object: Object, name: &str) -> Option<u16>;
-    /// Whether it executes instructions of motion.
+    /// Whether the host executes instructions of motion.
     fn has_motion(&self) -> bool {
         true
     }
@@ -60,7 +60,7 @@ pub(crate) struct Known {
     pub(crate) tags: Tags,
 }
 
-/// What a routine belongs to.
+/// The owner of a routine.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Owner {
     Program(usize),
@@ -89,7 +89,7 @@ pub(crate) struct Compiler<'p> {
     pub(crate) routines: BTreeMap<(Owner, String), u32>,
     parsed: Vec<Parsed>,
     owners: Vec<Owner>,
-    /// Where it is.
+    /// The owner of the routine that is compiled.
     pub(crate) owner: Owner,
     routine: String,
     place: Option<Line>,
@@ -103,11 +103,11 @@ pub(crate) struct Compiler<'p> {
     pub(crate) controls: Vec<(u32, ControlSlot)>,
     /// Tags that instructions of motion take as a whole: index and the host's id.
     pub(crate) shared: BTreeMap<usize, u32>,
-    /// Whether a routine looks at the carry, which costs time.
+    /// Whether a routine reads the carry, which costs time.
     pub(crate) uses_carry: bool,
 }
 
-/// Why an operand or a statement cannot be compiled, in words.
+/// The reason for which an operand or a statement cannot be compiled, in words.
 pub(crate) type Wrong = String;
 
 impl<'p> Compiler<'p> {

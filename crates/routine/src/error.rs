@@ -1,8 +1,8 @@
-//! What can be wrong with a text, and with a project that is loaded.
+//! The errors of a text, and of a project that is loaded.
 
 use std::fmt;
 
-/// Why a text is no rung, expression or statement. Places are byte offsets in it.
+/// The reason for which a text is not a rung, expression or statement. Positions are byte offsets in it.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SyntaxError {
     /// Something else stands there.
@@ -12,7 +12,7 @@ pub enum SyntaxError {
         at: usize,
         /// The beginning of the text there.
         found: String,
-        /// What could stand there.
+        /// The tokens that are possible here.
         expected: &'static str,
     },
     /// A text in quotes or a comment has no end.
@@ -59,11 +59,11 @@ impl SyntaxError {
 /// A part of a project that does not run, and where it stands.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Finding {
-    /// What kind of part.
+    /// The kind of part.
     pub kind: FindingKind,
     /// Its name: the mnemonic, the type, the routine.
     pub name: String,
-    /// Why it does not run; empty: it is not implemented.
+    /// The reason for which it does not run; empty: it is not implemented.
     pub reason: String,
     /// The program, or the add-on instruction.
     pub program: Option<String>,
@@ -82,7 +82,7 @@ pub enum Line {
     Text(u32),
 }
 
-/// What kind of part does not run.
+/// The kind of a part that does not run.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum FindingKind {
     /// An instruction that Arcline does not have.
@@ -100,7 +100,7 @@ pub enum FindingKind {
 }
 
 impl FindingKind {
-    /// In a word.
+    /// The name of the kind, one word.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Instruction => "instruction",

@@ -1,4 +1,4 @@
-//! Expressions of ladder and of Structured Text (spec/programs.md §5, §6): what stands in operands, subscripts and assignments.
+//! Expressions of ladder and of Structured Text (spec/programs.md §5, §6) in operands, subscripts and assignments.
 //!
 //! Both languages have one order of precedence here; comparisons stand below + and −, above AND, XOR and OR.
 
@@ -152,7 +152,7 @@ impl Expression {
     /// Reads a text that is an expression and nothing else.
     ///
     /// # Errors
-    /// What is wrong, with its byte in the text.
+    /// The error, with its byte in the text.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
         if text.len() > MAX_TEXT {
             return Err(SyntaxError::TooLong { limit: MAX_TEXT });
@@ -172,7 +172,7 @@ impl Expression {
     /// Reads a text that is a reference and nothing else.
     ///
     /// # Errors
-    /// What is wrong, with its byte in the text.
+    /// The error, with its byte in the text.
     pub fn parse_reference(text: &str) -> Result<Reference, SyntaxError> {
         match Self::parse(text)? {
             Self::Reference(reference) => Ok(reference),

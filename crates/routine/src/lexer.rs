@@ -11,7 +11,7 @@ pub(crate) struct Token<'t> {
     pub(crate) at: usize,
 }
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum TokenKind<'t> {
     Name(&'t str),

@@ -1,5 +1,5 @@
-//! A project as people read it: its routines with their rungs and lines as they are written, names for the operands, the uses of a
-//! tag, and the operands of what is looked at ([`Look`]).
+//! A project for people: its routines with the original text of their rungs and lines, names for the operands, the uses of a
+//! tag, and the operands that a viewer watches ([`Look`]).
 //!
 //! Not here: drawing, and the scan, whose state [`Cell::sample`](crate::Cell::sample) shows.
 
@@ -33,7 +33,7 @@ pub struct Listing {
 /// A routine.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ListedRoutine<'l> {
-    /// Its number: what [`Listing::rungs`] and [`Listing::look`] take.
+    /// Its number, by which [`Listing::rungs`] and [`Listing::look`] name it.
     pub number: u32,
     /// The program, or the add-on instruction.
     pub owner: &'l str,
@@ -95,9 +95,9 @@ pub enum ListedElement {
 /// An operand.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ListedOperand {
-    /// What it is: `Source A`.
+    /// The name on the faceplate: `Source A`.
     pub name: String,
-    /// As it is written.
+    /// The text in the project.
     pub text: String,
 }
 
@@ -281,8 +281,8 @@ impl Listing {
         names
     }
 
-    /// What is to be sampled of rungs or lines of a routine. The values of an add-on instruction's routine are those of an instance, by
-    /// its full name; without one there are none.
+    /// The operands to sample of rungs or lines of a routine. The values of an add-on instruction's routine are those of an instance, by
+    /// its full name; without an instance there are none.
     pub fn look(&self, routine: u32, from: usize, count: usize, instance: Option<&str>) -> Look {
         let texts: Vec<Vec<Option<String>>> = match self.source(routine).map(|source| &source.content) {
             Some(Content::Ladder(_)) => {
@@ -344,7 +344,7 @@ impl Listing {
         parameters.map(|one| one.member.name.to_ascii_lowercase()).collect()
     }
 
-    /// What the operands of a rung show, in their order.
+    /// The operands of a rung whose values are shown, in their order.
     fn values_of(&self, rung: &RungSource) -> Vec<Option<String>> {
         let mut values = Vec::new();
         if let Ok(rung) = Rung::parse(&rung.text) {

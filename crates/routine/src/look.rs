@@ -1,4 +1,4 @@
-//! What a person looks at while a project runs: the power flow of rungs in their last scan, and the values of their operands.
+//! The data that a viewer watches while a project runs: the power flow of rungs in their last scan, and the values of their operands.
 //!
 //! A routine without a look costs a scan nothing. A look is compiled beside the scan ([`Listing::look`](crate::Listing::look)) and
 //! sampled between two scans.
@@ -19,7 +19,7 @@ pub struct Look {
     pub(crate) routine: u32,
     /// The index of the first rung or line.
     pub(crate) from: usize,
-    /// By rung or line; `None`: an operand without value.
+    /// The operands by rung or line; `None`: an operand without value.
     pub(crate) rows: Vec<Vec<Option<Looked>>>,
     /// The instance of the add-on instruction.
     pub(crate) instance: Option<Place>,
@@ -72,7 +72,7 @@ impl Look {
 }
 
 impl Cell {
-    /// From the next scan on notes the power flow of these routines, and of no others.
+    /// Records the power flow of these routines from the next scan on, and of no others.
     pub fn trace(&mut self, routines: impl IntoIterator<Item = u32>) {
         let (code, state) = self.parts_mut();
         let mut traces: Vec<Trace> = Vec::new();
@@ -104,7 +104,7 @@ impl Cell {
         state.traces = traces;
     }
 
-    /// The state of what is looked at, between two scans.
+    /// Samples the watched operands, between two scans.
     pub fn sample(&mut self, look: &Look) -> Vec<Sampled> {
         let mut samples: Vec<Sampled> = Vec::with_capacity(look.rows.len());
         for row in 0..look.rows.len() {
@@ -202,7 +202,7 @@ impl Scan<'_> {
 }
 
 impl Compiler<'_> {
-    /// What is shown of an operand; `None`: a literal, or a word that is no tag.
+    /// The displayed value of an operand; `None`: the operand is a literal, or a word that is not a tag.
     pub(crate) fn looked(&mut self, expression: &Expression) -> Option<Looked> {
         match expression {
             Expression::Integer(_) | Expression::Real(_) | Expression::Text(_) => None,

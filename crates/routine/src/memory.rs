@@ -18,7 +18,7 @@ pub struct Tag {
     pub program: Option<String>,
     /// Its type.
     pub tag_type: TagType,
-    /// What clients may do with it.
+    /// The access of clients.
     pub access: Access,
     /// Its first byte.
     pub at: u32,
@@ -41,7 +41,7 @@ impl Tag {
     }
 }
 
-/// What a name of a scope means.
+/// The meaning of a name in a scope.
 #[derive(Clone, Debug)]
 pub(crate) enum Symbol {
     /// Index of a tag.
@@ -58,7 +58,7 @@ pub(crate) type Scope = BTreeMap<String, Symbol>;
 pub(crate) struct Tags {
     pub(crate) list: Vec<Tag>,
     pub(crate) controller: Scope,
-    /// By program, in the order of the project.
+    /// The scopes by program, in the order of the project.
     pub(crate) programs: Vec<Scope>,
     pub(crate) bytes: Vec<u8>,
 }

@@ -1,6 +1,6 @@
 //! Neutral text of ladder (spec/programs.md §5): a rung from text and back.
 //!
-//! Operands stay as they are written, since what one means depends on its instruction; an expression, a word such as
+//! Operands stay as text, since their meaning depends on the instruction: an expression, a word such as
 //! `Units per sec` or `?`. Printing gives the text back but for blanks outside of operands.
 
 use std::fmt;
@@ -10,7 +10,7 @@ use crate::SyntaxError;
 /// A rung.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Rung {
-    /// From left to right.
+    /// The elements from left to right.
     pub elements: Vec<Element>,
 }
 
@@ -37,7 +37,7 @@ pub struct Instruction {
 /// An operand.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Operand {
-    /// As it is written, without blanks around it.
+    /// The text without blanks around it.
     pub text: String,
     /// Its first byte in the rung's text.
     pub at: usize,
@@ -54,7 +54,7 @@ impl Rung {
     /// Reads a rung, which ends with a semicolon.
     ///
     /// # Errors
-    /// What is wrong, with its byte in the text.
+    /// The error, with its byte in the text.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
         if text.len() > MAX_RUNG {
             return Err(SyntaxError::TooLong { limit: MAX_RUNG });

@@ -26,7 +26,7 @@ use crate::code::{Code, TextId, Transfer};
 
 /// The machine and the controller around routines.
 pub trait Host {
-    /// Executes an instruction of motion; brings what its acceptance changes of axes and coordinate systems to the memory.
+    /// Executes an instruction of motion; brings the changes of axes and coordinate systems on its acceptance to the memory.
     fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl;
     /// The rung condition of the instruction with this motion control tag is false.
     fn rung_false(&mut self, slot: ControlSlot);
@@ -51,16 +51,16 @@ pub trait Host {
 /// Whether the run of a task is within its time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Pace {
-    /// It goes on.
+    /// The run goes on.
     InTime,
     /// The watchdog ends it.
     TooLong,
 }
 
-/// Where execution goes on, other than at the next instruction.
+/// The point at which execution continues, other than at the next instruction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exit {
-    /// At a rung of the routine.
+    /// A rung of the routine.
     Jump(u32),
     /// Behind the call of the routine.
     Return,
@@ -74,11 +74,11 @@ pub(crate) enum Exit {
 
 pub(crate) type Run<T> = Result<T, Exit>;
 
-/// What a task of execution has: flags, time, the call stack.
+/// The state of execution: flags, time, the call stack.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct State {
     pub(crate) memory: Vec<u8>,
-    /// Bases of add-on instructions that run, and where those of the innermost begin.
+    /// Bases of add-on instructions that run, and the first one of the innermost.
     bases: Vec<u32>,
     /// The bit of each base that is a BOOL.
     masks: Vec<u8>,
@@ -103,14 +103,14 @@ pub(crate) struct State {
     pub(crate) budget: i64,
     /// Longest time of the run of the task, µs.
     pub(crate) watchdog_us: i32,
-    /// How often the watchdog has ended an instruction in this run.
+    /// The number of instructions that the watchdog has ended in this run.
     pub(crate) watchdogs: u32,
     depth: usize,
     add_ons: usize,
     /// Routines that are prescanned now.
     path: Vec<u32>,
     fault: Option<FaultAt>,
-    /// Whether the fault routines have seen it.
+    /// Whether the fault routines have handled the fault.
     is_handled: bool,
     pub(crate) faults: Vec<FaultAt>,
     in_fault: bool,
@@ -134,7 +134,7 @@ pub(crate) struct State {
     messages: Vec<Sent>,
     /// The state of each wire.
     wires: Vec<wires::Signal>,
-    /// The power flow of the routines that someone looks at, and where the next bit of one stands.
+    /// The power flow of the watched routines, and the position of the next bit.
     pub(crate) traces: Vec<Trace>,
     trace: Cursor,
 }
@@ -223,7 +223,7 @@ impl State {
         self.overflow
     }
 
-    /// Ends it.
+    /// Ends the evaluation of operands.
     pub(crate) fn end_look(&mut self, overflow: bool) {
         self.truncate_bases(0);
         self.overflow = overflow;
@@ -266,7 +266,7 @@ fn set_bit(bits: &mut [u8], bit: usize, on: bool) {
 }
 
 impl Scan<'_> {
-    /// From now on places of an add-on instruction are those of the instance at a byte.
+    /// Places of an add-on instruction are from now on those of the instance at a byte.
     pub(crate) fn enter_instance(&mut self, at: u32) {
         self.s.push_base(at, 1);
     }

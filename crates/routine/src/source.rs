@@ -1,6 +1,6 @@
 //! A project as its file has it: types, tags with first values, add-on instructions, programs, routines and tasks.
 //!
-//! Nothing is resolved here; names are as they are written. Times are in ms as in the file.
+//! Nothing is resolved here; names are those of the text. Times are in ms as in the file.
 
 use std::collections::BTreeMap;
 
@@ -19,11 +19,11 @@ pub struct Project {
     pub tasks: Vec<TaskSource>,
     /// The names of the modules.
     pub modules: Vec<String>,
-    /// What of the modules, and of tags that other controllers have, is not as it is beside real hardware: name and reason.
+    /// The modules, and tags of other controllers, that differ from real hardware: name and reason.
     pub outside: Vec<(String, String)>,
     /// The program of the controller's fault handler.
     pub fault_handler: Option<String>,
-    /// What answers MSG; of several that fit the first. It is not in the file.
+    /// The answers to MSG; of several that fit, the first applies. They are not in the file.
     pub answers: Vec<Answer>,
     /// Wires between tags and axes. They are not in the file.
     pub wires: Vec<Wire>,
@@ -36,7 +36,7 @@ pub struct Wire {
     pub from: String,
     /// A BOOL or a bit of a tag, or an input of an axis: `Local:1:I.Data.0`, `X.enable`.
     pub to: String,
-    /// How long `from` has a value until `to` takes it, ms.
+    /// The delay of the wire: the time from a change of `from` to the change of `to`, ms.
     pub delay_ms: u32,
 }
 
@@ -64,7 +64,7 @@ pub struct Answer {
 pub struct TypeSource {
     /// Its name.
     pub name: String,
-    /// Whether it is a type of texts.
+    /// Whether the type is one of texts.
     pub is_string: bool,
     /// Its members, without the hidden hosts of BOOLs.
     pub members: Vec<MemberSource>,
@@ -96,7 +96,7 @@ pub struct InstructionSource {
     pub has_prescan: bool,
     /// Whether the routine `EnableInFalse` runs.
     pub has_enable_in_false: bool,
-    /// Whether its content is encoded.
+    /// Whether the instruction's content is encoded.
     pub is_encoded: bool,
 }
 
@@ -107,9 +107,9 @@ pub struct ParameterSource {
     pub member: MemberSource,
     /// Its direction.
     pub usage: Usage,
-    /// Whether a call has an operand for it.
+    /// Whether a call has an operand for the parameter.
     pub is_required: bool,
-    /// The local tag or member that it stands for.
+    /// The local tag or member that the parameter is an alias of.
     pub alias: Option<String>,
     /// Its first value.
     pub value: Option<Datum>,
@@ -122,7 +122,7 @@ pub enum Usage {
     Input,
     /// Copied out.
     Output,
-    /// By reference.
+    /// A parameter by reference.
     InOut,
 }
 
@@ -139,7 +139,7 @@ pub struct TagSource {
     pub alias: Option<String>,
     /// Its first value; `None`: zeros.
     pub value: Option<Datum>,
-    /// What clients may do with it.
+    /// The access of clients.
     pub access: Access,
     /// The type of a module's tag, whose members are those of its value.
     pub is_module: bool,
@@ -168,7 +168,7 @@ impl TagSource {
     }
 }
 
-/// What clients may do with a tag (`ExternalAccess`, `Constant`).
+/// The access of clients to a tag (`ExternalAccess`, `Constant`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Access {
     /// Read and write it.
@@ -176,7 +176,7 @@ pub enum Access {
     ReadWrite,
     /// Read it.
     ReadOnly,
-    /// Nothing: they do not see it.
+    /// Clients do not see it.
     Hidden,
 }
 
@@ -204,7 +204,7 @@ pub struct ProgramSource {
     pub main: Option<String>,
     /// The routine that runs after a major fault.
     pub fault: Option<String>,
-    /// Whether its task passes over it.
+    /// Whether the task passes over the program.
     pub is_disabled: bool,
     /// Its tags.
     pub tags: Vec<TagSource>,
@@ -241,7 +241,7 @@ pub struct RungSource {
     pub kind: String,
     /// Neutral text.
     pub text: String,
-    /// What its writer says about it; empty: nothing.
+    /// The comment of the author; empty without one.
     pub comment: String,
 }
 
@@ -258,7 +258,7 @@ pub struct TaskSource {
     pub priority: u32,
     /// Longest time of a run, ms.
     pub watchdog_ms: f64,
-    /// Whether it never runs.
+    /// Whether the task is inhibited.
     pub is_inhibited: bool,
     /// Its programs in their order.
     pub programs: Vec<String>,
@@ -284,8 +284,8 @@ impl TaskSource {
 pub enum Trigger {
     /// Again and again.
     Continuous,
-    /// Each so many ms.
+    /// With this period, ms.
     Periodic(f64),
-    /// At an event, and after so many ms without one.
+    /// At an event, and after this time without one, ms.
     Event(String, Option<f64>),
 }

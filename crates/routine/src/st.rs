@@ -23,11 +23,11 @@ pub struct Text {
 pub struct Statement {
     /// Byte in the text.
     pub at: usize,
-    /// What it does.
+    /// The kind of the statement, with its parts.
     pub kind: StatementKind,
 }
 
-/// What a statement does.
+/// The kind of a statement.
 #[derive(Clone, PartialEq, Debug)]
 pub enum StatementKind {
     /// `a := b;`, or `a [:=] b;`, which is not retentive.
@@ -82,7 +82,7 @@ pub struct CaseArm {
 /// An operand of an instruction.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CallOperand {
-    /// As it is written.
+    /// The text of the operand.
     pub text: String,
     /// Its first byte.
     pub at: usize,
@@ -92,7 +92,7 @@ impl Text {
     /// Reads the text of a routine.
     ///
     /// # Errors
-    /// What is wrong, with its byte in the text.
+    /// The error, with its byte in the text.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
         if text.len() > MAX_ROUTINE {
             return Err(SyntaxError::TooLong { limit: MAX_ROUTINE });
@@ -355,7 +355,7 @@ impl<'t> Reader<'_, 't> {
         })
     }
 
-    /// Operands as they are written: what one means depends on the instruction.
+    /// Operands as text, since their meaning depends on the instruction.
     fn operands(&mut self) -> Result<Vec<CallOperand>, SyntaxError> {
         let mut operands = Vec::new();
         let mut depth = 0_usize;

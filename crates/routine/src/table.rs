@@ -1,6 +1,6 @@
-//! The table of instructions (spec/programs.md §10): names in both spellings, operands, and what each does in prescan, with a
-//! false and with a true rung. The compiler checks calls by it, the scan executes its [`Op`]s, the report names what it
-//! lacks, and docs/LADDER.md is written from it.
+//! The table of instructions (spec/programs.md §10): names in both spellings, operands, and the effect of each in prescan, with a
+//! false and with a true rung. The compiler checks calls by it, the scan executes its [`Op`]s, the report names the missing ones, and a
+//! test writes docs/LADDER.md from it.
 
 mod rows;
 
@@ -11,7 +11,7 @@ use crate::code::Compare;
 
 pub(crate) use rows::ROWS;
 
-/// What an instruction does.
+/// The operation of an instruction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Op {
     Xic,
@@ -96,16 +96,16 @@ pub(crate) enum Op {
     Motion,
     /// An add-on instruction.
     AddOn,
-    /// One that is missing and passed over.
+    /// An unknown instruction that the scan passes over.
     Missing,
 }
 
-/// What an operand is.
+/// The kind of an operand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
-    /// A BOOL or a bit that is read.
+    /// A BOOL or a bit that the instruction reads.
     Bit,
-    /// One that is written.
+    /// A BOOL or a bit that the instruction writes.
     OutBit,
     /// A number or an expression.
     Number,
@@ -140,14 +140,14 @@ pub(crate) enum Kind {
     Name,
 }
 
-/// How an instruction depends on its rung.
+/// The dependence of an instruction on its rung.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Form {
     /// Gives a condition.
     Input,
     /// Acts with its rung.
     Output,
-    /// Acts when its rung becomes true, and looks at its operands with a false rung too.
+    /// Acts when its rung becomes true, and evaluates its operands with a false rung too.
     Edge,
     /// Controls the order of execution.
     Control,

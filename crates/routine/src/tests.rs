@@ -113,8 +113,8 @@ pub(crate) fn expect(why: &str, cell: &mut Cell, project: &Project, text: &str) 
     assert!(cell.holds(&condition, &mut NoMachine), "{why}: {text} does not hold");
 }
 
-/// Runs a script: a line for each scan with `tags that are set : what holds after it`; a line `pre : …` is looked at after
-/// prescan, `50 x` before a line repeats its scan.
+/// Runs a script. Each line is a scan: `tags to set : conditions after the scan`. The conditions of a line `pre : …` hold after
+/// prescan, and `50 x` before a line repeats its scan.
 pub(crate) fn script(why: &str, project: &Project, lines: &str) -> Cell {
     let mut cell = started(why, project);
     let mut tick = 0;

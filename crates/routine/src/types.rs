@@ -17,7 +17,7 @@ pub(crate) struct Types {
     next: u16,
 }
 
-/// What a type is made of.
+/// The members of a type that is not complete yet.
 struct Pending<'p> {
     name: &'p str,
     members: Vec<&'p MemberSource>,

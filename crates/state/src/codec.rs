@@ -1,15 +1,15 @@
-//! Records as bytes, the only place that knows `bincode`. Numbers are little-endian, counts and integers of variable
-//! length; nothing says what it is, so a changed type is a new [`FORMAT`](crate::FORMAT).
+//! Records as bytes, the only module that uses `bincode`. Numbers are little-endian, counts and integers of variable
+//! length. The bytes do not describe themselves, so a changed type is a new [`FORMAT`](crate::FORMAT).
 
 use bincode::config::{self, Configuration, Limit, LittleEndian, Varint};
 use serde::{Deserialize, Serialize};
 
 use crate::{Change, MAX_TOTAL, State};
 
-/// One record of a file, which a crash leaves whole or not at all.
+/// One record of a file; a crash leaves all of it or none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Record {
-    /// Everything, in place of what there was: the first record of a file, and one whenever there are other tags.
+    /// A whole state in place of the earlier one: the first record of a file, and one whenever there are other tags.
     State(State),
     /// Changes that belong together.
     Changes(Vec<Change>),

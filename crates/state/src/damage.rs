@@ -1,12 +1,12 @@
-//! What can be wrong with a file.
+//! The defects of a file.
 
-/// Why a file is not a retained state that can be used.
+/// The reason for which a file is not a usable retained state.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Damage {
-    /// It does not begin as one.
+    /// The file does not begin like a retained state.
     #[error("it is not a retained state of Arcline")]
     NotAState,
-    /// It has another format.
+    /// The file has another format.
     #[error("it has format {found}, and this version of Arcline reads format {expected}")]
     OtherFormat {
         /// Its format.
@@ -14,21 +14,21 @@ pub enum Damage {
         /// The format that is read.
         expected: u32,
     },
-    /// It ends before the first state in it is whole.
+    /// The file ends before its first state is whole.
     #[error("it ends after {length} bytes, before its first state is whole")]
     TooShort {
         /// Its length, bytes.
         length: usize,
     },
-    /// It ends before what the disk had.
+    /// The file ends before the length that the disk had.
     #[error("it ends after {length} bytes, and the disk had {synchronised}")]
     Truncated {
-        /// Where its last whole record ends, bytes.
+        /// The end of its last whole record, bytes.
         length: usize,
         /// Bytes that were synchronised.
         synchronised: u64,
     },
-    /// It is longer than a retained state can be.
+    /// The file is longer than a retained state can be.
     #[error("it has more than {limit} bytes")]
     TooLong {
         /// The limit, bytes.
@@ -37,13 +37,13 @@ pub enum Damage {
     /// A checksum does not fit the bytes before it.
     #[error("its checksum at byte {offset} is wrong")]
     Checksum {
-        /// Where the checksum stands.
+        /// The offset of the checksum.
         offset: usize,
     },
     /// A record is not one that can stand there.
     #[error("its record at byte {offset} cannot be read")]
     Record {
-        /// Where the record begins.
+        /// The offset of the record.
         offset: usize,
     },
     /// A number in it is beyond its limit.
@@ -51,7 +51,7 @@ pub enum Damage {
     Limit {
         /// The quantity of which there is too much.
         what: Limit,
-        /// How many there are.
+        /// The number in the file.
         found: usize,
         /// The limit.
         limit: usize,
@@ -65,7 +65,7 @@ pub enum Damage {
     /// A change of an axis or a tag that its state does not have.
     #[error("it changes {what} number {index}, which it does not have")]
     NoSuchIndex {
-        /// What is changed.
+        /// The kind of the changed object.
         what: Limit,
         /// The index that does not exist.
         index: u32,

@@ -47,7 +47,7 @@ pub trait Disk: Clone + Send + 'static {
     /// Waits until the disk has the content and the length of a file.
     ///
     /// # Errors
-    /// The system's. What was written since the last success may never get to the disk then, whatever a later call returns.
+    /// The system's. The bytes written since the last success may never get to the disk then, whatever a later call returns.
     fn sync(&self, file: &Self::File) -> io::Result<()>;
 
     /// Gives a file another name, in place of the file that had it.
@@ -62,17 +62,17 @@ pub trait Disk: Clone + Send + 'static {
     /// The system's.
     fn sync_folder(&self) -> io::Result<()>;
 
-    /// Whether a name is in use, also by a link that leads nowhere.
+    /// Whether a name is in use, even by a dangling link.
     fn exists(&self, name: &Path) -> bool;
 }
 
-/// Why a file cannot hold a state.
+/// The reason for which a file cannot hold a state.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// Another process holds the lock.
     #[error("another server keeps its state there")]
     InUse,
-    /// It is a folder or a device.
+    /// The path is that of a folder or a device.
     #[error("it is not a file")]
     NotAFile,
     /// The system's error.
@@ -87,7 +87,7 @@ pub struct System {
 }
 
 impl System {
-    /// The disk that has `file`, and the name that the file has there. Of a link it is the name of what the link leads to.
+    /// The disk that has `file`, and the name that the file has there. If `file` is a link, it is the name of the file behind the link.
     ///
     /// # Errors
     /// [`OpenError::NotAFile`], and [`OpenError::Io`] when the folder cannot be opened.

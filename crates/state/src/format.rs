@@ -24,12 +24,12 @@ pub const FORMAT: u32 = 3;
 /// Longest file that is read, bytes.
 pub const MAX_FILE: usize = 4 * MAX_RECORD;
 
-/// What was read from a file.
+/// The contents of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// The state, with all changes.
     pub state: State,
-    /// Bytes at the end that were cut off: a record that was being written, or what a crash of the system left of records that were
+    /// Bytes at the end that were cut off: an unfinished record, or the remains that a crash of the system left of records that were
     /// never synchronised.
     pub cut_off: usize,
 }
@@ -154,8 +154,8 @@ fn header(bytes: &[u8]) -> Result<(u32, Chain), Damage> {
     Ok((word(&told[MAGIC.len()..]), chain))
 }
 
-/// Whether a file without a horizon has only zeros from the sector of the damage on, as a crash of the system leaves them where a file had
-/// grown before it was written.
+/// Whether a file without a horizon has only zeros from the sector of the damage on. A crash of the system leaves such zeros in a file that
+/// had grown before it was written.
 fn is_zero_from(bytes: &[u8], end: usize, damage: &Damage) -> bool {
     let at = match damage {
         Damage::Checksum { offset } => offset - offset % SECTOR,
@@ -212,9 +212,9 @@ const CHECKSUM: usize = 4;
 const HEADER: usize = MAGIC.len() + 4 + CHECKSUM;
 /// Length and checksum in front of a record.
 const HEAD: usize = 4 + CHECKSUM;
-/// Where the first record stands: behind the header and the two horizons.
+/// The offset of the first record: behind the header and the two horizons.
 pub(crate) const RECORDS: usize = 3 * PAGE;
 /// The format before this one.
 const WITHOUT_HORIZON: u32 = 2;
-/// What a disk writes whole or not at all, bytes.
+/// The unit that a disk writes whole or not at all, bytes.
 const SECTOR: usize = 512;

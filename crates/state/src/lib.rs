@@ -1,11 +1,12 @@
-//! The retained state: what a machine keeps over a restart, as a file that survives the death of its writer, and of the system, at any
-//! instant.
+//! The retained state: the data that a machine retains over a restart, in a file that survives the death of its writer, and of the system, at
+//! any instant.
 //!
-//! One file holds a whole [`State`] and behind it the changes since, each in a [`Record`] with a checksum. A record is part of one `write`, so it is
-//! there when it is answered, whatever then becomes of the process; a record that the end of the process cut off was never answered. The
-//! [`Writer`] synchronises the file from time to time and notes in it how far the disk has it (the horizon), so that a reader distinguishes
-//! the remains of a crash of the system behind that point from damage before it. When the file has grown, the state is written anew beside it,
-//! synchronised and renamed over it. A file that is not whole in any other way is [`Damage`], and its reader never guesses.
+//! One file holds a whole [`State`] and behind it the later changes, each in a [`Record`] with a checksum. A record is part of one `write`, so
+//! the file has it before the writer answers, and the end of the process cannot remove it. A record that the end of the process cut off was
+//! never answered. The [`Writer`] synchronises the file from time to time and notes in it the length that the disk has (the horizon), so that a
+//! reader distinguishes the remains of a crash of the system behind that point from damage before it. When the file has grown, the writer
+//! writes the state anew beside it, synchronises that file and renames it over the old one. A file that is not whole in any other way is
+//! [`Damage`], and its reader never guesses.
 //!
 //! Not here: machines, tags and ticks (names and types are text, values bytes), threads, clocks and logs. Positions are in
 //! position units of their axis.

@@ -14,10 +14,10 @@ pub struct LockedFile<D: Disk = System> {
     _lock: D::File,
 }
 
-/// Why a file gave no state.
+/// The reason for which a file gave no state.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It is damaged or foreign.
+    /// The file is damaged or foreign.
     #[error(transparent)]
     Damage(#[from] Damage),
     /// The system's error.

@@ -1,6 +1,6 @@
 //! A disk in memory that records every call, and every content that a crash may leave behind.
 //!
-//! [`Recording`] is used like any disk. [`Crashes`] then tells for a prefix of its calls which files may be found after a crash, by the
+//! [`Recording`] is used like any disk. For a prefix of its calls, [`Crashes`] lists the files that may be found after a crash, by the
 //! rules of one kind of crash ([`Rules`]): the end of the process, the end of the system on a file system that keeps data in order, or on
 //! one that keeps no more than it promises (ALICE, OSDI 2014: the abstract persistence model).
 
@@ -28,7 +28,7 @@ pub enum Call {
     Overwrite(Inode, usize, Vec<u8>),
     /// A synchronisation of a file that has succeeded.
     Sync(Inode),
-    /// One that has failed.
+    /// A synchronisation of a file that has failed.
     FailedSync(Inode),
     /// A file has another name, in place of the file that had it.
     Rename(PathBuf, PathBuf),
@@ -91,7 +91,7 @@ impl Recording {
         Recording(Arc::new(Mutex::new(recorded)))
     }
 
-    /// From now on calls fail that this says.
+    /// Makes calls fail from now on if `fails` returns true for them.
     pub fn fail(&self, fails: Fails) {
         let mut recorded = self.lock_recorded();
         recorded.fails = Some(fails);
@@ -103,7 +103,7 @@ impl Recording {
         self.lock_recorded().calls.clone()
     }
 
-    /// Looks at the calls so far, without a copy of them.
+    /// Reads the calls so far, without a copy of them.
     pub fn with_calls<T>(&self, look: impl FnOnce(&[Call]) -> T) -> T {
         look(&self.lock_recorded().calls)
     }
@@ -118,7 +118,7 @@ impl Recording {
         self.lock_recorded().files.names.get(name) == Some(&inode)
     }
 
-    /// Whether there is such a name.
+    /// Whether a wanted name exists.
     pub fn has(&self, is_wanted: impl Fn(&Path) -> bool) -> bool {
         self.lock_recorded().files.names.keys().any(|name| is_wanted(name))
     }
@@ -141,7 +141,7 @@ impl Recording {
         Recording::with(files)
     }
 
-    /// How many there are.
+    /// The number of calls.
     pub fn count(&self) -> usize {
         self.lock_recorded().calls.len()
     }
@@ -260,7 +260,7 @@ impl Disk for Recording {
     }
 }
 
-/// What ends, and what a file system promises.
+/// The kind of crash, and the promises of the file system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rules {
     /// The process is killed: all calls that have returned are there, and a part of the one under way.
@@ -268,13 +268,13 @@ pub enum Rules {
     /// The system ends, on a file system that keeps the data of an append before its length and names in order (ext4, XFS, Btrfs): a prefix
     /// of each.
     Ordered,
-    /// The system ends, and nothing is promised but what was synchronised: each page, each length, each name on its own; pages that were
-    /// never synchronised hold the data, zeros, part of the data or garbage. A file whose synchronisation has failed once keeps the pages that it
-    /// failed for unsynchronised for ever.
+    /// The system ends, and the file system promises only the synchronised data: each page, each length, each name on its own. Pages that were
+    /// never synchronised hold the data, zeros, part of the data or garbage. A file whose synchronisation has failed once never has the pages that
+    /// it failed for synchronised again.
     Weak,
 }
 
-/// What may be found under one name after a crash.
+/// The contents that one name may have after a crash.
 pub struct Crashes<'c> {
     calls: &'c [Call],
     name: &'c Path,
@@ -308,7 +308,7 @@ impl<'c> Crashes<'c> {
         self.pointed_at(rules).into_iter().map(&mut every).sum()
     }
 
-    /// One content that the file may have; `None`: it does not exist. `random` draws below a number.
+    /// Draws one content that the file may have; `None`: it does not exist. `random` draws below a number.
     pub fn draw(&self, rules: Rules, random: &mut dyn FnMut(usize) -> usize) -> Option<Vec<u8>> {
         let may = self.pointed_at(rules);
         let inode = may[random(may.len())]?;
@@ -350,15 +350,15 @@ impl<'c> Crashes<'c> {
 struct PartlySynchronised {
     /// The content as the process has written it.
     written: Vec<u8>,
-    /// What is sure, at each byte: what the disk has.
+    /// The certain content, at each byte: the data on the disk.
     sure: Vec<u8>,
     /// Choices: the lengths that the file may have.
     lengths: Vec<usize>,
-    /// Choices: parts of pages that are not synchronised, and what each may hold.
+    /// Choices: parts of pages that are not synchronised, and the contents that each may have.
     parts: Vec<(std::ops::Range<usize>, &'static [Content])>,
 }
 
-/// What a part of a page may hold.
+/// The contents that a part of a page may have.
 #[derive(Clone, Copy, Debug)]
 enum Content {
     Data,
@@ -419,7 +419,7 @@ impl PartlySynchronised {
         let mut parts = Vec::new();
         for (range, appended) in lost.into_iter().chain(fresh) {
             let contents: &'static [Content] = match (rules, appended) {
-                // Behind the length there is nothing, before it there is the data.
+                // Behind the length the file is empty; before it, it has the data.
                 (Rules::Ordered, true) => continue,
                 (Rules::Ordered, false) => &[Content::Data, Content::Before],
                 (_, true) => &[Content::Data, Content::Zeros, Content::Torn, Content::Garbage],
@@ -436,7 +436,7 @@ impl PartlySynchronised {
             }
         }
         if rules == Rules::Ordered {
-            // What was appended and synchronised never, is there up to the length.
+            // Data that were appended and never synchronised exist up to the length.
             let from = sure.len();
             sure.extend_from_slice(&written[from..]);
         }

@@ -1,11 +1,11 @@
-//! What is kept, and a change of it.
+//! The retained data, and a change of them.
 
 use serde::{Deserialize, Serialize};
 
 use crate::codec::Bytes;
 use crate::{Damage, Limit, Record};
 
-/// Everything that is kept.
+/// All retained data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The axes, at most [`MAX_AXES`].
@@ -19,24 +19,24 @@ pub struct State {
 pub struct Axis {
     /// Its name, at most [`MAX_TEXT`] bytes.
     pub name: String,
-    /// What its position means: type and units. Another text is another axis.
+    /// The meaning of its position: type and units. Another text is another axis.
     pub kind: String,
-    /// How it stands.
+    /// The state of the axis.
     pub state: AxisState,
 }
 
-/// How an axis stands.
+/// The state of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AxisState {
     /// Its position, position units; finite.
     pub position: f64,
-    /// Whether it is homed.
+    /// Whether the axis is homed.
     pub homed: bool,
-    /// Whether something moves it: the position is where it was a moment ago.
+    /// Whether the axis moves: the position is then that of a moment ago.
     pub moving: bool,
     /// Its faults since the last reset, a bit for each kind.
     pub faults: u32,
-    /// What positions were shifted by without motion since the machine was built, position units; finite.
+    /// The sum of the shifts of the position without motion since the machine was built, position units; finite.
     pub redefined: f64,
 }
 
@@ -52,23 +52,23 @@ pub struct Tag {
     pub bytes: Bytes,
 }
 
-/// A change of a [`State`]. Places count from 0.
+/// A change of a [`State`]. Indices count from 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Change {
-    /// An axis stands otherwise.
+    /// The state of an axis.
     Axis {
-        /// LockedFile of the axis.
+        /// Index of the axis in the state.
         axis: u32,
-        /// How it stands now.
+        /// Its new state.
         state: AxisState,
     },
-    /// Bytes of a tag are others.
+    /// Bytes of a tag.
     Tag {
-        /// LockedFile of the tag.
+        /// Index of the tag in the state.
         tag: u32,
         /// Offset of the first byte.
         offset: u32,
-        /// What stands there now.
+        /// The new bytes.
         #[serde(with = "crate::codec::bytes")]
         bytes: Bytes,
     },
@@ -78,7 +78,7 @@ impl State {
     /// Takes over a record: all of it, or nothing of it.
     ///
     /// # Errors
-    /// [`Damage::NoSuchIndex`] and [`Damage::NotANumber`] for a change; for a state what [`State::check`] says.
+    /// [`Damage::NoSuchIndex`] and [`Damage::NotANumber`] for a change; the errors of [`State::check`] for a state.
     pub fn apply(&mut self, record: &Record) -> Result<(), Damage> {
         match record {
             Record::State(state) => {

@@ -10,7 +10,7 @@ use crate::disk::Disk;
 use crate::format::{self, Chain};
 use crate::{Damage, LockedFile, MAX_FILE, Record, State, horizon};
 
-/// A state and its file, which are the same but for what could not be written.
+/// A state and its file, which agree except in writes that failed.
 #[derive(Debug)]
 pub(crate) struct Store<D: Disk> {
     locked: LockedFile<D>,
@@ -19,9 +19,9 @@ pub(crate) struct Store<D: Disk> {
     log: Option<Log<D>>,
     /// The state written anew, until it takes the place of the file.
     beside: Option<Log<D>>,
-    /// The file is written anew when it has grown by so much, bytes, or to the double.
+    /// The growth after which the file is written anew, bytes; a file that is longer grows to the double.
     growth: usize,
-    /// The length at which that is the case, bytes.
+    /// The length at which the file is written anew, bytes.
     rewrite_at: usize,
     buffer: Vec<u8>,
 }
@@ -36,7 +36,7 @@ struct Log<D: Disk> {
     horizons: usize,
 }
 
-/// What a synchronisation will have covered.
+/// The length that a synchronisation will have covered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Synchronised(usize);
 
@@ -97,14 +97,14 @@ impl<D: Disk> Store<D> {
         self.log.is_some()
     }
 
-    /// The file, and what its synchronisation covers; `None` after a failure.
+    /// The file, and the length that its synchronisation covers; `None` after a failure.
     pub(crate) fn to_synchronise(&self) -> Option<(D::File, Synchronised)> {
         self.log
             .as_ref()
             .map(|log| (log.file.clone(), Synchronised(log.length)))
     }
 
-    /// Notes in the file how much of it is synchronised.
+    /// Notes in the file the length that is synchronised.
     pub(crate) fn synchronised(&mut self, covered: Synchronised) -> io::Result<()> {
         let disk = self.locked.disk();
         match &mut self.log {
@@ -113,7 +113,7 @@ impl<D: Disk> Store<D> {
         }
     }
 
-    /// Whether the file has so grown that it should be written anew.
+    /// Whether the file has grown so much that it should be written anew.
     pub(crate) fn wants_rewrite(&self) -> bool {
         self.beside.is_none() && self.log.as_ref().is_some_and(|log| log.length >= self.rewrite_at)
     }

@@ -1,12 +1,12 @@
 //! The order and the times of writes: a state machine without threads or clocks, which a thread carries out.
 //!
-//! Everything that waits when [`Writer::turn`] is called is one write. The writer never waits for the disk: at most once in a
+//! Each [`Writer::turn`] writes all waiting records in one write. The writer never waits for the disk: at most once in a
 //! [`Pace::pause`] it hands out a [`Task`], a synchronisation that another thread runs and whose end comes back as [`Writer::ended`]. When the
-//! file has grown it is written anew beside itself, synchronised there while records go on, and renamed.
+//! file has grown, the writer writes it anew beside the old one, synchronises the new file while records go on, and renames it.
 //!
-//! After a failed write, synchronisation or rename the file is given up: the system may hold as written what the disk never gets, and a later
-//! success says nothing about it. From then on every record is answered with [`NotPersisted`], and after each pause the whole state is tried in a new
-//! file.
+//! After a failed write, synchronisation or rename the writer gives the file up: the system may report data as written that the disk never
+//! gets, and a later success proves nothing. From then on the writer answers every record with [`NotPersisted`], and after each pause it tries
+//! to write the whole state to a new file.
 
 use std::io;
 use std::path::Path;
@@ -22,10 +22,10 @@ use crate::{LockedFile, Record, State};
 #[error("it could not be written to the file of the retained state")]
 pub struct NotPersisted;
 
-/// How often the disk is used.
+/// The pace of the disk's work.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// Between two synchronisations, and between two attempts after a failure.
+    /// Time between two synchronisations, and between two attempts after a failure.
     pub pause: Duration,
     /// Growth of the file after which it is written anew, bytes; a file that is longer than that grows to the double.
     pub growth: usize,
@@ -62,21 +62,21 @@ pub struct Writer<D: Disk, A> {
     due: Duration,
 }
 
-/// What the owner of a writer has to carry out.
+/// The actions that the owner of a writer carries out.
 #[derive(Debug)]
 pub enum Action<A> {
-    /// Answer that a record is kept, or not.
+    /// Answer whether the file has a record.
     Answer(A, Result<(), NotPersisted>),
     /// Write this to the log.
     Report(Report),
 }
 
-/// What an operator should know.
+/// The reports to the operator.
 #[derive(Debug)]
 pub enum Report {
-    /// From now on nothing is kept.
+    /// From now on the file has no new records.
     Failed(Failure, io::Error),
-    /// From now on everything is kept again.
+    /// From now on the file has all records again.
     Recovered,
     /// The file could not be written anew and goes on growing.
     Grows(io::Error),
@@ -95,11 +95,11 @@ pub enum Failure {
 #[derive(Debug)]
 pub struct Task<D: Disk> {
     disk: D,
-    what: What<D::File>,
+    target: Target<D::File>,
 }
 
 #[derive(Debug)]
-enum What<F> {
+enum Target<F> {
     /// The records in the file.
     Records(F, Synchronised),
     /// The file beside, before it takes the place of the file.
@@ -108,22 +108,22 @@ enum What<F> {
     Folder,
 }
 
-/// How a task ended.
+/// The end of a task.
 #[derive(Debug)]
 pub struct Ended {
-    what: What<()>,
+    target: Target<()>,
     result: io::Result<()>,
 }
 
 impl<D: Disk> Task<D> {
-    /// Carries it out.
+    /// Synchronises the file or folder.
     pub fn run(self) -> Ended {
-        let (what, result) = match self.what {
-            What::Records(file, covered) => (What::Records((), covered), self.disk.sync(&file)),
-            What::Beside(file) => (What::Beside(()), self.disk.sync(&file)),
-            What::Folder => (What::Folder, self.disk.sync_folder()),
+        let (target, result) = match self.target {
+            Target::Records(file, covered) => (Target::Records((), covered), self.disk.sync(&file)),
+            Target::Beside(file) => (Target::Beside(()), self.disk.sync(&file)),
+            Target::Folder => (Target::Folder, self.disk.sync_folder()),
         };
-        Ended { what, result }
+        Ended { target, result }
     }
 }
 
@@ -159,7 +159,7 @@ impl<D: Disk, A> Writer<D, A> {
         self.waiting.push((record, answer));
     }
 
-    /// How many records the next turn writes.
+    /// The number of records that the next turn writes.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }
@@ -167,46 +167,46 @@ impl<D: Disk, A> Writer<D, A> {
     /// Takes the end of a task.
     pub fn ended(&mut self, ended: Ended, now: Duration) {
         self.busy = false;
-        match (ended.what, ended.result) {
-            (What::Records((), covered), Ok(())) => {
+        match (ended.target, ended.result) {
+            (Target::Records((), covered), Ok(())) => {
                 if let Err(error) = self.store.synchronised(covered) {
                     self.fail(Failure::Write, error, now);
                 }
             }
-            (What::Beside(()), Ok(())) => match self.store.finish_rewrite() {
+            (Target::Beside(()), Ok(())) => match self.store.finish_rewrite() {
                 Ok(()) => self.renamed = !is_planted("folder not synchronised"),
                 Err(error) => self.not_rewritten(error, now),
             },
-            (What::Beside(()), Err(error)) => {
+            (Target::Beside(()), Err(error)) => {
                 self.store.end_rewrite();
                 self.not_rewritten(error, now);
             }
-            (What::Folder, Ok(())) if self.failed && self.store.is_writable() => {
+            (Target::Folder, Ok(())) if self.failed && self.store.is_writable() => {
                 self.failed = false;
                 self.actions.push(Action::Report(Report::Recovered));
                 self.wrote(now);
             }
             // A write to the new file has failed meanwhile.
-            (What::Folder, Ok(())) if self.failed => self.due = now + self.pace.pause,
-            (What::Folder, Ok(())) => {}
-            (What::Records(..), Err(_)) if is_planted("failed synchronisation ignored") => {}
-            (What::Records(..) | What::Folder, Err(error)) => self.fail(Failure::Synchronisation, error, now),
+            (Target::Folder, Ok(())) if self.failed => self.due = now + self.pace.pause,
+            (Target::Folder, Ok(())) => {}
+            (Target::Records(..), Err(_)) if is_planted("failed synchronisation ignored") => {}
+            (Target::Records(..) | Target::Folder, Err(error)) => self.fail(Failure::Synchronisation, error, now),
         }
     }
 
-    /// Writes what waits, and returns what the disk has to do next, if it is idle and something is due.
+    /// Writes the waiting records, and returns the next task of the disk, if the disk is idle and a task is due.
     pub fn turn(&mut self, now: Duration) -> Option<Task<D>> {
         self.write(now);
         if self.busy {
             return None;
         }
-        let what = self.next(now)?;
+        let target = self.next(now)?;
         self.busy = true;
         let disk = self.store.disk().clone();
-        Some(Task { disk, what })
+        Some(Task { disk, target })
     }
 
-    /// What is to be carried out, in order.
+    /// The actions to carry out, in order.
     pub fn actions(&mut self) -> impl Iterator<Item = Action<A>> {
         self.actions.drain(..)
     }
@@ -216,7 +216,7 @@ impl<D: Disk, A> Writer<D, A> {
         (!self.busy && (self.unsynchronised || self.failed)).then_some(self.due)
     }
 
-    /// Writes what waits and the state anew, and synchronises it; as long as the disk takes.
+    /// Writes the waiting records and the state anew, and synchronises the file; the call takes as long as the disk takes.
     ///
     /// # Errors
     /// The system's.
@@ -276,15 +276,15 @@ impl<D: Disk, A> Writer<D, A> {
         fits
     }
 
-    fn next(&mut self, now: Duration) -> Option<What<D::File>> {
+    fn next(&mut self, now: Duration) -> Option<Target<D::File>> {
         if std::mem::take(&mut self.renamed) {
-            return Some(What::Folder);
+            return Some(Target::Folder);
         }
         let due = now >= self.due;
         let rewrite = if self.failed { due } else { self.store.wants_rewrite() };
         if rewrite {
             return match self.store.begin_rewrite() {
-                Ok(file) => Some(What::Beside(file)),
+                Ok(file) => Some(Target::Beside(file)),
                 Err(error) => {
                     self.not_rewritten(error, now);
                     None
@@ -299,7 +299,7 @@ impl<D: Disk, A> Writer<D, A> {
         if is_planted("horizon before synchronisation") {
             let _ = self.store.synchronised(covered);
         }
-        Some(What::Records(file, covered))
+        Some(Target::Records(file, covered))
     }
 
     /// The file could not be written anew. Unless it was given up, it is still good.
@@ -311,11 +311,11 @@ impl<D: Disk, A> Writer<D, A> {
         }
     }
 
-    fn fail(&mut self, what: Failure, error: io::Error, now: Duration) {
+    fn fail(&mut self, failure: Failure, error: io::Error, now: Duration) {
         self.store.give_up();
         self.due = now + self.pace.pause;
         if !std::mem::replace(&mut self.failed, true) {
-            self.actions.push(Action::Report(Report::Failed(what, error)));
+            self.actions.push(Action::Report(Report::Failed(failure, error)));
         }
     }
 }

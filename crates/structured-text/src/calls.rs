@@ -36,14 +36,14 @@ impl<X> Called<X> {
     }
 }
 
-/// What is known of an execution.
+/// The known state of an execution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum State {
-    /// It has not been seen to end.
+    /// Its end has not been observed.
     Running,
-    /// It has ended without PC, and its cause has not been looked for.
+    /// It has ended without PC, and the run has not read its cause yet.
     Incomplete,
-    /// It has ended, and nothing is left to say about it.
+    /// It has ended, and the run has reported its end.
     Over,
 }
 
@@ -52,11 +52,11 @@ pub(crate) enum State {
 pub struct Calls<X> {
     /// The newest ones, oldest first.
     executed: VecDeque<(State, Called<X>)>,
-    /// How many of them run.
+    /// The number of them that run.
     running: usize,
-    /// Where the next look at those that run begins.
+    /// The index at which the next read of running executions begins.
     next: usize,
-    /// By motion control tag, in small letters.
+    /// The newest execution by motion control tag, in lower case.
     newest: BTreeMap<String, Called<X>>,
 }
 
@@ -120,12 +120,12 @@ impl<X: Clone> Calls<X> {
         }
     }
 
-    /// How many have not been seen to end.
+    /// The number of executions whose end has not been observed.
     pub(crate) fn running(&self) -> usize {
         self.running
     }
 
-    /// The next look begins at the oldest one.
+    /// The next read begins at the oldest execution.
     pub(crate) fn look_at_first(&mut self) {
         self.next = 0;
     }

@@ -41,7 +41,7 @@ pub(crate) enum Op {
     GiveWord(u32),
     /// Pops the path's computed indices; the next operand of the call is the path as a name.
     GiveName(u32),
-    /// Pops so many numbers: the next operand of the call is the array of them.
+    /// Pops this number of numbers: the next operand of the call is the array of them.
     GiveArray(u32),
     /// Pops the path's computed indices; the next operand of the call is the array from that element on.
     GiveRead(u32),
@@ -101,7 +101,7 @@ impl Path {
         TagPath(self.parts.iter().map(segment).collect())
     }
 
-    /// How many indices are popped.
+    /// The number of indices to pop.
     pub(crate) fn computed(&self) -> usize {
         self.parts.iter().filter(|part| **part == Part::Computed).count()
     }
@@ -138,12 +138,12 @@ pub(crate) enum Meaning {
     Assigned(u32),
 }
 
-/// Where a word was expected.
+/// The position at which a word was expected.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct WordPlace {
     pub(crate) mnemonic: arcline_instruction_set::Mnemonic,
     pub(crate) place: usize,
-    /// What stands there, without blanks.
+    /// The text there, without blanks.
     pub(crate) text: String,
     pub(crate) offset: usize,
 }

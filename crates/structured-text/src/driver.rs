@@ -17,7 +17,7 @@ pub enum QueueFull {
     /// The program calls it again as soon as there is room.
     #[default]
     Wait,
-    /// It errs with 43.
+    /// The move errs with 43.
     Error,
 }
 
@@ -31,7 +31,7 @@ pub enum OnError {
     KeepGoing,
 }
 
-/// How a program runs.
+/// The reactions of a program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Policy {
     /// The reaction to a full queue.
@@ -40,7 +40,7 @@ pub struct Policy {
     pub on_error: OnError,
 }
 
-/// Why a program did not run to its end.
+/// The reason for which a program did not run to its end.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum RunError<E> {
     /// An operation has no result.
@@ -54,7 +54,7 @@ pub enum RunError<E> {
     Driver {
         /// Line of the statement, from 1.
         line: usize,
-        /// Why.
+        /// The error.
         error: E,
     },
 }
@@ -82,13 +82,13 @@ pub enum Pause<'p> {
         /// Moves that can wait in it.
         depth: u32,
     },
-    /// So many seconds, 0 or more.
+    /// A number of seconds, 0 or more.
     Seconds(f64),
     /// A while: all statements have run, and motion of the program is still under way.
     Motion,
 }
 
-/// The pause before a program looks again for room in a full queue of so many moves, on a machine with that coarse update period: most of the
+/// The pause before a program checks again for room in a full queue of `depth` moves, on a machine with that coarse update period: most of the
 /// queue is still full then, though its moves may be as short as a period.
 pub fn pause_of_queue(period: Duration, depth: u32) -> Duration {
     (period * (depth / 16)).min(LONGEST_QUEUE_PAUSE).max(period)
@@ -100,13 +100,13 @@ const LONGEST_QUEUE_PAUSE: Duration = Duration::from_millis(20);
 /// The progress of an executed instruction.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Progress<E> {
-    /// It is in process, and will end.
+    /// The execution is in process, and will end.
     Running,
-    /// It has ended as programmed, or has no end.
+    /// The execution has ended as programmed, or has no end.
     Ended,
-    /// It has ended without PC.
+    /// The execution has ended without PC.
     Incomplete,
-    /// It has erred since it was accepted.
+    /// The execution has erred since it was accepted.
     Erred(E),
 }
 
@@ -150,11 +150,11 @@ pub struct Outcome {
 pub struct Moves<X, E> {
     /// The executions of the first moves, in their order.
     pub executed: Vec<X>,
-    /// Why the next one was not executed.
+    /// The reason for which the next move was not executed.
     pub end: MovesEnd<E>,
 }
 
-/// Why no more moves of a series were executed.
+/// The reason for the end of a series.
 #[derive(Clone, PartialEq, Debug)]
 pub enum MovesEnd<E> {
     /// The others were not sent: they are a series of their own.
@@ -170,15 +170,15 @@ pub enum MovesEnd<E> {
 
 /// A machine on which programs run. Each method answers one [`Request`](crate::Request); a driver that cannot be interrupted returns futures that
 /// are ready at once ([`immediately`]).
-// Whether the futures can go to another thread follows from the driver.
+// The driver decides whether its futures can go to another thread.
 #[allow(async_fn_in_trait)]
 pub trait Driver {
-    /// Why it refuses a statement.
+    /// The error by which the machine refuses a statement.
     type Error;
     /// Identifies an execution of an instruction.
     type Execution: Clone;
 
-    /// How many running executions [`Driver::progress`] is asked for in one pause, in turn.
+    /// The number of running executions that the program reads with [`Driver::progress`] in one pause, in turn.
     const LOOKS: usize;
 
     /// A statement of that line is about to make a request.
@@ -190,8 +190,8 @@ pub trait Driver {
         true
     }
 
-    /// How many moves in a row, between which the program makes no other request, are executed together by [`Driver::moves`]; 1: each is
-    /// executed by [`Driver::call`] before the program continues.
+    /// The longest series: the number of moves without another request between them that [`Driver::moves`] executes together. With 1,
+    /// [`Driver::call`] executes each move before the program continues.
     fn longest_series(&self) -> usize {
         1
     }
@@ -249,7 +249,7 @@ pub trait Driver {
     /// The progress of an execution.
     async fn progress(&mut self, called: &Called<Self::Execution>) -> Result<Progress<Self::Error>, Self::Error>;
 
-    /// Why an execution ended without PC; `None`: the machine does not know.
+    /// The cause that ended an execution without PC; `None`: the machine does not know it.
     async fn stopped(&mut self, called: &Called<Self::Execution>) -> Result<Option<Stopped<Self::Error>>, Self::Error>;
 
     /// The state of a motion control tag that a WAIT has read as settled; `called` is the program's newest call of it.

@@ -1,8 +1,8 @@
-//! What can be wrong with a program: before it runs ([`SyntaxError`]) and while it runs ([`RuntimeError`]).
+//! The errors of a program: before it runs ([`SyntaxError`]) and while it runs ([`RuntimeError`]).
 
 use std::fmt;
 
-/// A program that cannot be run: the place, what was found and what was expected.
+/// A program that cannot run: the position, the text found and the text expected.
 ///
 /// Displayed over several lines, the last two of which show the line of the program and a caret.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -11,7 +11,7 @@ pub struct SyntaxError {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// What is wrong.
+    /// The problem.
     pub problem: Box<SyntaxProblem>,
     /// The line of the program, shortened around the place when it is long.
     pub(crate) excerpt: String,
@@ -54,16 +54,16 @@ impl std::error::Error for SyntaxError {
     }
 }
 
-/// What is wrong at the place of a [`SyntaxError`].
+/// The problem at the position of a [`SyntaxError`].
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SyntaxProblem {
     /// Something stands where it cannot stand.
     #[error("found {found}, expected {expected}")]
     Unexpected {
-        /// What stands there, quoted, or `the end of the program`.
+        /// The text found, quoted, or `the end of the program`.
         found: String,
-        /// What could stand there.
+        /// The text expected.
         expected: &'static str,
     },
     /// A construct of IEC 61131-3 or of Logix that this dialect does not have.
@@ -71,7 +71,7 @@ pub enum SyntaxProblem {
     NotSupported {
         /// The construct.
         construct: String,
-        /// What a program can use instead.
+        /// The construct to use instead.
         instead: &'static str,
     },
     /// A character that no program has.
@@ -102,7 +102,7 @@ pub enum SyntaxProblem {
     TooManyOperands {
         /// The instruction.
         mnemonic: arcline_instruction_set::Mnemonic,
-        /// How many it has.
+        /// The number of its operands.
         limit: usize,
     },
     /// A word that the operand does not have.
@@ -120,7 +120,7 @@ pub enum SyntaxProblem {
     /// No axis, coordinate system or group of that name.
     #[error("there is no {what} `{name}`{}", suggest(.suggestion))]
     UnknownObject {
-        /// What was looked for.
+        /// The sort of the name.
         what: &'static str,
         /// The name.
         name: String,
@@ -154,7 +154,7 @@ pub enum SyntaxProblem {
     /// A path that is no path.
     #[error("{error}")]
     Path {
-        /// Why.
+        /// The error of the path.
         error: arcline_tag::PathError,
     },
     /// Statements or parentheses within each other, too deep.
@@ -168,7 +168,7 @@ pub enum SyntaxProblem {
     TooLarge {
         /// The limit.
         limit: usize,
-        /// What is counted.
+        /// The unit of the count.
         unit: &'static str,
     },
 }
@@ -186,11 +186,11 @@ pub(crate) fn suggest(suggestion: &Option<String>) -> String {
 pub struct RuntimeError {
     /// Line of the statement, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// The problem.
     pub problem: RuntimeProblem,
 }
 
-/// What is wrong in a [`RuntimeError`].
+/// The problem of a [`RuntimeError`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RuntimeProblem {
@@ -221,10 +221,10 @@ pub enum RuntimeProblem {
         /// The time, seconds.
         seconds: f64,
     },
-    /// The driver answered what was not asked. A fault of the caller, not of the program.
+    /// The driver answered another question. A fault of the caller, not of the program.
     #[error("the interpreter asked for {asked} and was answered something else")]
     Answer {
-        /// What was asked for.
+        /// The expected answer.
         asked: &'static str,
     },
 }

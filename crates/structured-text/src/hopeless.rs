@@ -1,4 +1,4 @@
-//! A WAIT that cannot go on: what its drivers know of the instruction that it waits for, as one message.
+//! A WAIT that cannot go on: the end of the instruction that it waits for, as one message for all drivers.
 
 use arcline_instruction_set::{Ending, Flag, Mnemonic, MotionControl, describe};
 
@@ -11,7 +11,7 @@ pub struct Hopeless {
     pub line: usize,
     /// The motion control tag that it reads.
     pub tag: String,
-    /// How its instruction has ended.
+    /// The end of its instruction, in words.
     pub how: Box<str>,
 }
 

@@ -15,7 +15,7 @@ pub const STATEMENTS_PER_TICK: u32 = 100_000;
 /// expression may be long, so that the number of statements alone does not bound the time that a tick computes.
 pub const OPERATIONS_PER_TICK: u32 = 1_000_000;
 
-/// What the program wants next.
+/// The next request of the program.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Request {
     /// The value of a tag, answered with [`Answer::Value`]. A motion control tag that has not been made yet
@@ -24,8 +24,8 @@ pub enum Request {
     /// The numbers of an array from that element on, answered with [`Answer::Array`]; a tag that is no array
     /// is an array of one.
     ReadArray(TagPath),
-    /// A tag is to be written, answered with [`Answer::Done`]. The value is a BOOL or an LREAL; the tag's
-    /// own type decides what becomes of it.
+    /// A tag is to be written, answered with [`Answer::Done`]. The value is a BOOL or an LREAL, which the driver converts to the
+    /// type of the tag.
     Write(TagPath, Value),
     /// An instruction is to be executed in this tick, as a false-to-true transition of its rung; answered
     /// with [`Answer::Done`], erred or not, or with [`Answer::QueueFull`].
@@ -45,7 +45,7 @@ pub enum Request {
 /// The answer to a [`Request`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum Answer {
-    /// Nothing was asked yet: the first call of [`Interpreter::resume`].
+    /// There was no request yet: the first call of [`Interpreter::resume`].
     Start,
     /// The value that was read.
     Value(Value),
@@ -53,7 +53,7 @@ pub enum Answer {
     Settled(Value),
     /// The numbers that were read.
     Array(Vec<f64>),
-    /// It is done.
+    /// The request is done.
     Done,
     /// There is no room for the move: the interpreter asks for the next tick, then for the same call again.
     QueueFull,
@@ -90,13 +90,13 @@ pub struct Interpreter {
     line: u32,
     budget: Budget,
     pending: Pending,
-    /// Whether a settled value was read since time last passed.
+    /// Whether the program has read a settled value since time last passed.
     read_settled: bool,
     /// Whether the condition of the last WAIT did not hold and cannot hold any more.
     is_hopeless: bool,
 }
 
-/// What a program may still do within the present tick.
+/// The statements and operations that a program may still execute within the present tick.
 #[derive(Clone, Copy, Debug)]
 struct Budget {
     statements: u32,
@@ -119,7 +119,7 @@ impl Budget {
     }
 }
 
-/// What the driver was asked for last.
+/// The pending request to the driver.
 #[derive(Clone, Debug)]
 enum Pending {
     Start,
@@ -176,15 +176,15 @@ impl Interpreter {
         self.line as usize
     }
 
-    /// Whether it asked for the next tick because the condition of a WAIT did not hold. Then nothing else happens
-    /// in the next tick but that the condition is looked at again.
+    /// Whether the program waits for the next tick because the condition of a WAIT did not hold. In the next tick it then only evaluates
+    /// the condition again.
     pub fn is_waiting(&self) -> bool {
         let last = self.at.checked_sub(1).and_then(|last| self.program.ops.get(last));
         matches!((&self.pending, last), (Pending::Time, Some(Op::Tick)))
     }
 
-    /// Whether it waits, as [`Interpreter::is_waiting`] says, for a condition that does not hold whatever happens: the
-    /// values that were answered as settled ([`Answer::Settled`]) decide it.
+    /// Whether the program waits ([`Interpreter::is_waiting`]) for a condition that can never hold: the values that were answered as
+    /// settled ([`Answer::Settled`]) decide it.
     pub fn is_hopeless(&self) -> bool {
         self.is_hopeless && self.is_waiting()
     }
@@ -472,7 +472,7 @@ impl Cell {
         }
     }
 
-    /// For comparisons only.
+    /// A number for comparisons only.
     fn comparable(self) -> f64 {
         match self {
             Self::Number(number) => number,

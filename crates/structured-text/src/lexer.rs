@@ -2,7 +2,7 @@
 
 use crate::error::{SyntaxError, SyntaxProblem};
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {
     /// A name or keyword; `Program:Main` is one, and superscripts belong to it.
@@ -27,12 +27,12 @@ pub(crate) struct Token<'t> {
 }
 
 impl Token<'_> {
-    /// Whether it is this sign.
+    /// Whether the token is this sign.
     pub(crate) fn is(&self, sign: &str) -> bool {
         self.kind == Kind::Sign && self.text == sign
     }
 
-    /// Whether it is this keyword, case ignored.
+    /// Whether the token is this keyword, case ignored.
     pub(crate) fn is_word(&self, word: &str) -> bool {
         self.kind == Kind::Name && self.text.eq_ignore_ascii_case(word)
     }

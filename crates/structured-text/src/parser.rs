@@ -1,4 +1,4 @@
-//! From tokens to operations, in one pass: the parser's state and what every rule of the grammar uses. The rules
+//! From tokens to operations, in one pass: the parser's state and the functions that every rule of the grammar uses. The rules
 //! are in the files of this folder, one for each kind.
 
 mod attribute;

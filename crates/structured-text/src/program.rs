@@ -20,7 +20,7 @@ pub struct Program {
     pub(crate) calls: Vec<CallStatement>,
     pub(crate) attributes: Vec<ObjectAttribute>,
     pub(crate) uses: Vec<Use>,
-    /// How many variables there are, hidden ones of FOR included.
+    /// The number of variables, hidden ones of FOR included.
     pub(crate) variables: u32,
 }
 
@@ -83,16 +83,16 @@ pub trait Names {
 }
 
 impl Program {
-    /// Reads a program. Names are not looked at: that is [`Program::check`].
+    /// Reads a program. [`Program::check`] checks the names.
     ///
     /// # Errors
-    /// The first thing that cannot be read, with its place. Programs are read up to 8 MiB and 128 levels of
+    /// The first error, with its position. Programs are read up to 8 MiB and 128 levels of
     /// nesting.
     pub fn parse(text: &str) -> Result<Program, SyntaxError> {
         parser::program(text)
     }
 
-    /// Reads one instruction call, the `;` behind it optional: what `arcline exec` takes.
+    /// Reads one instruction call, the `;` behind it optional, for `arcline exec`.
     ///
     /// # Errors
     /// As [`Program::parse`], and anything in front of or behind the call.
@@ -129,7 +129,7 @@ impl Program {
         Ok(())
     }
 
-    /// A program of that text without any operation: what the parser begins with.
+    /// A program of that text without any operation, with which the parser begins.
     pub(crate) fn empty(text: &str) -> Self {
         Self {
             text: text.to_owned(),
@@ -233,7 +233,7 @@ fn is_control(path: &TagPath, controls: &BTreeSet<String>) -> bool {
     is_of_control(path, controls) && unmade_control(path).is_some()
 }
 
-/// What a tag that is there, or will be, lacks of a path into it.
+/// The part of a path that a present or future tag does not have.
 fn missing_part(names: &dyn Names, path: &TagPath, controls: &BTreeSet<String>) -> Option<PathError> {
     match names.locate(path) {
         Some(found) => found.err(),
@@ -246,7 +246,7 @@ fn in_control(path: &TagPath) -> Result<Location, PathError> {
     TagType::scalar(predefined::motion_instruction()).locate(path.rest())
 }
 
-/// What a member of a motion control tag reads as that no execution has made yet: the zero of its type. `None` when
+/// The value of a member of a motion control tag that no execution has made yet: the zero of its type. `None` when
 /// a MOTION_INSTRUCTION has no such member.
 pub fn unmade_control(path: &TagPath) -> Option<Value> {
     let place = in_control(path).ok()?;

@@ -4,7 +4,8 @@
 //! reaction to errors, the end of a WAIT that cannot come true, the wait for all motion at the end. Times are in seconds.
 //!
 //! Moves between which a program makes no other request are a series: they are executed together, in their order, before the next request of
-//! another kind. So no statement can tell them from moves that were executed one after the other; only the line that runs is ahead of them.
+//! another kind. So no statement can distinguish them from moves that were executed one after the other; only the line that runs is ahead of
+//! them.
 
 use arcline_instruction_set::{Ending, MotionControl, MotionError};
 
@@ -225,7 +226,7 @@ impl<X: Clone> ProgramRun<X> {
 
     async fn call<D: Driver<Execution = X>>(&mut self, driver: &mut D, call: &BoundCall) -> Result<Answer, D::Error> {
         let waits = self.policy.queue_full == QueueFull::Wait;
-        // Before the call, so that a move that waits leaves no error in its tag.
+        // The test comes before the call, so that a move that waits leaves no error in its tag.
         let takes_place = call.mnemonic.instruction().takes_place(&call.given);
         if waits && takes_place && !driver.has_room(call).await? {
             return Ok(Answer::QueueFull);
@@ -246,7 +247,7 @@ impl<X: Clone> ProgramRun<X> {
         }
     }
 
-    /// How the program waits for the next tick, unless it waits in vain.
+    /// The pause until the next tick, or an error if the program waits in vain.
     async fn next_tick<D: Driver<Execution = X>>(
         &mut self,
         driver: &mut D,
@@ -268,7 +269,7 @@ impl<X: Clone> ProgramRun<X> {
         Ok(Pause::Tick)
     }
 
-    /// Why a WAIT cannot come true any more; `None` when an instruction has begun again since its tag was read.
+    /// The reason for which a WAIT cannot come true any more; `None` when an instruction has begun again since its tag was read.
     async fn hopeless<D: Driver<Execution = X>>(&self, driver: &mut D) -> Result<Option<Hopeless>, RunError<D::Error>> {
         let line = self.line();
         let mut first = None;
@@ -303,7 +304,7 @@ impl<X: Clone> ProgramRun<X> {
         paused.map_err(|error| RunError::Driver { line, error })
     }
 
-    /// Looks at running executions, [`Driver::LOOKS`] at most, and reports those that have erred.
+    /// Reads running executions, [`Driver::LOOKS`] at most, and reports those that have erred.
     async fn look<D: Driver<Execution = X>>(&mut self, driver: &mut D, turn: Turn) -> Result<(), RunError<D::Error>> {
         if turn == Turn::First {
             self.calls.look_at_first();
@@ -356,12 +357,12 @@ impl<X: Clone> ProgramRun<X> {
     }
 }
 
-/// Where a look at running executions begins.
+/// The execution at which a read of running executions begins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Turn {
-    /// At the oldest one.
+    /// The oldest one.
     First,
-    /// Behind those of the look before.
+    /// The one behind those of the previous read.
     Next,
 }
 

@@ -1,4 +1,4 @@
-//! Series: which moves a program executes together, and what happens behind one that fails or finds no room.
+//! Series: the moves that a program executes together, and its reaction to one that fails or finds no room.
 
 use arcline_instruction_set::{Given, MotionError};
 use arcline_tag::{TagPath, Value};
@@ -9,11 +9,11 @@ use crate::{
     ProgramRun, Progress, QueueFull, Reading, RunError, Stopped, immediately,
 };
 
-/// A machine with one queue; it notes what a program asks of it.
+/// A machine with one queue; it records the requests of a program.
 struct Machine {
     /// Moves that it takes together; 1: no series.
     longest: usize,
-    /// Moves that its queue has room for, and how many more at each pause.
+    /// Moves that its queue has room for, and the number that each pause adds.
     room: usize,
     freed: usize,
     /// The line whose move fails.
@@ -160,7 +160,7 @@ impl Driver for Machine {
 /// A line of Structured Text with a move that takes a place in a queue.
 const MOVE: &str = "MCLM(CS1, M, Absolute, [1, 2], 5, Unitspersec);";
 
-/// Runs statements, `M` for [`MOVE`], one a line. What the machine noted, and the line and error of the program's end.
+/// Runs statements, `M` for [`MOVE`], one a line. Returns the machine's records, and the line and error of the program's end.
 fn run(statements: &[&str], policy: Policy, machine: Machine) -> (Vec<String>, Result<Vec<usize>, String>) {
     let lines = statements.iter().map(|line| if *line == "M" { MOVE } else { line });
     let text = lines.collect::<Vec<_>>().join("\n");
@@ -175,7 +175,7 @@ fn run(statements: &[&str], policy: Policy, machine: Machine) -> (Vec<String>, R
     (machine.log, end.map(|()| executed))
 }
 
-/// Why, statements, policy, machine, and what the machine notes.
+/// Why, statements, policy, machine, and the machine's records.
 type Case = (
     &'static str,
     &'static [&'static str],

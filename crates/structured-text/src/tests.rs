@@ -48,7 +48,7 @@ impl Names for Machine {
     }
 }
 
-/// Answers a program from a table of numbers and prints what it asks for, one line a request.
+/// Answers a program from a table of numbers and prints its requests, one line each.
 fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
     let mut program = Program::parse(text).unwrap_or_else(|error| panic!("{error}"));
     program.check(&Machine).unwrap_or_else(|error| panic!("{error}"));
@@ -333,7 +333,7 @@ fn a_wait_is_hopeless_when_settled_values_decide_it() {
         let program = Program::parse(&format!("WAIT({condition});")).unwrap_or_else(|error| panic!("{error}"));
         let mut interpreter = Interpreter::new(program);
         let mut answer = Answer::Start;
-        // Twice: the second time it is looked at behind a tick.
+        // Twice: the second evaluation comes behind a tick.
         for _ in 0..2 {
             loop {
                 match interpreter.resume(answer).expect("it runs") {

@@ -119,12 +119,12 @@ impl Elementary {
             .find(|kind| kind.name().eq_ignore_ascii_case(name))
     }
 
-    /// Whether single bits of it can be addressed (`Dint.5`): every integer and bit string, not BOOL, REAL, LREAL.
+    /// Whether a path can address single bits of the type (`Dint.5`): true for every integer and bit string, not for BOOL, REAL, LREAL.
     pub const fn has_bits(self) -> bool {
         !matches!(self, Self::Bool | Self::Real | Self::Lreal)
     }
 
-    /// Whether it is a floating-point type.
+    /// Whether the type is a floating-point type.
     pub const fn is_real(self) -> bool {
         matches!(self, Self::Real | Self::Lreal)
     }

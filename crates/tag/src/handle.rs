@@ -40,7 +40,7 @@ fn describe(template: &Template, name: &str, text: &mut impl Write) -> fmt::Resu
     Ok(())
 }
 
-/// CRC-16 (reflected 0xA001, from 0) of what is written.
+/// CRC-16 (reflected 0xA001, from 0) of the written text.
 struct Checksum {
     crc: u16,
     room: usize,

@@ -1,7 +1,7 @@
 //! Data types, values, structure templates, tag types and tag paths.
 //!
-//! What a tag *is*, and where a part of it stands in its bytes. No tag is stored here, nothing is read from
-//! or written to a network, and no motion is known: `arcline-proto` carries these types, and
+//! The nature of a tag, and the position of a part of it in its bytes. This crate stores no tag, reads and writes no
+//! network, and knows no motion: `arcline-proto` carries these types, and
 //! `arcline-controller` keeps the memory that they describe. All data is little-endian; offsets and sizes
 //! are bytes.
 #![forbid(unsafe_code)]

@@ -1,5 +1,5 @@
-//! "Did you mean": of the names that are known, the one nearest to a name that is not. The one measure for tags, members,
-//! objects, words and keys; what is known is the caller's.
+//! "Did you mean": of the known names, the nearest to an unknown one. The one measure for tags, members, objects, words
+//! and keys; the caller supplies the known names.
 
 /// Characters that are compared: a slip is one of a short name, and a peer may send kilobytes.
 const COMPARED: usize = 60;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::{Template, nearest};
 
-/// One step of a tag path. Names are `&str` where they are only followed.
+/// One step of a tag path. Names are `&str` in a path that is only followed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
 pub enum PathSegment<S = String> {
     /// A tag or member name; `Program:Main` is one name.
@@ -21,7 +21,7 @@ pub enum PathSegment<S = String> {
 }
 
 impl<S: AsRef<str>> PathSegment<S> {
-    /// With a name that is borrowed.
+    /// The segment with a borrowed name.
     pub fn borrowed(&self) -> PathSegment<&str> {
         match self {
             Self::Symbol(name) => PathSegment::Symbol(name.as_ref()),
@@ -32,7 +32,7 @@ impl<S: AsRef<str>> PathSegment<S> {
 }
 
 impl PathSegment<&str> {
-    /// With a name of its own.
+    /// The segment with a name of its own.
     pub fn into_owned(self) -> PathSegment {
         match self {
             Self::Symbol(name) => PathSegment::Symbol(name.to_owned()),
@@ -99,7 +99,7 @@ pub fn program_name(name: &str) -> Option<&str> {
     prefix.eq_ignore_ascii_case("Program").then_some(program)
 }
 
-/// Why a path could not be read, or leads nowhere.
+/// The reason for which a path cannot be read, or does not lead to a tag.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum PathError {
     /// No name at all.
@@ -142,9 +142,9 @@ pub enum PathError {
     /// A member name behind something that is no structure, or behind an array without index.
     #[error("{member:?} cannot be a member of {of}")]
     NotAStructure {
-        /// Name that was looked for.
+        /// The name of the member.
         member: String,
-        /// What it was looked for in.
+        /// The name of the tag or member in front of it.
         of: String,
     },
     /// An index behind something that is no array.
@@ -213,7 +213,7 @@ impl FromStr for TagPath {
 /// Reads a path; its names stay where they are.
 ///
 /// # Errors
-/// [`PathError::Empty`], [`PathError::TooLong`], [`PathError::TooManySegments`], and what is wrong with a character or number.
+/// [`PathError::Empty`], [`PathError::TooLong`], [`PathError::TooManySegments`], and the errors of a character or number.
 pub fn split(text: &str) -> Result<Vec<PathSegment<&str>>, PathError> {
     if text.is_empty() {
         return Err(PathError::Empty);

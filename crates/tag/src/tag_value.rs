@@ -1,4 +1,4 @@
-//! What a tag holds: values, texts, arrays and structures, decoded from its bytes by its type.
+//! The contents of a tag: values, texts, arrays and structures, decoded from its bytes by its type.
 //!
 //! Not here: type codes of the tag services, and values that a client writes ([`crate::WriteValue`]).
 
@@ -72,7 +72,7 @@ impl TagValue {
         }
     }
 
-    /// What it is: `REAL`, `STRING`, `an array of 4`, the name of a structure type.
+    /// The type of the value in words: `REAL`, `STRING`, `an array of 4`, the name of a structure type.
     pub fn type_name(&self) -> String {
         match self {
             Self::Value(value) => value.elementary().name().to_owned(),
@@ -177,11 +177,11 @@ impl fmt::Display for TagValue {
 #[derive(Clone, Copy, Debug)]
 pub struct FloatsOnly<'v>(pub &'v TagValue);
 
-/// Up to here 64-bit floats tell whole numbers apart.
+/// Up to here 64-bit floats distinguish whole numbers.
 const EXACT: u128 = 1 << 53;
 
 impl Serialize for TagValue {
-    /// Numbers, truth values, texts, arrays and objects. What JSON has no number for becomes null.
+    /// Numbers, truth values, texts, arrays and objects. A value without a number in JSON becomes null.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Value(value) => serialize_value(*value, serializer),

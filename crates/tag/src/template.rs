@@ -1,6 +1,6 @@
 //! Structure templates: members, offsets, handles (spec/ethernet-ip.md §11).
 //!
-//! Not here: tag instances, who may write them, and the definition that a client uploads, which is `arcline-proto`'s. Offsets and sizes are bytes.
+//! Not here: tag instances, their writers, and the definition that a client uploads, which is `arcline-proto`'s. Offsets and sizes are bytes.
 
 use std::sync::Arc;
 
@@ -129,7 +129,7 @@ impl Template {
             .find(|member| member.name.eq_ignore_ascii_case(name))
     }
 
-    /// Whether it is the STRING type, whose value is a text.
+    /// Whether the structure is the STRING type, whose value is a text.
     pub fn is_string(&self) -> bool {
         self.handle == STRING_HANDLE && self.size as usize == STRING_SIZE
     }
@@ -144,7 +144,7 @@ impl Template {
         leaves.fold(0, usize::saturating_add)
     }
 
-    /// Whether clients treat it as a user type, with `;n` behind its name.
+    /// Whether clients treat the structure as a user type, with `;n` behind its name.
     pub fn is_user_type(&self) -> bool {
         (0x100..=0xEFF).contains(&self.instance)
     }

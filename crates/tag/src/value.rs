@@ -230,7 +230,7 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// The low 64 bits of a number rounded half to even; 0 for what has none.
+/// The low 64 bits of a number rounded half to even; 0 for NaN and infinities.
 fn low_bits(number: f64) -> i64 {
     let rounded = number.round_ties_even();
     // A float of 2^117 or more is a multiple of 2^64; below that an i128 holds it exactly.

@@ -1,4 +1,4 @@
-//! What is written to a tag, before its type is known.
+//! A value to write to a tag, before its type is known.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 
 use crate::{DataType, Elementary, Value, write_string};
 
-/// A value to write. The tag's type decides what becomes of it; what does not fit is refused, never cut.
+/// A value to write. The tag's type decides the conversion; a value that does not fit is refused, never cut.
 #[derive(Clone, PartialEq, Debug)]
 pub enum WriteValue {
     /// A truth value: 0 or 1 for numbers.
@@ -23,16 +23,16 @@ pub enum WriteValue {
     Array(Vec<WriteValue>),
 }
 
-/// What an integer makes of a number that is not whole.
+/// The treatment of a number with a fraction when the tag is an integer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fraction {
     /// The nearest whole number, a half to the even one.
     Round,
-    /// Nothing: the value is refused.
+    /// The value is refused.
     Refuse,
 }
 
-/// Why a value is none of a type.
+/// The reason for which a value does not fit a type.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Misfit {
     /// The type has no such value.
@@ -124,7 +124,7 @@ fn parse(text: &str) -> WriteValue {
     }
 }
 
-/// At the commas outside quotes; an empty list has no elements.
+/// Splits a list at the commas outside quotes; an empty list has no elements.
 fn split(list: &str) -> Vec<&str> {
     if list.trim().is_empty() {
         return Vec::new();

@@ -6,7 +6,7 @@ import builtins
 
 
 class ArclineError(Exception):
-    """What arcline refuses."""
+    """An error of arcline."""
 
 
 class ConfigError(ArclineError, ValueError):
@@ -14,7 +14,7 @@ class ConfigError(ArclineError, ValueError):
 
 
 class TagError(ArclineError, KeyError):
-    """A name that is no tag; the text has the nearest name that is one."""
+    """A name that is not that of a tag; the text has the nearest name of a tag."""
 
     def __str__(self) -> str:
         return str(self.args[0]) if self.args else ""

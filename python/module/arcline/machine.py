@@ -216,9 +216,9 @@ class Program:
 
 
 class Result(NamedTuple):
-    """What a simulation has come to."""
+    """The result of a simulation."""
 
-    #: Why the program failed; None: it ran to its end.
+    #: The error of the program; None: it ran to its end.
     error: BaseException | None
     #: Simulated seconds.
     time: float

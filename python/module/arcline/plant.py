@@ -1,7 +1,7 @@
-"""What a plant behind the drives gets at each tick: the set-points of its axes, and the feedback that it fills in.
+"""The arrays that a plant behind the drives gets at each tick: the set-points of its axes, and the feedback that it fills in.
 
 A plant is a callable of ``(set_points, feedback)``, given to :class:`arcline.Machine` or :func:`arcline.simulate`. Positions are those of the machine, in
-position units: what homing and MRP redefine is not in them.
+position units, without the redefinitions of homing and MRP.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ _Row = npt.NDArray[np.float64]
 
 
 class SetPoints:
-    """The set-points of the axes of a plant at a tick. The arrays are the same at every tick: copy those that are to be kept."""
+    """The set-points of the axes of a plant at a tick. The arrays are the same at every tick: copy the ones to store."""
 
     #: The names of the axes, in the order of the arrays.
     axes: list[str]
     #: Seconds of a tick.
     period: float
-    #: Where each axis is to be, position units.
+    #: The set-point of each axis, position units.
     position: _Row
     #: Position units per second.
     velocity: _Row
@@ -48,7 +48,7 @@ class SetPoints:
 
 
 class Feedback:
-    """The feedback of the axes of a plant at a tick, of which the plant writes what it knows.
+    """The feedback of the axes of a plant at a tick, of which the plant writes the part that it knows.
 
     ``position`` holds the answer of the simulated drive of each axis, and the set-point of an axis that the plant has moved otherwise before: a plant that
     writes nothing changes nothing. ``velocity`` and ``acceleration``
@@ -57,7 +57,7 @@ class Feedback:
 
     #: The names of the axes, in the order of the arrays.
     axes: list[str]
-    #: Where each axis is, position units.
+    #: The position of each axis, position units.
     position: _Row
     #: Position units per second.
     velocity: _Row

@@ -60,7 +60,7 @@ class Server:
 
     @property
     def log(self) -> str:
-        """What the server has written to standard error so far."""
+        """The text that the server has written to standard error so far."""
         return "".join(self._log)
 
     @property

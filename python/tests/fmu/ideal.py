@@ -2,7 +2,7 @@ from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
 
 
 class Ideal(Fmi3Slave):
-    """Where it is to be. A step behind the time `ends` fails."""
+    """An axis that is always at its set-point. A step behind the time `ends` fails."""
 
     def __init__(self, **arguments):
         super().__init__(**arguments)

@@ -38,7 +38,7 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// The line of an event, without a line feed; the chain goes on behind it only when [`Chain::wrote`] is told so.
+    /// Returns the line of an event, without a line feed. The chain continues behind this line only after a call of [`Chain::wrote`].
     pub(super) fn line(&self, event: &Event, count: u64) -> String {
         let values = event.values.as_ref();
         let line = Line {

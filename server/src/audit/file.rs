@@ -91,7 +91,7 @@ impl Files {
         self.write(event, count)
     }
 
-    /// How long nothing is to be synchronised.
+    /// The time until the next synchronisation is due.
     pub(super) fn due(&self) -> Duration {
         match self.is_dirty {
             true => SYNC.saturating_sub(self.synced.elapsed()),
@@ -99,14 +99,14 @@ impl Files {
         }
     }
 
-    /// Synchronises what was written, once a second.
+    /// Synchronises the written lines, once a second.
     pub(super) fn sync_at(&mut self, now: Instant) {
         if self.is_dirty && now.saturating_duration_since(self.synced) >= SYNC {
             self.sync();
         }
     }
 
-    /// Synchronises what was written.
+    /// Synchronises the written lines.
     pub(super) fn sync(&mut self) {
         // A disk that fails shows with the next write.
         let _ = self.file.sync_data();

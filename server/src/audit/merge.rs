@@ -19,7 +19,7 @@ impl Merge {
     /// Takes an event. Returns the lines that it makes at once: itself, unless it waits.
     pub(super) fn take(&mut self, event: Event) -> Vec<(Event, u64)> {
         if !event.is_plain_write {
-            // What the same client wrote before stands before it.
+            // The earlier writes of the same client stand before this event.
             let own: Vec<_> = self.0.keys().filter(|(from, _)| *from == event.from).cloned().collect();
             let before = own.iter().filter_map(|key| self.0.remove(key));
             let mut lines: Vec<_> = before.map(|(_, event, count)| (event, count)).collect();
@@ -44,7 +44,7 @@ impl Merge {
         }
     }
 
-    /// The lines of writes that have waited for so long.
+    /// The lines of writes that have waited for this time.
     pub(super) fn ready(&mut self, after: Duration) -> Vec<(Event, u64)> {
         let now = Instant::now();
         let due: Vec<_> = self
@@ -59,7 +59,7 @@ impl Merge {
         lines.into_iter().map(|(_, event, count)| (event, count)).collect()
     }
 
-    /// How long nothing is due.
+    /// The time until the oldest merged write is due.
     pub(super) fn due(&self, after: Duration) -> Duration {
         let first = self.0.values().map(|(since, ..)| *since).min();
         first.map_or(IDLE, |since| after.saturating_sub(since.elapsed()))

@@ -1,7 +1,7 @@
-//! The audit: a line for each thing that a client did to the machine or was refused, in files that show a change (spec/security.md §9).
+//! The audit: a line for each action of a client on the machine and for each refusal, in files that reveal later changes (spec/security.md §9).
 //!
-//! Nothing waits for it: who records an event puts it into a bounded queue; a thread of its own merges plain writes of a second, chains
-//! the lines by their hashes, and writes them. A full queue or a full disk costs lines, whose number the audit and the log tell.
+//! No client waits for the audit: its face puts each event into a bounded queue. A thread of its own merges plain writes of a second, chains the
+//! lines by their hashes, and writes them. A full queue or a full disk costs lines; the audit and the log report their number.
 
 mod chain;
 mod file;
@@ -24,12 +24,12 @@ use self::merge::Merge;
 
 /// Events that may wait for the thread.
 const WAITING: usize = 65_536;
-/// How long plain writes of one client to one tag are merged.
+/// Plain writes of one client to one tag within this time become one line.
 const MERGED: Duration = Duration::from_secs(1);
-/// How often the hash of the newest line goes to the log.
+/// Time between two entries of the log with the hash of the newest line.
 const HEAD_EVERY: Duration = Duration::from_secs(60);
 
-/// What happened.
+/// The kind of an event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum What {
@@ -74,9 +74,9 @@ pub(crate) enum What {
 /// An event, as a face records it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Event {
-    /// When.
+    /// The time of the event.
     pub(crate) at: SystemTime,
-    /// What happened.
+    /// The kind of the event.
     pub(crate) what: What,
     /// The kind of client.
     pub(crate) door: &'static str,
@@ -86,15 +86,15 @@ pub(crate) struct Event {
     pub(crate) role: &'static str,
     /// The object: a tag, an instruction with its target, a file.
     pub(crate) object: String,
-    /// The value before and after, as text; hexadecimal for what is no number.
+    /// The value before and after, as text; values that are not numbers are hexadecimal.
     pub(crate) values: Option<(String, String)>,
-    /// Whether it was done, or why not.
+    /// `done`, or the reason for the refusal.
     pub(crate) result: &'static str,
-    /// Whether it may be merged with others of the same client and object.
+    /// Whether the thread may merge the event with others of the same client and object.
     pub(crate) is_plain_write: bool,
 }
 
-/// Where events go; clones are the same one.
+/// The sender of events to the thread of the audit; clones share it.
 #[derive(Clone, Debug)]
 pub(crate) struct Audit(Arc<Shared>);
 
@@ -110,9 +110,9 @@ struct Shared {
 /// Events that are in no line.
 #[derive(Debug, Default)]
 struct Lost {
-    /// Those that no line tells of yet.
+    /// Lost events that no line reports yet.
     untold: AtomicU64,
-    /// All since the start.
+    /// All lost events since the start.
     total: AtomicU64,
 }
 
@@ -146,7 +146,7 @@ impl Audit {
         })))
     }
 
-    /// Without files and thread: the events come out of the receiver.
+    /// Makes an audit without files and thread: the events come out of the receiver.
     pub(crate) fn stepped() -> (Self, Receiver<Option<Event>>) {
         let (sender, events) = sync_channel(WAITING);
         let audit = Self(Arc::new(Shared {
@@ -175,7 +175,7 @@ impl Audit {
         self.0.head.load().as_ref().clone()
     }
 
-    /// Writes what waits, and ends.
+    /// Writes the waiting events, and ends.
     pub(crate) fn close(&self) {
         // The thread may have failed already.
         let _ = self.0.sender.send(None);
@@ -198,7 +198,7 @@ pub(crate) fn folder_of(state: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// How long the thread may wait for an event: until writes are merged, lines are to be synchronised, or the hash is to be told.
+/// The time that the thread may wait for an event: until it merges writes, synchronises lines, or logs the hash.
 fn wait(merge: &Merge, files: &Files, head_told: Instant) -> Duration {
     let merged = merge.due(MERGED).min(files.due());
     merged.min(HEAD_EVERY.saturating_sub(head_told.elapsed()))
@@ -227,7 +227,7 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: 
         for (event, count) in &lines {
             if let Err(error) = files.append(event, *count) {
                 match event.what {
-                    // Its events are told of later.
+                    // A later line reports that its events were lost.
                     What::AuditLost => {
                         lost.untold.fetch_add(missed, Ordering::Relaxed);
                     }

@@ -20,7 +20,7 @@ fn event(number: u64, is_plain_write: bool) -> Event {
     }
 }
 
-/// A folder with an audit of so many lines, behind its first one.
+/// A folder with an audit of this number of lines behind its first one.
 fn folder(lines: u64) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let mut files = Files::open(folder.path()).expect("a writable folder");
@@ -60,7 +60,7 @@ fn every_change_of_a_line_is_found() {
         cases[2].1.swap(at, at + 1);
         cases[3].1.insert(at, lines[at]);
         for (why, changed) in cases {
-            // What stands first is not chained to anything before it but by its number.
+            // Only its number chains the first line to earlier lines.
             if why == "dropped" && at == 0 {
                 continue;
             }
@@ -74,7 +74,7 @@ fn every_change_of_a_line_is_found() {
             }
         }
     }
-    // The end can be cut: only a hash that was kept elsewhere shows it.
+    // Lines can be cut off at the end: only a hash that is stored elsewhere shows it.
     fs::write(&file, lines[..150].join("\n")).expect("a writable folder");
     assert!(verify(folder.path(), None).is_ok());
     assert!(matches!(
@@ -198,7 +198,7 @@ fn the_chain_goes_on_behind_a_file_without_lines() {
     }
 }
 
-/// What is written reaches the disk within a second, also when nothing comes behind it, and at the end at once.
+/// A written line reaches the disk within a second, even if no line follows it; at the end, it reaches the disk at once.
 #[test]
 fn lines_are_synchronised_without_further_lines() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,7 +1,7 @@
-//! `arcline-server audit verify`: whether the lines of an audit are those that were written, in their order.
+//! `arcline-server audit verify`: checks that the lines of an audit are the written ones, in their order.
 //!
-//! A chain shows every line that was changed, removed, added or moved, but for the end: whether lines are missing there shows only by a
-//! hash that was kept elsewhere (`--head`).
+//! A chain reveals every line that was changed, removed, added or moved, except at the end: only a hash that is stored elsewhere (`--head`)
+//! reveals missing lines there.
 
 use std::fs;
 use std::io;
@@ -50,7 +50,7 @@ const BROKEN: u8 = 3;
 pub(super) struct Verified {
     /// Lines.
     pub(super) lines: u64,
-    /// The number of the first line that is kept.
+    /// The number of the first line in the files.
     pub(super) first: u64,
     /// The number of the last one.
     pub(super) last: u64,
@@ -58,7 +58,7 @@ pub(super) struct Verified {
     pub(super) head: String,
 }
 
-/// Why a chain does not hold.
+/// The error of a chain.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Broken {
     /// A file cannot be read.
@@ -66,7 +66,7 @@ pub(super) enum Broken {
     Read {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error of the system.
         error: io::Error,
     },
     /// A line is not the one that was written there.
@@ -78,7 +78,7 @@ pub(super) enum Broken {
         line: usize,
         /// The number that belongs there.
         n: u64,
-        /// What is wrong.
+        /// The error in the line.
         reason: &'static str,
     },
     /// No line has the hash.

@@ -1,4 +1,4 @@
-//! `doctor`: looks at what a server needs of this computer, and says what is amiss and what to do (docs/DOCTOR.md).
+//! `doctor`: examines the ports, rights and real-time settings of this computer, and reports each defect with its remedy (docs/DOCTOR.md).
 
 mod network;
 mod real_time;
@@ -34,11 +34,11 @@ pub(crate) struct DoctorArgs {
     json: bool,
 }
 
-/// How a check came out, the better first.
+/// The result of a check, the better first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Grade {
-    /// As it should be.
+    /// No defect.
     Ok,
     /// A server runs, but ticks may be late, or something may fail later.
     Warning,
@@ -46,15 +46,15 @@ pub(crate) enum Grade {
     Failed,
 }
 
-/// One check.
+/// The result of one check.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub(crate) struct Finding {
-    /// What was looked at.
+    /// The name of the check.
     pub(crate) check: &'static str,
     pub(crate) grade: Grade,
-    /// What was found.
+    /// The result of the check in words.
     pub(crate) found: String,
-    /// What to do; empty: nothing.
+    /// The remedy; empty if the user need not do anything.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) remedy: String,
 }
@@ -74,7 +74,7 @@ impl Finding {
     }
 }
 
-/// Looks at everything. The exit code is 0 when nothing is amiss, 1 when something warns, and 2 when a server would not start.
+/// Makes all checks. The exit code is 0 without a defect, 1 with a warning, and 2 if a server would not start.
 pub(crate) fn run(args: &DoctorArgs) -> Result<ExitCode, Failure> {
     let findings = findings(args)?;
     let worst = findings.iter().map(|finding| finding.grade).max().unwrap_or(Grade::Ok);

@@ -1,4 +1,4 @@
-//! Whether the doors of a server can be opened here.
+//! Checks that a server can open its ports on this computer.
 
 use std::io::ErrorKind;
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -22,7 +22,7 @@ pub(super) fn doors(server: &ServerConfig) -> Vec<Finding> {
     findings
 }
 
-/// What is listened with.
+/// The transport protocol of a port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
     Tcp,

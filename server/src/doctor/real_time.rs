@@ -1,4 +1,4 @@
-//! The real-time thread itself, for a few seconds: what it gets of the system, and how late its ticks begin.
+//! A test run of the real-time thread for a few seconds: the priority and memory lock that the system grants it, and the lateness of its ticks.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use arcline_realtime::{Options, Report};
 use super::{Finding, Grade};
 use crate::cli::Failure;
 
-/// Runs the machine at rest for so many seconds.
+/// Runs the machine at rest for a number of seconds.
 pub(super) fn measure(machine: &Machine, seconds: f64) -> Result<Vec<Finding>, Failure> {
     let (link, handle) =
         arcline_realtime::spawn(machine, Options::default()).map_err(|error| Failure::new(2, error.to_string()))?;

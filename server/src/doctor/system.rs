@@ -1,4 +1,4 @@
-//! What the system says of itself below `/proc` and `/sys`.
+//! The settings of the system that `/proc` and `/sys` show.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -53,11 +53,11 @@ impl System {
         if self.read("sys/kernel/realtime").as_deref() == Some("1") {
             return Finding::ok("kernel", format!("{release}, PREEMPT_RT"));
         }
-        // Most tests need none, and the measurement tells what matters.
+        // Most tests need none, and the measurement shows the effect.
         Finding::ok("kernel", format!("{release}, without PREEMPT_RT"))
     }
 
-    /// What part of each second real-time threads may have.
+    /// The share of each second that the system allows real-time threads.
     pub(super) fn real_time_share(&self) -> Finding {
         let number = |name: &str| -> Option<i64> { self.read(&format!("proc/sys/kernel/{name}"))?.parse().ok() };
         let (runtime, period) = (number("sched_rt_runtime_us"), number("sched_rt_period_us"));
@@ -123,7 +123,7 @@ impl System {
     }
 }
 
-/// Open files for so many clients.
+/// The limit of open files, for this number of clients.
 pub(super) fn descriptors(clients: usize) -> Finding {
     let wanted = u64::try_from(clients)
         .unwrap_or(u64::MAX)
@@ -140,7 +140,7 @@ pub(super) fn descriptors(clients: usize) -> Finding {
     }
 }
 
-/// Whether the state can be kept there.
+/// Checks that the server can write the file of the retained state.
 pub(super) fn state(file: &Path) -> Finding {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));

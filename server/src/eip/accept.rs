@@ -9,7 +9,7 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use super::connection::Socket;
 use super::device::Device;
 
-/// Where clients come in: a TCP listener, or the network of a simulation (`stepped`).
+/// A source of client connections: a TCP listener, or the network of a simulation (`stepped`).
 pub(crate) trait Accept: 'static {
     /// The connection of a client.
     type Stream: AsyncRead + AsyncWrite + Unpin + Socket + Send + 'static;

@@ -1,7 +1,7 @@
-//! What a request asks, parsed once from its service and its path.
+//! The action of a request, parsed once from the service and the path of the request.
 //!
-//! Nothing else looks at a service code to find out whether a request writes, waits, or may be answered at once. A new kind of
-//! action does not compile before it has its answers here.
+//! The router asks the action, not the service code, whether a request writes, waits, or may have its answer at once. A new kind of action
+//! does not compile before it answers these questions here.
 
 use arcline_proto::cip::{CipStatus, Request, class, service};
 use arcline_proto::epath::Target;
@@ -13,15 +13,15 @@ use crate::plant::Asked;
 /// A request that is no packet of requests, taken apart.
 #[derive(Debug)]
 pub(crate) struct ParsedRequest<'r> {
-    /// As it came.
+    /// The request.
     pub(crate) request: &'r Request,
     /// The meaning of its path.
     pub(crate) target: Target<'r>,
-    /// What it asks.
+    /// The action.
     pub(crate) action: Action,
 }
 
-/// What a request asks.
+/// The action of a request.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Action {
     /// Reads a tag, by name or by its instance of class 0x6B.
@@ -34,7 +34,7 @@ pub(crate) enum Action {
     Object(&'static dyn Object, Access),
     /// A service of the motion object of a name, or else of its symbol.
     Named(Access),
-    /// Nothing that exists.
+    /// The service, object or tag does not exist.
     Refused(CipStatus),
 }
 
@@ -87,7 +87,7 @@ impl Action {
             return action;
         }
         match target.class {
-            // Only tags are in the scope of a name, a program's.
+            // Only a tag can have a name, that of its program, in front of its class.
             Some(class) if class != class::SYMBOL && !target.symbols.is_empty() => Self::Refused(unknown()),
             Some(class) => match objects.find(class) {
                 Some(object) if is_motion && object.is_motion() => Self::Motion,
@@ -110,7 +110,7 @@ impl Action {
         })
     }
 
-    /// What it is counted as.
+    /// The counter of requests that counts this action.
     pub(crate) const fn asked(&self) -> Asked {
         match self {
             Self::ReadTag(_) => Asked::TagReads,
@@ -121,7 +121,7 @@ impl Action {
         }
     }
 
-    /// Whether it is answered under the plant's lock, since it may write to the tag memory.
+    /// Whether the server answers the request under the plant's lock, since the request may write to the tag memory.
     pub(crate) const fn writes(&self) -> bool {
         match self {
             Self::WriteTag(_) => true,
@@ -133,7 +133,7 @@ impl Action {
         }
     }
 
-    /// Whether it is answered after the tag memory has been let go: it waits for the controller or for the plant's lock.
+    /// Whether the server answers the request after it has released the tag memory: the answer waits for the controller or for the plant's lock.
     pub(crate) const fn is_late(&self) -> bool {
         match self {
             Self::Motion => true,
@@ -145,7 +145,7 @@ impl Action {
         }
     }
 
-    /// Whether it succeeds only when what it wrote is kept over a restart.
+    /// Whether the request succeeds only when its writes are in the file of the retained state.
     pub(crate) const fn must_be_kept(&self) -> bool {
         match self {
             Self::WriteTag(_) => true,

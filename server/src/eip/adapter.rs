@@ -1,8 +1,8 @@
-//! What the host's own adapter shows: the interface that an address belongs to, its mask, gateway, name servers, speed
-//! and counters, as the system shows them in its files.
+//! The network adapter of the host as the system's files show it: the interface of an address, its mask, gateway, name servers, speed
+//! and counters.
 //!
-//! Only read, never set: the host's network is not ours. What the system does not show is 0 or empty. Addresses are
-//! numbers, their first byte the highest.
+//! The server reads these values and never sets them, since the host's network is not its own. A value that the system does not show is
+//! 0 or empty. Addresses are numbers, their first byte the highest.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The adapter that has an address, as it was when it was looked at.
+/// The adapter of an address at the time of its last read.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Adapter {
     /// The interface, such as `eth0`; empty: not known.
@@ -28,9 +28,9 @@ pub(crate) struct Adapter {
     pub(crate) host_name: String,
     /// Mbit/s; 0: not known.
     pub(crate) speed: u32,
-    /// Whether the link is up. A loopback interface says "unknown" and is up all the same.
+    /// Whether the link is up. A loopback interface reports "unknown" and counts as up.
     pub(crate) is_up: bool,
-    /// Whether the duplex mode is half; full unless the system says otherwise.
+    /// Whether the duplex mode is half; it counts as full unless the system reports half.
     pub(crate) is_half_duplex: bool,
     /// The hardware address; zeros: not known.
     pub(crate) hardware_address: [u8; 6],
@@ -45,7 +45,7 @@ pub(crate) struct Adapter {
 /// files take milliseconds.
 #[derive(Debug)]
 pub(crate) struct Adapters {
-    /// Where the system's files are: `/`, or what a test has put together.
+    /// The root of the system's files: `/`, or the folder of a test.
     root: PathBuf,
     known: Arc<Mutex<BTreeMap<Ipv4Addr, Known>>>,
 }
@@ -54,7 +54,7 @@ pub(crate) struct Adapters {
 struct Known {
     adapter: Arc<Adapter>,
     read: Instant,
-    /// It is being read again.
+    /// A thread reads it again.
     reading: bool,
 }
 
@@ -87,7 +87,7 @@ impl Adapters {
         }
     }
 
-    /// What is known, which is read again if it is old.
+    /// Returns the known adapter of an address, and reads it again if it is old.
     fn known(&self, address: Ipv4Addr) -> Option<Arc<Adapter>> {
         let mut all = lock(&self.known);
         let known = all.get_mut(&address)?;
@@ -153,7 +153,7 @@ const MEDIA_COUNTERS: [&str; 12] = [
     "rx_fifo_errors",
 ];
 
-/// Longest file that is looked at, bytes.
+/// Longest file that the server reads, bytes.
 const MAX_FILE: usize = 64 * 1024;
 
 impl Adapter {
@@ -208,7 +208,7 @@ impl Adapter {
         Ipv4Addr::from_bits(base + 32 * (host & 0x3FF).saturating_sub(1))
     }
 
-    /// Whether it is inside the host.
+    /// Whether the adapter is inside the host.
     pub(crate) fn is_internal(&self) -> bool {
         self.address.is_loopback()
     }

@@ -1,7 +1,7 @@
 //! One TCP connection: frames in, the session's rules, requests to the router, replies out.
 //!
-//! Requests of one connection are executed one after the other, in the order in which they came. While a peer does not
-//! read its replies, nothing more is read from it; after [`Settings::write_timeout`](super::Settings) it is closed.
+//! The server executes the requests of one connection one after the other, in the order in which they came. While a peer does not
+//! read its replies, the server reads no more from it; after [`Settings::write_timeout`](super::Settings) it closes the connection.
 
 use std::future::Future;
 use std::net::{IpAddr, SocketAddr, SocketAddrV4};
@@ -33,14 +33,14 @@ use crate::limits::Rate;
 use crate::plant::ClientIdentity;
 use crate::tls::{Tls, TlsClient};
 
-/// How long the frames of one connection are taken before the others get their turn: the others wait for one message of a client,
-/// or for as many as take no longer than this.
+/// The longest turn of one connection, in which it takes its frames. Another connection waits for one message of a client, or for as many
+/// messages as fit into this time.
 const TURN: Duration = Duration::from_micros(50);
 
 /// Turns before replies that wait to be sent together leave.
 const TURNS: u32 = 16;
 
-/// Room for what a peer sends before it waits for an answer, bytes; more than that makes the buffer grow.
+/// The buffer for the requests that a peer sends before it waits for an answer, bytes. The buffer grows if a peer sends more.
 const READ: usize = 4096;
 
 /// Replies that wait to be sent together, bytes; more are sent at once.
@@ -57,7 +57,7 @@ const POLLING: Duration = Duration::from_micros(200);
 /// for its next request. Before other peers the thread sleeps at once.
 const BUSY_POLLS: u32 = 40;
 
-/// Why a connection ended.
+/// The end of a connection.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Ended {
     /// The peer closed the socket.
@@ -198,7 +198,7 @@ struct Connection<S> {
     stream: S,
     /// Bytes that were read and that the session has not taken yet.
     input: BytesMut,
-    /// What waits to be sent.
+    /// Frames that wait to be sent.
     output: Output,
     session: ServerSession,
     router: Router,
@@ -211,9 +211,9 @@ struct Connection<S> {
     now: Duration,
     /// Whether the peer sent its last request as soon as it had the reply to the one before.
     is_polling: bool,
-    /// What the guard of jogs hears of the peer.
+    /// The signs of life of the peer for the guard of jogs.
     signs: Signs,
-    /// What it has used of a thread of the network.
+    /// The time of a network thread that the connection has used.
     share: Share,
     /// The most requests a second; `None`: any number.
     rate: Option<Rate>,
@@ -255,7 +255,7 @@ impl Output {
     }
 }
 
-/// What a stream is on which a client came in.
+/// The socket beneath the stream of a client.
 pub(crate) trait Socket {
     /// The far end, if it has an address.
     fn far_end(&self) -> Option<SocketAddr>;
@@ -302,7 +302,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         match self.serve_frames().await {
             Ok(never) => match never {},
             Err(ended) => {
-                // What was answered before the end still leaves, if the peer takes it.
+                // Send the replies from before the end, if the peer takes them.
                 let _ = self.flush().await;
                 ended
             }
@@ -315,7 +315,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         loop {
             let more = self.take_input().await?;
             turns += 1;
-            // What came together is answered together, but for what takes its time.
+            // Requests that come together are answered together, except the slow ones.
             if !more || turns % TURNS == 0 {
                 self.flush().await?;
             }
@@ -328,11 +328,11 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
     }
 
-    /// Waits until more has come, and does what is due meanwhile.
+    /// Waits for more input, and does due work meanwhile.
     async fn wait(&mut self, mut timer: Pin<&mut Sleep>) -> Result<(), Ended> {
         self.session.set_inactivity(*self.inactivity.borrow_and_update());
         let due = self.epoch + self.session.poll_timeout().unwrap_or(self.now + IDLE);
-        // To wind the timer costs more than to wake up in vain: only when it would be too late, or has run down.
+        // Setting the timer costs more than a wake-up in vain: set it only if it would fire too late, or has fired.
         if due < timer.deadline() || timer.is_elapsed() {
             timer.as_mut().reset(due);
         }
@@ -347,7 +347,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                     if let Poll::Ready(came) = read.as_mut().poll(cx) {
                         return Poll::Ready(Some(came));
                     }
-                    // Another inactivity time-out: what is due is looked up again.
+                    // The inactivity time-out has changed: calculate the next due time again.
                     let is_changed = changed.as_mut().poll(cx).is_ready();
                     let is_due = timer.as_mut().poll(cx).is_ready();
                     if is_changed || is_due {
@@ -375,7 +375,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
     }
 
-    /// Gives the session its input, for a turn at most. Whether there may be more.
+    /// Gives the session its input, for a turn at most. Returns whether there may be more input.
     async fn take_input(&mut self) -> Result<bool, Ended> {
         let began = Instant::now();
         loop {
@@ -395,7 +395,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
     }
 
-    /// Applies the events of the session until there are no more. Whether a request was among them.
+    /// Applies the events of the session until there are no more. Returns whether a request was among them.
     async fn apply_events(&mut self) -> Result<bool, Ended> {
         let mut answered = false;
         while let Some(event) = self.session.poll_event() {
@@ -435,7 +435,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         Ok(answered)
     }
 
-    /// Whether a request is within the rate of the client's role; stops always are.
+    /// Whether a request is within the rate of the client's role; a stop always is.
     fn is_within_rate(&mut self, request: &Request) -> bool {
         let Some(rate) = &mut self.rate else { return true };
         rate.allows(Instant::now().into_std()) || self.router.is_stop(request)
@@ -490,7 +490,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         }
         let rest = async {
             self.stream.write_all(&bytes).await?;
-            // TLS keeps what the socket did not take.
+            // TLS holds the bytes that the socket did not take.
             self.stream.flush().await
         };
         let written = timeout(self.host.device.settings.write_timeout, rest).await;
@@ -499,12 +499,12 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     }
 }
 
-/// What a future is without waiting.
+/// Polls a future once, without waiting.
 async fn at_once<F: Future>(mut future: Pin<&mut F>) -> Poll<F::Output> {
     std::future::poll_fn(|cx| Poll::Ready(future.as_mut().poll(cx))).await
 }
 
-/// The output of a future if it is there within so many polls, between which other tasks run.
+/// The output of a future if it is ready within this number of polls, between which other tasks run.
 async fn busy_poll<F: Future>(mut future: Pin<&mut F>, times: u32) -> Option<F::Output> {
     for _ in 0..times {
         if let Poll::Ready(output) = at_once(future.as_mut()).await {

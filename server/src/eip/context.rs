@@ -1,4 +1,4 @@
-//! What a request is answered with: the device, the ends of its connection, the room for its reply, and the tag memory.
+//! The resources for the answer to a request: the device, the ends of the connection, the room for the reply, and the tag memory.
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::adapter::Adapter;
 use super::device::Device;
 use crate::plant::{Principal, Transaction};
 
-/// What a request needs to be answered.
+/// The resources for the answer to a request.
 pub(crate) struct Context<'a> {
     /// The device.
     pub(crate) device: &'a Device,
@@ -33,14 +33,14 @@ impl Context<'_> {
 
 /// The tag memory as one message sees it.
 pub(crate) enum Memory<'a, 't> {
-    /// To read; the plant's lock is free.
+    /// For reading; the plant's lock is free.
     Read(&'a Image),
-    /// To read and write, under the plant's lock.
+    /// For reading and writing, under the plant's lock.
     Write(&'a mut Transaction<'t>),
 }
 
 impl<'t> Memory<'_, 't> {
-    /// For reading.
+    /// The tag memory for reading.
     pub(crate) fn image(&self) -> &Image {
         match self {
             Self::Read(image) => image,

@@ -1,7 +1,7 @@
 //! Discovery over UDP: ListIdentity, ListServices and ListInterfaces, unicast and broadcast (spec/ethernet-ip.md §2).
 //!
-//! What is answered is `arcline-proto`'s [`discovery`]; here are the socket, the address that a peer can connect back
-//! to, and the random delay that keeps the answers to a broadcast apart.
+//! The answers themselves come from [`discovery`] of `arcline-proto`. This module has the socket, the address to which a peer can connect
+//! back, and the random delay that spreads the answers to a broadcast.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::limits::AddressRate;
 const MAX_WAITING: usize = 64;
 /// Answers to one address a second: an answer is longer than its request, and its sender may be forged.
 const ANSWERS: u32 = 10;
-/// The longest datagram that is looked at; a list request is 24 bytes.
+/// The longest datagram that the server reads; a list request has 24 bytes.
 const MAX_DATAGRAM: usize = 1500;
 
 /// Answers datagrams for ever.
@@ -42,7 +42,7 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
         let (length, peer) = match received {
             Ok(received) => received,
             Err(error) => {
-                // An ICMP answer to what was sent before; the socket goes on.
+                // An ICMP error for an earlier datagram; the socket remains usable.
                 debug!(%error, "UDP receive");
                 tokio::task::yield_now().await;
                 continue;
@@ -61,7 +61,7 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
             continue;
         };
         let bytes = answer.frame.to_bytes();
-        // Only a socket on all addresses hears broadcasts.
+        // Only a socket on all addresses receives broadcasts.
         let delay = if local.ip().is_unspecified() {
             random_up_to(answer.max_delay)
         } else {
@@ -84,7 +84,7 @@ async fn send(socket: &UdpSocket, bytes: &[u8], peer: SocketAddr) {
     }
 }
 
-/// Only spreads the answers to a broadcast: a source that fails costs the spreading, nothing else.
+/// Spreads the answers to a broadcast. If the random numbers fail, only the spread is lost.
 fn random_up_to(limit: Duration) -> Duration {
     limit.mul_f64(f64::from(getrandom::u32().unwrap_or_default()) / f64::from(u32::MAX))
 }

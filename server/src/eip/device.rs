@@ -1,4 +1,4 @@
-//! What all connections of the server share: the plant, the identity, limits and counters.
+//! The data that all connections of the server share: the plant, the identity, limits and counters.
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -32,13 +32,13 @@ pub struct Settings {
     pub identity: Identity,
     /// The network side of the configuration.
     pub config: ServerConfig,
-    /// How long a peer may take to read what has been written to it.
+    /// The time within which a peer must read the written bytes.
     pub write_timeout: Duration,
-    /// Where the files are in which the system shows its network.
+    /// The root of the files in which the system shows its network.
     pub system: PathBuf,
     /// Limits of a session.
     pub session: session::Settings,
-    /// Where session handles and connection ids come from; `None` where there are no random numbers.
+    /// The source of session handles and connection ids; `None` if there are no random numbers.
     pub random: fn() -> Option<u32>,
     /// The socket of implicit I/O and its address; `None`: one of the system's.
     pub datagrams: Option<(Arc<dyn Datagrams>, SocketAddr)>,
@@ -47,14 +47,14 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Those of a configuration. The serial number is a hash of the product name, so that it stays the same.
+    /// The settings of a configuration. The serial number is a hash of the product name, so that it stays the same.
     pub fn new(config: &ServerConfig) -> Self {
         Self {
             identity: Identity::new(&config.name, serial_number(&config.name)),
             write_timeout: Duration::from_secs(30),
             system: PathBuf::from("/"),
             session: session::Settings {
-                // Each request is executed before the next frame is looked at: a Forward Close or the end of the session does
+                // The session executes each request before it reads the next frame: a Forward Close or the end of the session does
                 // not overtake a request in front of it.
                 max_pending: 1,
                 inactivity: match config.inactivity_timeout {
@@ -71,7 +71,7 @@ impl Settings {
     }
 }
 
-/// From the system's generator.
+/// A random number from the system's generator.
 fn system_random() -> Option<u32> {
     getrandom::u32()
         .inspect_err(|error| error!(%error, "no random numbers: the server refuses sessions and connections"))
@@ -85,7 +85,7 @@ fn serial_number(name: &str) -> u32 {
     })
 }
 
-/// What ListIdentity tells of the security; `None`: TLS is off.
+/// The security information of a ListIdentity reply; `None`: TLS is off.
 fn security_information(security: &Security, has_io: bool) -> Option<SecurityInformation> {
     security.tls?;
     let ports = [
@@ -103,13 +103,13 @@ fn security_information(security: &Security, has_io: bool) -> Option<SecurityInf
     })
 }
 
-/// What all connections share.
+/// The data that all connections share.
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(crate) plant: Plant,
     pub(crate) settings: Settings,
     pub(crate) session_settings: Arc<session::Settings>,
-    /// Of sessions without TLS.
+    /// The settings of sessions without TLS.
     pub(crate) plain_settings: Arc<session::Settings>,
     assembly_data: AssemblyData,
     /// The CIP objects that answer.
@@ -182,7 +182,7 @@ impl Device {
         })
     }
 
-    /// The assemblies and what they command.
+    /// The assemblies and the newest outputs.
     pub(crate) fn assembly_data(&self) -> &AssemblyData {
         &self.assembly_data
     }

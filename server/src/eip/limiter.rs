@@ -33,7 +33,7 @@ pub(crate) struct ClientLimiter {
 #[derive(Debug, Default)]
 struct State {
     next: u64,
-    /// By age, the oldest first.
+    /// The clients by age, the oldest first.
     clients: BTreeMap<u64, Client>,
     addresses: BTreeMap<IpAddr, Address>,
 }
@@ -45,7 +45,7 @@ struct Client {
     close: CancellationToken,
 }
 
-/// How far a client has come: of two clients, the one of the earlier stage loses its place first.
+/// The progress of a client. Of two clients, the one at the earlier stage loses its place first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Stage {
     /// No session.
@@ -120,7 +120,7 @@ impl ClientLimiter {
         self.lock().close_oldest(Stage::Registered, |_, _| true);
     }
 
-    /// Whether the clients of an address may have one more class 3 connection; counts it if so.
+    /// Counts one more class 3 connection of an address if the limit allows it. Returns whether the limit allows it.
     pub(crate) fn acquire_connection(&self, peer: IpAddr) -> bool {
         let peer = counted(peer);
         let mut state = self.lock();
@@ -154,7 +154,7 @@ impl State {
     /// Closes a client for a newcomer.
     fn close_for(&mut self, peer: IpAddr) -> bool {
         let own = self.clients_of(peer);
-        // One address does not close the clients of addresses that have fewer.
+        // A new client of an address does not close the clients of addresses that have fewer.
         let may = |state: &Self, client: &Client| client.peer == peer || state.clients_of(client.peer) > own;
         if self.close_oldest(Stage::Asking, may) {
             return true;
@@ -174,7 +174,7 @@ impl State {
     fn close_oldest(&mut self, before: Stage, which: impl Fn(&Self, &Client) -> bool) -> bool {
         let clients = self.clients.iter();
         let early = clients.filter(|(_, client)| client.stage < before && which(self, client));
-        // Of equal ones the first, which is the oldest.
+        // Of clients at the same stage the first, which is the oldest.
         let oldest = early.min_by_key(|(_, client)| client.stage).map(|(number, _)| *number);
         oldest.is_some_and(|number| self.close(number))
     }

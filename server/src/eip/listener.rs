@@ -30,7 +30,7 @@ const KEEP_ALIVE_IDLE: Duration = Duration::from_secs(5);
 const KEEP_ALIVE_EVERY: Duration = Duration::from_secs(1);
 /// Questions without an answer that end a connection.
 const KEEP_ALIVE_PROBES: u32 = 5;
-/// How long what was sent may not be acknowledged.
+/// The longest time for which sent bytes may stay without acknowledgement.
 const UNACKNOWLEDGED: Duration = Duration::from_secs(10);
 /// Tries to find a port that is free for both TCP and UDP.
 const PORT_TRIES: usize = 16;
@@ -39,7 +39,7 @@ const PORT_TRIES: usize = 16;
 #[derive(Debug)]
 pub struct Listener {
     endpoints: Vec<Endpoint>,
-    /// Of the first.
+    /// The local address of the first listener.
     local: SocketAddr,
     device: Arc<Device>,
 }
@@ -121,7 +121,7 @@ impl Listener {
 
     /// Serves until the future is dropped; that closes every connection.
     pub async fn serve(self) {
-        // Ends with this future.
+        // The thread ends with this future.
         let _io = self.device.io().and_then(|io| {
             IoThread::spawn(self.device.clone(), io.clone())
                 .inspect_err(|error| error!(%error, "no thread for implicit I/O: nothing is produced"))
@@ -209,7 +209,7 @@ async fn accept_each<A: Accept, F>(
 pub struct BindError {
     /// Which.
     pub address: SocketAddr,
-    /// Why.
+    /// The error of the system.
     #[source]
     pub error: io::Error,
 }
@@ -279,8 +279,8 @@ impl Accept for TcpListener {
     }
 }
 
-/// Has the system ask a silent peer whether it is there, and give up what is not acknowledged: a pulled cable ends the connection within
-/// some seconds, a client that has nothing to say does not.
+/// Makes the system probe a silent peer and give up bytes that the peer does not acknowledge. A pulled cable ends the connection within some
+/// seconds; the silence of a healthy client does not.
 fn keep_alive(stream: &TcpStream) -> rustix::io::Result<()> {
     use rustix::net::sockopt;
     sockopt::set_socket_keepalive(stream, true)?;

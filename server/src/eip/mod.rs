@@ -2,12 +2,12 @@
 //!
 //! Bytes and session rules are `arcline-proto`'s, which does no I/O; motion and the tag memory are behind
 //! [`Plant`](crate::plant::Plant). Here they meet: a socket's bytes become requests, requests become reads and writes of
-//! tags or calls of instructions, and replies go back. Nothing here knows what an instruction does.
+//! tags or calls of instructions, and replies go back. The meaning of the instructions is not here.
 //!
-//! Implicit I/O (`io`) is beside all that: a socket and a thread of its own.
+//! Implicit I/O (`io`) has a socket and a thread of its own.
 //!
-//! One CIP message (a single request, or a whole Multiple Service Packet) is one action: all its tag writes are applied
-//! first, then the rising edges of `EnableIn` are executed, then it is answered.
+//! One CIP message (a single request, or a whole Multiple Service Packet) is one action: the server applies all its tag writes
+//! first, then executes the rising edges of `EnableIn`, and then answers.
 
 mod accept;
 mod action;

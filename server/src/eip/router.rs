@@ -1,7 +1,7 @@
 //! The message router: one CIP message in, one reply out.
 //!
-//! It knows which object a path means and in which order things happen, not what they do: tags are
-//! [`tags`](super::tags)'s, objects [`objects`](super::objects)'s, instructions the plant's. Every request gets a reply.
+//! The router knows the object of a path and the order of actions. The actions themselves are in [`tags`](super::tags), in
+//! [`objects`](super::objects), and for instructions in the plant. Every request gets a reply.
 
 use std::net::SocketAddrV4;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use super::turns::SHORT;
 use crate::plant::Principal;
 use crate::retained::NotPersisted;
 
-/// How long a packet of requests is worked on before others have their turn.
+/// The longest work on a packet of requests before other connections have their turn.
 const TURN: Duration = Duration::from_micros(500);
 
 /// Routes the messages of one connection.
@@ -64,7 +64,7 @@ impl Router {
         reply
     }
 
-    /// Whether a message is a stop, or a short packet with one: nothing waits longer than it must before that.
+    /// Whether a message is a stop, or a short packet with one. The server processes such a message without delay.
     pub(crate) fn is_stop(&self, message: &Request) -> bool {
         if message.data.len() > SHORT {
             return false;
@@ -114,7 +114,7 @@ impl Router {
         self.device.plant.asked(parsed.action.asked(), is_done);
     }
 
-    /// A write that must be kept and is not does not succeed.
+    /// A write succeeds only if the file of the retained state has it.
     async fn finish(
         &self,
         step: Step<'_, '_>,
@@ -154,7 +154,7 @@ impl Router {
         let late = parsed.iter().flatten().filter(|parsed| parsed.action.is_late()).count();
         let mut room = replies.budget().saturating_sub(late * motion::REPLY_DATA);
         let writes = parsed.iter().flatten().any(|parsed| parsed.action.writes());
-        // Where nothing is waited for, a reply goes into the packet as soon as it is there.
+        // If no request of the packet waits, each reply goes into the packet as soon as it exists.
         let at_once = late == 0 && !writes;
         let mut steps = Vec::with_capacity(if at_once { 0 } else { requests.len() });
         let kept = self
@@ -206,10 +206,10 @@ impl Router {
         replies.finish()
     }
 
-    /// Runs `work` on the tag memory, for writing only if it may write, and waits for what it began.
+    /// Runs `work` on the tag memory, for writing only if it may write, and waits for the instructions and writes that it began.
     ///
     /// # Errors
-    /// The tags have what was written, but may not have it after a restart.
+    /// The tags have the written values, but may not have them after a restart.
     async fn with_memory(
         &self,
         principal: Principal,

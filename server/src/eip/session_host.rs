@@ -96,7 +96,7 @@ impl Host for SessionHost {
         match device.io() {
             Some(io) => {
                 let assemblies = device.assembly_data().assemblies();
-                // What is wrong with an opening is for the connections to say: they know those that are open.
+                // The connections themselves report the error of an opening: they know the open connections.
                 let owns = Application::of(open.open, open.application, assemblies) == Ok(Application::ExclusiveOwner);
                 let principal = Principal::Client {
                     session: self.session,

@@ -1,4 +1,4 @@
-//! The CIP status of what does not exist and of commands that the plant refuses (spec/ethernet-ip.md §6).
+//! The CIP status of missing objects and of commands that the plant refuses (spec/ethernet-ip.md §6).
 
 use arcline_controller::image::{ControlError, TableError, WriteError};
 use arcline_instruction_set::BindError;
@@ -28,7 +28,7 @@ pub(crate) fn refusal(refused: &Refused) -> CipStatus {
         Refused::Table(error) => table_status(error),
         Refused::Call(error) => call_status(error),
         Refused::Role { .. } | Refused::NoControl { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        // Only jog buttons of the page are refused so.
+        // Only jog buttons of the page have these refusals.
         Refused::MovedByAnother { .. } | Refused::NoProgram | Refused::Force(_) | Refused::NotStepped => {
             CipStatus::OBJECT_STATE_CONFLICT
         }

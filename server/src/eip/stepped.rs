@@ -35,7 +35,7 @@ pub(crate) struct SteppedFace {
     io: Option<IoTurns>,
 }
 
-/// What the face holds of its clients.
+/// The number of clients and connections that the server serves.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Held {
     /// Connections of the network that are served.
@@ -78,7 +78,7 @@ impl SteppedFace {
         let _ = self.incoming.send(client);
     }
 
-    /// What the face holds of its clients.
+    /// The number of clients and connections that the server serves.
     pub(crate) fn held(&self) -> Held {
         Held {
             clients: self.device.limiter.clients(),

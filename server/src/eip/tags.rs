@@ -73,12 +73,12 @@ pub(crate) fn scope(image: &Image, target: &Target<'_>) -> Result<Option<u16>, C
     }
 }
 
-/// How much of the elements a write must bring.
+/// The elements that a write must bring.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Extent {
     /// All of them.
     Whole,
-    /// As much as there is.
+    /// As many as the data of the write have.
     Part,
 }
 

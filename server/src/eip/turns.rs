@@ -2,10 +2,10 @@
 //!
 //! A thread of the network takes its connections one after another. Two hundred that each ask for half a millisecond of work would keep
 //! a stop of another one waiting for a tenth of a second. So work that is known to be long takes turns: one connection of them for each
-//! thread at a time, and between two of them the thread looks at all others. A message is long work if it is long itself, or if its
+//! thread at a time, and between two of them the thread polls all others. A message is long work if it is long itself, or if its
 //! connection has used more than its share of a thread lately; a stop never is (`Router::is_stop`).
 //!
-//! Not here: how long one turn may take, which are the bounds of a message and a packet (`connection`, `router`).
+//! Not here: the length of a turn, which the bounds of a message and a packet limit (`connection`, `router`).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -16,7 +16,7 @@ use tokio::sync::{Semaphore, SemaphorePermit};
 pub(crate) const SHORT: usize = 256;
 /// Work of a connection that is not counted, since 200 such messages take no longer than 10 ms.
 const FREE: Duration = Duration::from_micros(50);
-/// The share of a thread that a connection may use without taking turns is one in so many: 200 connections leave it some.
+/// The share of a thread that a connection may use without taking turns is 1 / `SHARES`: 200 connections leave it some.
 const SHARES: u32 = 256;
 
 /// The turns of all connections.
@@ -28,7 +28,7 @@ pub(crate) struct Turns {
 }
 
 impl Turns {
-    /// For so many threads.
+    /// Makes the turns of a number of threads.
     pub(crate) fn new(threads: usize) -> Self {
         Self {
             threads: Semaphore::new(threads.max(1)),
@@ -36,7 +36,7 @@ impl Turns {
         }
     }
 
-    /// Whether a turn must be waited for.
+    /// Whether all turns are taken, so that a connection must wait for one.
     pub(crate) fn are_taken(&self) -> bool {
         self.threads.available_permits() == 0
     }
@@ -53,20 +53,20 @@ impl Turns {
     }
 }
 
-/// What one connection has used of a thread.
+/// The time of a thread that one connection has used.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Share {
-    /// Until then its messages take turns, since the epoch of the connection.
+    /// Until this time, since the epoch of the connection, its messages take turns.
     paid: Duration,
 }
 
 impl Share {
-    /// Whether it has used more than its share.
+    /// Whether the connection has used more than its share.
     pub(crate) fn is_used(&self, now: Duration) -> bool {
         now < self.paid
     }
 
-    /// A message took so long.
+    /// Adds the time that a message took.
     pub(crate) fn pay(&mut self, now: Duration, took: Duration) {
         if took > FREE {
             self.paid = self.paid.max(now) + took * SHARES;

@@ -1,11 +1,11 @@
 //! The guard of jogs: it stops those of clients that are lost, silent, or no longer hold the button.
 //!
-//! It has a thread of its own, `arcline-stop`, that comes after the tick and before everything else where the system allows that, and a
-//! way to the tick of its own ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays a stop. On the
-//! same thread the page's viewers are read, for their STOP. What runs on it must be short.
+//! The guard has its own thread, `arcline-stop`, whose priority is below that of the tick and, where the system allows that, above all other
+//! threads. It also has its own path to the tick ([`Stops`]), so that neither the work of the network's threads nor the plant's lock delays
+//! a stop. The same thread reads the page's viewers, for their STOP. Tasks on this thread must be short.
 //!
 //! A stop of a jog is one at the axis's full deceleration, not at the programmed one; the guard requests it again until the axis stands.
-//! Not here: which messages of a page stop (`hmi`), and what becomes of motion that is no jog (`plant::Principal`).
+//! Not here: the messages of a page that stop (`hmi`), and the reaction of motion other than jogs (`plant::Principal`).
 
 mod table;
 mod watch;
@@ -30,9 +30,9 @@ use self::table::{Jog, Seen, Table};
 use crate::plant::{ClientIdentity, Plant, Principal};
 use arcline_state::planted::is_planted;
 
-/// Without a sign of life for so long, a jog that is held by a button is stopped.
+/// The guard stops a jog that a button holds after this time without a sign of life.
 pub(crate) const KEEP_WITHIN: Duration = Duration::from_millis(150);
-/// How often jogs are looked at.
+/// Time between two checks of the jogs.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Sessions from this number on are viewers of the page.
@@ -60,7 +60,7 @@ struct Shared {
 struct Client {
     signs: Signs,
     face: Weak<dyn Face>,
-    /// Ends the look at its socket.
+    /// Ends the watch on its socket.
     watched: Option<CancellationToken>,
 }
 
@@ -81,7 +81,7 @@ struct SignsOfLife {
     epoch: Instant,
     /// When something was heard last, µs since the epoch.
     heard: AtomicU64,
-    /// The guard wants to look at the client's socket.
+    /// The guard wants to watch the client's socket.
     wanted: AtomicBool,
 }
 
@@ -92,7 +92,7 @@ impl Signs {
         self.0.heard.store(micros, Ordering::Relaxed);
     }
 
-    /// Whether the guard wants to look at the socket, once.
+    /// Whether the guard wants to watch the socket; a call clears the wish.
     pub(crate) fn is_wanted(&self) -> bool {
         self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
     }
@@ -103,7 +103,7 @@ impl Signs {
 }
 
 impl Guard {
-    /// Of a machine; `silence` in ms, 0: never. Nothing is looked at before [`Guard::spawn`].
+    /// Makes the guard of a machine; `silence` in ms, 0: never. It watches nothing before [`Guard::spawn`].
     pub(crate) fn new(stops: Stops, machine: &Machine, silence: u16) -> Self {
         Guard(Arc::new(Shared {
             stops,
@@ -123,7 +123,7 @@ impl Guard {
     /// # Errors
     /// When the system has no thread left.
     pub(crate) fn spawn(&self, plant: Weak<crate::plant::Shared>) -> std::io::Result<()> {
-        // What is ready is looked at after every task.
+        // After every task the runtime polls the ready sockets.
         let runtime = Builder::new_current_thread().enable_all().event_interval(1).build()?;
         let _ = self.0.runtime.set(runtime.handle().clone());
         let guard = self.clone();
@@ -183,14 +183,14 @@ impl Guard {
         [clients.len() - viewers, viewers]
     }
 
-    /// A client has told more of itself.
+    /// A client has sent its identification.
     pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
         if self.clients().contains_key(&session) {
             self.table().identify(session, told);
         }
     }
 
-    /// What is known of a client.
+    /// The identity of a client.
     pub(crate) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
         self.table().identity_of(session)
     }
@@ -209,7 +209,7 @@ impl Guard {
         self.0.wake.notify_one();
     }
 
-    /// Looks at a client's socket as long as it jogs: whether something comes, and whether it closes.
+    /// Watches a client's socket as long as the client jogs, for arriving data and for its close.
     pub(crate) fn watch(&self, session: u64, socket: OwnedFd) {
         let mut clients = self.clients();
         let (Some(runtime), Some(client)) = (self.runtime(), clients.get_mut(&session)) else {
@@ -263,7 +263,7 @@ impl Guard {
         axes
     }
 
-    /// What an owner began goes on without it.
+    /// The motion of an owner goes on without it.
     pub(crate) fn forget(&self, owner: Principal) {
         self.table().forget(owner);
     }
@@ -283,7 +283,7 @@ impl Guard {
         self.0.wake.notify_one();
     }
 
-    /// Looks at jogs until the plant has gone.
+    /// Checks the jogs until the plant has gone.
     pub(crate) async fn run(&self, plant: &Weak<crate::plant::Shared>) {
         while !self.0.closed.load(Ordering::Acquire) {
             let idle = self.table().is_idle();
@@ -297,10 +297,10 @@ impl Guard {
         }
     }
 
-    /// Stops what is due, and looks again at what was stopped.
+    /// Stops the jogs that are due, and checks the stopped ones again.
     fn look(&self, plant: &Plant) {
         let now = self.now();
-        // Without the lock, which another thread may hold for long, a jog is taken for one that runs.
+        // Without the lock, which another thread may hold for long, the guard assumes that a jog still runs.
         plant.try_with_executions(|runs| self.table().prune(runs));
         let released = self.table().overdue(now);
         self.stop(&released, JogEnd::Released);
@@ -396,7 +396,7 @@ fn is_of(jog: &Jog, session: u64) -> bool {
     jog.owner.session() == Some(session)
 }
 
-/// Whether its jogs are held by a button.
+/// Whether a button holds the jogs of an owner.
 fn is_button(owner: Principal) -> bool {
     matches!(owner, Principal::Button(_))
 }

@@ -31,7 +31,7 @@ pub(super) struct Jog {
     pub(super) owner: Principal,
     pub(super) axis: AxisId,
     pub(super) ticket: Ticket,
-    /// When it ends unless it is kept; `None`: it need not be kept.
+    /// The end of the jog unless its viewer confirms it; `None`: the jog needs no confirmation.
     until: Option<Duration>,
 }
 
@@ -41,26 +41,26 @@ pub(super) struct Ending {
     pub(super) axis: AxisId,
     pub(super) ticket: Ticket,
     pub(super) why: JogEnd,
-    /// From when on its stop is one at full deceleration.
+    /// The time from which on its stop is one at full deceleration.
     from: Duration,
 }
 
-/// What is known of a jog that is to be stopped.
+/// The observed state of a jog that is to be stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Seen {
-    /// It stands, or something else moves the axis.
+    /// The axis stands, or another motion moves it.
     Over,
-    /// It moves, or brakes, or nothing is known of it.
+    /// The jog moves or brakes, or its state is unknown.
     Moves,
 }
 
 impl Table {
-    /// A client has come, or has told more of itself.
+    /// A client has connected, or has sent its identification.
     pub(super) fn identify(&mut self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
         told(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
     }
 
-    /// What is known of a client.
+    /// The identity of a client.
     pub(super) fn identity_of(&self, session: u64) -> Arc<ClientIdentity> {
         let client = self.clients.get(&session);
         client.map(|client| client.identity.clone()).unwrap_or_default()
@@ -71,8 +71,8 @@ impl Table {
         self.clients.remove(&session);
     }
 
-    /// A MAJ was sent; `until`: when it ends unless it is kept. `runs`: whether a ticket may still run, for those that are forgotten
-    /// when there are many.
+    /// A MAJ was sent; `until`: the end of the jog unless its viewer confirms it. `runs`: whether a ticket may still run; the table forgets the
+    /// others when it has many.
     pub(super) fn begin(
         &mut self,
         owner: Principal,
@@ -108,7 +108,7 @@ impl Table {
         any
     }
 
-    /// The clients that have a kept jog, with its axis.
+    /// The clients with a jog that needs confirmation, with its axis.
     pub(super) fn kept(&self) -> Vec<(u64, AxisId)> {
         let jogs = self.clients.values().flat_map(|client| &client.jogs);
         let kept = jogs.filter(|jog| jog.until.is_some());
@@ -141,7 +141,7 @@ impl Table {
         self.end(now, JogEnd::Released, |jog| jog.until.is_some_and(|until| until <= now))
     }
 
-    /// Jogs whose owner closes in order: they go on, and are no one's.
+    /// The jogs of an owner that closes in order: they go on without an owner.
     pub(super) fn forget(&mut self, owner: Principal) {
         let client = owner.session().and_then(|session| self.clients.get_mut(&session));
         if let Some(client) = client {
@@ -169,7 +169,7 @@ impl Table {
         due.cloned().collect()
     }
 
-    /// Whether there is nothing to look after.
+    /// Whether there is no jog to watch.
     pub(super) fn is_idle(&self) -> bool {
         self.ending.is_empty() && self.jogging().next().is_none()
     }

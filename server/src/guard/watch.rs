@@ -1,5 +1,5 @@
-//! A look at the socket of a client that jogs, beside the task that reads it: what comes is a sign of life, and that it closes is known
-//! at once. Nothing is read.
+//! A watch on the socket of a client that jogs, beside the task that reads the socket: arriving data are a sign of life, and the watch
+//! detects the close of the socket at once. It reads no data.
 
 use std::io::{self, ErrorKind};
 use std::os::fd::OwnedFd;
@@ -14,7 +14,7 @@ use tracing::debug;
 
 use super::{Guard, Signs};
 
-/// How long the task that reads a socket has for what came before its end: an UnRegisterSession closes in order.
+/// The time that the task which reads a socket has for the data before the end: an UnRegisterSession closes in order.
 const GRACE: Duration = Duration::from_millis(20);
 
 /// Looks until the socket closes, or `ended`.
@@ -42,14 +42,14 @@ async fn closed(socket: &TcpStream, signs: &Signs) {
             return;
         }
         signs.heard();
-        // As if everything had been read: what comes next is told again.
+        // Clear the readiness as if everything had been read, so that the next data wake this task again.
         let _ = socket.try_io(Interest::READABLE, || {
             Err::<(), _>(io::Error::from(ErrorKind::WouldBlock))
         });
     }
 }
 
-/// Whether the far end has cut the connection, and not only said that it sends nothing more.
+/// Whether the peer has reset the connection, and not only ended its sending.
 fn is_reset(socket: &TcpStream) -> bool {
     let mut byte = [0_u8; 1];
     let peeked = recv(socket, &mut byte[..], RecvFlags::PEEK | RecvFlags::DONTWAIT);

@@ -8,7 +8,7 @@ use std::net::{IpAddr, SocketAddr};
 use axum::http::{HeaderMap, header};
 
 /// Whether a `Host` header means this server: a loopback name, or the address it listens on. A server that listens on all
-/// addresses takes any address, but no name but those in `names`.
+/// addresses takes any address, and of the names only those in `names`.
 pub(super) fn is_host(host: &str, listen: SocketAddr, names: &[String]) -> bool {
     let name = without_port(host);
     if name.eq_ignore_ascii_case("localhost") || names.iter().any(|known| known.eq_ignore_ascii_case(name)) {

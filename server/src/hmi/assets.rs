@@ -9,14 +9,14 @@ pub(super) const FOLDER_VARIABLE: &str = "ARCLINE_HMI_ASSETS";
 /// Name and content of every file, by name.
 static FILES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/assets.rs"));
 
-/// Where the files of the page are.
+/// The source of the page's files.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Assets {
     folder: Option<PathBuf>,
 }
 
 impl Assets {
-    /// Those of the program, unless the environment names a folder.
+    /// The files in the program, unless the environment names a folder.
     pub(super) fn from_environment() -> Self {
         Assets {
             folder: std::env::var_os(FOLDER_VARIABLE).map(PathBuf::from),
@@ -47,7 +47,7 @@ impl Assets {
     }
 }
 
-/// Only what a page is made of.
+/// The media types of the files of a page; other files are not served.
 fn media_type(name: &str) -> Option<&'static str> {
     let (_, ending) = name.rsplit_once('.')?;
     Some(match ending {

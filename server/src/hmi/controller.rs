@@ -1,5 +1,5 @@
-//! The controller's own program for a viewer: its routines as they are written, what it does, the uses of a tag, and what a viewer looks
-//! at while it runs.
+//! The controller's own program for a viewer: the text of its routines, its state, the uses of a tag, and the routine that a viewer watches
+//! while the program runs.
 
 use arcline_routine::source::{Project, Trigger};
 use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, Sampled, Shown};
@@ -192,7 +192,7 @@ fn element(element: ListedElement) -> RungElement {
     }
 }
 
-/// Where a tag is used.
+/// The uses of a tag in the routines of the controller's own program.
 pub(super) fn uses(plant: &Plant, tag: &str, program: Option<&str>) -> Result<UseList, Refusal> {
     let (_, listing) = self::program(plant)?.listing();
     if tag.len() > NAME {
@@ -247,7 +247,7 @@ pub(super) async fn force(plant: &Plant, by: Principal, tag: &str, value: &Value
     Ok(())
 }
 
-/// What a viewer looks at, and what it has been told of it.
+/// The rungs or lines that a viewer watches, and the samples that it has received.
 pub(super) struct Looking {
     routine: u32,
     from: usize,
@@ -255,7 +255,7 @@ pub(super) struct Looking {
     samples: watch::Receiver<Vec<Sampled>>,
 }
 
-/// Begins to look at what a request names; `None`: at nothing.
+/// Begins to watch the rungs or lines that a request names; `None`: the viewer watches nothing.
 pub(super) fn look(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Option<Looking>, Refusal> {
     let program = program(plant)?;
     let Some(routine) = request.routine else {
@@ -282,7 +282,7 @@ pub(super) fn look(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Op
     }))
 }
 
-/// Looks at nothing any more.
+/// A viewer stops watching.
 pub(super) fn leave(plant: &Plant, viewer: ViewerId) {
     if let Some(program) = plant.program() {
         program.looks.end(viewer);

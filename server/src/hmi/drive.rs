@@ -76,7 +76,7 @@ impl Shared {
     }
 }
 
-/// What runs one instruction given as Structured Text, its names checked against the tags.
+/// The interpreter of one instruction given as Structured Text, its names checked against the tags.
 pub(super) fn interpreter_of(plant: &Plant, text: &str) -> Result<Interpreter, Refusal> {
     checked_call(plant, text).map(Interpreter::new)
 }

@@ -22,7 +22,7 @@ use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause};
 const EVERY: Duration = Duration::from_millis(100);
 /// Events of one message at most: the newest.
 const MOST: usize = 1000;
-/// Pushes that may wait for a viewer; one that is too slow asks for what it missed.
+/// Pushes that may wait for a viewer; a viewer that is too slow asks for the missed ones.
 pub(super) const WAITING: usize = 64;
 
 /// Pushes events as they come, until the future is dropped.
@@ -30,7 +30,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
     let mut last = shared.plant.events_since(0, |_, _, events| newest(&events));
     let mut changes = shared.plant.changes();
     loop {
-        // What happens to an instruction or a fault is published with the tags.
+        // The changes of tags include those of instructions and faults.
         sleep(EVERY).await;
         if changes.next().await.is_none() {
             return;
@@ -168,7 +168,7 @@ fn rest_event(plant: &Plant, rest: &Rest) -> RestEvent {
     }
 }
 
-/// What ended an instruction or cleared a fault: its text and its parts.
+/// The cause that ended an instruction or cleared a fault: its text and its parts.
 fn cause(machine: &Machine, image: &Image, cause: Cause) -> Option<EndCause> {
     let text = image.ending(machine, cause)?.to_string();
     let by = match cause {

@@ -2,10 +2,10 @@
 //!
 //! A frame is `"ARC1"`, then little-endian: rows n (u32), signals m (u32), 0 (u32), the tick of the first row (u64), a base
 //! of every signal (m × f64), and n × m differences from the bases (f32), row by row. Between two frames no tick is missing,
-//! unless the viewer was too slow or the store has a gap: then the first tick tells.
+//! unless the viewer was too slow or the store has a gap: then the first tick shows the gap.
 //!
 //! Samples from before a viewer came are `"ARC2"`, requested piece by piece: after rows and signals follow the ticks k of a row
-//! (u32), then as above. Where it has more signals than other frames, these are jerk and following error of each axis, and a row
+//! (u32), then as above. If such a frame has more signals than other frames, these are jerk and following error of each axis, and a row
 //! has three differences of each signal: those of its value at the first tick, its least and its greatest.
 
 use std::sync::Arc;

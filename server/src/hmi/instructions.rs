@@ -206,14 +206,14 @@ struct ConditionalMaximum {
     max: f64,
 }
 
-/// How many elements an array has.
+/// The number of elements of an array.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum Elements {
     /// One for each axis of the coordinate system.
     PerAxis,
-    /// At least so many.
+    /// At least this number.
     AtLeast(u8),
 }
 
@@ -245,9 +245,9 @@ struct DialogRow {
     target: &'static str,
     /// Heading of the vias, centres or the radius.
     via: Option<&'static str>,
-    /// Whether "Set Targets = Actuals" can be pressed.
+    /// Whether the dialog offers "Set Targets = Actuals".
     targets_from_actuals: bool,
-    /// Whether "Set Vias = Actuals" can be pressed.
+    /// Whether the dialog offers "Set Vias = Actuals".
     vias_from_actuals: bool,
 }
 

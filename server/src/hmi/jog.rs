@@ -18,7 +18,7 @@ use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
 /// Time between two checks that viewers that jog still have control of the axis.
 const LOOK: Duration = Duration::from_millis(10);
-/// How long the stop of a jog may take at its own deceleration; then it is one at the axis's full deceleration.
+/// The longest stop of a jog at its own deceleration; after it, the axis's full deceleration applies.
 const SOFT_STOP: Duration = Duration::from_secs(1);
 /// Stop Type of MAS: Jog.
 const JOG: f64 = 1.0;
@@ -94,7 +94,7 @@ impl Jogs {
         Ok(Done {})
     }
 
-    /// A viewer has gone: what it jogged stops.
+    /// Stops the jogs of a viewer that has gone.
     pub(super) fn leave(&self, plant: &Plant, viewer: ViewerId) {
         plant.guard().lose(VIEWERS | viewer);
         plant.leave(VIEWERS | viewer);
@@ -127,7 +127,7 @@ async fn stop_jog(plant: &Plant, viewer: ViewerId, axis: AxisId, decel: Option<f
     });
     match plant.apply(Principal::Button(viewer), command).await {
         Ok(Outcome::Executed(executed)) if executed.control.has(Flag::Er) => {
-            // Without motion there is nothing to stop.
+            // Without motion there is no jog to stop.
             tracing::debug!(axis = name, err = executed.control.err, "a jog was not stopped");
         }
         Ok(_) => {}

@@ -1,4 +1,4 @@
-//! From a filled form to the line of Structured Text that it stands for.
+//! The way from a filled form to its line of Structured Text.
 
 use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionError, Object, Operand, bind};
 use arcline_structured_text::BoundCall;
@@ -8,8 +8,8 @@ use super::drive::{first_call, interpreter_of};
 use super::protocol::{CallLine, Refusal};
 use crate::plant::Plant;
 
-/// The line of a form: what was left out has its first value, and a tail of values that may be left out is. It is
-/// checked as far as it can be without executing it.
+/// Makes the line of a filled form and checks it as far as possible without an execution. An operand that the form leaves out has its
+/// first value; the line omits optional values at its end.
 pub(super) fn line(plant: &Plant, mnemonic: &str, values: &Map<String, Value>) -> Result<CallLine, Refusal> {
     let mnemonic: Mnemonic = mnemonic
         .parse()
@@ -41,7 +41,7 @@ pub(super) fn line(plant: &Plant, mnemonic: &str, values: &Map<String, Value>) -
     Ok(CallLine { text })
 }
 
-/// Whether a line can be executed, as far as names, types and ranges go.
+/// Checks the names, types and ranges of a line.
 fn verify(plant: &Plant, text: &str) -> Result<(), Refusal> {
     let mut interpreter = interpreter_of(plant, text)?;
     match first_call(plant, &mut interpreter)? {
@@ -78,7 +78,7 @@ fn not_bound(error: &BindError, mnemonic: Mnemonic) -> Refusal {
 /// An operand as it stands in a line.
 struct Written {
     text: String,
-    /// It is what a missing one is.
+    /// The text is the value of an omitted operand.
     may_be_left_out: bool,
 }
 
@@ -139,7 +139,7 @@ fn or_none(text: Option<String>) -> Written {
     }
 }
 
-/// A number, or what stands for one: a tag, an expression.
+/// The text of a number, or of a tag or an expression in place of a number.
 fn number(value: &Value) -> Result<String, String> {
     match value {
         Value::Number(number) => Ok(number.as_f64().unwrap_or_default().to_string()),

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Bytes of a log-in.
 const LONGEST: usize = 1024;
-/// How long they may take to come.
+/// The time within which the bytes of a log-in must come.
 const WITHIN: Duration = Duration::from_secs(15);
 
 #[derive(Deserialize)]
@@ -59,7 +59,7 @@ fn cookie<'h>(headers: &'h HeaderMap, name: &str) -> Option<&'h str> {
     pairs.find(|(of, _)| *of == name).map(|(_, value)| value)
 }
 
-/// Whether passwords and cookies may travel on a connection: it is encrypted, or leaves not this computer.
+/// Whether passwords and cookies may travel on a connection: it is encrypted, or does not leave this computer.
 pub(super) fn is_private(near: &Near) -> bool {
     near.is_tls || is_local(near.peer())
 }

@@ -1,4 +1,4 @@
-//! `/api/machine`: what is configured, in the units of the configuration (spec/contract.md §2).
+//! `/api/machine`: the configured axes and coordinate systems, in the units of the configuration (spec/contract.md §2).
 
 use arcline_controller::machine::{Axis, CoordinateSystem, Corner};
 use serde::Serialize;
@@ -17,7 +17,7 @@ pub(super) struct Machine {
     period_s: f64,
     /// Name of the motion group.
     group: String,
-    /// What is shown beside the log-in; null: nothing.
+    /// The notice beside the log-in; null without one.
     login_notice: Option<String>,
     /// Every axis.
     axes: Vec<AxisConfiguration>,
@@ -36,7 +36,7 @@ struct AxisConfiguration {
     kind: AxisType,
     /// Position units.
     units: String,
-    /// Whether positions unwind.
+    /// Whether the axis is rotary.
     rotary: bool,
     /// Unwind, position units.
     unwind: Option<f64>,
@@ -83,7 +83,7 @@ struct SystemConfiguration {
     name: String,
     /// Names of its axes.
     axes: Vec<String>,
-    /// Whether it is a robot: frames of samples have the position of its tool.
+    /// Whether the coordinate system is a robot: frames of samples have the position of its tool.
     robot: bool,
     /// Maximum Speed.
     max_speed: f64,

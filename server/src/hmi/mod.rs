@@ -1,8 +1,8 @@
 //! The web HMI: a page that the server carries with it, and one WebSocket for each viewer.
 //!
-//! Everything here lives on tokio beside the rest of the server. It reads the plant as any client does, and what it sends
-//! goes through bounded queues: a slow viewer loses frames or its connection, and nothing here is ever waited for by the
-//! tick. Not here: what an instruction means (the catalogue), motion (the controller), the page itself (`web/`).
+//! The HMI runs on tokio beside the rest of the server. It reads the plant as any client does, and sends through bounded queues: a slow
+//! viewer loses frames or its connection, and the tick never waits for it. Not here: the meaning of an instruction (the catalogue),
+//! motion (the controller), the page itself (`web/`).
 
 mod access;
 mod assets;
@@ -66,16 +66,16 @@ struct Door {
     entrance: Entrance,
     /// Its address.
     listen: SocketAddr,
-    /// `None`: what travels there is not encrypted.
+    /// `None`: the door has no encryption.
     tls: Option<Arc<Tls>>,
 }
 
 /// The doors of the page, and the users who log in there.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Doors {
-    /// Without encryption; `None`: nowhere.
+    /// The address without encryption; `None`: there is no such door.
     pub(crate) plain: Option<SocketAddr>,
-    /// Over HTTPS.
+    /// The address and the side of TLS for HTTPS.
     pub(crate) tls: Option<(SocketAddr, Arc<Tls>)>,
     /// `None`: there are no log-ins.
     pub(crate) sessions: Option<Arc<Sessions>>,
@@ -86,11 +86,11 @@ pub(crate) struct Doors {
 pub(crate) struct BindError {
     /// The address.
     pub(crate) address: SocketAddr,
-    /// Why.
+    /// The error of the system.
     pub(crate) error: io::Error,
 }
 
-/// What all viewers share: the plant, and each subject with its own state.
+/// The data that all viewers share: the plant, and each subject with its own state.
 #[derive(Debug)]
 struct Shared {
     plant: Plant,
@@ -111,7 +111,7 @@ struct Shared {
     /// Frames of samples.
     frames: broadcast::Sender<bytes::Bytes>,
     jogs: Jogs,
-    /// How often STOP was pressed.
+    /// The number of presses of STOP.
     stops: AtomicU64,
     workers: Workers,
     program: Arc<Programs>,
@@ -150,7 +150,7 @@ impl Hmi {
         Ok(Self::of(bound, doors, plant, Beside::Threads))
     }
 
-    /// With doors that are bound.
+    /// Makes the page with bound doors.
     fn of(bound: Vec<Door>, doors: Doors, plant: Plant, beside: Beside) -> Self {
         let shared = Shared {
             assets: Assets::from_environment(),

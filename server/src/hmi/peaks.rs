@@ -7,22 +7,22 @@ use arcline_controller::machine::{Axis, Travel};
 use arcline_instruction_set::Call;
 use arcline_instruction_set::enumerations::VelocityProfile;
 
-/// Share by which a peak may be above its limit: what rounding leaves.
+/// The share by which rounding may lift a peak above its limit.
 const ROUNDING: f64 = 1e-6;
-/// That of a jerk: two positions far from 0 leave more of it.
+/// The share for a jerk, whose rounding is greater: it is a difference of two positions far from 0.
 const JERK_ROUNDING: f64 = 1e-4;
 
-/// How the acceleration of what an instruction begins changes.
+/// The change of acceleration in the motion that an instruction begins.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Shape {
-    /// By a jerk.
+    /// Acceleration changes by a jerk.
     SCurve,
-    /// In steps.
+    /// Acceleration changes in steps.
     Trapezoid,
 }
 
 impl Shape {
-    /// What an instruction says; `None`: it has no profile.
+    /// The shape of an instruction's motion; `None`: the instruction has no profile.
     pub(super) fn of(call: &Call) -> Option<Self> {
         let place = call.instruction().operand("Profile")?;
         Some(if call.word(place) == VelocityProfile::SCurve as i32 {
@@ -33,14 +33,14 @@ impl Shape {
     }
 }
 
-/// What an axis has reached.
+/// The peak values of an axis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Peaks {
     velocity: f64,
     acceleration: f64,
     jerk: f64,
     before: Option<Row>,
-    /// Of what moves the axis, in this tick and the one before: a trapezoid, if there is one.
+    /// The shapes of the motion on the axis, in this tick and the one before: a trapezoid, if there is one.
     shapes: [Option<Shape>; 2],
 }
 
@@ -62,7 +62,7 @@ impl Row {
     }
 }
 
-/// A limit that is exceeded, and by what.
+/// An exceeded limit and the excess.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Exceeded {
     Speed { is: f64, limit: f64 },
@@ -92,14 +92,14 @@ impl Exceeded {
     }
 }
 
-/// Two numbers in six significant digits, or in as many as tell them apart.
+/// Two numbers in six significant digits, or in as many as distinguish them.
 fn apart(is: f64, limit: f64) -> (String, String) {
     let digits = (6..=17).find(|digits| figures(is, *digits) != figures(limit, *digits));
     let digits = digits.unwrap_or(17);
     (figures(is, digits), figures(limit, digits))
 }
 
-/// A number in so many significant digits, without zeros behind the last one.
+/// A number in significant digits, without zeros behind the last one.
 fn figures(number: f64, digits: i32) -> String {
     if number == 0.0 {
         return "0".to_owned();
@@ -172,7 +172,7 @@ impl Peaks {
         outside.map(|travel| Exceeded::Travel { is: position, travel })
     }
 
-    /// Where it was at the newest tick.
+    /// The position of the axis at the newest tick.
     pub(super) fn position(&self) -> Option<f64> {
         self.before.map(|row| row.position)
     }

@@ -21,13 +21,13 @@ use crate::plant::{Plant, View};
 
 /// Longest simulated time, s.
 const LONGEST: f64 = 3600.0;
-/// Longest real time of a simulation, but for what one tick of it takes.
+/// Longest real time of a simulation; the computing time of its last tick may exceed it.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Points of a path, at most.
 const POINTS: usize = 2000;
-/// Events that are told.
+/// The most events in a result.
 const EVENTS: usize = 1000;
-/// Programmed paths whose blends are told.
+/// The most programmed paths whose blends are in a result.
 const MOVES: usize = 1000;
 /// Simulations at a time.
 const SIMULATIONS: usize = 1;
@@ -112,7 +112,7 @@ fn present(machine: &Machine, view: &View<'_>) -> Machine {
     machine
 }
 
-/// What a simulation has shown.
+/// The observations of a simulation.
 struct Seen {
     began: Instant,
     /// Real time that it may take.
@@ -122,9 +122,9 @@ struct Seen {
     axes: Vec<Peaks>,
     /// The axes of each coordinate system.
     systems: Vec<Vec<AxisId>>,
-    /// Where the tools of robots were at the tick before, of each coordinate system; empty where there is no robot.
+    /// The tool position of each coordinate system at the previous tick; empty if the system is not a robot.
     tools: Vec<Option<[f64; 3]>>,
-    /// What was accepted in this tick, and what is in process.
+    /// The instructions that the controller has accepted in this tick, and those in process.
     accepted: Vec<(Ticket, Moving)>,
     moving: BTreeMap<Ticket, Moving>,
     /// Positions of the axes of each system that has moved, or those of its tool where it is a robot.
@@ -136,7 +136,7 @@ struct Seen {
     events: Vec<SimulatedEvent>,
 }
 
-/// What an instruction with a profile moves.
+/// The axes that an instruction with a profile moves.
 struct Moving {
     shape: Shape,
     axes: Vec<usize>,

@@ -21,7 +21,7 @@ use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
 use arcline_simulation::ImageNames;
 
-/// Time between two looks at motion that must end.
+/// Time between two checks of motion that must end.
 const POLL: Duration = Duration::from_millis(5);
 /// Shortest pause of a program that waits.
 const LEAST_TICK: Duration = Duration::from_millis(1);
@@ -40,7 +40,7 @@ struct Running {
     mode: watch::Sender<Mode>,
 }
 
-/// How it goes on.
+/// The mode of a running program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Mode {
     Run,
@@ -49,7 +49,7 @@ enum Mode {
     End,
 }
 
-/// What viewers see of it.
+/// The state of the program that viewers see.
 #[derive(Clone, Debug)]
 pub(super) struct Shown {
     state: State,
@@ -62,7 +62,7 @@ pub(super) struct Shown {
     text: Arc<str>,
 }
 
-/// Why it does not go on.
+/// The reason for the end of a program.
 enum Break {
     /// A client ended it.
     Ended,
@@ -104,7 +104,7 @@ impl Shown {
 }
 
 impl Programs {
-    /// None has run yet; they will run `beside`.
+    /// No program has run yet; programs will run `beside`.
     pub(super) fn new(beside: Beside) -> Self {
         Self {
             shown: watch::Sender::new(Shown {
@@ -128,13 +128,13 @@ impl Programs {
 
     /// No further statement is executed.
     pub(super) fn end(&self) {
-        // Without a program there is nothing to end.
+        // Without a program there is none to end.
         if let Some(running) = &*self.running() {
             running.mode.send_replace(Mode::End);
         }
     }
 
-    /// Ends the program of a viewer who goes.
+    /// Ends the program of a viewer that goes.
     pub(super) fn end_of(&self, viewer: ViewerId) {
         let own = self.running().as_ref().is_some_and(|running| running.viewer == viewer);
         if own {
@@ -172,7 +172,7 @@ impl Programs {
     }
 }
 
-/// What is wrong with a program.
+/// Checks a program and lists its errors.
 pub(super) fn check(plant: &Plant, text: &str) -> Checked {
     let errors: Vec<Refusal> = checked(plant, text).err().into_iter().collect();
     Checked { errors }
@@ -488,12 +488,12 @@ impl Driver for Live<'_> {
 }
 
 impl Live<'_> {
-    /// The principal of what the statement that runs does.
+    /// The principal of the commands of the present statement.
     fn principal(&self) -> Principal {
         self.principal_of(self.line)
     }
 
-    /// The principal of what the statement of a line does.
+    /// The principal of the commands of the statement on a line.
     fn principal_of(&self, line: usize) -> Principal {
         Principal::Program {
             viewer: self.viewer,

@@ -37,7 +37,7 @@ use crate::metrics;
 use crate::plant::roles::{is_local, role_of_address, role_of_page};
 use crate::tls::Tls;
 
-/// How long the head of a request may take to come, and how long a connection may be idle.
+/// The longest time for the head of a request, and the longest idle time of a connection.
 const HEAD_WITHIN: Duration = Duration::from_secs(15);
 /// Wait after a connection could not be accepted.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
@@ -61,7 +61,7 @@ const HEADERS: [(HeaderName, &str); 7] = [
     (header::CACHE_CONTROL,                                          "no-cache"),
 ];
 
-/// Where browsers come in.
+/// The source of the browsers' connections.
 #[derive(Debug)]
 pub(super) enum Entrance {
     /// A socket of the system.
@@ -180,7 +180,7 @@ where
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     peer: IpAddr,
-    /// Where the server listens.
+    /// The address on which the server listens.
     listen: SocketAddr,
     pub(super) is_tls: bool,
 }
@@ -248,7 +248,8 @@ async fn guard(
     response
 }
 
-/// Whether two servers may read a request as two different ones: with several hosts, or with a body of pieces, which no page sends (RFC 9112, 11.2).
+/// Whether two servers may read a request as two different ones: it has several hosts, or a chunked body, which no page sends
+/// (RFC 9112, 11.2).
 fn is_ambiguous(headers: &HeaderMap) -> bool {
     headers.get_all(header::HOST).iter().nth(1).is_some() || headers.contains_key(header::TRANSFER_ENCODING)
 }
@@ -347,7 +348,7 @@ async fn socket(State(shared): State<Arc<Shared>>, Extension(near): Extension<Ne
     (StatusCode::SWITCHING_PROTOCOLS, headers).into_response()
 }
 
-/// The socket of a connection that became a WebSocket, and what has come on it already.
+/// The socket of a connection that became a WebSocket, and the bytes that it has already received.
 fn upgraded_socket(upgraded: Upgraded, is_tls: bool) -> Option<(Socket, Bytes)> {
     if is_tls {
         let parts = upgraded.downcast::<TokioIo<TlsStream<TcpStream>>>().ok()?;
@@ -386,7 +387,7 @@ fn product_of(agent: &str) -> String {
 /// Browsers by their product in `User-Agent`; the engines that several have in common come last.
 const BROWSERS: [&str; 6] = ["Firefox/", "Edg/", "OPR/", "HeadlessChrome/", "Chrome/", "Safari/"];
 
-/// What a request for a WebSocket is answered with (RFC 6455, 4.2); `None`: it is none, or of another version.
+/// The accept key of a request for a WebSocket (RFC 6455, 4.2); `None`: the request is not one, or asks for another version.
 fn accept_key(headers: &HeaderMap) -> Option<HeaderValue> {
     let text = |name| headers.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
     let has = |name, word: &str| {

@@ -19,7 +19,7 @@ use crate::eip::stepped::Duplex;
 pub(super) enum Socket {
     Plain(TcpStream),
     Tls(Box<TlsStream<TcpStream>>),
-    /// On the network of a simulation.
+    /// A stream of a simulation's network.
     Stepped(Box<dyn Duplex>),
 }
 
@@ -83,7 +83,7 @@ pub(super) struct Unread {
     tls: Option<Shared>,
 }
 
-/// The near end of what comes.
+/// The reading end of a connection.
 enum Near {
     System(StdTcpStream),
     Stepped(ReadHalf<Box<dyn Duplex>>),
@@ -110,7 +110,7 @@ impl Unread {
 pub(super) struct Reading {
     socket: Box<dyn AsyncRead + Unpin + Send>,
     tls: Option<Shared>,
-    /// What came and is not decrypted.
+    /// Received bytes that are not decrypted yet.
     coming: BytesMut,
 }
 
@@ -174,12 +174,12 @@ impl AsyncWrite for Reading {
 pub(super) struct Writing {
     socket: Box<dyn AsyncWrite + Unpin + Send>,
     tls: Option<Shared>,
-    /// What is encrypted and not sent.
+    /// Encrypted bytes that are not sent yet.
     out: BytesMut,
 }
 
 impl Writing {
-    /// Sends what is encrypted.
+    /// Sends the encrypted bytes.
     fn poll_out(&mut self, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
         while !self.out.is_empty() {
             let sent = ready!(Pin::new(&mut self.socket).poll_write(cx, &self.out))?;
@@ -191,7 +191,7 @@ impl Writing {
         Poll::Ready(Ok(()))
     }
 
-    /// Takes what the connection has to send: encrypted bytes, and answers of its own to what was read.
+    /// Takes the bytes that the TLS connection has to send: encrypted data, and its own answers to the bytes it has read.
     fn take_out(out: &mut BytesMut, connection: &mut ServerConnection) -> io::Result<()> {
         while connection.wants_write() {
             connection.write_tls(&mut Append(out))?;
@@ -237,7 +237,7 @@ impl AsyncRead for Writing {
     }
 }
 
-/// Appends what is written.
+/// A writer that appends to a buffer.
 struct Append<'b>(&'b mut BytesMut);
 
 impl io::Write for Append<'_> {

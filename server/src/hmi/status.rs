@@ -26,9 +26,9 @@ const LONGEST: Duration = Duration::from_millis(500);
 pub(super) struct Status {
     /// Which paths it is about: other paths have another number.
     pub(super) paths: u64,
-    /// For a viewer that has the paths already.
+    /// The text for a viewer that has the paths already.
     pub(super) light: Utf8Bytes,
-    /// With the paths.
+    /// The text with the paths.
     pub(super) whole: Utf8Bytes,
 }
 
@@ -76,7 +76,7 @@ fn versions(shared: &Shared) -> Vec<u64> {
         .view(|view| (0..systems).map(|system| view.moves.version(system)).collect())
 }
 
-/// Where the status bits of each object stand in its tag.
+/// The offsets of the status bits in the tag of each object.
 #[derive(Debug)]
 struct Words {
     axes: Vec<Vec<Bit>>,
@@ -160,7 +160,7 @@ impl Words {
         let systems = machine.systems.iter().zip(&view.snapshot.systems).zip(&self.systems);
         let systems = systems.zip(ids).map(|(((system, now), bits), id)| {
             let index = id.index();
-            // Of a robot the page draws the path of the tool, which differs from that of the axes.
+            // For a robot, the page draws the path of the tool, which differs from that of the axes.
             let is_drawn = drawn == Paths::Drawn && now.tool.is_none();
             SystemStatus {
                 name: system.name.clone(),
@@ -207,7 +207,7 @@ fn state_name(state: i16) -> &'static str {
     }
 }
 
-/// The status bits of a tag; those of faults and alarms are told by name elsewhere.
+/// The status bits of a tag, without those of faults and alarms, which have names of their own.
 fn bits_of(image: &Image, tag: &str) -> Vec<Bit> {
     let Some(tag) = image.find(tag) else { return Vec::new() };
     let DataType::Structure(template) = &tag.tag_type.data_type else {

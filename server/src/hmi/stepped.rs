@@ -1,5 +1,5 @@
-//! The page on a network of the caller's: browsers come in through a channel, and everything behind them is the page's. What the page
-//! computes on threads beside runs here in order, on the runtime of the caller.
+//! The page on a network of the caller: browsers connect through a channel, and the page serves them as usual. Work that the page gives to
+//! other threads runs here in order, on the runtime of the caller.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::Arc;

@@ -18,7 +18,7 @@ const STARS: usize = 8;
 /// Names of one message, and values that it may have in all.
 const NAMES: usize = 200;
 const VALUES: usize = 20_000;
-/// Names, and bytes of their tags, whose values the threads that others share tell.
+/// Names, and bytes of their tags, whose values the shared threads read.
 const FEW: usize = 8;
 const FEW_BYTES: usize = 2048;
 
@@ -96,7 +96,7 @@ pub(super) async fn write(plant: &Plant, principal: Principal, name: &str, value
     Ok(Done {})
 }
 
-/// Whether a name is that of a tag, or of a part of one, that cannot be written.
+/// Whether a name is that of a read-only tag, or of a part of one.
 fn is_read_only(image: &Image, name: &str) -> bool {
     let tag = path_of(name).ok().and_then(|path| image.find(&path.full_name()?));
     tag.is_some_and(|tag| matches!(tag.access, Access::ReadOnly))
@@ -123,7 +123,7 @@ fn check_pattern(pattern: &str) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Whether a name has a pattern in it, both in lower case.
+/// Whether a name contains a pattern, both in lower case.
 fn matches(name: &str, pattern: &str) -> bool {
     let mut rest = name;
     pattern.split('*').all(|part| match rest.find(part) {

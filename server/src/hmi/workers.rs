@@ -1,4 +1,4 @@
-//! Threads beside, for what viewers ask and takes long: nothing else waits for it.
+//! Threads for long work of viewers, so that no other task waits for it.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use tokio::task::spawn_blocking;
 
 use super::protocol::Refusal;
 
-/// Where long work is done.
+/// The threads that do long work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Beside {
-    /// On threads beside.
+    /// Threads beside the runtime.
     Threads,
     /// On the thread of the caller, in order: a simulation has no other one.
     Nowhere,

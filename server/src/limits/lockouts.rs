@@ -30,13 +30,13 @@ struct Failures {
     count: u32,
     since: Instant,
     last: Instant,
-    /// How often it was locked.
+    /// The number of lockouts.
     locks: u32,
     until: Option<Instant>,
 }
 
 impl Lockouts {
-    /// How long an address, or a user from there, is locked still.
+    /// The time for which an address, or a user from there, is still locked.
     pub(crate) fn locked(&self, peer: IpAddr, user: Option<&str>, now: Instant) -> Option<Duration> {
         let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let peer = counted(peer);
@@ -49,7 +49,7 @@ impl Lockouts {
             .max()
     }
 
-    /// Counts a failure of an address, and of a user from there if there is one. Whether it locks.
+    /// Counts a failure of an address, and of a user from there if there is one. Returns whether the failure locks one of them.
     pub(crate) fn failed(&self, peer: IpAddr, user: Option<&str>, now: Instant) -> bool {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let peer = counted(peer);

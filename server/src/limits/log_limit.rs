@@ -1,4 +1,4 @@
-//! Bounds what a peer can write to the log: ten lines of one kind and address a minute, then one line with the number of those left out.
+//! Bounds the log lines that a peer can cause: ten lines of one kind and address a minute, then one line with the number of those left out.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -24,14 +24,14 @@ struct Counted {
     lines: u32,
 }
 
-/// What a log may write of an event.
+/// The lines that the log may have of an event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Lines {
-    /// One line; so many were left out before it.
+    /// One line; this number of lines was left out before it.
     One(u32),
-    /// The last line of this minute: that more are left out.
+    /// The last line of this minute: it says that the log leaves out the others.
     Last,
-    /// None.
+    /// No line.
     None,
 }
 

@@ -12,7 +12,7 @@ use super::counted;
 #[derive(Debug)]
 pub(crate) struct Places {
     most: usize,
-    /// Of one address.
+    /// The most places of one address.
     most_of_one: usize,
     full: Full,
     taken: Mutex<Taken>,
@@ -30,7 +30,7 @@ pub(crate) enum Full {
 #[derive(Debug, Default)]
 struct Taken {
     next: u64,
-    /// By age, the oldest first.
+    /// The places by age, the oldest first.
     places: BTreeMap<u64, (IpAddr, CancellationToken)>,
     counts: HashMap<IpAddr, usize>,
 }
@@ -48,7 +48,7 @@ impl Places {
         Self::with_share(most, most, full)
     }
 
-    /// Places of which one address has so many at most.
+    /// Makes places of which one address has `most_of_one` at most.
     pub(crate) fn with_share(most: usize, most_of_one: usize, full: Full) -> Arc<Self> {
         Arc::new(Self {
             most,

@@ -9,7 +9,7 @@ use super::counted;
 /// Addresses that are remembered; beyond, all others share one bucket.
 const REMEMBERED: usize = 1024;
 
-/// A token bucket: so many events a second, of which so many may come at once.
+/// A token bucket: a number of events a second, and a number of them that may come at once.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rate {
     per_second: f64,
@@ -26,7 +26,7 @@ impl Rate {
         }
     }
 
-    /// Whether an event is within the rate; counts it if so.
+    /// Counts an event if it is within the rate. Returns whether it is.
     pub(crate) fn allows(&mut self, now: Instant) -> bool {
         self.tokens = self.tokens_at(now);
         self.at = now;
@@ -62,7 +62,7 @@ impl AddressRate {
         }
     }
 
-    /// Whether an event of an address is within its rate; counts it if so.
+    /// Counts an event of an address if it is within the rate. Returns whether it is.
     pub(crate) fn allows(&mut self, address: IpAddr, now: Instant) -> bool {
         let mut key = Some(counted(address));
         if self.rates.len() >= REMEMBERED && !self.rates.contains_key(&key) {

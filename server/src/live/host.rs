@@ -36,7 +36,7 @@ pub(super) struct LiveHost {
     pause: Pause,
     /// The end of the time that a run of a task may take.
     deadline: Option<Instant>,
-    /// Rungs until the clock is looked at.
+    /// Rungs until the next check of the clock.
     unseen: u32,
     shown_at: Instant,
 }
@@ -69,7 +69,7 @@ impl LiveHost {
         *self = LiveHost::new(self.plant.clone(), self.program.clone(), cell, places, pause);
     }
 
-    /// Takes what others have changed and shows what the program has changed: from now on both memories are the same. Returns the tick.
+    /// Takes the changes of the clients and shows those of the program: from now on both memories are the same. Returns the tick.
     pub(super) fn exchange(&mut self, memory: &mut [u8]) -> u64 {
         let Self {
             places,
@@ -125,7 +125,7 @@ impl LiveHost {
         self.forced.iter_mut().for_each(|one| one.apply(memory));
     }
 
-    /// Takes what others have changed, between two rungs.
+    /// Takes the changes of the clients, between two rungs.
     fn take(&mut self, memory: &mut [u8]) {
         let Self {
             places,
@@ -393,9 +393,9 @@ impl Host for LiveHost {
     }
 }
 
-/// Rungs between two looks at the clock.
+/// Rungs between two checks of the clock.
 const LOOK_EVERY: u32 = 64;
-/// Clients see what a long scan has done so far within this time.
+/// The longest time after which clients see the changes of a scan that still runs.
 const SHOW_WITHIN: Duration = Duration::from_millis(10);
 /// The watchdog of a task without one that is not continuous (spec/programs.md §8).
 const LONGEST_RUN: Duration = Duration::from_millis(500);

@@ -1,7 +1,7 @@
 //! The controller's own program on the running machine (spec/programs.md §14): the tasks of an L5X project on a thread of their own,
 //! below the tick, which they can never delay. Clients see its tags in the tag memory and write between two rungs.
 //!
-//! Not here: what a routine does (`arcline-routine`), and a project on a virtual clock (`simulate`).
+//! Not here: the execution of routines (`arcline-routine`), and a project on a virtual clock (`simulate`).
 
 mod host;
 mod names;
@@ -27,7 +27,7 @@ use names::remove_others;
 pub(crate) use names::{Names, NotPlaced, Placed, Places};
 use scanner::Scanner;
 
-/// Why a project does not run on a machine.
+/// The reason for which a project does not run on a machine.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LoadError {
     /// Parts of it do not run.
@@ -50,12 +50,12 @@ fn others(rest: &[Finding]) -> String {
     rest.iter().map(|finding| format!("\n  {finding}")).collect()
 }
 
-/// What becomes of instructions, routines and tasks that do not run.
+/// The treatment of instructions, routines and tasks that do not run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Missing {
-    /// Named, and the project is refused.
+    /// The server names them and refuses the project.
     Refused,
-    /// Named, and passed over.
+    /// The server names them and passes over them.
     Allowed,
 }
 
@@ -96,11 +96,11 @@ pub(crate) struct Given {
     pub(crate) file: PathBuf,
     /// The mode at the start.
     pub(crate) mode: Mode,
-    /// What becomes of instructions that there are not.
+    /// The treatment of unknown instructions.
     pub(crate) missing: Missing,
-    /// Whether the machine is that of the file too.
+    /// Whether the machine comes from the file too.
     pub(crate) has_machine: bool,
-    /// What the configuration has around it.
+    /// The surroundings that the configuration gives the program.
     pub(crate) around: Surroundings,
 }
 
@@ -120,10 +120,10 @@ struct Order {
     answer: mpsc::SyncSender<Result<(), String>>,
 }
 
-/// What a configuration has around a program.
+/// The surroundings that a configuration gives a program.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(crate) struct Surroundings {
-    /// What answers its messages.
+    /// The answers to its messages.
     answers: Vec<Answer>,
     wires: Vec<Wire>,
 }
@@ -306,7 +306,7 @@ fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing
 
 /// The same on a machine that has a program, whose other tags go.
 fn rebind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
-    // On a copy without the tags of the present program, whatever is wrong changes nothing.
+    // Work on a copy without the tags of the present program, so that an error changes nothing.
     let mut copy = image.clone();
     copy.remove_program_tags(|_| false);
     let Bound { cell, .. } = bind(machine, &mut copy, source, missing)?;

@@ -1,6 +1,6 @@
 //! The names of a machine for the routines of a project, and where the project's tags stand in the tag memory.
 //!
-//! `simulate` and the running server bind a project in the same way. Not here: what runs it.
+//! `simulate` and the running server bind a project in the same way. The execution of a project is not here.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,7 +25,7 @@ pub(crate) struct Names<'m> {
     created: BTreeSet<TagId>,
 }
 
-/// Where a project's tags stand.
+/// The positions of a project's tags.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
     /// The tags that clients see too, by their first byte in the project's memory.
@@ -200,7 +200,7 @@ impl Places {
     }
 }
 
-/// Whether a tag is the machine's: an axis, a coordinate system or the group.
+/// Whether a tag is that of an axis, a coordinate system or the group of the machine.
 fn is_object(image: &Image, tag: &Tag) -> bool {
     let known = image.find(&tag.name).filter(|_| tag.program.is_none());
     known.is_some_and(|known| is_motion_object(known.kind))

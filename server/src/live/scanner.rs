@@ -12,7 +12,7 @@ use super::{Bound, LoadError, Missing, Replacement, rebind};
 use crate::audit::What;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 
-/// A program and what it has done so far.
+/// A program and its state.
 pub(crate) struct Scanner {
     plant: Plant,
     program: Arc<Program>,
@@ -61,7 +61,7 @@ impl Scanner {
         scanned
     }
 
-    /// Samples what viewers look at. While there are none this reads one number.
+    /// Samples the rungs that viewers watch. While no viewer watches, it reads one number.
     fn show(&mut self) {
         let looks = &self.program.looks;
         let changes = looks.changes();
@@ -174,5 +174,5 @@ impl Scanner {
     }
 }
 
-/// Shortest time between two samples of what viewers look at.
+/// Shortest time between two samples of watched rungs.
 const SHOW_EVERY: Duration = Duration::from_millis(200);

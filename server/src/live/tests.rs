@@ -95,7 +95,7 @@ impl Bench {
         }
     }
 
-    /// So many ticks, with the scans that are due in each.
+    /// Runs ticks, with the scans that are due in each.
     fn ticks(&mut self, count: usize) {
         for _ in 0..count {
             step(&self.machine);
@@ -423,7 +423,7 @@ fn an_input_is_forced_by_right_and_gets_its_own_value_back() {
     bench.ticks(8);
     assert_eq!(bench.number("Seen"), 1.0);
     assert_eq!(bench.number("Local:1:I.Data"), 8.0, "clients see the forced value");
-    // What a client writes waits under the force; other bits are its own.
+    // The value that a client writes waits under the force; the client may write the other bits.
     bench.write("Local:1:I.Data", 5.0);
     bench.ticks(8);
     assert_eq!(bench.number("Local:1:I.Data"), 13.0);
@@ -636,7 +636,7 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
             }
             _ => bench.write("Go", 1.0),
         }
-        // From the first tick that moves on: doors differ in the tick that takes the command, and in nothing else.
+        // From the first tick that moves on: principals differ in the tick that takes the command, and in no other respect.
         let mut rows = Vec::new();
         let paths = [
             "X.CommandPosition",

@@ -226,7 +226,7 @@ fn of_machine(text: &mut Text, plant: &Plant) {
     );
 }
 
-/// What the system says of the process; nothing where it says nothing.
+/// The measurements of the process that the system offers.
 fn of_process(text: &mut Text) {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let resident = status.lines().find_map(|line| {

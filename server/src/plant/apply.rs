@@ -36,7 +36,7 @@ pub struct Transaction<'t> {
     /// The edges of the writes so far, which the controller is not sent yet.
     edges: Vec<Edge>,
     pending: Pending,
-    /// Whether something was changed that is kept over a restart.
+    /// Whether the transaction has changed a part of the retained state.
     retained: bool,
     /// The series that the instructions belong to.
     series: Option<Series>,
@@ -49,7 +49,7 @@ pub struct Transaction<'t> {
 pub struct Pending {
     /// The instructions that were sent.
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
-    /// Is ready when the file of the retained state has all writes; `None`: none of them is kept over a restart.
+    /// Is ready when the file of the retained state has all writes; `None`: no write belongs to the retained state.
     kept: Option<WhenPersisted>,
     /// The ticks that are to pass behind them, in their order.
     steps: Vec<(u32, Option<TagPath>)>,
@@ -90,7 +90,7 @@ impl Plant {
         }
     }
 
-    /// Runs commands and reads as one action. [`Plant::kept`] waits for what is pending; a caller that does not wait drops it.
+    /// Runs commands and reads as one action. [`Plant::kept`] waits for the pending answers and writes; a caller that does not wait drops them.
     pub fn transact<R>(&self, principal: Principal, work: impl FnOnce(&mut Transaction<'_>) -> R) -> (R, Pending) {
         let mut state = self.0.lock();
         state.refresh();
@@ -118,10 +118,10 @@ impl Plant {
         (result, pending)
     }
 
-    /// Waits until all instructions of a transaction are answered and all writes kept; at most [`ANSWER_WITHIN`].
+    /// Waits until all instructions of a transaction are answered and the retained state has all writes; at most [`ANSWER_WITHIN`].
     ///
     /// # Errors
-    /// [`NotPersisted`]: the tags have what was written, but may not have it after a restart.
+    /// [`NotPersisted`]: the tags have the written values, but may not have them after a restart.
     pub async fn kept(&self, pending: Pending) -> Result<(), NotPersisted> {
         match self.settle(pending).await {
             Err(Unsettled::NotPersisted) => Err(NotPersisted),
@@ -162,7 +162,7 @@ impl Plant {
 }
 
 impl Pending {
-    /// Whether every instruction that was sent is answered.
+    /// Whether every sent instruction is answered.
     pub(crate) fn is_answered(&mut self) -> bool {
         use oneshot::error::TryRecvError;
         let waits = |answer: &mut oneshot::Receiver<()>| matches!(answer.try_recv(), Err(TryRecvError::Empty));
@@ -174,15 +174,15 @@ impl Pending {
 /// Stops that find room when packets have taken theirs.
 const STOPS_OF_SINGLE_REQUESTS: usize = arcline_realtime::STOPS / 4;
 
-/// Why a transaction is not done.
+/// The reason for which a transaction is not complete.
 pub(super) enum Unsettled {
     NoAnswer,
     NotPersisted,
 }
 
 impl Transaction<'_> {
-    /// The writes are those of one packet: they leave the stops of single requests their room, so that nobody who toggles many stops keeps a stop
-    /// of others out.
+    /// The writes are those of one packet. They leave the reserved room to the stops of single requests, so that a client that toggles many
+    /// stops does not block a stop of another client.
     pub(crate) fn of_packet(&mut self) {
         self.is_packet = true;
         self.update_room();
@@ -208,7 +208,7 @@ impl Transaction<'_> {
             match self.apply(Command::Call(call.clone())) {
                 Ok(Outcome::Begun(instance)) => sent.push(instance),
                 Ok(_) => {}
-                // Those that wait are answered soon.
+                // The waiting moves get their answers soon.
                 Err(Refused::Call(CallRefused::Busy)) if !sent.is_empty() => break,
                 Err(refused) => return (sent, SeriesEnd::Refused(refused)),
             }
@@ -452,7 +452,7 @@ impl Transaction<'_> {
     fn finish(mut self) -> Pending {
         self.send_edges();
         if self.retained {
-            // Sent under the lock: kept in the order in which it was written.
+            // Sent under the lock, so that the file has the writes in their order.
             self.pending.kept = self.state.keep();
         }
         self.pending

@@ -21,7 +21,7 @@ impl Plant {
         let _ = self.0.audit.set(audit);
     }
 
-    /// Writes what the audit has not written yet.
+    /// Writes the events that the audit has not written yet.
     pub(crate) fn close_audit(&self) {
         if let Some(audit) = self.0.audit.get() {
             audit.close();
@@ -33,7 +33,7 @@ impl Plant {
         self.0.audit.get().map(Audit::lost)
     }
 
-    /// Records what is no command of the plant.
+    /// Records an event that is not a command of the plant.
     pub(crate) fn record(&self, principal: Principal, what: What, object: String, result: &'static str) {
         let role = self.0.roles.of(principal);
         if let Some(audit) = self.0.audit.get() {
@@ -58,7 +58,7 @@ impl Plant {
         self.0.audit.get().map(Audit::told_head)
     }
 
-    /// Records what a session of the page did or what became of it; `from` is its address and its user.
+    /// Records an event of a session of the page; `from` is its address and its user.
     pub(crate) fn record_session(&self, from: String, role: Role, what: What, object: String, result: &'static str) {
         if let Some(audit) = self.0.audit.get() {
             audit.record(Event {

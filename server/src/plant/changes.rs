@@ -1,8 +1,8 @@
 //! The stream of changes: which tags have changed, step by step, for readers that would otherwise poll.
 //!
-//! A step is one publication of the tag memory, at most one a tick but for writes. Of each tag only the number of its last step is
-//! kept, so the log is bounded by the tags, and a reader takes all steps since its last look at once: a slow one learns how many
-//! steps that were ([`TagChanges::steps`]) and delays no other reader. Values are not here; a reader reads those that it wants.
+//! A step is one publication of the tag memory, at most one a tick but for writes. The log has only the number of each tag's last step, so
+//! the number of tags bounds it. A reader takes all steps since its last read at once: a slow one gets their number ([`TagChanges::steps`])
+//! and delays no other reader. Values are not here; a reader reads those that it wants.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -42,7 +42,7 @@ pub struct TagChanges {
 }
 
 impl TagChanges {
-    /// Whether a tag is among them.
+    /// Whether a tag has changed.
     pub fn has(&self, tag: TagId) -> bool {
         self.tags.binary_search(&tag).is_ok()
     }
@@ -105,9 +105,9 @@ impl Changes {
 }
 
 impl Plant {
-    /// The stream of changes from now on. What is read of the tags behind this call, and the stream, leave nothing out.
+    /// The stream of changes from now on. Reads of the tags after this call, together with the stream, miss no change.
     pub fn changes(&self) -> Changes {
-        // Not between the two halves of a publication.
+        // A lock keeps the call out of the middle of a publication.
         let _held = self.0.lock();
         self.0.published.changes.read()
     }

@@ -1,4 +1,4 @@
-//! What is known of a client: its address, and what it has told of itself.
+//! The identity of a client: its address, and the identification that it has sent.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -12,12 +12,12 @@ pub struct ClientIdentity {
     pub address: String,
     /// Its IP address, if it has one.
     pub ip: Option<IpAddr>,
-    /// What it has told of itself; its product also as its connections or its browser show it.
+    /// The identification that the client has sent; its product also as its connections or its browser show it.
     pub told: Identification,
 }
 
 impl ClientIdentity {
-    /// Of which only the address is known, with the name that it has shown.
+    /// An identity of which only the address is known, with the name that the client has shown.
     pub fn of_address(address: &str, ip: Option<IpAddr>) -> Self {
         ClientIdentity {
             address: address.to_owned(),

@@ -1,7 +1,7 @@
 //! Every change of the machine, as one enum, with its outcomes and refusals.
 //!
 //! A new command does not compile before [`policy`](super::policy) has the right that it needs, the owner of the motion that it begins,
-//! whether it is kept over a restart, and its counter.
+//! its part of the retained state, and its counter.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub enum Command<'a> {
     WriteTag {
         /// The tag.
         tag: TagId,
-        /// Where the bytes begin.
+        /// Offset of the first byte.
         offset: usize,
         /// The bytes.
         data: &'a [u8],
@@ -29,7 +29,7 @@ pub enum Command<'a> {
     WriteBit {
         /// The tag.
         tag: TagId,
-        /// Where the number with the bit begins, bytes.
+        /// Offset of the number with the bit, bytes.
         offset: usize,
         /// The bit of that number.
         bit: u8,
@@ -103,7 +103,7 @@ pub enum Command<'a> {
     Release,
     /// Lets ticks pass on the step clock, behind all else of the transaction.
     Step {
-        /// How many, at most.
+        /// The greatest number of ticks.
         ticks: u32,
         /// The tag that ends the steps when it is not 0.
         until: Option<TagPath>,
@@ -113,7 +113,7 @@ pub enum Command<'a> {
 /// Coordinate systems.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Systems {
-    /// One, by its index.
+    /// One coordinate system, by its index.
     One(SystemId),
     /// All that there are.
     All,
@@ -137,7 +137,7 @@ pub struct Call<'a> {
 /// The outcome of a command.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Outcome {
-    /// It is done.
+    /// The plant has executed the command.
     Done,
     /// A tag was created.
     Created(TagId),
@@ -149,7 +149,7 @@ pub enum Outcome {
     Lost(Lost),
 }
 
-/// Why a command was not executed. Nothing has changed then, but for [`Refused::NotPersisted`] and [`CallRefused::NoAnswer`].
+/// The reason for which a command was not executed. It has changed nothing, except with [`Refused::NotPersisted`] and [`CallRefused::NoAnswer`].
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Refused {
     /// The role of the principal does not have the right.
@@ -160,7 +160,7 @@ pub enum Refused {
         /// The role of the principal.
         role: Role,
     },
-    /// A viewer of the page does not have control of what it would move.
+    /// A viewer of the page does not have control of the object that it would move.
     #[error("there is no control of {object}")]
     NoControl {
         /// The name of the object.
@@ -196,7 +196,7 @@ pub enum Refused {
     /// Ticks pass by themselves.
     #[error("the machine is on the real clock: a server that was started with `--clock step` can be stepped")]
     NotStepped,
-    /// It is done, but may not be so after a restart.
+    /// The plant has executed the command, but a restart may undo it.
     #[error(transparent)]
     NotPersisted(#[from] NotPersisted),
 }

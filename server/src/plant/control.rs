@@ -136,7 +136,7 @@ impl Control {
         })
     }
 
-    /// Whether a viewer has control of all axes of an object.
+    /// Checks that a viewer has control of all axes of an object.
     ///
     /// # Errors
     /// The control that another viewer has of it; `None`: no viewer has.

@@ -1,4 +1,4 @@
-//! How often commands were executed and refused, by their kind.
+//! The numbers of executed and refused commands, by their kind.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -62,9 +62,9 @@ impl Counter {
 /// Commands of one kind since the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Count {
-    /// Those that were executed.
+    /// Executed commands.
     pub done: u64,
-    /// Those that were refused.
+    /// Refused commands.
     pub refused: u64,
 }
 
@@ -79,7 +79,7 @@ pub(crate) enum Asked {
     Instructions,
     /// Services of other objects.
     Objects,
-    /// What does not exist.
+    /// Requests to objects that do not exist.
     Unknown,
 }
 

@@ -22,24 +22,24 @@ pub struct Force {
     pub value: Value,
 }
 
-/// Why an input cannot be forced.
+/// The reason for which an input cannot be forced.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ForceError {
-    /// It is no tag.
+    /// The name is not that of a tag.
     #[error("{name}: {reason}")]
     NoTag {
         /// The name.
         name: String,
-        /// Why.
+        /// The error of the name.
         reason: String,
     },
-    /// It is no input of a module.
+    /// The tag is not an input of a module.
     #[error("{name} is not an input of a module, expected a tag such as Local:1:I.Data.0; other tags can be written")]
     NoInput {
         /// The name.
         name: String,
     },
-    /// It is a structure or an array.
+    /// The tag is a structure or an array.
     #[error("{name} is {data_type}, expected a BOOL, a bit or a number")]
     NoValue {
         /// The name.
@@ -50,7 +50,7 @@ pub enum ForceError {
     /// There are too many already.
     #[error("{MAX_FORCES} inputs are forced already, remove one first")]
     Full,
-    /// It is not forced.
+    /// The input is not forced.
     #[error("{name} is not forced")]
     NotForced {
         /// The name.

@@ -1,4 +1,4 @@
-//! Views of the plant, and what its faces command without waiting for the controller.
+//! Views of the plant, and the commands of its faces that do not wait for the controller.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ impl Plant {
         read(state.link.snapshots.output_buffer())
     }
 
-    /// The newest changes of instructions behind a number, oldest first, with the tags of now and what is known of executions.
+    /// Reads the newest changes of instructions behind a number, oldest first, with the present tags and the executions.
     pub(crate) fn events_since<R>(&self, number: u64, read: impl FnOnce(&Image, &Executions, Vec<Logged>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
@@ -40,7 +40,7 @@ impl Plant {
         read(state.image(), &state.records, events)
     }
 
-    /// Looks at everything that one tick shows.
+    /// Reads all data of one tick.
     pub fn view<R>(&self, look: impl FnOnce(&View<'_>) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();
@@ -92,8 +92,8 @@ impl Plant {
         resumed.0.is_ok()
     }
 
-    /// Stops everything that moves, every axis by itself. It cannot be refused, and waits for nothing: neither for a lock nor behind
-    /// other commands. What was sent before and is executed later is stopped as soon as it is.
+    /// Stops all motion, every axis by itself. The plant cannot refuse it, and it waits neither for a lock nor behind other commands. It also
+    /// stops motion that an earlier command begins later.
     pub fn stop_all(&self) {
         self.0.counters.count(Counter::Stops, true);
         self.0.stops.stop_all();

@@ -24,11 +24,11 @@ pub struct Logged {
     pub number: u64,
     /// When, by the system's clock.
     pub at: SystemTime,
-    /// What happened.
+    /// The change.
     pub change: Change,
 }
 
-/// What happened.
+/// The change of an instruction, of an axis's faults, or of a contour.
 #[derive(Clone, Copy, Debug)]
 pub enum Change {
     /// A change of an instruction.
@@ -51,13 +51,13 @@ pub struct Rest {
     pub tick: u64,
     /// The coordinate system.
     pub system: SystemId,
-    /// Why.
+    /// The cause of the rest.
     pub cause: RestCause,
     /// Rests of the system from that cause since the start.
     pub count: u32,
 }
 
-/// Why a planned contour came to rest between moves that go on.
+/// The cause for which a planned contour came to rest between moves that go on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RestCause {
     /// The queue was empty: the program sent its next move too late.
@@ -78,7 +78,7 @@ impl Change {
 }
 
 impl Log {
-    /// For a machine with this coarse update period, with the dates of a clock.
+    /// Makes the log of a machine with this coarse update period, with the dates of a clock.
     pub(super) fn new(period: Duration, wall: Wall) -> Self {
         Log {
             events: VecDeque::new(),
@@ -114,5 +114,5 @@ impl Log {
     }
 }
 
-/// Changes that are kept.
+/// The most changes in the log.
 const KEPT: usize = 4096;

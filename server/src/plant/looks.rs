@@ -1,5 +1,5 @@
-//! What viewers look at of the controller's program: each one rungs or lines of one routine. The thread of the program samples them
-//! between two scans; while there are no looks, a scan costs the read of one counter.
+//! The rungs or lines of the controller's program that viewers watch: each viewer watches one routine. The thread of the program samples them
+//! between two scans; while no viewer watches, a scan only reads one counter.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use super::control::ViewerId;
 
-/// What one viewer looks at.
+/// The rungs or lines that one viewer watches.
 #[derive(Debug)]
 pub(crate) struct Looking {
     /// The version of the program that it was compiled for.
@@ -21,7 +21,7 @@ pub(crate) struct Looking {
     pub(crate) samples: watch::Sender<Vec<Sampled>>,
 }
 
-/// What all viewers look at.
+/// The rungs and lines that all viewers watch.
 #[derive(Debug, Default)]
 pub(crate) struct Looks {
     all: Mutex<BTreeMap<ViewerId, Looking>>,
@@ -29,7 +29,7 @@ pub(crate) struct Looks {
 }
 
 impl Looks {
-    /// A viewer looks at something, in place of what it looked at before. The samples come as they change.
+    /// Makes a viewer watch these rungs or lines in place of its earlier ones. The samples come as they change.
     pub(crate) fn begin(&self, viewer: ViewerId, version: u64, look: Look) -> watch::Receiver<Vec<Sampled>> {
         let samples = watch::Sender::new(Vec::new());
         let receiver = samples.subscribe();
@@ -39,7 +39,7 @@ impl Looks {
         receiver
     }
 
-    /// A viewer looks at nothing any more.
+    /// A viewer stops watching.
     pub(crate) fn end(&self, viewer: ViewerId) {
         if self.lock().remove(&viewer).is_some() {
             self.changes.fetch_add(1, Ordering::AcqRel);

@@ -96,14 +96,14 @@ pub struct Plant(Arc<Shared>);
 pub struct Executed {
     /// Its instance of class 0x0303.
     pub instance: u32,
-    /// What its motion control tag showed when DN or ER was set.
+    /// The motion control tag at the instant that set DN or ER.
     pub control: MotionControl,
 }
 
 /// The end of an instruction that did not come to its end.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Ended {
-    /// What ended it.
+    /// The cause of the end.
     pub ending: Ending,
     /// When, seconds of machine time.
     pub time: f64,
@@ -111,7 +111,7 @@ pub struct Ended {
     pub at: SystemTime,
 }
 
-/// Why an instruction was not executed. Motion errors are not here: they are in [`Executed`].
+/// The reason for which an instruction was not executed. Motion errors are in [`Executed`] instead.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum CallRefused {
     /// Its operands do not fit.
@@ -120,7 +120,7 @@ pub enum CallRefused {
     /// The name cannot be its motion control tag, or no more such tags can be made.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// It cannot be one of a series.
+    /// The instruction cannot be part of a series.
     #[error("{mnemonic} with these operands cannot be one of a series: a series has lines and arcs that do not merge")]
     NotOfSeries {
         /// The instruction.
@@ -144,7 +144,7 @@ pub(crate) struct Shared {
     trace: Trace,
     /// Lets ticks pass, on the step clock.
     stepper: Option<Stepper>,
-    /// Whose turn it is to step.
+    /// The turn of the client that steps the clock.
     step_turn: tokio::sync::Mutex<()>,
     /// Stops that wait for no lock and no command.
     stops: Stops,
@@ -320,12 +320,12 @@ impl Plant {
         read(&published.image.load())
     }
 
-    /// Looks at tags as they were published, which is for what does not change: names, types, kinds.
+    /// Reads the published tags, for data that do not change: names, types, kinds.
     pub(crate) fn with_published<R>(&self, look: impl FnOnce(&Image) -> R) -> R {
         look(&self.0.published.image.load())
     }
 
-    /// Sends the axes as they are after the real-time thread has stopped them, to be kept.
+    /// Sends the axes to the writer of the retained state after the real-time thread has stopped them.
     pub(crate) fn keep_at_the_end(&self) {
         let mut state = self.0.lock();
         state.refresh();
@@ -348,7 +348,7 @@ impl Plant {
         }
     }
 
-    /// A principal has closed its connection in order: what it began goes on without an owner.
+    /// A principal has closed its connection in order: its motion goes on without an owner.
     pub fn disown(&self, principal: Principal) {
         // It cannot be refused, and has no answer to wait for.
         drop(self.transact(Principal::Server, |transaction| {
@@ -361,7 +361,7 @@ impl Plant {
         self.0.control()
     }
 
-    /// The bound of what peers cause to be logged.
+    /// The limit of log lines that peers cause.
     pub(crate) fn log_limit(&self) -> &LogLimit {
         &self.0.log_limit
     }
@@ -386,7 +386,7 @@ impl Plant {
         self.0.roles.forget(session);
     }
 
-    /// Whether a principal has a right; a refusal is logged.
+    /// Checks that a principal has a right; a refusal is logged.
     ///
     /// # Errors
     /// [`Refused::Role`].
@@ -412,7 +412,7 @@ impl Plant {
         self.0.log_limit.warn("denied", client.ip, text);
     }
 
-    /// How many commands of a kind there were.
+    /// The number of commands of a kind.
     pub fn count(&self, counter: Counter) -> Count {
         self.0.counters.of(counter)
     }
@@ -422,13 +422,13 @@ impl Plant {
         self.0.requests.count(asked, is_done);
     }
 
-    /// How many requests of a kind EtherNet/IP clients made.
+    /// The number of requests of a kind from EtherNet/IP clients.
     pub(crate) fn requests(&self, asked: Asked) -> Count {
         self.0.requests.of(asked)
     }
 
-    /// Looks at executions, but does not wait for the lock. The first argument tells whether a jog of
-    /// an axis runs, may come to, or is being stopped.
+    /// Reads executions, but does not wait for the lock. The argument of `look` returns whether a jog of
+    /// an axis runs, may yet run, or is being stopped.
     pub(crate) fn try_with_executions<R>(&self, look: impl FnOnce(&dyn Fn(AxisId, Ticket) -> bool) -> R) -> Option<R> {
         let mut state = self.0.try_lock()?;
         state.refresh();
@@ -442,7 +442,7 @@ impl Plant {
             brakes
                 || match records.get(ticket) {
                     Some(control) => may_run(control),
-                    // Of old executions only the axis tells.
+                    // For an old execution, only the state of the axis is known.
                     None => status & motion_status::JOG_STATUS != 0,
                 }
         };
@@ -472,7 +472,7 @@ impl Plant {
         state.records.by_instance(instance)
     }
 
-    /// Why an execution ended that did not come to its end; `None` for all others.
+    /// The cause that ended an execution before its end; `None` for all others.
     pub fn instruction_ending(&self, instance: u32) -> Option<Ended> {
         let mut state = self.0.lock();
         state.refresh();
@@ -489,7 +489,7 @@ impl Plant {
         self.0.lock().records.newest().map(instance_of)
     }
 
-    /// The oldest instance that is kept.
+    /// The oldest instance in the records.
     pub fn oldest_instance(&self) -> Option<u32> {
         self.0.lock().records.oldest().map(instance_of)
     }

@@ -24,12 +24,12 @@ pub(super) struct MotionTickets {
     /// The axes of each coordinate system.
     systems: Vec<Vec<AxisId>>,
     movers: Arc<Movers>,
-    /// Whether an execution has changed since the movers were found.
+    /// Whether an execution has changed since the last search for the movers.
     is_stale: bool,
 }
 
 impl MotionTickets {
-    /// Of a machine on which nothing moves.
+    /// The movers of a machine at rest.
     pub(super) fn new(machine: &Machine) -> Self {
         MotionTickets {
             newest: BTreeMap::new(),

@@ -1,4 +1,4 @@
-//! The coordinated moves that are active or pending, with their paths: what a picture of them needs.
+//! The coordinated moves that are active or pending, with their paths: the data for a picture of them.
 
 use std::collections::VecDeque;
 
@@ -9,14 +9,14 @@ use arcline_instruction_set::{Flag, MotionControl};
 /// A move under way.
 #[derive(Clone, Copy, Debug)]
 pub struct LiveMove {
-    /// What was accepted.
+    /// The accepted move.
     pub accepted: AcceptedMove,
-    /// What its tag showed last.
+    /// The newest state of its motion control tag.
     control: MotionControl,
 }
 
 impl LiveMove {
-    /// Whether it moves the axes; else it waits.
+    /// Whether the move is active; otherwise it is pending.
     pub fn is_active(&self) -> bool {
         self.control.has(Flag::Ac)
     }
@@ -83,7 +83,7 @@ impl LiveMoves {
         }
     }
 
-    /// Forgets the moves of what stands still, should an event have been lost.
+    /// Removes the moves of systems that stand still, in case an event was lost.
     pub(super) fn settle(&mut self, snapshot: &Snapshot) {
         for (queue, now) in self.systems.iter_mut().zip(&snapshot.systems) {
             if now.status & coordinate_system_status::MOTION_STATUS == 0 && !queue.moves.is_empty() {
@@ -94,5 +94,5 @@ impl LiveMoves {
     }
 }
 
-/// Moves of one system: the deepest queue and what goes on before it.
+/// Moves of one system: the deepest queue and the moves that still run before it.
 const MOST: usize = 1024;

@@ -69,7 +69,7 @@ pub struct Lost {
 }
 
 impl Lost {
-    /// Whether there are none.
+    /// Whether no axis and no coordinate system was stopped or held.
     pub fn is_empty(&self) -> bool {
         self.axes.is_empty() && self.systems.is_empty()
     }

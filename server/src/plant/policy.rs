@@ -1,9 +1,8 @@
 //! The rules that hold for every command, each one exhaustive `match`: the right that it needs, the owner of the motion that it begins,
-//! whether it is kept over a restart, and its counter. A new command or instruction does not compile before all are answered.
+//! whether the retained state includes its changes, and its counter. A new command or instruction does not compile before all are answered.
 //!
 //! A CIP client may execute every command. A viewer of the page needs control of the objects that its commands move. A jog button
-//! moves no axis that another principal moves. What a role may do is
-//! [`Right`](super::Right)'s.
+//! moves no axis that another principal moves. [`Right`](super::Right) says which commands a role may execute.
 
 use arcline_config::Role;
 use arcline_controller::image::{Image, TagId, TagKind};
@@ -16,7 +15,7 @@ use super::counters::Counter;
 use super::principal::Principal;
 use super::rights::Right;
 
-/// Whether a principal of a role may execute a command on the tags as they are. A program of the page needs the right to run
+/// Checks that a principal of a role may execute a command on the tags as they are. A program of the page needs the right to run
 /// programs beside that of each of its commands.
 ///
 /// # Errors
@@ -35,7 +34,7 @@ pub(super) fn authorize_role(
     missing.map_or(Ok(()), |right| Err(Refused::Role { right, role }))
 }
 
-/// Whether a principal has the control that a command needs.
+/// Checks that a principal has the control that a command needs.
 ///
 /// # Errors
 /// [`Refused::NoControl`].
@@ -152,7 +151,7 @@ fn is_free(mnemonic: Mnemonic) -> bool {
     matches!(mnemonic, Mnemonic::Mcs | Mnemonic::Mas | Mnemonic::Mgs)
 }
 
-/// Whether what a command changes is kept over a restart, so that its answer waits until it is in the file of the retained state.
+/// Whether the retained state includes the changes of a command, so that its answer waits until the file has them.
 pub(super) fn is_retained(command: &Command<'_>) -> bool {
     match command {
         Command::WriteTag { .. }
@@ -160,7 +159,7 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::CreateTag(_)
         | Command::DeleteTag(_)
         | Command::Reload { .. } => true,
-        // What instructions write to tags is kept with the next write; axes are kept as the snapshots show them.
+        // The next write stores the results of instructions too, and the snapshots show the changes of axes.
         Command::SetAttribute { .. }
         | Command::InjectFaults { .. }
         | Command::SetFeedOverride { .. }
@@ -181,7 +180,7 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
     }
 }
 
-/// What stops the motion that an instruction begins when its owner is lost: an instruction and its Stop Type. `None`: it begins none.
+/// The stop of the motion that an instruction begins, for the loss of its owner: an instruction and its Stop Type. `None`: it begins no motion.
 pub(super) fn stop_of(mnemonic: Mnemonic) -> Option<(Mnemonic, &'static str)> {
     Some(match mnemonic {
         Mnemonic::Maj => (Mnemonic::Mas, "Jog"),
@@ -223,10 +222,10 @@ pub(super) fn stop_of(mnemonic: Mnemonic) -> Option<(Mnemonic, &'static str)> {
     })
 }
 
-/// What stops coordinated moves; they alone can be held.
+/// The stop of coordinated moves, the only motion that can be held.
 pub(super) const COORDINATED_MOVE: (Mnemonic, &str) = (Mnemonic::Mcs, "Coordinated Move");
 
-/// What the log calls a command, and the counter that counts it.
+/// The name of a command in the log, and its counter.
 pub(super) fn counter(command: &Command<'_>) -> Counter {
     match command {
         Command::WriteTag { .. } | Command::WriteBit { .. } => Counter::Writes,

@@ -53,7 +53,7 @@ impl Principal {
         }
     }
 
-    /// The viewer of the page that needs control of what it moves; `None`: no viewer.
+    /// The viewer of the page that needs control of the objects it moves; `None`: the principal is not a viewer.
     pub(crate) fn viewer(self) -> Option<u64> {
         match self {
             Self::Server | Self::Io | Self::Controller | Self::Client { .. } => None,

@@ -1,4 +1,4 @@
-//! The controller's own program as the plant knows it: its mode, its state, and the exchange of tags. What runs it is `crate::live`.
+//! The controller's own program as the plant knows it: its mode, its state, and the exchange of tags. `crate::live` runs it.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -30,7 +30,7 @@ impl Mode {
     }
 }
 
-/// What the program does.
+/// The state of the controller's own program.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub enum ProgramState {
     /// The tasks do not run.
@@ -47,7 +47,7 @@ pub enum ProgramState {
 pub struct ProgramStatus {
     /// The name of the file.
     pub file: String,
-    /// What it does.
+    /// The state.
     pub state: ProgramState,
     /// Ticks in which the due tasks were scanned.
     pub scans: u64,
@@ -61,8 +61,8 @@ pub struct ProgramStatus {
     pub version: u64,
 }
 
-/// What the thread of the program and the faces share: the mode and the state, the program as people read it, what viewers look at, and
-/// the forced inputs.
+/// The data that the thread of the program and the faces share: the mode and the state, the listing for people, the rungs that viewers watch,
+/// and the forced inputs.
 #[derive(Debug)]
 pub(crate) struct Program {
     shown: Mutex<Shown>,
@@ -149,12 +149,12 @@ impl Plant {
         self.0.program.get()
     }
 
-    /// Whether there are changes of tags that the program has not taken. It waits for no lock.
+    /// Whether there are changes of tags that the program has not taken. The call waits for no lock.
     pub(crate) fn has_foreign_changes(&self) -> bool {
         self.0.published.foreign_changes.load(Ordering::Acquire)
     }
 
-    /// Lets the program take what others have changed, and show what it has changed itself if it `shows` anything.
+    /// Lets the program take the changes of the clients, and show its own changes if it `shows` any.
     pub(crate) fn exchange<R>(&self, shows: bool, exchange: impl FnOnce(&mut Image) -> R) -> R {
         let mut state = self.0.lock();
         state.refresh();

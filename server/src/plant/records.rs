@@ -102,7 +102,7 @@ impl Executions {
         self.of_instance(instance).map(|record| record.control)
     }
 
-    /// Why an execution ended that did not come to its end.
+    /// The cause that ended an execution before its end.
     pub(super) fn end_of(&self, instance: u32) -> Option<Ended> {
         self.of_instance(instance)?.ended
     }

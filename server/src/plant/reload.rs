@@ -8,19 +8,19 @@ use arcline_state::planted::is_planted;
 use super::{Command, Plant, Principal, Refused};
 use crate::retained::NotPersisted;
 
-/// Why a configuration is not taken over. But for [`ReloadError::NotPersisted`], nothing has changed.
+/// The reason for which a configuration is not taken over. Except with [`ReloadError::NotPersisted`], nothing has changed.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ReloadError {
     /// Parts of it that are read at the start only.
     #[error("Reload refused: {} changed, which needs a restart", .parts.join(", "))]
     NeedsRestart {
-        /// What has changed, such as `axis X`.
+        /// The parts that have changed, such as `axis X`.
         parts: Vec<String>,
     },
     /// Its tags cannot stand beside those there are.
     #[error("Reload refused: {0}")]
     Table(#[from] TableError),
-    /// It was taken over, but is not in the file of the retained state.
+    /// The server has taken it over, but the file of the retained state does not have it.
     #[error("its tags were reloaded, but {NotPersisted}")]
     NotPersisted,
 }
@@ -64,7 +64,7 @@ impl Plant {
     }
 }
 
-/// What of a configuration has changed that is read at the start only.
+/// Names the changed parts of a configuration that the server reads at the start only.
 fn needs_restart(old: &Project, new: &Project) -> Vec<String> {
     let mut parts = Vec::new();
     let mut server = new.server.clone();
@@ -78,7 +78,7 @@ fn needs_restart(old: &Project, new: &Project) -> Vec<String> {
     parts
 }
 
-/// What of a machine is another one in a file that is read again.
+/// Names the parts of a machine that differ in a file that is read again.
 pub(crate) fn machine_changes(was: &Machine, is: &Machine) -> Vec<String> {
     let mut parts = Vec::new();
     if (&was.group, was.period_ns) != (&is.group, is.period_ns) {
@@ -94,7 +94,7 @@ pub(crate) fn machine_changes(was: &Machine, is: &Machine) -> Vec<String> {
     parts
 }
 
-/// Names what was added, removed or changed; that only the order is another one, too.
+/// Names the parts that were added, removed or changed; a change of their order alone counts too.
 fn differing<T: PartialEq>(parts: &mut Vec<String>, what: &str, was: &[T], is: &[T], name: impl Fn(&T) -> &String) {
     if was == is {
         return;

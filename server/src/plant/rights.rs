@@ -1,8 +1,8 @@
-//! Rights: what a principal does to the machine or asks of the server, and the least role that may do it (spec/security.md §6).
+//! Rights: the actions of a principal on the machine or the server, and the least role that may perform each (spec/security.md §6).
 //!
 //! One table: [`Right`] and its `match`es. Every command of the plant needs one right ([`Right::of_command`], exhaustive), and so does every
-//! request of the page and every service of a CIP object that is no command. The table of docs/SECURITY.md and the matrix of the
-//! tests derive from it. Whose turn it is to move an axis is another question (`control`).
+//! request of the page and every service of a CIP object that is not a command. The table of docs/SECURITY.md and the matrix of the
+//! tests derive from it. `control` decides which viewer may move an axis at present.
 
 use arcline_config::Role;
 use arcline_controller::image::{Image, TagId, TagKind, Writers};
@@ -13,7 +13,7 @@ use super::command::{Call, Command};
 /// Makes [`Right`] with the least role and the description of each.
 macro_rules! rights {
     ($( $name:ident: $least:ident, $code:literal, $may:literal; )*) => {
-        /// What a role may do.
+        /// An action that a role may or may not perform.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
         pub enum Right {
             $( #[doc = $may] $name, )*
@@ -33,7 +33,7 @@ macro_rules! rights {
                 match self { $( Self::$name => $code, )* }
             }
 
-            /// What it lets a client do.
+            /// The actions that the right permits a client.
             pub const fn may(self) -> &'static str {
                 match self { $( Self::$name => $may, )* }
             }
@@ -70,12 +70,12 @@ rights! {
 }
 
 impl Right {
-    /// Whether a role has it.
+    /// Whether a role has the right.
     pub fn is_of(self, role: Role) -> bool {
         role >= self.least()
     }
 
-    /// Whether a client changes something with it that is no command of the plant: the face that grants it records that in the audit.
+    /// Whether the right permits a change that is not a command of the plant: the face that grants it records the change in the audit.
     pub(crate) const fn is_of_face(self) -> bool {
         match self {
             Self::OwnOutputs
@@ -87,7 +87,7 @@ impl Right {
             | Self::SetClock
             | Self::SetInactivity
             | Self::Administer => true,
-            // It changes nothing.
+            // A look changes nothing.
             Self::Look => false,
             Self::Stop
             | Self::WriteTag
@@ -140,7 +140,7 @@ impl Right {
     }
 }
 
-/// Of a plain tag.
+/// The right that a write of a plain tag needs.
 fn of_tag(image: &Image, tag: TagId) -> Right {
     match image.tag(tag).map(|tag| tag.rule.writers) {
         Some(Writers::Engineers) => Right::EngineersTag,
@@ -149,16 +149,16 @@ fn of_tag(image: &Image, tag: TagId) -> Right {
     }
 }
 
-/// Of an instruction, as a service or by the `EnableIn` of its tag.
+/// The right that an instruction needs, as a service or by the `EnableIn` of its tag.
 fn executed(mnemonic: Mnemonic) -> Right {
     match mnemonic {
-        // They stop, and do nothing else; MSF and the shutdowns let go of hanging axes.
+        // These instructions only stop. MSF and the shutdowns, by contrast, let go of hanging axes.
         Mnemonic::Mas | Mnemonic::Mcs | Mnemonic::Mgs => Right::Stop,
         _ => Right::Move,
     }
 }
 
-/// Of an override; what is no number is refused elsewhere.
+/// The right that a feed override needs; another check refuses values that are not numbers.
 fn overridden(percent: f32) -> Right {
     if percent > 100.0 {
         Right::OverrideAbove
@@ -167,7 +167,7 @@ fn overridden(percent: f32) -> Right {
     }
 }
 
-/// Of bytes of a tag.
+/// The right that a write of bytes to a tag needs.
 fn written(image: &Image, tag: TagId, offset: usize, data: &[u8]) -> Right {
     match image.tag(tag).map(|tag| tag.kind) {
         Some(TagKind::MotionInhibit) if data.iter().any(|byte| *byte != 0) => Right::Stop,

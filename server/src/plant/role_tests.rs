@@ -9,7 +9,7 @@ use crate::guard::VIEWERS;
 use crate::pages::compare_or_write_part;
 use crate::{eip, hmi};
 
-/// What writes a part of a tag, by its path.
+/// The command that writes the part of a tag at a path.
 fn write<'a>(plant: &Plant, path: &str, data: &'a [u8]) -> Command<'a> {
     let path = path.parse().expect("a path");
     let located = plant.with_image(|image| image.locate(&path).map(|(tag, place)| (tag, place.offset, place.bit)));
@@ -152,7 +152,7 @@ async fn every_command_for_every_role_of_every_principal() {
     assert_eq!(plant.roles().of(unknown), Role::Viewer);
     plant.leave(1);
     assert_eq!(plant.roles().of(client), Role::Viewer);
-    // Every right is judged by one of the three matrices at least.
+    // At least one of the three matrices covers every right.
     let page = hmi::tests::roles::cases();
     let mut judged: Vec<Right> = cases.iter().map(|(_, right, _)| *right).collect();
     judged.extend(page.iter().map(|(right, _)| *right));

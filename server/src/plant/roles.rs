@@ -1,4 +1,4 @@
-//! The role of each client, by its session: what the door looks up. A role that changes holds from the next command on.
+//! The role of each client, by its session. A changed role takes effect with the next command.
 
 use std::collections::{HashMap, HashSet};
 use std::net::IpAddr;
@@ -17,7 +17,7 @@ struct Known {
     sessions: HashMap<u64, Role>,
     /// Viewers whose session is locked.
     locked: HashSet<u64>,
-    /// Of the connection that owns the outputs of implicit I/O, or that set them last.
+    /// The role of the connection that owns the outputs of implicit I/O, or that set them last.
     io: Option<Role>,
 }
 

@@ -15,14 +15,14 @@ use super::{CallRefused, Executed, Plant, Principal, Refused};
 pub struct SeriesOutcome {
     /// The first moves.
     pub executed: Vec<Executed>,
-    /// Why the next one was not executed.
+    /// The reason for which the next move was not executed.
     pub end: SeriesEnd,
 }
 
-/// Why no more moves of a series were executed.
+/// The reason for the end of a series.
 #[derive(Clone, PartialEq, Debug)]
 pub enum SeriesEnd {
-    /// They were sent and executed; the server has not looked at any others.
+    /// All were sent and executed; the server has read no others.
     Sent,
     /// The queue of the next move has no room.
     NoRoom {

@@ -38,13 +38,13 @@ use arcline_state::planted::is_planted;
 pub(super) struct Published {
     /// The tag memory after the last change.
     pub(super) image: ArcSwap<Image>,
-    /// How many snapshots there were when its newest one was taken.
+    /// The number of snapshots up to the newest one in the image.
     pub(super) snapshots: AtomicU64,
     /// The principals that move objects, as of the last change.
     pub(super) movers: ArcSwap<Movers>,
     /// The tags that have changed.
     pub(super) changes: ChangeLog,
-    /// Whether there are changes that the controller's program has not taken.
+    /// Whether the controller's program has yet to take changes.
     pub(super) foreign_changes: AtomicBool,
 }
 
@@ -52,14 +52,14 @@ pub(super) struct Published {
 #[derive(Debug)]
 pub(super) struct State {
     image: Image,
-    /// Whether the image is another one than what was published of it.
+    /// Whether the image differs from its published copy.
     changed: bool,
     /// The calls that are answered as soon as the image is published.
     done: Vec<oneshot::Sender<()>>,
-    /// How many snapshots there were when the newest one was taken.
+    /// The number of snapshots up to the newest one in the image.
     snapshots: u64,
     pub(super) link: Link,
-    /// Whether a snapshot was ever published.
+    /// Whether the controller has published a snapshot.
     began: bool,
     next_ticket: u64,
     pub(super) waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
@@ -72,7 +72,7 @@ pub(super) struct State {
     pub(super) moves: LiveMoves,
     /// The instructions that connections have sent.
     pub(super) owned: Owned,
-    /// By which instructions objects move.
+    /// The instructions by which objects move.
     pub(super) motion_tickets: MotionTickets,
     lost: u64,
     /// Whether the tags show that motion is inhibited.
@@ -87,26 +87,26 @@ pub(super) struct State {
     dynamics_bits: Vec<(Object, u16, DynamicsBits)>,
     /// The rests on the way that are in the log.
     rests: Vec<ContourRests>,
-    /// Sees what is kept over a restart.
+    /// Sends the changes of the retained state to its writer.
     pub(super) watch: Option<ChangeTracker>,
-    /// Sees what triggers it.
+    /// Watches for the triggers of traces.
     trace: Trace,
 }
 
-/// What sees the changes of a plant.
+/// The observers of a plant's changes.
 pub(super) struct Observers {
-    /// Sees what is kept over a restart.
+    /// Sends the changes of the retained state to its writer.
     pub(super) watch: Option<ChangeTracker>,
-    /// Sees what triggers traces.
+    /// Watches for the triggers of traces.
     pub(super) trace: Trace,
-    /// Sees jogs.
+    /// Watches the jogs.
     pub(super) guard: Guard,
-    /// The dates of what they see.
+    /// The clock for the dates of observations.
     pub(super) wall: Wall,
 }
 
 impl State {
-    /// On rings of which nothing has come yet.
+    /// Makes the state for rings that are still empty.
     pub(super) fn new(
         machine: &Machine,
         image: Image,
@@ -168,7 +168,7 @@ impl State {
         &mut self.image
     }
 
-    /// Publishes the tag memory if it has changed, then answers the calls that waited for what it shows now.
+    /// Publishes the tag memory if it has changed, then answers the calls that waited for the changes in it.
     pub(super) fn publish(&mut self, published: &Published) {
         if is_planted("stale reads") && self.next_ticket % 8 == 3 && self.began {
             return;
@@ -191,7 +191,7 @@ impl State {
         }
     }
 
-    /// The tag memory for the controller's program, which takes what others have changed. It is published anew if the program shows
+    /// The tag memory for the controller's program, which takes the changes of the clients. The plant publishes it anew if the program shows
     /// changes of its own.
     pub(super) fn image_of_program(&mut self, shows: bool) -> &mut Image {
         self.changed |= shows;
@@ -386,7 +386,7 @@ impl State {
             return None;
         };
         if let Edge::Falling(_) = edge {
-            // Of a call that was refused below, the controller knows nothing.
+            // The controller does not know a call that is refused below.
             let mut control = self.image.control(kind.control);
             if is_answered(&control) {
                 control.clear(Flag::En);
@@ -416,7 +416,7 @@ impl State {
     }
 }
 
-/// Whether an execution runs, or may come to.
+/// Whether an execution runs, or may yet run.
 pub(super) fn may_run(control: &MotionControl) -> bool {
     control.has(Flag::Ip) || !is_answered(control)
 }

@@ -35,7 +35,7 @@ impl Plant {
     }
 }
 
-/// Whether a tag is not 0 at the present tick; one that is gone ends the steps.
+/// Whether a tag is not 0 at the present tick; a deleted tag ends the steps too.
 fn is_true(shared: &Shared, path: &TagPath) -> bool {
     let mut state = shared.lock();
     state.refresh();

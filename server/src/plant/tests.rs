@@ -210,7 +210,7 @@ async fn an_override_holds_and_resumes() {
     handle.stop();
 }
 
-/// The controller takes nothing: what waits for it is bounded, and full is an answer.
+/// The controller takes no command: the queue is bounded, and a full queue is an answer.
 #[tokio::test(start_paused = true)]
 async fn what_finds_no_room_is_refused_and_changes_nothing() {
     let project = project();
@@ -245,7 +245,7 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
         call(&plant, Mnemonic::Mso, None, &[]).await,
         Err(CallRefused::Busy.into())
     );
-    // It is sent, and nothing answers.
+    // The plant sends it, and the controller does not answer.
     assert_eq!(
         call(&plant, Mnemonic::Mgs, None, &[Given::Number(0.0)]).await,
         Err(CallRefused::NoAnswer.into())
@@ -283,7 +283,7 @@ async fn packets_of_stops_leave_room_for_the_stops_of_others() {
     }
 }
 
-/// STOP by every way that there is: what would begin motion is refused with 53 until it is released, and everything else goes on.
+/// Every kind of STOP: the controller refuses new motion with 53 until the release, and everything else goes on.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn stop_inhibits_motion_until_it_is_released() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");

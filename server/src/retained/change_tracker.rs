@@ -1,7 +1,7 @@
-//! What has changed and is to be kept: parts of tags when they are written, axes when a snapshot shows it.
+//! The changes of the retained state: parts of tags when a client writes them, axes when a snapshot shows their change.
 //!
-//! It only looks and sends. Of axes one message at a time is on its way, so a slow disk makes them come less often
-//! and never queues them up.
+//! The tracker only observes and sends. One message about axes is on its way at a time, so a slow disk makes these messages rarer and never
+//! queues them up.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc;
@@ -16,10 +16,10 @@ use tokio::sync::oneshot;
 use super::state_writer::{Job, NotPersisted};
 use super::tags_of;
 
-/// Tells when changes are kept, or that they are not.
+/// Reports that the disk has a change, or that it does not.
 pub(crate) type Kept = oneshot::Receiver<Result<(), NotPersisted>>;
 
-/// Sees what changes and sends it to the state writer.
+/// Detects changes and sends them to the state writer.
 #[derive(Debug)]
 pub(crate) struct ChangeTracker {
     jobs: mpsc::Sender<Job>,
@@ -29,7 +29,7 @@ pub(crate) struct ChangeTracker {
     table: u32,
     /// The axes as they were last sent.
     axes: Vec<Axis>,
-    /// The last message about axes, until it is kept.
+    /// The last message about axes, until the disk has it.
     under_way: Option<Kept>,
     /// Ticks between two positions of an axis that moves.
     interval: u64,
@@ -43,7 +43,7 @@ impl ChangeTracker {
         ChangeTracker {
             jobs,
             tags: tags.into_iter().zip(0..).collect(),
-            // None has been seen.
+            // No change of the table has been seen.
             table: u32::MAX,
             axes,
             under_way: None,
@@ -52,9 +52,9 @@ impl ChangeTracker {
         }
     }
 
-    /// Sends what was written to the tags since the last call, as one change; `None`: nothing was.
+    /// Sends the writes to the tags since the last call, as one change; `None`: there were none.
     ///
-    /// When other tags are there than before, the whole state is sent: the new ones and their bytes are in it.
+    /// When the tags themselves are others than before, it sends the whole state, which has the new tags and their bytes.
     pub(crate) fn tags(&mut self, image: &mut Image) -> Option<Kept> {
         let written = image.take_written();
         if let Some(kept) = self.table(image) {
@@ -95,8 +95,8 @@ impl ChangeTracker {
         Some(self.send(Record::State(state)))
     }
 
-    /// Sends what a snapshot shows to have changed: at once that an axis began to move or came to rest, that it was
-    /// homed or faulted, that it was put elsewhere; and every 100 ms where the axes are that move.
+    /// Sends the changes that a snapshot shows. The beginning and the end of an axis's motion, a homing, a fault and a redefined position go
+    /// at once; the positions of moving axes go every 100 ms.
     pub(crate) fn axes(&mut self, snapshot: &Snapshot) {
         if let Some(sent) = &mut self.under_way {
             if matches!(sent.try_recv(), Err(oneshot::error::TryRecvError::Empty)) {
@@ -114,7 +114,7 @@ impl ChangeTracker {
         self.under_way = self.send_changes(news);
     }
 
-    /// Sends the axes as they are after a controlled stop. A drive that is on comes to rest where it is told to.
+    /// Sends the axes as they are after a controlled stop. An axis whose drive is on comes to rest at its command position.
     pub(crate) fn axes_at_the_end(&mut self, snapshot: &Snapshot) {
         let settled = Snapshot {
             axes: snapshot.axes.iter().copied().map(settled).collect(),
@@ -151,12 +151,12 @@ impl ChangeTracker {
     }
 }
 
-/// How an axis stands that shows this.
+/// The state that a snapshot shows of an axis.
 fn state(axis: &AxisSnapshot) -> AxisState {
     let [_, velocity, acceleration] = axis.command;
     let standstill = axis.cip_status & cip_axis_status::VELOCITY_STANDSTILL_STATUS != 0;
     let moving = axis.motion_status & MOVED != 0 || velocity != 0.0 || acceleration != 0.0 || !standstill;
-    // At rest under its drive the axis is where it is told to be: exactly there, and again so after the next start.
+    // At rest under its drive the axis stands exactly at its command position, and does so again after the next start.
     let held = is_on(axis) && axis.cip_status & cip_axis_status::POSITION_LOCK_STATUS != 0;
     AxisState {
         position: if held && !moving {

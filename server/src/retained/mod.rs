@@ -1,8 +1,8 @@
-//! Retained state: what a project takes over from the last run, and what keeps it for the next one.
+//! Retained state: the state that a project takes over from the last run, and the threads that store it for the next one.
 //!
-//! At start-up [`Retained::open`] reads the file and makes the project start as it says: axes where they stood with
-//! their drives off, plain tags as they were last written. After that a [`ChangeTracker`] in the plant sees what changes, and
-//! the thread of a [`StateWriter`] writes it. The file is `arcline-state`'s; the real-time thread knows nothing of all this.
+//! At start-up [`Retained::open`] reads the file and restores its state: axes at their last positions with their drives off, and plain tags
+//! with their last written values. After that a [`ChangeTracker`] in the plant detects changes, and the thread of a [`StateWriter`] writes
+//! them. The format of the file is that of `arcline-state`; the real-time thread has no part in it.
 
 mod change_tracker;
 mod state_writer;
@@ -26,17 +26,17 @@ pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
 
-/// A project's state, read and kept.
+/// A project's retained state, read from its file and stored again.
 pub(crate) struct Retained {
-    /// The tags, the plain ones with what they held.
+    /// The tags, the plain ones with their restored values.
     pub(crate) image: Image,
-    /// Sees what changes.
+    /// Detects changes.
     pub(crate) watch: ChangeTracker,
     /// Writes it.
     pub(crate) keeper: StateWriter,
 }
 
-/// Why no state can be kept in a file.
+/// The reason for which a file cannot store the state.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum RetainError {
     /// The file cannot be had.
@@ -44,7 +44,7 @@ pub(crate) enum RetainError {
     Open {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error of the lock.
         error: OpenError,
     },
     /// The file cannot be read.
@@ -52,7 +52,7 @@ pub(crate) enum RetainError {
     Read {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error of the system.
         error: io::Error,
     },
     /// The system has no thread left that could write the file.
@@ -60,7 +60,7 @@ pub(crate) enum RetainError {
     Thread {
         /// The file.
         file: PathBuf,
-        /// Why.
+        /// The error of the system.
         error: io::Error,
     },
     /// A file that cannot be used cannot be renamed either.
@@ -68,28 +68,28 @@ pub(crate) enum RetainError {
     SetAside {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The defect of the file.
         damage: Unusable,
-        /// Why it stays.
+        /// The error of the renaming.
         error: io::Error,
     },
-    /// The machine has more than can be kept.
+    /// The machine has more than a file of the state can hold.
     #[error("--state {file}: the state of this configuration cannot be kept: {damage}")]
     TooLarge {
         /// The file.
         file: PathBuf,
-        /// What there is too much of.
+        /// The part that is too large.
         damage: Damage,
     },
 }
 
-/// Why a file gives no state.
+/// The reason for which a file gives no state.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Unusable {
-    /// It is not whole, or not a state at all.
+    /// The file is not whole, or does not hold a state.
     #[error(transparent)]
     Damage(Damage),
-    /// It is one of another machine.
+    /// The file is that of another machine.
     #[error("it is the state of another machine: none of its axes and tags are in this configuration")]
     Foreign,
 }
@@ -117,7 +117,7 @@ impl Retained {
     }
 }
 
-/// What a project starts with: the tags, and the state that is kept from then on.
+/// The initial state of a project: the tags, and the state that is stored from then on.
 struct Start<D: Disk> {
     locked: LockedFile<D>,
     image: Image,
@@ -164,7 +164,7 @@ impl<D: Disk> Start<D> {
             let taken = take_over(&kept.state, project, &mut image);
             taken.report(&file);
         }
-        // Only from here on: what was taken over is not new.
+        // Only later writes count as changes: the values that were taken over are not new.
         image.remember_written();
         let (state, tags) = state_of(project, &image);
         state.check().map_err(|damage| {
@@ -180,11 +180,11 @@ impl<D: Disk> Start<D> {
     }
 }
 
-/// A project's state, read and kept by turns that the caller makes.
+/// A project's retained state, read and stored by turns that the caller makes.
 pub(crate) struct SteppedState<D: Disk> {
-    /// The tags, the plain ones with what they held.
+    /// The tags, the plain ones with their restored values.
     pub(crate) image: Image,
-    /// Sees what changes.
+    /// Detects changes.
     pub(crate) watch: ChangeTracker,
     /// Writes it.
     pub(crate) keeper: Keeper<D>,
@@ -209,7 +209,7 @@ impl<D: Disk> SteppedState<D> {
     }
 }
 
-/// What came of taking over a state.
+/// The differences between a state and the configuration that takes it over.
 #[derive(Debug, Default, PartialEq)]
 struct Taken {
     /// Axes and tags of the state that the configuration does not have, or not as they were.
@@ -234,7 +234,7 @@ impl Taken {
     }
 }
 
-/// Whether nothing of a state is in a project.
+/// Whether a project has no axis and no tag of a state.
 fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
     let nothing = state.axes.is_empty() && state.tags.is_empty();
     let axis = state.axes.iter().any(|axis| find_axis(axis, project).is_some());
@@ -314,7 +314,7 @@ fn create_again(tag: &Tag, image: &mut Image) -> Option<TagId> {
     image.create(&again).ok()
 }
 
-/// Whether a client had created a tag of this kind, and how it may be accessed then; and its type.
+/// Whether a client created a tag of this kind, with its access if so; and its type.
 fn created(kind: &str) -> (Option<Access>, &str) {
     [(CREATED_READ_ONLY, Access::ReadOnly), (CREATED, Access::ReadWrite)]
         .into_iter()
@@ -342,7 +342,7 @@ fn is_kept(tag: &image::Tag, image: &Image) -> bool {
     tag.kind == TagKind::Plain && (tag.access == Access::ReadWrite || image.is_created(tag.id))
 }
 
-/// What a position of the axis means: a position of an axis in inches is none of one in millimetres.
+/// The kind of an axis's positions: a position of an axis in inches is not valid for one in millimetres.
 fn axis_kind(axis: &machine::Axis) -> String {
     let kind = if axis.is_virtual() { "virtual" } else { "servo" };
     let mut text = format!("{kind}, {}", axis.units);
@@ -373,7 +373,7 @@ fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
     (state, ids)
 }
 
-/// The tags that are kept, in order.
+/// The tags in the retained state, in order.
 fn tags_of(image: &Image) -> (Vec<Tag>, Vec<TagId>) {
     let kept = image.tags().iter().filter(|tag| is_kept(tag, image));
     kept.map(|tag| {

@@ -1,9 +1,9 @@
-//! The threads of the retained state: one carries out what [`Writer`] decides, one waits for the disk.
+//! The threads of the retained state: one carries out the decisions of [`Writer`], one waits for the disk.
 //!
-//! Everything that waits when the first gets to it is one write, and it never waits for the disk itself: synchronisations run on the
-//! other. After a failure everything is answered with [`NotPersisted`], and every second the whole state is tried in a new file.
+//! The first thread writes everything that waits in one write, and never waits for the disk itself: synchronisations run on the
+//! other. After a failure it answers everything with [`NotPersisted`], and tries to write the whole state to a new file every second.
 //!
-//! [`Keeper`] is what the first thread does in one turn; a simulation makes the turns itself (`stepped`).
+//! [`Keeper`] is one turn of the first thread; a simulation makes the turns itself (`stepped`).
 
 use std::io;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -14,7 +14,7 @@ pub use arcline_state::NotPersisted;
 use arcline_state::{Action, Disk, Ended, Failure, LockedFile, Pace, Record, Report, State, System, Task, Writer};
 use tokio::sync::oneshot;
 
-/// Carries the answer: the record is kept, or it is not.
+/// Carries the answer: the disk has the record, or it does not.
 type WhenPersisted = oneshot::Sender<Result<(), NotPersisted>>;
 
 /// A message to the thread that writes.
@@ -42,7 +42,7 @@ impl StateWriter {
     /// # Errors
     /// When the system has no thread left.
     pub(super) fn start(locked: LockedFile, state: State) -> io::Result<Self> {
-        // One task at a time, so none ever waits in there.
+        // The channel has one task at a time, so a send never waits.
         let (disk, tasks) = mpsc::sync_channel::<Task<System>>(1);
         let (jobs, next) = mpsc::channel();
         let done = jobs.clone();
@@ -61,7 +61,7 @@ impl StateWriter {
         Ok(StateWriter { jobs, thread })
     }
 
-    /// Where records are sent.
+    /// The channel for records.
     pub(super) fn jobs(&self) -> mpsc::Sender<Job> {
         self.jobs.clone()
     }
@@ -110,9 +110,9 @@ pub(crate) struct Keeper<D: Disk> {
 /// The end of a turn.
 #[derive(Debug)]
 pub(crate) enum Turn<D: Disk> {
-    /// Nothing is to be synchronised.
+    /// There is nothing to synchronise.
     Idle,
-    /// This is; its end comes back as [`Job::Ended`].
+    /// A synchronisation; its end comes back as [`Job::Ended`].
     Synchronise(Task<D>),
     /// The state was written once more, and the writer has ended.
     Closed(io::Result<()>),

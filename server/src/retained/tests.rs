@@ -1,4 +1,4 @@
-//! What is taken over, what is seen to change, and what becomes of a write that cannot be kept.
+//! The take-over of a state, the detection of changes, and the answer to a write that cannot be stored.
 
 use std::sync::mpsc;
 
@@ -164,7 +164,7 @@ fn moving(position: f64) -> AxisSnapshot {
     }
 }
 
-/// A watch on one axis that rests at 0, and what it sends.
+/// A tracker of one axis that rests at 0, and the messages that it sends.
 fn watch() -> (ChangeTracker, mpsc::Receiver<Job>) {
     let (sender, jobs) = mpsc::channel();
     let axis = Axis {
@@ -180,7 +180,7 @@ fn show(watch: &mut ChangeTracker, tick: u64, axis: AxisSnapshot) {
     watch.axes(&Snapshot { tick, axes, ..snapshot });
 }
 
-/// The axis that was sent, and it is kept at once.
+/// The axis in the sent message; the disk has it at once.
 fn sent(jobs: &mpsc::Receiver<Job>) -> Option<AxisState> {
     let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
         return None;
@@ -279,7 +279,7 @@ fn a_slow_disk_makes_axes_come_less_often() {
     assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
 }
 
-/// A plant whose state is never kept.
+/// A plant whose state never reaches the disk.
 pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
     let (plant, handle, _) = plant(project);
     (plant, handle)

@@ -49,7 +49,7 @@ pub(crate) struct SimulateArgs {
     /// Write all tags of a project to this file at the end, as JSON; `-` is standard output.
     #[arg(long, value_name = "OUT.json")]
     pub(crate) tags: Option<PathBuf>,
-    /// What decides that is left to chance: the times of faults that a case gives as a range; of a project the same as --scan-phase.
+    /// The seed of chance: of the times of faults that a case gives as a range; of a project the same as --scan-phase.
     #[arg(long, value_name = "SEED")]
     pub(crate) seed: Option<u64>,
     /// Print the result as one line of JSON.
@@ -140,7 +140,7 @@ impl SimulateArgs {
         })
     }
 
-    /// That standard input and output are free for a plant.
+    /// Checks that standard input and output are free for a plant.
     pub(crate) fn check_step(&self) -> Result<(), Failure> {
         let pipes = [
             (self.program.as_ref(), "the program"),
@@ -174,7 +174,7 @@ impl SimulateArgs {
 /// The longest simulated time of Structured Text, s.
 const LONGEST: f64 = 3600.0;
 
-/// What a coordinated move does that finds the queue full, as a word.
+/// The reaction of a coordinated move that finds the queue full, as a word.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum QueueFullWord {
     /// The move waits for room.

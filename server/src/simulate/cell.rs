@@ -1,7 +1,7 @@
 //! `simulate Cell.L5X`: the project's own tasks beside its machine, tick by tick (spec/programs.md §14).
 //!
 //! In a tick the machine begins, then the tasks that are due run and call instructions of motion at this instant, then the
-//! machine ends the tick. Nothing else happens, so two runs give the same bytes.
+//! machine ends the tick. No other input enters, so two runs give the same bytes.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -121,7 +121,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     }
 }
 
-/// What of a project does not run.
+/// The parts of a project that do not run.
 pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> {
     let wrong = |error: arcline_l5x::L5xError| Failure::usage(error.to_string());
     let import = arcline_l5x::import(text, file).map_err(wrong)?;
@@ -131,7 +131,7 @@ pub(crate) fn findings(text: &str, file: &str) -> Result<Vec<Finding>, Failure> 
     Ok(arcline_routine::load(&source, &mut names).findings)
 }
 
-/// How to run.
+/// The settings of a run.
 struct Setup<'a> {
     source: &'a Project,
     /// TAG=VALUE, written before the first scan.
@@ -141,7 +141,7 @@ struct Setup<'a> {
     longest: f64,
 }
 
-/// How a run ended.
+/// The end of a run.
 enum End {
     /// The condition became true.
     Reached,

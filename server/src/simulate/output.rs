@@ -14,15 +14,15 @@ use super::outside::Reason;
 use super::{SimulateArgs, Summary, cannot_write};
 use crate::cli::Failure;
 
-/// What a simulation writes down.
+/// The outputs of a simulation.
 pub(super) struct Files {
     pub(super) trace: Option<TraceFile>,
     pub(super) events: Option<Record>,
     pub(super) faults: Option<Record>,
     pub(super) summary: Summary,
-    /// For --json.
+    /// The measures for --json.
     pub(super) measures: Option<Measures>,
-    /// Why the plant of --step cannot go on.
+    /// The reason for which the plant of --step cannot go on.
     pub(super) outside: Option<Reason>,
 }
 
@@ -54,7 +54,7 @@ impl Files {
         })
     }
 
-    /// Ends the files; the summary of the run. The measures are taken first.
+    /// Ends the files and returns the summary of the run. It takes the measures first.
     ///
     /// # Errors
     /// A file that could not be written.

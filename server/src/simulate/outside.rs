@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 /// A line longer than this, bytes, is none of a plant.
 const LONGEST: u64 = 1 << 20;
 
-/// Why the plant cannot go on, for the end of the run.
+/// The reason for which the plant cannot go on, for the end of the run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reason(Arc<Mutex<Option<String>>>);
 
@@ -190,7 +190,7 @@ impl Outside {
     }
 }
 
-/// One line.
+/// Writes one line.
 fn write(output: &mut impl Write, line: &impl Serialize) -> std::io::Result<()> {
     serde_json::to_writer(&mut *output, line)?;
     output.write_all(b"\n")
@@ -213,7 +213,7 @@ mod tests {
 
     use super::*;
 
-    /// What a plant with these lines says at tick 0 of a machine of two servos and a virtual axis.
+    /// The answers of a plant with these lines at tick 0 of a machine of two servos and a virtual axis.
     fn answers(lines: &str) -> Result<Vec<ModelledAxis>, String> {
         let axis = |name: &str, kind: &str| {
             format!("[[axis]]\nname = \"{name}\"\ntype = \"{kind}\"\nmax_speed = 100\nmax_acceleration = 1000\n")

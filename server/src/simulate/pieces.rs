@@ -1,5 +1,4 @@
-//! The text of a simulation: a file as a whole, or line by line in pieces of so many lines, so that its length does not show in
-//! memory.
+//! The text of a simulation: a file as a whole, or line by line in pieces, so that the use of memory does not depend on its length.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};

@@ -13,7 +13,7 @@ use crate::live::{Missing, Names, NotPlaced, Placed, Places, blocking};
 /// A machine under control of a project.
 pub(super) struct Plant {
     simulation: Simulation,
-    /// Where the project's tags stand.
+    /// The positions of the project's tags.
     places: Places,
 }
 
@@ -36,7 +36,7 @@ impl Plant {
         Ok(loaded)
     }
 
-    /// Looks for names of the machine, for what is compiled while it runs.
+    /// Looks for names of the machine, for code that is compiled while the machine runs.
     pub(super) fn with_names<R>(&self, look: impl FnOnce(&mut Names<'_>) -> R) -> R {
         let mut copy = self.simulation.image().clone();
         look(&mut Names::new(self.simulation.machine(), &mut copy))
@@ -78,7 +78,7 @@ impl Plant {
         }
     }
 
-    /// Ends the tick: what happened goes to the project's tags and to the observer.
+    /// Ends the tick and passes its events to the project's tags and to the observer.
     pub(super) fn end_tick(&mut self, cell: &mut Cell, observer: &mut impl Observer) {
         let places = &self.places;
         self.simulation.end(&mut Shown { places, cell, observer });
@@ -118,7 +118,7 @@ impl Plant {
     }
 }
 
-/// Brings what happens in a tick to the project's tags, and to an observer. The end of the tick the plant shows itself, when the project has
+/// Passes the events of a tick to the project's tags and to an observer. The plant itself shows the end of the tick, when the project has
 /// the machine's state.
 struct Shown<'s, O> {
     places: &'s Places,
@@ -147,14 +147,14 @@ impl<O: Observer> Observer for Shown<'_, O> {
     }
 }
 
-/// Where bytes go.
+/// The direction of a copy.
 #[derive(Clone, Copy)]
 enum Direction {
     ToMachine,
     ToProject,
 }
 
-/// What an instruction wrote to an array.
+/// Takes the values that an instruction wrote to an array.
 fn take_array(image: &mut Image, places: &Places, memory: &mut [u8], write: &ArrayWrite) {
     let id = TagId(write.tag.tag());
     let tag = places.tag(id);

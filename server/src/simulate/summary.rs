@@ -1,4 +1,4 @@
-//! What a simulation says when it has ended, for people: how long it took, where the axes are, which faults there were.
+//! The summary of a simulation for people: its time, the positions of the axes, the faults.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, FaultChange};
 use arcline_instruction_set::Ending;
 
-/// What has been seen so far.
+/// The observations so far.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     /// Instructions that were executed.
@@ -78,5 +78,5 @@ impl Summary {
     }
 }
 
-/// Faults that are told one by one, and instructions.
+/// The most faults and instructions that the summary lists one by one.
 const SHOWN: usize = 20;

@@ -1,7 +1,7 @@
 //! `arcline-server certs`: an authority, certificates of the server and of clients, and the list of revoked ones, as files of one folder.
 //!
-//! A plant that has an authority of its own needs none of this. Keys are P-256; their files are readable by their owner only. What was
-//! issued stands in `issued.txt`, a line each: serial number, name, last day, and the moment of revocation.
+//! A plant that has an authority of its own needs none of this. Keys are P-256; their files are readable by their owner only. The file
+//! `issued.txt` has a line for each issued certificate: serial number, name, last day, and the moment of revocation.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
@@ -42,7 +42,7 @@ pub(crate) enum CertsCommand {
         /// The name of the client, which is the Common Name of the certificate.
         #[arg(value_name = "NAME", value_parser = name)]
         name: String,
-        /// How long it holds.
+        /// Days for which the certificate is valid.
         #[arg(long, value_name = "DAYS", default_value_t = 365, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
@@ -86,7 +86,7 @@ pub(crate) fn run(command: &CertsCommand) -> Result<ExitCode, Failure> {
     print(&text.map_err(|error| Failure::usage(error.to_string()))?)
 }
 
-/// Why no certificate was made.
+/// The reason for which no certificate was made.
 #[derive(Debug, thiserror::Error)]
 enum CertsError {
     /// A file cannot be read or written.
@@ -302,7 +302,7 @@ fn authority(cn: &str) -> CertificateParams {
     params
 }
 
-/// From an hour ago: the clock of a client may be behind.
+/// Validity begins an hour ago, since the clock of a client may be behind.
 fn valid(params: &mut CertificateParams, days: i64) {
     let now = OffsetDateTime::now_utc();
     (params.not_before, params.not_after) = (now - HOUR, now + Duration::days(days));

@@ -1,6 +1,7 @@
-//! What the server reads of a client's certificate that rustls has verified: subject, issuer, end, and the hash of its key (RFC 5280, 4.1).
+//! The parts of a client's certificate that the server reads after rustls has verified it: subject, issuer, end, and the hash of its key
+//! (RFC 5280, 4.1).
 //!
-//! Nothing here decides whether a certificate is valid.
+//! This module does not decide whether a certificate is valid.
 
 use std::net::IpAddr;
 

@@ -38,13 +38,13 @@ const HANDSHAKE: Duration = Duration::from_secs(5);
 /// Handshakes at a time, and of them of one address.
 const HANDSHAKES: usize = 64;
 const HANDSHAKES_OF_ONE: usize = 8;
-/// How often certificates of open connections are looked at for their end.
+/// Time between two checks of the certificates of open connections for their end.
 const LOOK: Duration = Duration::from_secs(1);
-/// How often the files are looked at for a change, in looks.
+/// Number of these checks from one check of the files for a change to the next.
 const FILES_EVERY: u32 = 60;
-/// How often certificates and lists that end are warned of, in looks: once a day.
+/// Number of these checks from one warning of certificates and lists that end to the next: once a day.
 const WARN_EVERY: u32 = 86_400;
-/// A certificate of the server that ends within this time is warned of.
+/// The server warns of its own certificate when it ends within this time.
 const ENDS_SOON: i64 = 30 * 86_400;
 
 /// The side of TLS of one server.
@@ -64,7 +64,7 @@ pub(crate) struct Tls {
 #[derive(PartialEq, Eq, Debug)]
 struct Table {
     rows: Vec<CertificateRole>,
-    /// Of a certificate without a row.
+    /// The role of a certificate without a row.
     default: Role,
 }
 
@@ -93,7 +93,7 @@ impl Live {
 }
 
 impl Trust {
-    /// Whether the certificate of a client holds.
+    /// Checks that the certificate of a client is valid.
     fn judge(&self, client: &TlsClient, now: UnixTime) -> Result<(), rustls::Error> {
         let none = || rustls::Error::General("certificates of clients are not accepted".to_owned());
         let eip = self.eip.as_ref().ok_or_else(none)?;
@@ -116,13 +116,13 @@ impl TlsClient {
     }
 }
 
-/// Why a connection did not get through its handshake.
+/// The reason for which a connection failed its handshake.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failed {
     /// Too many handshakes, or a lock.
     #[error("too many handshakes or failures")]
     Limited,
-    /// It took too long.
+    /// The handshake took too long.
     #[error("the handshake took longer than {} s", HANDSHAKE.as_secs())]
     Late,
     /// rustls refused it.
@@ -179,8 +179,8 @@ impl Tls {
         Ok((stream, TlsClient { chain, leaf }))
     }
 
-    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so no address is locked for it: browsers fail while
-    /// a person looks at a certificate that they do not trust.
+    /// Makes a TLS connection of a TCP connection of a browser. A failure is no guess of a secret, so it locks no address: browsers fail while
+    /// a person examines a certificate that they do not trust.
     ///
     /// # Errors
     /// See [`Failed`]; the socket is closed then.
@@ -228,7 +228,7 @@ impl Tls {
     }
 
     /// A connection whose session the plant knows lives by a certificate from now on; the token closes it. It is cancelled already when the
-    /// certificate was revoked while the handshake ran: what a reload has not judged is judged here, certificate and role, both under
+    /// certificate was revoked while the handshake ran. A certificate and a role that a reload has not checked are checked here, both under
     /// one lock.
     pub(crate) fn enter(&self, session: u64, client: TlsClient, plant: &Plant) -> CancellationToken {
         let close = CancellationToken::new();
@@ -278,7 +278,7 @@ impl Tls {
         }
     }
 
-    /// Looks at the files and at the certificates of open connections, for ever.
+    /// Checks the files and the certificates of open connections, forever.
     pub(crate) async fn watch(&self, plant: &Plant) {
         let mut changed = self.files.changed();
         plant.set_certificate_end(self.trust.load().ends);

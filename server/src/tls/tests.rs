@@ -57,7 +57,7 @@ fn shown(folder: &Path, name: &str) -> TlsClient {
     TlsClient { chain, leaf }
 }
 
-/// The handshake was judged by the files of before; the connection comes in behind the reload.
+/// The server checked the handshake by the earlier files; the connection enters after the reload.
 #[tokio::test]
 async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     let (folder, tls) = bench();
@@ -125,7 +125,7 @@ async fn the_metrics_say_when_the_certificate_of_the_server_ends() {
         value.map(|value| value.parse::<f64>().expect("a number"))
     };
     let own = || shown(folder.path(), "server.pem").leaf.valid.1 as f64;
-    // It says so before its first pause.
+    // The task reports it before its first pause.
     tokio::select! {
         biased;
         () = tls.watch(&plant) => {}
@@ -169,7 +169,7 @@ fn a_list_of_revoked_certificates_says_until_when_it_holds() {
     assert!((3649..=3650).contains(&days), "{days}");
 }
 
-/// What is in a file can be revoked: the list has it, even if the file could not be written to its end.
+/// Every certificate in a file can be revoked: the list has it, even if the file could not be written to its end.
 #[test]
 fn a_certificate_is_listed_before_it_is_written() {
     let (folder, _) = bench();

@@ -34,12 +34,12 @@ pub(crate) struct Files {
     check_expiration: bool,
 }
 
-/// What they say at one time.
+/// The contents of the files at one time.
 #[derive(Debug)]
 pub(crate) struct Trust {
-    /// Of EtherNet/IP; `None`: it is not served.
+    /// The trust of EtherNet/IP; `None`: EtherNet/IP over TLS is off.
     pub(crate) eip: Option<Eip>,
-    /// Of the page: users log in there.
+    /// The configuration of the page, on which users log in.
     pub(crate) page: Arc<ServerConfig>,
     /// The names of the server in its own certificate.
     pub(crate) names: Vec<String>,
@@ -57,7 +57,7 @@ pub(crate) struct Eip {
     pub(crate) verifier: Arc<dyn ClientCertVerifier>,
 }
 
-/// Why the files are of no use. It names files, never their content.
+/// The reason for which the files cannot be used. It names files, never their content.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TrustError {
     /// A file cannot be read, or holds nothing of its kind.
@@ -80,7 +80,7 @@ pub(crate) enum TrustError {
 }
 
 impl Files {
-    /// Those of `[security]`; relative names are those of the folder `base`.
+    /// The files of `[security]`; relative names begin at the folder `base`.
     pub(crate) fn new(security: &Security, base: &Path) -> Self {
         let at = |name: &str| base.join(name);
         Self {
@@ -185,7 +185,7 @@ fn wrong(file: &Path, reason: impl ToString) -> TrustError {
     }
 }
 
-/// With `verifier` a client needs a certificate that it accepts.
+/// The configuration of the server's side. With `verifier`, a client needs a certificate that it accepts.
 fn server_config(
     provider: &Arc<CryptoProvider>,
     verifier: Option<&Arc<dyn ClientCertVerifier>>,
@@ -208,7 +208,7 @@ fn server_config(
     Ok(config)
 }
 
-/// For a plant without a clock: a certificate is judged at the last second of its validity when it is not valid now.
+/// The verifier of a plant without a clock: it checks a certificate at the last second of its validity when it is not valid now.
 #[derive(Debug)]
 struct WithoutClock(Arc<dyn ClientCertVerifier>);
 

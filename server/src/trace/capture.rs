@@ -1,11 +1,11 @@
-//! One trace: which signals, from which trigger on, and how far it has come. The rows themselves are the store's.
+//! One trace: its signals, its trigger and its progress. The store has the rows themselves.
 
 use arcline_controller::samples::Column;
 use arcline_instruction_set::Mnemonic;
 
 use super::store::Store;
 
-/// What a trace records.
+/// The settings of a trace.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Config {
     /// The signals, in order.
@@ -42,16 +42,16 @@ pub enum Trigger {
     },
 }
 
-/// How far a trace has come.
+/// The phase of a trace.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Phase {
-    /// It waits for its trigger.
+    /// The trace waits for its trigger.
     Armed,
-    /// It records.
+    /// The trace records.
     Running,
-    /// It has all it wanted.
+    /// The trace has all its ticks.
     Complete,
-    /// It was stopped.
+    /// A client stopped the trace.
     Stopped,
 }
 
@@ -68,7 +68,7 @@ pub(super) struct Capture {
     missing_before: u64,
     /// Whether the condition of the trigger held at the tick before `watched`; `None`: not known.
     held: Option<bool>,
-    /// The next tick to look at.
+    /// The next tick to evaluate.
     watched: u64,
 }
 
@@ -106,12 +106,12 @@ impl Capture {
         }
     }
 
-    /// Looks at what the store has got since the last time.
+    /// Evaluates the rows that the store has received since the last call.
     pub(super) fn follow(&mut self, store: &Store) {
         if self.phase == Phase::Armed {
             let mut begins = None;
             for (tick, row) in store.rows_from(self.watched) {
-                // What an instruction begins is told by its event, which may come behind the rows of its tick.
+                // The execution of an instruction shows in its event, which may come behind the rows of its tick.
                 let Some(holds) = self.config.trigger.holds(row) else {
                     break;
                 };
@@ -168,7 +168,7 @@ impl Capture {
 }
 
 impl Trigger {
-    /// Whether the condition holds in a row; `None`: rows do not tell.
+    /// Whether the condition holds in a row; `None`: rows do not show the condition.
     fn holds(&self, row: &[f64]) -> Option<bool> {
         match self {
             Self::None | Self::Instruction { .. } => None,

@@ -1,5 +1,5 @@
-//! What was longer ago than the rows that are kept: of every signal of the page the value, the least and the greatest of a
-//! few ticks at a time. How many ticks is the least power of two at which eleven minutes fit into the memory for it.
+//! The past beyond the stored rows: of every signal of the page the value, the least and the greatest of a few ticks at a time. The number of
+//! ticks is the least power of two at which eleven minutes fit into the memory for it.
 //!
 //! Units are those of the samples; jerk in position units per s³. Not here: the frames that carry it (`hmi::frames`).
 
@@ -8,9 +8,9 @@ use arcline_controller::samples::{self, Column};
 
 use super::store::Store;
 
-/// Numbers that are kept of a signal: the value at the first tick, the least, the greatest.
+/// The stored numbers of a signal: the value at the first tick, the least, the greatest.
 pub(crate) const OF_SIGNAL: usize = 3;
-/// How long it is kept, s.
+/// The length of the history, s.
 const KEPT_SECONDS: f64 = 660.0;
 /// Memory for it, bytes.
 const BYTES: usize = 24 << 20;
@@ -37,7 +37,7 @@ pub(crate) fn signals(machine: &Machine) -> Vec<String> {
     axes.chain(systems).chain(tools).collect()
 }
 
-/// Where [`signals`] are in a row.
+/// The columns of [`signals`] in a row.
 pub(crate) fn columns(machine: &Machine) -> Vec<Column> {
     let signals = signals(machine);
     let columns = signals.iter().filter_map(|signal| samples::find(machine, signal));
@@ -59,14 +59,14 @@ pub(super) struct History {
     before: Vec<f64>,
 }
 
-/// What is kept, out of the row of a tick and that of the tick before.
+/// A stored quantity, calculated from the row of a tick and that of the tick before.
 #[derive(Clone, Copy, Debug)]
 enum Quantity {
     /// A signal.
     Signal(Column),
-    /// How a signal changes, per second.
+    /// The change of a signal, per second.
     Change(Column),
-    /// One signal less another.
+    /// One signal minus another.
     Difference(Column, Column),
 }
 
@@ -75,7 +75,7 @@ impl History {
         Self::within(machine, BYTES)
     }
 
-    /// With so much memory, bytes.
+    /// Makes a history within an amount of memory, bytes.
     fn within(machine: &Machine, bytes: usize) -> Self {
         let columns = columns(machine);
         let of_axes = columns.chunks_exact(OF_AXIS).take(machine.axes.len());
@@ -132,7 +132,7 @@ impl History {
                 self.row.extend(values.flat_map(|value| [value; OF_SIGNAL]));
             } else {
                 for (kept, value) in self.row[1..].chunks_exact_mut(OF_SIGNAL).zip(values) {
-                    // Where one of the two is no number it is the other.
+                    // If one of the two is not a number, the minimum or maximum is the other.
                     kept[1] = kept[1].min(value);
                     kept[2] = kept[2].max(value);
                 }
@@ -141,7 +141,7 @@ impl History {
         }
     }
 
-    /// The newest rows without a gap that begin before a tick, at most so many: the tick of the first, and the rows without
+    /// The newest rows without a gap that begin before a tick, at most `most`: the tick of the first, and the rows without
     /// the number of their group.
     pub(super) fn before(&self, tick: u64, most: usize) -> (u64, Vec<&[f64]>) {
         let rows: Vec<(u64, &[f64])> = self.store.run_before(tick.div_ceil(self.every), most).collect();

@@ -1,7 +1,7 @@
-//! Every tick's samples, kept for a while, and traces of them (docs/TRACE.md).
+//! The samples of the newest ticks, and traces of them (docs/TRACE.md).
 //!
 //! A thread of its own takes the rows out of the real-time thread's ring; readers of the trace do too, so that no reader waits for that
-//! thread. The lock is held for as long as a block of rows is copied. The tick knows nothing of it.
+//! thread. The lock is held for as long as a block of rows is copied. The tick has no part in it.
 
 mod capture;
 pub(crate) mod history;
@@ -42,7 +42,7 @@ struct Used {
     at: Instant,
 }
 
-/// What is kept.
+/// The ticks whose rows the store has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Kept {
     /// The oldest tick.
@@ -55,10 +55,10 @@ pub struct Kept {
     pub missing: u64,
 }
 
-/// How a trace stands.
+/// The state of a trace.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TraceStatus {
-    /// How far it has come.
+    /// The phase.
     pub phase: Phase,
     /// The tick of its trigger; 0 while armed.
     pub trigger: u64,
@@ -77,7 +77,7 @@ pub struct TraceStatus {
 /// Rows of a trace, without a gap.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Block {
-    /// How the trace stands.
+    /// The state of the trace.
     pub standing: TraceStatus,
     /// The tick of the first row; without rows where to ask next.
     pub first: u64,
@@ -97,7 +97,7 @@ pub(crate) struct Past {
     pub(crate) signals: usize,
     /// Numbers of each signal in a row: 1, or [`history::OF_SIGNAL`].
     pub(crate) of_signal: usize,
-    /// Row by row; none: nothing is kept.
+    /// The values row by row; empty if the store has none.
     pub(crate) values: Vec<f64>,
 }
 
@@ -107,7 +107,7 @@ pub(crate) struct Past {
 pub struct NoRoom;
 
 impl Trace {
-    /// Keeps what comes out of a ring.
+    /// Stores the rows of a ring.
     pub(crate) fn new(machine: &Machine, samples: Option<Samples>) -> Self {
         let width = samples::width(machine);
         let rows = (KEPT.as_nanos() as u64 / machine.period_ns.max(1)) as usize;
@@ -137,12 +137,12 @@ impl Trace {
             .map(drop)
     }
 
-    /// One turn of that thread.
+    /// Makes one turn of that thread.
     pub(crate) fn step(&self) {
         lock(&self.0).refresh();
     }
 
-    /// What is kept.
+    /// The ticks whose rows the store has.
     pub fn kept(&self) -> Kept {
         let mut inner = lock(&self.0);
         inner.refresh();
@@ -205,12 +205,12 @@ impl Trace {
         self.with(instance, |capture, _| capture.stop()).is_some()
     }
 
-    /// How a trace stands; `None`: there is none.
+    /// The state of a trace; `None`: there is no such trace.
     pub fn standing(&self, instance: u32) -> Option<TraceStatus> {
         self.with(instance, standing)
     }
 
-    /// The rows of a trace from a tick on, at most so many; `None`: there is no such trace.
+    /// The rows of a trace from a tick on, at most `most`; `None`: there is no such trace.
     pub fn read(&self, instance: u32, from: u64, most: usize) -> Option<Block> {
         self.with(instance, |capture, store| {
             let standing = standing(capture, store);
@@ -261,8 +261,8 @@ impl Trace {
         (first, count, values)
     }
 
-    /// What is kept of the time before a tick, newest first: of every tick as long as rows are kept, then of a few at a
-    /// time. `columns` are those of [`history::columns`].
+    /// The stored past before a tick, newest first: every tick as long as the store has its row, then a few ticks at a time. `columns` are those
+    /// of [`history::columns`].
     pub(crate) fn past(&self, before: u64, columns: &[Column], most: usize) -> Past {
         let mut inner = lock(&self.0);
         inner.refresh();
@@ -339,15 +339,15 @@ fn lock(inner: &Mutex<Inner>) -> MutexGuard<'_, Inner> {
     inner.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is kept at least, unless it takes too much memory.
+/// The least time for which the store keeps rows, unless they take too much memory.
 const KEPT: Duration = Duration::from_secs(30);
 /// Memory for it, bytes.
 const KEPT_BYTES: usize = 64 << 20;
-/// Rows of ticks for one row of a few ticks, in what is read at once: it is as many numbers and more.
+/// Rows of ticks for one row of a few ticks in one read: such a row has at least three times as many numbers.
 const PAST_SHARE: usize = 4;
 /// Traces at a time.
 pub const TRACES: usize = 32;
-/// After so long without a question a trace makes room for another.
+/// A trace that no client has read for this time makes room for another.
 const IDLE: Duration = Duration::from_secs(60);
-/// How often rows are taken: the ring has room for seconds.
+/// Time between two reads of the ring of rows, which has room for seconds.
 const PAUSE: Duration = Duration::from_millis(10);

@@ -1,4 +1,4 @@
-//! The rows of the newest ticks, in blocks: what is appended never moves what is there.
+//! The rows of the newest ticks, in blocks: an append never moves older rows.
 
 use std::collections::VecDeque;
 
@@ -18,7 +18,7 @@ pub(super) struct Store {
 }
 
 impl Store {
-    /// An empty store of rows of `width` numbers, the first of which is the tick; at least `rows` are kept.
+    /// An empty store of rows of `width` numbers, the first of which is the tick; it has room for at least `rows`.
     pub(super) fn new(width: usize, rows: usize) -> Self {
         Store {
             width,
@@ -50,7 +50,7 @@ impl Store {
         }
     }
 
-    /// The oldest tick that is kept.
+    /// The oldest tick in the store.
     pub(super) fn first(&self) -> Option<u64> {
         self.blocks.front()?.first().map(|tick| *tick as u64)
     }
@@ -62,7 +62,7 @@ impl Store {
         block.get(row).map(|tick| *tick as u64 + 1)
     }
 
-    /// Rows that are kept at most.
+    /// The most rows in the store.
     pub(super) fn most(&self) -> usize {
         (self.most - 1) * BLOCK
     }
@@ -80,7 +80,7 @@ impl Store {
         rows.skip(start % BLOCK).map(|row| (tick_of(row), row))
     }
 
-    /// The newest rows before a tick without a gap among them, oldest first, at most so many.
+    /// The newest rows before a tick without a gap among them, oldest first, at most `most`.
     pub(super) fn run_before(&self, tick: u64, most: usize) -> impl Iterator<Item = (u64, &[f64])> {
         let within = move |from: u64| self.rows_from(from).take_while(move |(at, _)| *at < tick);
         let from = tick.saturating_sub(most as u64);
@@ -97,7 +97,7 @@ impl Store {
     /// The place of the first row whose tick is not before `tick`.
     fn place(&self, tick: u64) -> usize {
         let Some(first) = self.first() else { return 0 };
-        // Without gaps it is known; gaps only move it to the front.
+        // Without gaps the position is known; gaps only move it to the front.
         let (mut low, mut high) = (0, self.len().min(tick.saturating_sub(first) as usize));
         while low < high {
             let middle = low + (high - low).div_ceil(2);

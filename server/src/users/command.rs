@@ -32,7 +32,7 @@ pub(crate) enum UsersCommand {
         /// The name.
         #[arg(value_name = "NAME", value_parser = name)]
         name: String,
-        /// What the user may do.
+        /// The role of the user.
         #[arg(long, value_name = "ROLE", value_parser = role)]
         role: Role,
     },
@@ -51,7 +51,7 @@ pub(crate) enum UsersCommand {
         /// The name.
         #[arg(value_name = "NAME")]
         name: String,
-        /// What the user may do.
+        /// The role of the user.
         #[arg(long, value_name = "ROLE", value_parser = role)]
         role: Role,
     },
@@ -96,10 +96,10 @@ pub(crate) enum TokensCommand {
         /// The name.
         #[arg(value_name = "NAME", value_parser = name)]
         name: String,
-        /// What the script may do.
+        /// The role of the script.
         #[arg(long, value_name = "ROLE", value_parser = role)]
         role: Role,
-        /// How long it holds.
+        /// Days for which the token is valid.
         #[arg(long, value_name = "DAYS", default_value_t = 90, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
     },
@@ -118,7 +118,7 @@ pub(crate) enum TokensCommand {
     },
 }
 
-/// Why a command failed.
+/// The reason for which a command failed.
 #[derive(Debug, thiserror::Error)]
 enum CommandError {
     #[error(transparent)]

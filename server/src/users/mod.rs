@@ -20,9 +20,9 @@ use self::password::Stored;
 /// The content of the file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Users {
-    /// Of the page.
+    /// The users of the page.
     pub(crate) users: Vec<User>,
-    /// Of scripts.
+    /// The tokens of scripts.
     pub(crate) tokens: Vec<Token>,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct User {
     pub(crate) role: Role,
     /// The hash of the password.
     pub(crate) password: Stored,
-    /// Whether the user cannot log in for now.
+    /// Whether the user is disabled: it cannot log in.
     pub(crate) is_disabled: bool,
 }
 
@@ -52,10 +52,10 @@ pub(crate) struct Token {
     pub(crate) until: i64,
 }
 
-/// Why the file cannot be used. It names the file and the row, never a hash.
+/// The reason for which the file cannot be used. It names the file and the row, never a hash.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum UsersError {
-    /// It cannot be read or written.
+    /// The file cannot be read or written.
     #[error("{}: {error}", file.display())]
     File {
         /// The file.
@@ -70,12 +70,12 @@ pub(crate) enum UsersError {
         /// The file.
         file: PathBuf,
     },
-    /// It is not what the commands write.
+    /// The file differs from the format that the commands write.
     #[error("{}: {reason}", file.display())]
     Content {
         /// The file.
         file: PathBuf,
-        /// What is wrong, and where.
+        /// The error and its line.
         reason: String,
     },
 }
@@ -201,7 +201,7 @@ impl Users {
     pub(crate) fn token(&self, sha256: &str) -> Option<&Token> {
         let now = OffsetDateTime::now_utc().unix_timestamp();
         let mut tokens = self.tokens.iter();
-        // A hash of 256 random bits: how long its comparison takes tells nothing of use.
+        // The token is a hash of 256 random bits, so the time of its comparison reveals nothing useful.
         tokens.find(|token| token.sha256 == sha256 && token.until >= now)
     }
 }

@@ -48,7 +48,7 @@ impl Stored {
         &self.0
     }
 
-    /// Whether a password has this hash. Takes some 20 ms and the memory of the hash.
+    /// Whether a password has this hash. The check takes some 20 ms and the memory of the hash.
     pub(crate) fn is_of(&self, password: &str) -> bool {
         let hash = PasswordHash::new(&self.0);
         password.len() <= MOST

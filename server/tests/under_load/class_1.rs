@@ -16,7 +16,7 @@ const INPUT_SIZE: u16 = 12 + 4 * 24 + 7 * 20;
 const OUTPUT_SIZE: u16 = 4 + 4 * 4;
 /// Bit of `Command`.
 const STOP: u32 = 1 << 2;
-/// Where `ConnectionStatus` stands behind the sequence count, and its bit of an owner in run.
+/// The offset of `ConnectionStatus` behind the sequence count, and its bit of an owner in run.
 const STATUS: usize = 2 + 4;
 const RUN: u8 = 2;
 /// Requested packet interval, µs; times 512, it outlasts each load.

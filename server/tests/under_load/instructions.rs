@@ -41,7 +41,7 @@ fn service_of(mnemonic: Mnemonic) -> Bytes {
     request.to_bytes().expect("a short path")
 }
 
-/// How a client sends a stop.
+/// The way in which a client sends a stop.
 enum By {
     /// A CIP message, and the one that takes `EnableIn` back, if it was set.
     Cip(Bytes, Option<Bytes>),
@@ -73,7 +73,7 @@ struct Clients<'s> {
 }
 
 impl Clients<'_> {
-    /// From the request to the ramp of a jog.
+    /// The time from the request to the ramp of a jog.
     fn stop(&mut self, name: &str, by: &By) -> Duration {
         self.server.jog();
         let runtime = &self.server.clients;

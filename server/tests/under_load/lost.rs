@@ -33,7 +33,7 @@ impl Server {
         sent.expect("it is open");
     }
 
-    /// From the last confirmation of a jog to its ramp; `None` where the jog was over before, since this machine sent confirmations late.
+    /// The time from the last confirmation of a jog to its ramp; `None` if the jog was over before, since this machine sent confirmations late.
     fn dead_man(&self, page: &mut Page, load: &mut Load) -> Option<Duration> {
         self.until("it stands", |speed| speed == 0.0);
         self.ask(page, json!({"do": "jog", "axis": "S", "speed": 50.0}));

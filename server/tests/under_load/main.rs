@@ -31,12 +31,12 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
-/// From STOP to the ramp, at most. Seconds were measured before STOP had a thread of its own, and 89 to 166 ms of stops that travel as
+/// The longest time from STOP to the ramp. Seconds were measured before STOP had a thread of its own, and 89 to 166 ms of stops that travel as
 /// instructions before those overtook others.
 const BOUND: Duration = Duration::from_millis(20);
-/// How much more memory a load takes than the idle server, at most, KiB; 300 clients took 2 GB before the queues had bounds.
+/// The greatest memory of a load beyond that of the idle server, KiB; 300 clients took 2 GB before the queues had bounds.
 const MEMORY: u64 = 100 << 10;
-/// How long a load lasts before STOP is pressed.
+/// The time of a load before STOP is pressed.
 const WARM: Duration = Duration::from_millis(400);
 /// Longest wait for something that must come.
 const SOON: Duration = Duration::from_secs(20);
@@ -164,7 +164,7 @@ impl Server {
         began.elapsed()
     }
 
-    /// From the page's STOP to the ramp.
+    /// The time from the page's STOP to the ramp.
     fn stop(&self, page: &mut Page) -> Duration {
         let began = Instant::now();
         self.clients.block_on(async {
@@ -173,7 +173,7 @@ impl Server {
         });
         self.until("STOP", |speed| speed < 50.0);
         let took = began.elapsed();
-        // With its answer STOP is over; until then it may stop what is begun behind it.
+        // STOP is over with its answer; until then it may stop motion that begins behind it.
         let answer = async {
             while let Some(message) = page.next().await {
                 let message = message.expect("the page goes on");
@@ -193,7 +193,7 @@ impl Server {
     }
 }
 
-/// What keeps the server busy until it is dropped.
+/// A load that keeps the server busy until it is dropped.
 struct Load {
     begin: Begin,
     over: Arc<AtomicBool>,
@@ -236,12 +236,12 @@ impl Load {
         (self.begin)(self, server);
     }
 
-    /// Whether all clients have sent something.
+    /// Whether all clients have sent a message.
     fn has_started(&self) -> bool {
         self.started.load(Ordering::Acquire) == self.tasks.len() as u64
     }
 
-    /// A client that sends the same bytes again and again, so many messages ahead of the answers.
+    /// A client that sends the same bytes again and again, `ahead` messages ahead of the answers.
     fn client(&mut self, server: &Server, ahead: u64, messages: Vec<Bytes>) {
         let (eip, over, done) = (server.eip, self.over.clone(), self.done.clone());
         let started = self.started.clone();
@@ -348,7 +348,7 @@ fn write_enable(tag: &str, on: bool) -> Request {
 /// Begins a load.
 type Begin = fn(&mut Load, &Server);
 
-/// What a stop is measured under.
+/// The loads under which stops are measured.
 #[rustfmt::skip]
 const LOADS: [(&str, Begin); 7] = [
     ("nothing",                      |_, _| {}),
@@ -389,7 +389,7 @@ impl Server {
     }
 }
 
-/// How often each is tried; the best counts.
+/// The number of tries of each; the best counts.
 const TRIES: usize = 3;
 
 /// The most memory that this process has had since [`forget_peak`], KiB.

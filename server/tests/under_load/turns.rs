@@ -1,5 +1,5 @@
 //! No request keeps the network's thread for long: the dearest request of each kind, and the longest time for which the thread did nothing
-//! else, by the thread's CPU time, so that what else the machine does is not counted.
+//! else, by the thread's CPU time, so that other work of the machine does not count.
 
 use std::fmt::Write as _;
 
@@ -12,10 +12,10 @@ use super::*;
 const LONGEST: Duration = Duration::from_millis(10);
 /// Bytes of the requests of a packet, with their offsets.
 const PACKET: usize = 5280;
-/// How often each request is asked; the best counts, since pushes to pages come in between.
+/// The number of requests of each kind; the best counts, since pushes to pages come in between.
 const TIMES: usize = 4;
 
-/// Looks again and again at the clock of the network's only thread: what lies between two looks is one turn of others.
+/// Reads the clock of the network's only thread again and again: the time between two reads is one turn of others.
 struct Turns {
     longest: Arc<AtomicU64>,
     looks: Arc<AtomicU64>,

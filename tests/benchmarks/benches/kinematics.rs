@@ -1,6 +1,6 @@
 //! Both directions of the transforms, over random points of the workspace: `cargo bench -p arcline-benchmarks --bench kinematics`.
 //!
-//! Those with velocity and acceleration are what the tick calls. Goals: the inverse of a delta of three arms and of a SCARA
+//! The tick calls the functions with velocity and acceleration. Goals: the inverse of a delta of three arms and of a SCARA
 //! within 200 ns, of six axes within 2 µs.
 #![allow(missing_docs)]
 
@@ -103,7 +103,7 @@ fn six_axes(c: &mut Criterion) {
             robot.inverse(&Pose::new(point), taken.configuration, taken.turns)
         });
     });
-    // What a transform (MCTO) does in every update: the tool centre in the work frame, moving, to the joints and their rates.
+    // The work of a transform (MCTO) in every update: from the moving tool centre in the work frame to the joints and their rates.
     let [work, tool] = [[20.0, -10.0, 5.0, 3.0, 8.0, -12.0], [5.0, 0.0, 85.0, 0.0, 10.0, 15.0]].map(Pose::new);
     let centres: Vec<_> = taken
         .iter()

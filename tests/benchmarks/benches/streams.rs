@@ -1,6 +1,6 @@
-//! How long planning a toolpath takes beside its motion, and how both grow with its moves: `cargo bench -p arcline-benchmarks --bench streams`
+//! The computing time of plans beside the motion, and its growth with the number of moves: `cargo bench -p arcline-benchmarks --bench streams`
 //! [`-- STREAM`]. Each stream goes through a queue of 1,000 that is always full, once with 1,000, 10,000 and 100,000 moves; `FRONT=out.csv` writes,
-//! for the plot of docs/MOTION.md, how far the motion was planned at each instant.
+//! for the plot of docs/MOTION.md, the planned part of the motion at each instant.
 
 #![allow(missing_docs)]
 

@@ -36,7 +36,7 @@ fn deep() -> Bench {
     bench
 }
 
-/// The same with one MCCD over all of it, so many ticks ago.
+/// The same with one MCCD over all of it, `ticks` ticks ago.
 fn changed(ticks: u64) -> Bench {
     let mut bench = deep();
     change(&mut bench, 150);
@@ -59,7 +59,7 @@ fn change_of(bench: &mut Bench, speed: u32, scope: &str) {
     assert_eq!(bench.call(&call), (0, 0));
 }
 
-/// Microseconds of each of the same steps, sorted: the least of [`RUNS`] runs each, so that what else the machine does is left
+/// Microseconds of each of the same steps, sorted: the least of [`RUNS`] runs each, so that other load of the machine is left
 /// out.
 fn steps(count: usize, start: fn() -> Bench, mut step: impl FnMut(&mut Bench, usize)) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; count];
@@ -77,7 +77,7 @@ fn steps(count: usize, start: fn() -> Bench, mut step: impl FnMut(&mut Bench, us
 
 const RUNS: usize = 12;
 
-/// Single ticks and single changes, as criterion's means do not tell the worst.
+/// Single ticks and single changes, since criterion's means do not show the worst.
 fn singles() {
     let ticks = steps(8000, in_a_blend, |bench, _| bench.tick());
     let mean = ticks.iter().sum::<f64>() / ticks.len() as f64;

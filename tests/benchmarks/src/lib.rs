@@ -1,1 +1,1 @@
-//! Nothing but benchmarks: `cargo bench -p arcline-benchmarks`.
+//! The crate of the benchmarks: `cargo bench -p arcline-benchmarks`.

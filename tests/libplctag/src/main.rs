@@ -1,7 +1,7 @@
 //! Drives an Arcline server with an unmodified libplctag: arcline-libplctag HOST:PORT; or jogs the axis S by its instruction tag `Jog1`
 //! until it is killed: arcline-libplctag HOST:PORT jog.
 //!
-//! One line for each check; the first that fails ends the program with a panic, whose message says what was expected.
+//! One line for each check; the first failure ends the program with a panic, whose message has the expected value.
 #![forbid(unsafe_code)]
 
 use std::time::{Duration, Instant};
@@ -10,10 +10,10 @@ use plctag_core::{RawTag, Status};
 
 /// Milliseconds that one request may take.
 const TIMEOUT: u32 = 10_000;
-/// How long a move may take.
+/// The longest time for a move.
 const MOVE: Duration = Duration::from_secs(30);
 
-/// libplctag's status codes for what a controller refuses.
+/// libplctag's status codes for refusals of a controller.
 const NOT_FOUND: i32 = -19;
 const NOT_ALLOWED: i32 = -18;
 const BAD_PARAM: i32 = -7;
@@ -32,7 +32,7 @@ impl Plc {
         }
     }
 
-    /// The bytes of so many elements, read now.
+    /// Reads the bytes of a number of elements.
     fn read(&self, name: &str, elements: usize) -> Vec<u8> {
         let tag = self.tag(name, elements);
         ok(name, tag.read(TIMEOUT));
@@ -172,7 +172,7 @@ fn types(plc: &Plc) {
     plc.write("Program:Main.ADint", 1, &(1_i64 << 40).to_le_bytes());
     equal("an axis", plc.read("X", 1).len(), 1040);
 
-    // What must be refused.
+    // Requests that the server must refuse.
     let Err(unknown) = plc.open("Nothing", 1) else {
         panic!("FAILED unknown tag: it is there");
     };

@@ -1,4 +1,4 @@
-//! How fast tags are read over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
+//! The speed of tag reads over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
 //! this machine and in one run: `cargo bench -p arcline-system-tests --bench network`. Rounds take turns, so that whatever else the
 //! machine does meets all of them. Then plain reads beside the same over TLS, in turns. `-- --test` asks each a few times and measures nothing.
 #![allow(missing_docs)]
@@ -75,11 +75,11 @@ fn main() {
     assert_eq!(faults, 0, "questions that had no right answer");
 }
 
-/// How it is measured.
+/// The settings of a measurement.
 #[derive(Clone, Copy)]
 struct Run {
     rounds: usize,
-    /// Of a round.
+    /// The time of a round.
     time: Duration,
 }
 
@@ -141,7 +141,7 @@ impl Run {
             ours.percentile(0.5) - bare.percentile(0.5),
             ours.percentile(0.99) / bare.percentile(0.99),
         );
-        // Of all threads, without what the server does without requests.
+        // The time of all threads, without the server's time without requests.
         let each = |busy: Duration, outcome: &Outcome| busy.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64;
         let own = busy[0].saturating_sub(ours.elapsed.mul_f64(idle));
         println!(
@@ -158,7 +158,7 @@ impl Run {
 }
 
 impl Run {
-    /// One tag by plain connections and over TLS, in turns; how many answers were wrong.
+    /// Reads one tag by plain connections and over TLS, in turns; returns the number of wrong answers.
     fn over_tls(self, connections: usize, smoke: bool) -> usize {
         let tag = "[[tag]]\nname = \"Bench\"\ntype = \"DINT\"\n";
         let secured = Secured::start(&format!("{}\n{tag}", arcline_config::DEFAULT), "", &[]);
@@ -187,7 +187,7 @@ impl Run {
         print("Arcline, one tag, TLS", connections, tls);
         let ratio = tls.rate() / plain.rate();
         println!("{:>56} {ratio:.3} of the plain rate", "");
-        // spec/security.md: what TLS may cost.
+        // spec/security.md: the permitted cost of TLS.
         assert!(smoke || ratio >= 0.7, "reads over TLS: {ratio:.3} of the plain rate");
         plain.errors + tls.errors
     }
@@ -201,7 +201,7 @@ fn idle(process: u32) -> f64 {
     took.as_secs_f64() / began.elapsed().as_secs_f64()
 }
 
-/// What all threads of a process have run so far.
+/// The processor time of all threads of a process so far.
 fn processor_time(process: u32) -> Duration {
     let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("Linux shows it");
     let time = |thread: std::io::Result<std::fs::DirEntry>| {

@@ -1,14 +1,14 @@
-//! What the machine itself makes of a schedule: a thread that only sleeps from slot to slot, beside whatever is measured.
+//! The effect of the machine itself on a schedule: a thread that only sleeps from slot to slot, beside a measurement.
 
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How a thread that is preferred where the system allows that, and only sleeps, kept a schedule.
+/// The result of a thread that only sleeps to a schedule; it has priority if the system allows that.
 #[derive(Debug, Default)]
 pub struct Bare {
-    /// Slots that it slept through.
+    /// The number of missed slots.
     pub left_out: usize,
-    /// How late it was in the others, sorted, µs.
+    /// The lateness in the others, sorted, µs.
     late: Vec<f64>,
 }
 
@@ -53,7 +53,7 @@ impl Bare {
     }
 }
 
-/// What so large a share of sorted values does not exceed.
+/// The value that a share of sorted values does not exceed.
 ///
 /// # Panics
 /// When there are none.

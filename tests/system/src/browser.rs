@@ -1,4 +1,4 @@
-//! A real browser on the HMI of a real server. What must hold is in `tests/browser/cases.mjs`; this finds what it needs.
+//! A real browser on the HMI of a real server. The cases are in `tests/browser/cases.mjs`; this module finds the browser and its packages.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -34,8 +34,8 @@ pub fn case_on(name: &str, configuration: &str) {
     );
 }
 
-/// The same against a server with users, over HTTPS if so: `anna` is an operator, another one an engineer, and who has not logged in a
-/// viewer. Their password is that of `tests/browser/login.mjs`.
+/// The same against a server with users, optionally over HTTPS: `anna` is an operator, another user an engineer, and a page without a log-in a
+/// viewer. The password is that of `tests/browser/login.mjs`.
 ///
 /// # Panics
 /// As [`case`].
@@ -131,7 +131,7 @@ fn run_on(name: &str, arguments: &[&str], over_https: bool) {
     run_beside(name, arguments, over_https, |_| ());
 }
 
-/// Runs a case while what `beside` makes is there.
+/// Runs a case while the clients or files from `beside` exist.
 fn run_beside<B>(name: &str, arguments: &[&str], over_https: bool, beside: impl FnOnce(&Server) -> B) {
     let found = find().and_then(|node| Ok((node, Store::open("browser-turn")?)));
     let (node, _turn) = match found {
@@ -152,7 +152,7 @@ fn run_beside<B>(name: &str, arguments: &[&str], over_https: bool, beside: impl 
     );
 }
 
-/// Where the pictures of the views are left: `target/hmi-pictures`.
+/// The folder for the pictures of the views: `target/hmi-pictures`.
 #[must_use]
 pub fn pictures() -> PathBuf {
     crate::programs::target_directory().join("hmi-pictures")

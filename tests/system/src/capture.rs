@@ -1,4 +1,4 @@
-//! Records what goes over the loopback interface and has Wireshark's dissectors judge it.
+//! Records the traffic of the loopback interface and checks it with Wireshark's dissectors.
 //!
 //! Needs `dumpcap` and `tshark` (Debian's package `tshark`) and the right to capture, which root has.
 
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// How long the capture may take to begin and to catch up.
+/// The longest time for the capture to begin and to catch up.
 const CATCH_UP: Duration = Duration::from_secs(20);
 
 /// A capture of all EtherNet/IP traffic of one server, from its start on.
@@ -23,7 +23,7 @@ impl Capture {
     /// Starts recording, and returns once frames are really being written.
     ///
     /// # Errors
-    /// Says what is missing on this machine.
+    /// Names the missing program on this machine.
     pub fn of(server: SocketAddr) -> Result<Self, String> {
         Self::with(server, &format!("port {}", server.port()))
     }
@@ -31,7 +31,7 @@ impl Capture {
     /// As [`Self::of`], with the datagrams of implicit I/O, which are on UDP port 2222 of the server's address.
     ///
     /// # Errors
-    /// Says what is missing on this machine.
+    /// Names the missing program on this machine.
     pub fn with_io(server: SocketAddr) -> Result<Self, String> {
         Self::with(
             server,
@@ -68,7 +68,7 @@ impl Capture {
     /// Ends the recording once everything sent so far is in the file, and gives the file to the dissectors.
     ///
     /// # Errors
-    /// Says what went wrong with the programs; what they find is in the [`Verdict`].
+    /// Names the error of a program; the dissectors' findings are in the [`Verdict`].
     pub fn finish(mut self) -> Result<Verdict, String> {
         self.wait_for_mark(*b"arcline9")?;
         crate::server::signal("INT", self.dumpcap.id());
@@ -101,7 +101,7 @@ impl Capture {
             if let Ok(Some(status)) = self.dumpcap.try_wait() {
                 let mut why = String::new();
                 if let Some(mut stderr) = self.dumpcap.stderr.take() {
-                    // What could be read is shown.
+                    // Show the part that could be read.
                     let _ = std::io::Read::read_to_string(&mut stderr, &mut why);
                 }
                 return Err(format!("dumpcap cannot record on lo ({status}): {}", why.trim()));
@@ -119,7 +119,7 @@ impl Drop for Capture {
     }
 }
 
-/// What the dissectors found.
+/// The findings of the dissectors.
 pub struct Verdict {
     /// EtherNet/IP frames in the capture.
     pub frames: usize,

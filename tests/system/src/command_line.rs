@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-/// What one run of `arcline` left behind.
+/// The result of one run of `arcline`.
 #[derive(Debug)]
 pub struct Outcome {
     /// Exit code; `None` when a signal ended it.

@@ -1,4 +1,4 @@
-//! What foreign programs have in common: a folder under `target/` for what is fetched, and a run that has an end.
+//! The common functions for foreign programs: a folder under `target/` for downloads, and a run with a time limit.
 
 use std::fs::{self, File};
 use std::io;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// How long one program may run.
+/// The longest run of one program.
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// A folder under `target/`, locked: of test processes that run at the same time one fetches, the others wait.
@@ -34,16 +34,16 @@ impl Store {
         &self.folder
     }
 
-    /// Whether it was filled for exactly what is wanted now.
+    /// Whether the folder was filled for exactly these contents.
     #[must_use]
     pub fn holds(&self, wanted: &str) -> bool {
         fs::read_to_string(self.stamp()).is_ok_and(|installed| installed == wanted)
     }
 
-    /// Notes what it holds.
+    /// Records the contents of the folder.
     ///
     /// # Errors
-    /// Says which file cannot be written.
+    /// Names the file that cannot be written.
     pub fn filled(&self, wanted: &str) -> Result<(), String> {
         fs::write(self.stamp(), wanted).map_err(|error| format!("{:?}: {error}", self.stamp()))
     }
@@ -53,19 +53,19 @@ impl Store {
     }
 }
 
-/// Runs a program to its end and gives what it printed.
+/// Runs a program to its end and returns its output.
 ///
 /// # Panics
-/// When it cannot be started, fails (with all it printed) or has not ended within two minutes.
+/// When it cannot be started, fails (with all its output) or has not ended within two minutes.
 #[must_use]
 pub fn run(name: &str, command: &mut Command) -> String {
     attempt(name, command, LIMIT).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// Runs a program to its end, which must come before `limit`, and gives what it printed.
+/// Runs a program to its end, which must come before `limit`, and returns its output.
 ///
 /// # Errors
-/// Says how it ended, with all it printed.
+/// Describes its end, with all its output.
 pub fn attempt(name: &str, command: &mut Command, limit: Duration) -> Result<String, String> {
     let mut child = command
         .stdin(Stdio::null())
@@ -89,7 +89,7 @@ fn collect(pipe: Option<impl io::Read + Send + 'static>) -> std::thread::JoinHan
     std::thread::spawn(move || {
         let mut text = Vec::new();
         if let Some(mut pipe) = pipe {
-            // What came before a read error is still worth showing.
+            // The text before a read error is still worth showing.
             let _ = pipe.read_to_end(&mut text);
         }
         String::from_utf8_lossy(&text).into_owned()
@@ -105,7 +105,7 @@ fn ended_within(child: &mut Child, limit: Duration) -> Option<std::process::Exit
         }
         std::thread::sleep(Duration::from_millis(20));
     }
-    // It may have ended by itself in the meantime.
+    // The program may have ended by itself in the meantime.
     let _ = child.kill();
     let _ = child.wait();
     None

@@ -18,7 +18,7 @@ pub struct Simulated {
     pub peak: u64,
 }
 
-/// Writes a program of so many lines of 0.25 mm at 50 mm/s, up and down in X, and simulates it on the default machine.
+/// Writes a program of a number of lines of 0.25 mm at 50 mm/s, up and down in X, and simulates it on the default machine.
 ///
 /// # Panics
 /// When it cannot be written, simulated or observed.
@@ -34,7 +34,7 @@ pub fn simulated(folder: &Path, lines: usize) -> Simulated {
     simulated_on(None, &written(folder, lines, text))
 }
 
-/// Writes a dense toolpath of so many lines: chords of 0.25 mm of a wave at 150 mm/s, to be rounded within 0.01 mm.
+/// Writes a dense toolpath of a number of lines: chords of 0.25 mm of a wave at 150 mm/s, to be rounded within 0.01 mm.
 ///
 /// # Panics
 /// When it cannot be written.

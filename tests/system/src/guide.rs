@@ -1,8 +1,8 @@
-//! The user guide, run as it stands: its files are written, its commands given, and what they print is what it shows.
+//! The user guide, run as it is: this module writes its files, runs its commands, and compares their output with the pages.
 //!
 //! In a page a block ```` ```LANGUAGE FILE ```` is a file; in a block of `console` a line `$ COMMAND` is run in the folder of these files,
-//! and the lines below it are what it prints, `…` standing for anything. `arcline-server … &` is a server that the commands after
-//! it talk to.
+//! and the lines below it are its output, in which `…` stands for any text. `arcline-server … &` is a server for the commands after
+//! it.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -94,7 +94,7 @@ fn blocks(text: &str) -> Vec<(&str, &str)> {
     blocks
 }
 
-/// Whether a text is the one that is shown, in which `…` stands for anything.
+/// Whether a text matches the displayed one, in which `…` stands for any text.
 fn is_like(text: &str, shown: &str) -> bool {
     let (text, shown) = (text.trim_end(), shown.trim_end());
     let mut pieces = shown.split('…');

@@ -1,4 +1,4 @@
-//! A foreign client against a real server, recorded and judged by Wireshark's dissectors.
+//! A foreign client against a real server, with a record that Wireshark's dissectors check.
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;
@@ -148,11 +148,11 @@ pub fn python_io(client: &str, script: &str) {
     judge(script, capture);
 }
 
-/// Where implicit I/O is.
+/// The address of implicit I/O.
 const IO_ADDRESS: &str = "127.0.0.1:2222";
-/// Whose turn it is, of the tests of one program.
+/// The turn among the tests of one program.
 static IO_PORT: Mutex<()> = Mutex::new(());
-/// How long another program may have it.
+/// The longest time for which another program may use the port.
 const IO_PORT_FREE: std::time::Duration = std::time::Duration::from_secs(60);
 
 /// Runs `tests/node/SCRIPT ADDRESS`. Its client knows no port but 44818, so the server has an address of its own.
@@ -276,7 +276,7 @@ fn judge(name: &str, capture: Result<Capture, String>) {
     println!("{name}: {} EtherNet/IP frames, none malformed", verdict.frames);
 }
 
-/// What `arcline-server default-config` prints, and the tags of `config/interop_tags.toml` behind it.
+/// The output of `arcline-server default-config`, with the tags of `config/interop_tags.toml` behind it.
 fn configuration(name: &str) -> std::path::PathBuf {
     let default = Command::new(crate::programs::arcline_server())
         .arg("default-config")

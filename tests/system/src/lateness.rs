@@ -1,4 +1,4 @@
-//! What a load does to the ticks of a server, beside what the machine itself does to a thread that only sleeps.
+//! The effect of a load on the ticks of a server, beside the effect of the machine itself on a thread that only sleeps.
 
 use std::time::Duration;
 
@@ -8,18 +8,18 @@ use crate::bare::Bare;
 use crate::command_line::read_numbers;
 use crate::server::Server;
 
-/// What was seen during a work.
+/// The measurements during some work.
 pub struct Seen {
-    /// How many ticks were how late.
+    /// The number of ticks in each bucket of lateness.
     pub ticks: Vec<f64>,
-    /// What a thread that only sleeps made of the same time.
+    /// The lateness of a thread that only sleeps in the same time.
     pub bare: Bare,
 }
 
-/// Does a work that takes so long, and sees what it does to the ticks.
+/// Does some work of a given duration, and measures its effect on the ticks.
 ///
 /// # Panics
-/// When the server does not tell how late its ticks were.
+/// When the server does not report the lateness of its ticks.
 #[must_use]
 pub fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (T, Seen) {
     let from = ticks(server);
@@ -33,7 +33,7 @@ pub fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (
     (done, seen)
 }
 
-/// How many ticks were how late so far.
+/// The number of ticks in each bucket of lateness so far.
 fn ticks(server: &Server) -> Vec<f64> {
     let names: Vec<String> = (0..HISTOGRAM_BUCKETS)
         .map(|bucket| format!("RealTime.LatenessHistogram[{bucket}]"))
@@ -41,7 +41,7 @@ fn ticks(server: &Server) -> Vec<f64> {
     read_numbers(server.address(), &names.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// Of so many ticks in each bucket, µs: within its bucket by proportion.
+/// The 99th percentile of counts in buckets, µs; within its bucket by proportion.
 #[must_use]
 pub fn p99(counts: &[f64]) -> f64 {
     let wanted = counts.iter().sum::<f64>() * 0.99;

@@ -2,11 +2,12 @@
 //!
 //! This library is their common ground. It finds the programs ([`programs`]), runs a server for the length of a test ([`server`]) and
 //! the command line ([`command_line`], [`terminal`]), the pages of the guide ([`guide`]), foreign clients ([`interop`], [`python`],
-//! [`node`], [`libplctag`], through a [`tunnel`] to a [`secured`] server) and a browser ([`browser`]), exchanges data in cycles ([`scanner`]), asks much at a time ([`load`]), looks at what that does to the ticks ([`lateness`]) and
-//! records the traffic of the loopback interface ([`capture`]).
+//! [`node`], [`libplctag`], through a [`tunnel`] to a [`secured`] server) and a browser ([`browser`]). It exchanges data in cycles
+//! ([`scanner`]), makes many requests at a time ([`load`]), measures their effect on the ticks ([`lateness`]) and records the traffic of
+//! the loopback interface ([`capture`]).
 //!
-//! `tests/programs` needs nothing but the programs. `tests/foreign` needs programs of others and `tests/load` the machine for itself;
-//! `cargo test` runs these two only by name. A test that lacks a program says so by [`not_run`].
+//! `tests/programs` needs the programs only. `tests/foreign` needs programs of others and `tests/load` the machine for itself;
+//! `cargo test` runs these two only by name. A test that lacks a program reports it by [`not_run`].
 #![forbid(unsafe_code)]
 
 use std::time::{Duration, Instant};
@@ -37,7 +38,7 @@ pub mod tunnel;
 /// Calls `condition` until it gives a value.
 ///
 /// # Panics
-/// With `what` in the message, when it has given none before `limit` has passed.
+/// With `what` in the message, when the condition has given no value before `limit` has passed.
 pub fn eventually<T>(what: &str, limit: Duration, mut condition: impl FnMut() -> Option<T>) -> T {
     const PAUSE: Duration = Duration::from_millis(2);
     let deadline = Instant::now() + limit;

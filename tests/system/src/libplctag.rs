@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::foreign::{self, Store};
 
-/// How long building libplctag may take on a slow machine.
+/// The longest build of libplctag on a slow machine.
 const BUILD: Duration = Duration::from_secs(900);
 
 /// The program, built.
@@ -16,10 +16,10 @@ pub struct Libplctag {
 }
 
 impl Libplctag {
-    /// Builds the program, if what that takes is here.
+    /// Builds the program, if the tools for the build are here.
     ///
     /// # Errors
-    /// Says what is missing on this machine, or why it does not build here.
+    /// Names the missing tool on this machine, or the error of the build.
     pub fn build() -> Result<Self, String> {
         for (program, package) in [("cmake", "cmake"), ("cc", "gcc")] {
             Command::new(program).arg("--version").output().map_err(|error| {
@@ -37,7 +37,7 @@ impl Libplctag {
         Ok(client)
     }
 
-    /// Runs it to its end and gives what it printed.
+    /// Runs it to its end and returns its output.
     ///
     /// # Panics
     /// As [`foreign::run`].
@@ -68,7 +68,7 @@ impl Libplctag {
     }
 }
 
-/// Whether the loader or `llvm-config` knows a libclang, as the crate's build script will look for it.
+/// Whether the loader or `llvm-config` knows a libclang; the crate's build script looks for it in the same way.
 fn has_libclang() -> bool {
     let names_it = |program: &str, argument: &str| {
         Command::new(program)

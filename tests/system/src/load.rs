@@ -1,7 +1,7 @@
-//! A load: many connections that ask one thing again and again, each the next time when it has its answer, and how long the
-//! answers took. Against any EtherNet/IP server, and against an echo of the same sizes.
+//! A load: many connections that ask one question again and again, each as soon as it has its answer, and the times of the
+//! answers. Against any EtherNet/IP server, and against an echo of the same sizes.
 //!
-//! It judges nothing but that every answer is a success of the right length. Times are nanoseconds.
+//! It checks only that every answer is a success of the right length. Times are nanoseconds.
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
 
-/// What a connection asks.
+/// The question of a connection.
 #[derive(Clone, Debug)]
 pub enum Question {
     /// As many bytes as a frame, to be answered by as many: an echo server's protocol.
@@ -58,13 +58,13 @@ pub fn read_all(tags: impl IntoIterator<Item = String>) -> Request {
 pub struct Load {
     /// Whom.
     pub server: SocketAddr,
-    /// What.
+    /// The question.
     pub question: Question,
-    /// How many at a time.
+    /// The number of connections at a time.
     pub connections: usize,
-    /// For how long.
+    /// The time of the load.
     pub time: Duration,
-    /// From one question to the next; `None`: as soon as there is an answer.
+    /// The time from one question to the next; `None`: each question follows the answer to the one before.
     pub pace: Option<Duration>,
     /// Over TLS, with this certificate.
     pub tls: Option<Tls>,
@@ -75,16 +75,16 @@ trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<S: AsyncRead + AsyncWrite + Unpin + Send> Stream for S {}
 
-/// What came of a load.
+/// The result of a load.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// From question to answer, sorted.
+    /// Times from question to answer, sorted.
     pub times: Vec<u32>,
     /// Answers that were none, or no success, and connections that ended.
     pub errors: usize,
-    /// What the first of them was.
+    /// The first of these errors.
     pub first_error: Option<String>,
-    /// For how long questions were asked.
+    /// The time in which questions were asked.
     pub elapsed: Duration,
     /// Bytes of a request and of its reply.
     pub sizes: (u32, u32),
@@ -182,9 +182,9 @@ struct Asker {
     stream: Box<dyn Stream>,
     /// The frame that is sent, again and again.
     frame: Vec<u8>,
-    /// Where the sequence count of class 3 stands in it.
+    /// The offset of the sequence count of class 3 in the frame.
     sequence_at: Option<usize>,
-    /// Of an echo: what comes back.
+    /// For an echo: the number of bytes that come back.
     echo: Option<u32>,
     input: BytesMut,
 }
@@ -356,7 +356,7 @@ impl Asker {
     }
 }
 
-/// Where the sequence count of a class 3 message stands in its frame: behind the header, interface handle and time-out, the
+/// The offset of the sequence count of a class 3 message in its frame: behind the header, interface handle and time-out, the
 /// item count, an address of 4 bytes and the head of the data item.
 const SEQUENCE_AT: usize = Header::LEN + 6 + 2 + 8 + 4;
 

@@ -17,7 +17,7 @@ impl Node {
     /// each version of the lock file.
     ///
     /// # Errors
-    /// Says what is missing on this machine.
+    /// Names the missing program on this machine.
     pub fn with(name: &str) -> Result<Self, String> {
         let version = output("node", Command::new("node").arg("--version"))?;
         output("npm", Command::new("npm").arg("--version"))?;
@@ -40,7 +40,7 @@ impl Node {
         Ok(Self { scripts, folder })
     }
 
-    /// Runs the script of `tests/NAME` to its end and gives what it printed.
+    /// Runs the script of `tests/NAME` to its end and returns its output.
     ///
     /// # Panics
     /// As [`foreign::run`].
@@ -55,7 +55,7 @@ impl Node {
     }
 }
 
-/// What a program printed; what is wrong with it otherwise.
+/// The output of a program, or its error.
 fn output(name: &str, command: &mut Command) -> Result<String, String> {
     let output = command
         .output()

@@ -16,7 +16,7 @@ impl Python {
     /// Finds Python and fetches the packages of `client`.txt, once for each version of that file.
     ///
     /// # Errors
-    /// Says what is missing on this machine.
+    /// Names the missing program on this machine.
     pub fn with(client: &str) -> Result<Self, String> {
         let requirements = crate::fixture(&format!("python/requirements/{client}.txt"));
         let version = Command::new("python3")
@@ -66,10 +66,10 @@ impl Python {
         Ok(Self { packages })
     }
 
-    /// Runs `tests/python/SCRIPT` to its end and gives what it printed.
+    /// Runs `tests/python/SCRIPT` to its end and returns its output.
     ///
     /// # Panics
-    /// When the script fails (with all it printed) or has not ended within two minutes.
+    /// When the script fails (with all its output) or has not ended within two minutes.
     #[must_use]
     pub fn run(&self, script: &str, arguments: &[&str]) -> String {
         let mut command = self.command();

@@ -1,6 +1,6 @@
 //! A scanner: opens a class 1 connection to a server and exchanges data with it in cycles. Blocking, one thread.
 //!
-//! It knows the wire, by `arcline-proto`, and nothing of what the assemblies mean. Sizes are those of the data.
+//! It knows the wire, by `arcline-proto`, and not the meaning of the assemblies. Sizes are those of the data.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, SocketAddrV4, TcpStream, UdpSocket};
@@ -27,7 +27,7 @@ pub struct Session {
     handle: SessionHandle,
 }
 
-/// What a connection is to be.
+/// The parameters of a connection.
 #[derive(Clone, Copy, Debug)]
 pub struct Wanted {
     /// Serial number of the connection.
@@ -40,11 +40,11 @@ pub struct Wanted {
     pub rpi: u32,
     /// Code of the timeout multiplier.
     pub multiplier: u8,
-    /// How its data is sent.
+    /// The sending of its data.
     pub sent: Sent,
 }
 
-/// How data is sent to an originator.
+/// The sending of data to an originator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sent {
     /// At the interval, to the originator.
@@ -64,7 +64,7 @@ pub struct Connection {
     wanted: Wanted,
     /// Intervals that the target confirmed, µs.
     pub confirmed: [u32; 2],
-    /// The longest time in which [`Self::exchange`] did not look at the socket: what the machine kept it from.
+    /// The longest time in which [`Self::exchange`] did not read the socket, since the machine delayed it.
     pub longest_pause: Duration,
 }
 
@@ -247,10 +247,10 @@ impl Connection {
         self.socket.send_to(&out, self.target).expect("sent");
     }
 
-    /// Exchanges data for a time: sends at the confirmed interval, takes what comes. Everything that came, in order.
+    /// Exchanges data for a time: sends at the confirmed interval, and takes the datagrams. Returns all of them, in order.
     ///
     /// # Panics
-    /// On a datagram that is none, or from elsewhere than the target.
+    /// On a malformed datagram, or one from elsewhere than the target.
     pub fn exchange(&mut self, time: Duration, output: &[u8]) -> Vec<Arrival> {
         let interval = Duration::from_micros(self.confirmed[0].into());
         let began = Instant::now();
@@ -273,7 +273,7 @@ impl Connection {
                 None => {
                     let until = next.min(began + time);
                     self.wait(until.saturating_duration_since(now));
-                    // To sleep until then is no pause; to sleep longer is.
+                    // A sleep until the time is no pause; a longer one is.
                     looked = Instant::now().min(until);
                 }
             }

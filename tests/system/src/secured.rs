@@ -49,7 +49,7 @@ impl Secured {
         self.folder.path()
     }
 
-    /// What the client shows.
+    /// The certificate of the client.
     ///
     /// # Panics
     /// When the certificates cannot be read.

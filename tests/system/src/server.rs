@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use arcline_testing::child::{Log, first_line, ready_address};
 
-/// How long a server may take until it is ready; far more than it needs, for machines that are busy.
+/// The longest time until a server is ready; far more than it needs, for busy machines.
 const READY: Duration = Duration::from_secs(20);
 
 /// A running server, ended when this is dropped.
@@ -21,7 +21,7 @@ pub struct Server {
     log: Log,
 }
 
-/// A server that ended before it was ready, or was not ready in time: what it said.
+/// A server that ended before it was ready, or was not ready in time, with its log.
 #[derive(Debug)]
 pub struct NotReady(String);
 
@@ -35,7 +35,7 @@ impl Server {
     /// Starts the server on its default configuration and a free port.
     ///
     /// # Panics
-    /// When it is not ready in time, with what it wrote.
+    /// When it is not ready in time, with its log.
     #[must_use]
     pub fn start() -> Self {
         Self::start_with(&[])
@@ -60,7 +60,7 @@ impl Server {
         Self::start_by(Command::new(crate::programs::arcline_server()), listen, arguments)
     }
 
-    /// The same, but no file that it writes may become longer than so many blocks of 512 or 1024 bytes: a write beyond
+    /// The same, but no file that the server writes may become longer than a number of blocks of 512 or 1024 bytes: a write beyond
     /// fails, as on a full disk.
     #[must_use]
     pub fn start_short_of_space(blocks: u32, arguments: &[&str]) -> Self {
@@ -108,7 +108,7 @@ impl Server {
         let line = first_line(stdout, READY).unwrap_or_default();
         let ready_after = began.elapsed();
         let Some(address) = ready_address(&line, "eip=") else {
-            // It may have ended by itself; its log says why either way.
+            // The server may have ended by itself; its log has the reason in either case.
             let _ = child.kill();
             let status = child.wait();
             return Err(NotReady(format!(
@@ -127,25 +127,25 @@ impl Server {
         })
     }
 
-    /// Where EtherNet/IP is served, TCP and UDP.
+    /// The address of EtherNet/IP, TCP and UDP.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Where the HMI is served, if it is.
+    /// The address of the HMI, if it is on.
     #[must_use]
     pub fn hmi(&self) -> Option<SocketAddr> {
         self.hmi
     }
 
-    /// Where the HMI is served over HTTPS, if it is.
+    /// The address of the HMI over HTTPS, if it is on.
     #[must_use]
     pub fn hmi_tls(&self) -> Option<SocketAddr> {
         self.hmi_tls
     }
 
-    /// Where EtherNet/IP is served over TLS, if it is.
+    /// The address of EtherNet/IP over TLS, if it is on.
     #[must_use]
     pub fn tls(&self) -> Option<SocketAddr> {
         self.tls
@@ -157,24 +157,24 @@ impl Server {
         self.child.id()
     }
 
-    /// From just before the process was started to its ready line.
+    /// The time from just before the start of the process to its ready line.
     #[must_use]
     pub fn ready_after(&self) -> Duration {
         self.ready_after
     }
 
-    /// Has the server look at its configuration again, with SIGHUP.
+    /// Makes the server read its configuration again, with SIGHUP.
     pub fn hang_up(&self) {
         signal("HUP", self.child.id());
     }
 
-    /// What it has written to its log so far.
+    /// The text of its log so far.
     #[must_use]
     pub fn log(&self) -> String {
         self.log.so_far()
     }
 
-    /// Ends the server at once, with SIGKILL, and waits until it is gone. Gives what it had to say, as [`Self::terminate`].
+    /// Ends the server at once, with SIGKILL, and waits until it is gone. Returns its messages, as [`Self::terminate`].
     #[must_use]
     pub fn kill(mut self) -> String {
         self.child.kill().expect("the server is our child and runs");
@@ -182,8 +182,8 @@ impl Server {
         said(&self.log.until_the_end().unwrap_or_default())
     }
 
-    /// Asks the server to stop, as an init system would, and waits until it has ended. Gives what it had to say, without what
-    /// the machine did not grant it.
+    /// Asks the server to stop, as an init system would, and waits until it has ended. Returns its messages, without those about permissions
+    /// that the machine refuses.
     ///
     /// # Panics
     /// When it has not ended within 20 seconds.

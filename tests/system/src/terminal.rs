@@ -1,4 +1,4 @@
-//! A program on a terminal of its own, 160 by 40, talked to: whenever it has printed what is waited for, keys are sent.
+//! A program on a terminal of its own, 160 by 40: the test waits for texts of the program and then types keys.
 
 use std::process::{Command, Stdio};
 
@@ -35,7 +35,7 @@ sys.stdout.flush()
 sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 ";
 
-/// Runs `shown` to its end; `talk` has what is waited for and what is then typed. What it printed is in `stdout`.
+/// Runs `shown` to its end; `talk` has the texts to wait for and the keys to type then. The output is in `stdout`.
 ///
 /// # Panics
 /// When there is no `python3`.

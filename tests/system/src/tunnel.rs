@@ -96,7 +96,7 @@ impl Tunnel {
         Ok(tunnel)
     }
 
-    /// Where a client without TLS connects.
+    /// The address for a client without TLS.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
@@ -105,7 +105,7 @@ impl Tunnel {
 
 impl Drop for Tunnel {
     fn drop(&mut self) {
-        // With the processes that it began for its connections.
+        // End it with the processes that it started for its connections.
         let group = format!("-{}", self.child.id());
         let _ = Command::new("kill").args(["-KILL", "--", &group]).status();
         let _ = self.child.wait();

@@ -1,4 +1,4 @@
-//! MCCP, MCSV, MAPC and MATC: profiles in tags, where a slave is led, what ends a cam, what waits for that, and the bits
+//! MCCP, MCSV, MAPC and MATC: profiles in tags, the slave's positions, the end of a cam, waiting cams, and the bits
 //! (spec/axis-and-data-types.md §3.9).
 
 use arcline_instruction_set::Flag;
@@ -9,9 +9,9 @@ use arcline_instruction_set::predefined::motion_status::{
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::machine;
 
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
-/// From Speed on: an S-curve at 100 units/s.
+/// The operands from Speed on: an S-curve at 100 units/s.
 const S_CURVE: &str = "100, 0, 1000, 0, 1000, 0, 1, 100, 100, 2";
 const LINEAR: u8 = 0;
 const CUBIC: u8 = 1;
@@ -64,7 +64,7 @@ fn time_cam(bench: &Bench, axis: &str) -> (bool, bool, bool) {
     )
 }
 
-/// From rest to rest over `length`: `rise · (3u² − 2u³)`.
+/// A move from rest to rest over `length`: `rise · (3u² − 2u³)`.
 fn smooth(x: f64, length: f64, rise: f64) -> f64 {
     let u = (x / length).clamp(0.0, 1.0);
     rise * u * u * (3.0 - 2.0 * u)
@@ -111,11 +111,11 @@ fn profiles_are_calculated_into_tags() {
             );
         }
     }
-    // What an operand does not name is not written.
+    // An omitted operand is not written.
     bench.write("Y[0]", 7.0);
     assert_eq!(bench.call("MCSV(V, P1, 5, 0, Y[1], None)"), OK);
     assert_eq!(bench.read("Y[0]"), 7.0);
-    // A shorter one leaves nothing of the longer one.
+    // A shorter profile leaves no point of the longer one.
     points.truncate(2);
     calculate(&mut bench, "P1", &points);
     assert_eq!((bench.read("P1[1].Status"), bench.read("P1[2].Status")), (2.0, 0.0));
@@ -251,7 +251,7 @@ fn once_ends_at_the_end_of_its_profile() {
         assert_eq!(bench.bits("C"), bits, "{why}");
         assert_eq!(position_cam(&bench, "A1"), (!ended, !ended, false), "{why}");
     }
-    // It does not come back with the master.
+    // The slave does not come back with the master.
     let mut bench = run(0.0, 60.0);
     let segments: Vec<i32> = bench
         .events
@@ -328,7 +328,7 @@ fn locks_are_met_where_they_lie() {
     bench.call(&format!("MAM(TURN, M, 1, 90, {TRAPEZOID})"));
     bench.until("M", Flag::Pc);
     near(bench.position("A1"), 10.0, "20 degrees behind the lock");
-    // What is shown changes, what is there does not.
+    // The redefinition changes the displayed position, not the real one.
     bench.call("MRP(B1, R, 0, 1, 1000)");
     assert_eq!(
         bench.call("MAPC(C1, B1, D, Same, P1, 1, 1, Once, ForwardOnly, 1010, 0, Command, Bidirectional)"),
@@ -475,7 +475,7 @@ fn time_cams() {
     }
 }
 
-/// Why, what is executed before, the call, and its ERR and EXERR.
+/// Why, the earlier calls, the call, and its ERR and EXERR.
 type Refusal = (&'static str, Vec<String>, String, (i16, i8));
 
 #[test]

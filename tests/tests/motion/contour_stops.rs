@@ -11,7 +11,7 @@ const PERIOD: f64 = 1e-3;
 /// Maximum Deceleration Jerk of an axis, units/s³: no stop of the rows has more.
 const MOST_JERK: f64 = 200_000.0;
 
-/// How the moves of a coordinate system are travelled.
+/// The planning of a coordinate system's moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Superposed,
@@ -46,7 +46,7 @@ fn line(driven: bool, tag: &str, [x, y]: [f64; 2], ending: &str) -> String {
     format!("MCLM(CS1, {tag}, 0, [{x}, {y}, 0], {dynamics}, {ending}, 1.0, 0, {lock})")
 }
 
-/// On the way at a steady speed, at 40 units from the start of a side of 120.
+/// A machine on the way at a steady speed, at 40 units from the start of a side of 120.
 fn under_way(kind: Kind, driven: bool, speed: f64) -> Bench {
     let mut bench = bench(kind);
     if driven {

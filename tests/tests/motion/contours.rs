@@ -68,7 +68,7 @@ fn corners_are_rounded_within_the_tolerance_and_the_end_is_exact() {
     assert_eq!(last[0][1].hypot(last[1][1]), 0.0);
     // A stop at each corner would take 3 · (0.25 + 0.09) s.
     assert!(bench.now() < 970, "{} ms", bench.now());
-    // The sides are long, so they are kept to but for a millimetre beside each corner; a curve may be faster.
+    // The sides are long, so the motion reaches their speed except for a millisecond beside each corner; a curve may be faster.
     let mut anywhere = Bench::replacing(
         "name = \"XY\"",
         "name = \"XY\"\nqueue_depth = 20\ncorner = \"precise\"\naxis_limits = \"enforce\"\ndeviation = \"anywhere\"",
@@ -195,7 +195,7 @@ fn every_update_period_gives_one_contour() {
     }
 }
 
-/// Position, velocity and acceleration of X and Y, watched for what their limits allow.
+/// Position, velocity and acceleration of X and Y, with a check against their limits.
 pub(crate) struct Watch {
     last: [[f64; 3]; 2],
     limits: [[f64; 3]; 2],
@@ -254,7 +254,7 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
             let mut bench = precise();
             three_sides(&mut bench);
             bench.run(at);
-            // What an axis does besides is ended by a merge of all motion.
+            // A merge of all motion ends the other motion of an axis too.
             if merge == 2 {
                 bench.execute("MAM(X, A, 0, 200, 5, 0, 5000, 0, 5000, 0, 1, 100000, 100000)");
             }
@@ -271,7 +271,7 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
             assert_eq!(bench.call(&line("M5", -30.0, 60.0, "6, 0, 0, 0.1")), OK);
             assert_eq!(bench.call(&line("M6", 0.0, 60.0, "1")), OK);
             assert_ne!(bench.system("XY").motion_status & cms::MOVE_PENDING_STATUS, 0);
-            // Together with what ramps out it has the speed of what was programmed before; then its own.
+            // Together with the residual it has the earlier programmed speed; then its own.
             let programmed = if merge == 2 { 205.0 } else { 200.0 };
             let (mut together, mut top, begin) = (0.0_f64, 0.0_f64, bench.now());
             while !bench.control("M4").has(Flag::Pc) {
@@ -357,8 +357,8 @@ fn a_merged_move_is_held_changed_stopped_and_merged_again() {
     bench.until("M3", Flag::Pc);
 }
 
-/// A contour is planned some updates after the first of its moves was executed. What moves one of its axes meanwhile stays: the axis does not step, and both
-/// motions come to their ends.
+/// The controller plans a contour some updates after it has executed the first of its moves. Another motion of one of its axes goes on: the
+/// axis does not step, and both motions come to their ends.
 #[test]
 fn a_contour_begins_where_another_motion_has_brought_its_axis() {
     for chords in [1, 20] {
@@ -367,7 +367,7 @@ fn a_contour_begins_where_another_motion_has_brought_its_axis() {
         bench.run(300);
         let mut watch = Watch::new(&bench).without_jerk();
         for chord in 1..=chords {
-            // One move alone is planned when no other one has come for a while.
+            // A single move is planned after a while without another move.
             let termination = if chord == 20 { "1" } else { "6, 0, 0, 0.1" };
             let y = f64::from(chord);
             assert_eq!(bench.call(&line("M", 12.0, y, termination)), OK);
@@ -375,7 +375,7 @@ fn a_contour_begins_where_another_motion_has_brought_its_axis() {
         while bench.control("A").has(Flag::Ip) {
             watch.tick(&mut bench);
         }
-        // From 12.5, where MAM had brought it, to 12, and as far as MAM still led.
+        // From 12.5, to which MAM had moved it, to 12, and on as far as MAM still led.
         let end = [12.0 + 200.0 - 12.5, f64::from(chords)];
         let [x, y] = [bench.position("X"), bench.position("Y")];
         assert!(

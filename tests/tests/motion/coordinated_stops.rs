@@ -1,4 +1,4 @@
-//! How hard MCS All stops what, which bits last until rest, and what says that a coordinated move moves nothing yet
+//! The rates of MCS All for each kind of motion, the bits that last until rest, and the bits of a coordinated move that does not move yet
 //! (spec/coordinated-instructions.md §10, §15.1, §15.3; the MCS and MCCM seeds).
 
 use arcline_instruction_set::Flag;

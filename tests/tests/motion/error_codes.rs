@@ -2,7 +2,7 @@
 //! §7, spec/coordinated-instructions.md §11).
 //!
 //! The table says how. That nothing is missing is checked against the lists of the specification, and against every error
-//! that the sources of `crates/motion` construct; what cannot be raised is listed with its reason.
+//! that the sources of `crates/motion` construct; an error that cannot be raised is listed with its reason.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -312,7 +312,7 @@ fn machine() -> String {
     text
 }
 
-/// What comes before, one step a line: a call, `run TICKS`, or `fault AXIS`. Then a call and its ERR and EXERR.
+/// The earlier steps, one a line: a call, `run TICKS`, or `fault AXIS`. Then a call and its ERR and EXERR.
 type Row = (&'static str, &'static str, (i16, i8));
 
 /// Speed, rates and jerks by a master.
@@ -441,7 +441,7 @@ const TABLE: &[Row] = &[
     ("",                    "MCS(CS1, T, 0, 1, 9, 4)",                                            (13, 5)),
     ("",                    "MCS(Decel, T, 0, 0, 0, 0)",                                          (54, -1)),
     ("",                    "MCS(AxisDecel, T, 0, 0, 0, 0)",                                      (54, 1)),
-    // MCSR: what faults is still there.
+    // MCSR: the cause of the fault is still there.
     ("fault Y\nrun 20",     "MCSR(CS1, T)",                                                       (20, 1)),
     // MCT: axes are counted within their system.
     ("MSF(Y, B1)\nrun 20",  "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",                             (5, 1)),
@@ -470,7 +470,7 @@ const TABLE: &[Row] = &[
     ("MCT(CS2, CS3, B1, [0, 0, 0], [0, 0, 0])\nMAM(S, B2, 0, 90, {rates})\nrun 99\nMCS(CS3, B3, 3, Yes, 50, 0)\nrun 2",
                             "MCT(CS2, CS3, T, [0, 0, 0], [0, 0, 0])",                             (71, 0)),
     (LINK,                  "MCT(CS1, CS3, T, [0, 0, 0], [0, 0, 0])",                             (73, 0)),
-    // MCPM, and what its systems do not have.
+    // MCPM, and operands that its systems do not have.
     ("",                    "MCCM(Pose, T, 0, [9, 0, 0], 1, [9, 0, 0], 2, {rates}, 1)",           (75, 0)),
     ("",                    "MCPM(CS1, T, Way, 1, Pace)",                                         (13, 0)),
     ("",                    "MCPM(Pose, T, NoWay, 1, Pace)",                                      (13, 2)),
@@ -724,7 +724,7 @@ const GOOD_MOVING: &[(&str, &str)] = &[
     (CAM, "MATC(X, T, 0, Profile, 1, 1)"),
 ];
 
-/// What an instruction errs with by the specification: its own list where it has one, else the checks of its order that
+/// The errors of an instruction by the specification: its own list if it has one, otherwise the checks of its order that
 /// concern it. Coordinated instructions: spec/coordinated-instructions.md §11, §14 to §17, §19.6; others:
 /// spec/axis-and-data-types.md §1.7, §2, §3, §4.
 #[rustfmt::skip]
@@ -738,7 +738,7 @@ const LISTS: &[(&str, &[i16])] = &[
     ("MCSD", &[3, 11, 50, 12]),
     ("MCSR", &[3, 11, 50, 12, 20]),
     ("MCT",  &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
-    // What is master driven takes over nothing: 97 and 103 cannot be.
+    // A master driven move cannot merge: 97 and 103 are impossible.
     ("MCPM", &[3, 24, 50, 19, 13, 95, 93, 11, 8, 38, 53, 7, 5, 20, 16, 14, 15, 54, 76, 51, 43, 78, 52, 99]),
     ("MCTO", &[3, 24, 50, 19, 13, 11, 7, 5, 20, 16, 22, 54, 76, 61, 62, 64, 66, 67, 68, 70, 71, 73, 74, 77, 99, 69, 72]),
     ("MDCC", &[3, 24, 50, 19, 13, 11, 10, 105]),
@@ -849,7 +849,7 @@ fn prepared(machine: &str, steps: &str) -> Bench {
     bench
 }
 
-/// What comes before as in the table, and what a transform `B1` has ended with by itself.
+/// The earlier steps as in the table, and the error with which a transform `B1` has ended by itself.
 const LATER: &[(&str, (i16, i8))] = &[
     // The first joint would have to turn too fast.
     (
@@ -936,8 +936,8 @@ fn every_code_that_can_be_raised_is_raised() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What `crates/motion` constructs and the table does not raise: in the file of an instruction, by this instruction;
-/// elsewhere, by any.
+/// The errors that `crates/motion` constructs and the table does not raise: in the file of an instruction, by this instruction;
+/// in other files, by any.
 fn what_sources_construct(raised: &BTreeSet<(String, i16)>) -> Vec<String> {
     let mut wrong = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/motion/src");

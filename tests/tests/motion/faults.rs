@@ -1,4 +1,4 @@
-//! Faults of axes: every kind with every action, what they do to motion, and the way back
+//! Faults of axes: every kind with every action, their effect on motion, and the way back
 //! (spec/axis-and-data-types.md §1.8, §9.3, §12).
 
 use arcline_controller::Cause;
@@ -88,7 +88,7 @@ fn every_fault_with_every_action() {
             let alarm_status = alarms && fault.shows == FaultWord::Cip;
             assert_eq!(has(x.cip_status, cip_axis_status::ALARM_STATUS), alarm_status, "{why}");
             assert_eq!(x.cip_state, at_once, "{why}");
-            // The coordinate systems of X tell, and no other.
+            // The coordinate systems of X show it, and no other.
             for (system, mask) in [("CS1", 1), ("XY", 1), ("CS3", 0)] {
                 let system = bench.system(system);
                 let mask = if faults { mask } else { 0 };
@@ -155,7 +155,7 @@ fn every_fault_with_every_action() {
             assert_eq!(bench.axis("X").cip_state, recovered, "{why}");
             if action == Shutdown {
                 assert_eq!(bench.call("MASR(X, R3)"), OK, "{why}");
-                // It coasts to rest from 60 units/s.
+                // The axis coasts to rest from 60 units/s.
                 bench.run(2000);
             }
             if action != StopPlanner {
@@ -410,7 +410,7 @@ fn faults_survive_a_restart_until_they_are_reset() {
     }
 }
 
-/// What ended an instruction, by its last event; names in place of tags.
+/// The cause that ended an instruction, by its last event; names in place of tags.
 fn ending(bench: &Bench, tag: &str) -> String {
     let ended = bench
         .events

@@ -36,7 +36,7 @@ fn state(bench: &Bench) -> [[f64; 3]; 2] {
 /// Watches that nothing steps from tick to tick.
 struct Watch {
     last: [[f64; 3]; 2],
-    /// Largest acceleration and jerk of an axis that are expected, with what curvature adds.
+    /// The greatest expected acceleration and jerk of an axis, with the part of the curvature.
     rate: f64,
     jerk: f64,
 }
@@ -126,7 +126,7 @@ fn a_hold_rests_on_the_path_and_goes_on_to_the_exact_end() {
         (line("M", 100.0, 50.0, "1"), on_line as fn(f64, f64), (100.0, 50.0)),
         (arc("M"), on_arc, (100.0, 0.0)),
     ] {
-        // The arc's curvature adds to what the axes see.
+        // The arc's curvature adds to the acceleration of the axes.
         let factor = 2.0;
         for at in [1, 40, 120, 700, 1000] {
             let mut bench = Bench::new();
@@ -256,7 +256,7 @@ fn storms_of_overrides_stay_on_the_path_and_end_exactly() {
             _ => (arc("M"), on_arc as fn(f64, f64), (100.0, 0.0)),
         };
         assert_eq!(bench.call(&call), OK);
-        // An arc of radius 50 at twice the speed: 800 units/s² across it, and what its turning adds to the jerk.
+        // An arc of radius 50 at twice the speed: 800 units/s² across it, and the part of its turning in the jerk.
         let mut watch = Watch::new(&bench, 2.0);
         while !bench.control("M").has(Flag::Pc) {
             if random() < 0.2 {

@@ -1,5 +1,5 @@
-//! Another implementation of the drives: a fieldbus whose feedback is two ticks old, that can be lost. What instructions do on it, and what
-//! faults do (spec/axis-and-data-types.md §12).
+//! Another implementation of the drives: a fieldbus whose feedback is two ticks old, and which can be lost. The effects of instructions and
+//! faults on it (spec/axis-and-data-types.md §12).
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -19,11 +19,11 @@ const SWITCH_ON: u32 = 20;
 const WATCHDOG: u32 = 10;
 /// Age of the feedback, ticks.
 const AGE: usize = 2;
-/// Where the home switch of X becomes active, and its registration input, of the machine.
+/// The position at which the home switch of X becomes active, and the position of its registration input, of the machine.
 const SWITCH: f64 = 10.0;
 const MARK: f64 = 33.3;
 
-/// One drive: its axis is at every tick where the set-point of the tick before was.
+/// One drive: at every tick its axis is at the set-point of the tick before.
 #[derive(Debug, Default)]
 struct Drive {
     position: f64,
@@ -31,7 +31,7 @@ struct Drive {
     target: Option<SetPoint>,
     switching: u32,
     state: DriveState,
-    /// It never switches on or off.
+    /// The drive never switches on or off.
     stuck: bool,
     unheard: u32,
     faults: FaultSet,
@@ -41,7 +41,7 @@ struct Drive {
 }
 
 impl Drive {
-    /// One tick; `heard`: the set-point that has come over the bus.
+    /// Makes one tick; `heard`: the set-point that has come over the bus.
     fn tick(&mut self, heard: Option<&SetPoint>) -> Feedback {
         self.before = self.position;
         if let Some(target) = self.target.filter(|_| self.state == DriveState::Enabled) {
@@ -302,7 +302,7 @@ fn homing_takes_the_exact_position_of_the_latch() {
     // The Home Position lies 5 from the switch.
     let machine = bus.bus().drives[0].position;
     assert!((machine - (SWITCH + 5.0)).abs() < 1e-9, "{machine}");
-    // From within the switch it goes back first.
+    // A homing that begins within the switch goes back first.
     assert_eq!(bench.call("MAH(X, H2)"), OK);
     bench.until("H2", Flag::Pc);
     bench.run(5);

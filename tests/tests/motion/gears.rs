@@ -1,15 +1,15 @@
-//! MAG: where a slave is, how it meets its master, what ends it, and the bits (spec/axis-and-data-types.md §3.5).
+//! MAG: the positions of a slave, its start at its master, its end, and the bits (spec/axis-and-data-types.md §3.5).
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::{GEARING_LOCK_STATUS, GEARING_STATUS};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::{bench, machine};
 
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
-/// From Speed on: an S-curve at 100 units/s.
+/// The operands from Speed on: an S-curve at 100 units/s.
 const S_CURVE: &str = "100, 0, 1000, 0, 1000, 0, 1, 100, 100, 2";
-/// From Slave Counts on: a real ratio of the command position, no clutch.
+/// The operands from Slave Counts on: a real ratio of the command position, no clutch.
 const COMMAND: &str = "1, 1, Command, Real, Disabled, 0, 0";
 /// The same with a clutch of 1000 units/s².
 const CLUTCH: &str = "1, 1, Command, Real, Enabled, 1000, Unitspersec2";
@@ -56,13 +56,13 @@ fn ratios_and_directions() {
         bench.run(150);
         near(velocity(&bench, "A1"), ratio * velocity(&bench, "B1"), why);
         bench.until("M", Flag::Pc);
-        // Of the master's whole way, not of a sum of steps.
+        // The slave follows the master's whole displacement, not a sum of steps.
         assert_eq!(position(&bench, "A1"), ratio * 33.3, "{why}");
         assert_eq!(bench.bits("G"), "EN DN IP", "{why}: it never completes");
     }
 }
 
-/// Why, what is executed before, the call, and its ERR and EXERR.
+/// Why, the earlier calls, the call, and its ERR and EXERR.
 type Refusal = (&'static str, Vec<String>, String, (i16, i8));
 
 #[test]

@@ -101,7 +101,7 @@ fn every_sequence_ends_where_it_should() {
         let begin = bench.position("X");
         assert_eq!(bench.call("MAH(X, H1)"), OK, "{keys}");
         assert_eq!((bench.bits("H1").as_str(), event(&bench)), ("EN IP", ARMED), "{keys}");
-        // Where the axis really goes: the sum of its movement, update by update, but for redefinitions.
+        // The real position of the axis: the sum of its movement, update by update, without redefinitions.
         let mut machine_position = begin;
         let mut last = bench.axis("X").actual[1];
         while !bench.control("H1").has(Flag::Pc) {
@@ -154,8 +154,8 @@ fn waiting(sequence: &str) -> Bench {
 
 #[test]
 fn the_way_does_not_show_the_update_period() {
-    // The command is a function of time from latch to latch, at every period. A drive that lags, with what it sees of the command at
-    // the ticks and of a leg that begins inside one, is the same to a share of what that tick moves it by.
+    // The command is a function of time from latch to latch, at every period. A drive with lag sees the command only at the ticks, also of a leg
+    // that begins inside one; its result is the same up to a share of its movement in that tick.
     let follows = "velocity_feedforward = 1.0";
     let lags = "position_bandwidth_hz = 5, velocity_feedforward = 0.2";
     let run = |drive: &str, period: f64, sequence: &str, direction: &str| {
@@ -228,7 +228,7 @@ fn the_bits_of_homing_at_their_ticks() {
     bench.rung_false("H1");
     assert_eq!(bench.bits("H1"), "DN PC");
     bench.tick();
-    // It stands on the edge of the switch: that is found at once.
+    // The axis stands on the edge of the switch, which is found at once.
     bench.call("MAH(X, H1)");
     assert_eq!((bench.bits("H1").as_str(), event(&bench)), ("EN IP", ARMED));
     bench.until("H1", Flag::Pc);
@@ -397,7 +397,7 @@ fn a_torque_sequence_ends_at_the_mechanical_stop() {
 
 #[test]
 fn passive_homing_waits_for_others_to_come_by() {
-    // Where the event is, of the machine: the edge at 0, the markers at -7, 3, 13.
+    // The machine position of the event: the edge at 0, the markers at -7, 3, 13.
     for (sequence, event_at) in [("switch", 0.0), ("marker", -7.0), ("switch-marker", 3.0)] {
         let mut bench = waiting(sequence);
         assert_eq!(bench.call("MAH(X, H1)"), OK);

@@ -1,4 +1,4 @@
-//! What instructions do, one program of tests for all of them: each module is a family of instructions or a property of the
+//! The effects of instructions, one program of tests for all of them: each module is a family of instructions or a property of the
 //! machine, on the virtual clock.
 
 mod axes;

@@ -92,7 +92,7 @@ command_tolerance = 0.5
 
 /// A trapezoid at 100 units/s with 1,000 units/s².
 const RATES: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
-/// The same, and it ends what else moves the axis.
+/// The same, with a merge that ends the other motion of the axis.
 const MERGED: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, Enabled";
 
 fn bench() -> Bench {
@@ -378,7 +378,7 @@ fn a_new_move_takes_the_place_of_the_running_one() {
     assert_eq!(bench.until("M2", Flag::Pc), 405);
     assert!(near(bench.position("X"), 5.0));
 
-    // Absolute: to the new end, back if that lies behind; what cannot stop before it overshoots.
+    // Absolute: to the new end, and back if that lies behind; a move that cannot stop before it overshoots.
     for (why, end, farthest) in [("back", -20.0, 35.0), ("too near", 32.0, 35.0), ("farther", 60.0, 60.0)] {
         let mut bench = Bench::with(MACHINE);
         bench.call(&format!("MAM(X, M1, 0, 50, {RATES})"));
@@ -739,7 +739,7 @@ fn coordinated_circles_pass_the_unwind() {
     }
 }
 
-/// What a program of instructions at multiples of 4 ms does to some axes, every 4 ms.
+/// The positions of some axes every 4 ms under a program of instructions at multiples of 4 ms.
 fn trace(period: f64, program: &[(u32, &str)], axes: &[&str]) -> Vec<f64> {
     let config = MACHINE.replace(
         "coarse_update_period_ms = 1.0",

@@ -8,7 +8,7 @@ use arcline_instruction_set::predefined::axis_fault;
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::machine;
 
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
 
 /// The machine for gears, with an encoder `E` on the tag `Encoder` and a rotary one, `ER`, and inputs of `A1`.

@@ -1,4 +1,4 @@
-//! What instructions do, tick by tick, as spec/coordinated-instructions.md and axis-and-data-types.md tell.
+//! The effects of instructions, tick by tick, as in spec/coordinated-instructions.md and axis-and-data-types.md.
 
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::{

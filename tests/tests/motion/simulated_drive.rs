@@ -1,4 +1,4 @@
-//! A simulated servo in the whole machine: its following error, limits and encoder, and what they do to settling.
+//! A simulated servo in the whole machine: its following error, limits and encoder, and their effect on settling.
 
 use std::f64::consts::TAU;
 
@@ -24,7 +24,7 @@ fn machine(drive: &str, period_ms: f64) -> Bench {
 /// 400 mm at 500 mm/s, S-curve: 0.2 s up, 0.6 s of cruise, 0.2 s down.
 const S_CURVE: &str = "MCLM(CS1, M1, 0, [400, 0, 0], 500, 0, 5000, 0, 5000, 0, 1, 100, 100, 2, 1)";
 
-/// Command velocity of X every 0.25 ms during [`S_CURVE`] and half a second more: what no drive has a part in.
+/// Command velocity of X every 0.25 ms during [`S_CURVE`] and half a second more, independent of the drive.
 fn velocities() -> Vec<f64> {
     let mut bench = machine("velocity_feedforward = 1.0", 0.25);
     bench.execute(S_CURVE);
@@ -66,7 +66,7 @@ fn the_following_error_is_the_one_the_transfer_function_predicts() {
             for expected in expected.iter().step_by(stride) {
                 let axis = bench.axis("X");
                 assert!((axis.position_error - (axis.command[0] - axis.actual[0])).abs() < 1e-12);
-                // To 1 % of what it is; below a thousandth of its height, of that.
+                // Within 1 % of the error itself; below a thousandth of the steady error, within 1 % of that thousandth.
                 let apart = (axis.position_error - expected).abs() / expected.abs().max(steady / 1000.0);
                 worst = worst.max(apart);
                 assert!(
@@ -88,7 +88,7 @@ fn the_following_error_is_the_one_the_transfer_function_predicts() {
     }
 }
 
-/// When a move that waits for the axis hands over to its successor, seconds: told from the successor's speed.
+/// The time at which a move that waits for the axis hands over to its successor, seconds, by the successor's speed.
 fn handed_over(drive: &str, profile: u8, period_ms: f64) -> f64 {
     let mut bench = machine(drive, period_ms);
     let first = format!("MCLM(CS1, M1, 0, [31.7, 0, 0], 200, 0, 4000, 0, 1500, 0, {profile}, 100, 100, 2, 0)");

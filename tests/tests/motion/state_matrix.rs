@@ -8,7 +8,7 @@ use arcline_tests::robots::PATH_TAGS;
 /// A trapezoid at 50 units/s, from Speed on.
 const RATES: &str = "50, 0, 500, 0, 500, 0, 0, 100, 100, 2";
 
-/// A name, and what makes a machine that is in this state.
+/// A name, and the function that makes a machine in this state.
 type State = (&'static str, fn() -> Bench);
 
 /// The states, in the order of the matrix's columns.
@@ -52,7 +52,7 @@ fn machine() -> Bench {
     bench
 }
 
-/// Executes what makes a state.
+/// Makes a machine by these calls.
 fn made(calls: &[&str], ticks: u64) -> Bench {
     let mut bench = machine();
     for (place, call) in calls.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Every bit of the predefined types that Arcline sets, seen set and cleared at its tick, as a client reads it from the
 //! bytes of the tags (spec/axis-and-data-types.md §1.2, §8); the others with the reason why they stay 0.
 //!
-//! A scenario is a machine at rest and what is executed at which tick. A row names a bit and the ticks at which it
+//! A scenario is a machine at rest and calls at given ticks. A row names a bit and the ticks at which it
 //! changes: the first is that of the first snapshot that shows the change.
 
 use std::collections::BTreeSet;
@@ -70,7 +70,7 @@ name = "Mark2"
 type = "BOOL"
 "#;
 
-/// A name, the last tick, and what happens at which tick: a call, `fault AXIS BITS`, `write TAG VALUE`, `false TAG` of a rung, `late` and
+/// A name, the last tick, and the steps at their ticks: a call, `fault AXIS BITS`, `write TAG VALUE`, `false TAG` of a rung, `late` and
 /// `in time` of the motion task.
 type Scenario = (&'static str, u64, &'static str);
 
@@ -130,7 +130,7 @@ const SCENARIOS: &[Scenario] = &[
     ("weak drive", 600, "10 MAM(Weak, M, 0, 10, 50, 0, 10000, 0, 10000, 0, 0, 100, 100, 2)"),
     ("error", 60, "10 MAM(X, M, 2, 10, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n20 false M"),
     ("late", 60, "10 late\n30 in time"),
-    // The next edge clears what the last execution left.
+    // The next edge clears the bits of the last execution.
     ("move again", 340, "10 MAM(X, M, 0, 9.98, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n320 false M\n330 MAM(X, M, 0, 20, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)"),
     ("reset again", 60, "10 MAFR(X, M)\n20 false M\n30 MAFR(X, M)"),
     ("error again", 60, "10 MAM(X, M, 2, 10, 50, 0, 500, 0, 500, 0, 0, 100, 100, 2)\n20 false M\n30 MAFR(X, M)"),
@@ -155,7 +155,7 @@ const VIRTUAL_TOO: [&str; 14] = [
     "registration",
 ];
 
-/// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), what it is at tick 0, and the ticks at
+/// A scenario, a bit (`TAG.MEMBER`, or `TAG.MEMBER.BIT` of a word without names), its value at tick 0, and the ticks at
 /// which it changes.
 type Row = (&'static str, &'static str, bool, &'static [u64]);
 
@@ -235,7 +235,7 @@ const ROWS: &[Row] = &[
     ("weak drive",       "Weak.VelocityLimitStatus",        false, &[51, 277]),
     ("weak drive",       "Weak.PositionLockStatus",         true,  &[12, 280, 281, 352, 353, 409, 410, 449, 450, 473]),
     ("drive alarm",      "Near.AlarmStatus",                false, &[11, 31]),
-    // AxisFault, and what motion shows of it.
+    // AxisFault, and its effect in the bits of motion.
     ("fault",            "X.PhysicalAxisFault",             false, &[11, 30]),
     ("fault",            "X.ServoActionStatus",             true,  &[11, 41]),
     ("virtual fault",    "A.PhysicalAxisFault",             false, &[11, 30]),
@@ -468,7 +468,7 @@ fn host(template: &arcline_tag::Template, bit: &arcline_tag::Member) -> String {
     holding.next().expect("a bit is in a word").name.clone()
 }
 
-/// What every bit asked for is at every tick; wherever something happens, `look` sees all tags.
+/// The values of the wanted bits at every tick; `look` sees all tags after each step.
 fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl FnMut(&Image)) -> Vec<Vec<bool>> {
     let mut bench = Bench::with(config);
     let mut image = Image::new(bench.machine(), &[], &[]);
@@ -615,7 +615,7 @@ fn every_bit_is_set_and_cleared_at_its_tick() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Whether a bit never changes here. Those of faults and their alarms have a test of their own.
+/// Whether a bit never changes in these scenarios. The bits of faults and their alarms have a test of their own.
 fn is_constant(bit: &str, word: &str) -> bool {
     NEVER.iter().chain(ALWAYS).any(|(name, _)| *name == bit) || NEVER_WORDS.iter().any(|(name, _)| *name == word)
 }
@@ -631,7 +631,7 @@ fn shown_fault(word: &str, bit: &arcline_tag::Member, offset: u32) -> Option<Fau
         .flatten()
 }
 
-/// Bits that are not what they always are.
+/// Constant bits that have changed.
 fn constant_bits(image: &Image) -> impl Iterator<Item = String> {
     let mut wrong = Vec::new();
     for tag in TAGS {

@@ -1,4 +1,4 @@
-//! The result table of the stop's reference: what each stop leaves running of coordinated moves, single-axis moves and a
+//! The result table of the stop's reference: the motion that each stop leaves running, of coordinated moves, single-axis moves and a
 //! transform (the reference page MCS, spec/coordinated-instructions.md §15.5).
 //!
 //! CS1 = X, Y, Z; CS2 = X, Y, S; CS3 = A, B, C; transform T1 from CS2 to CS3. An MCLM on CS2 and MAMs on Y, Z and S run.
@@ -7,7 +7,7 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
 use arcline_tests::bench::{Bench, OK};
 
-/// instruction, coordinate system or axis, stop type; what becomes of the MCLM on CS2, the MAMs on Y, Z and S, T1, and
+/// instruction, coordinate system or axis, stop type; the states of the MCLM on CS2, the MAMs on Y, Z and S, T1, and
 /// the axes A, B and C.
 const TABLE: &str = "
     MCS,CS1,All,stop,stop,stop,cont,cancel,stop
@@ -25,7 +25,7 @@ const TABLE: &str = "
     MCS,CS3,CoordinatedTransform,cont,cont,cont,cont,cancel,stop
 ";
 
-/// Shape of the moves and what a stop of them may be: trapezoids and S-curves.
+/// The profiles of the moves and of their stops: trapezoids and S-curves.
 const SHAPES: [&str; 2] = ["Trapezoidal", "S-curve"];
 
 /// Speed of the MCLM along X, Y and S: 150 units/s over the direction 2, 2, 1.
@@ -69,7 +69,7 @@ fn every_row_of_the_result_table() {
             bench.run(STOPPED);
             assert_eq!(bench.bits("Stop"), "EN DN PC", "{why}");
 
-            // The instructions: what goes on is in process, what was stopped never completes.
+            // The instructions: one that goes on is in process, a stopped one never completes.
             let goes_on = |cell: &str| cell == "cont" || cell == "active";
             for (tag, cell) in [("L1", line), ("MY", y), ("MZ", z), ("MS", s), ("T1c", transform)] {
                 assert_eq!(bench.control(tag).has(Flag::Ip), goes_on(cell), "{why}: {tag}");
@@ -146,7 +146,7 @@ fn what_a_stop_covers_stands_when_its_bit_sets() {
                 _ => &[],
             };
             assert!(at_rest.iter().all(|axis| stands(axis)), "{shape}: {row}");
-            // Something that moved has taken its time to stop; what stopped nothing is done at the next update.
+            // A stop of motion takes time; a stop without any motion is done at the next update.
             let idle = matches!(
                 (instruction, target, stop_type),
                 ("MCS", "CS1" | "CS3", "CoordinatedMove") | ("MCS", "CS1", "CoordinatedTransform")

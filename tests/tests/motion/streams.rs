@@ -37,8 +37,8 @@ fn chord_as(profile: Profile, number: u32, last: u32) -> String {
     format!("MCLM(XY, M, 0, [{x}, {y}], 200, 0, 5000, 0, 5000, 0, {profile}, 100000, 100000, 0, {end})")
 }
 
-/// Sends chords, so many a tick while the queue has room, until the last one is at its end. The ticks from the first chord to the first
-/// motion, and the chords that were sent until then.
+/// Sends chords, `each_tick` a tick while the queue has room, until the last one is at its end. Returns the ticks from the first chord to the first
+/// motion, and the number of chords sent until then.
 fn run(each_tick: u32, chords: u32) -> (u64, u32) {
     let mut bench = machine();
     let (mut sent, mut began) = (0, None);
@@ -116,7 +116,7 @@ fn a_program_that_pauses_starves_its_stream() {
     assert_eq!(bench.position("X"), 100.0);
 }
 
-/// What comes seconds after the end of a stream is another one.
+/// A stream that begins seconds after the end of another is a new one.
 #[test]
 fn a_second_stream_is_no_rest_of_the_first() {
     let mut bench = machine();

@@ -1,4 +1,4 @@
-//! MCT between Cartesian coordinate systems: where targets and sources are, what is refused, what cancels, and the bits
+//! MCT between Cartesian coordinate systems: the positions of targets and sources, refusals, cancellations, and the bits
 //! (spec/coordinated-instructions.md §15, §19, §20).
 
 use arcline_instruction_set::Flag;
@@ -7,9 +7,9 @@ use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::{bench, machine};
 
 const NO_TURN: &str = "[0, 0, 0], [0, 0, 0]";
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
-/// From Speed on: an S-curve at 100 units/s.
+/// The operands from Speed on: an S-curve at 100 units/s.
 const S_CURVE: &str = "100, 0, 1000, 0, 1000, 0, 1, 100, 100, 2";
 
 fn positions<const N: usize>(bench: &Bench, axes: [&str; N]) -> [f64; N] {
@@ -118,7 +118,7 @@ fn the_target_says_where_the_source_is_at_the_start() {
     assert_eq!(bench.call(&format!("MCT(L1, L3, T2, {NO_TURN})")), OK);
 }
 
-/// Why, what is executed before, the call, and its ERR and EXERR.
+/// Why, the earlier calls, the call, and its ERR and EXERR.
 type Refusal = (&'static str, Vec<String>, &'static str, (i16, i8));
 
 #[test]
@@ -412,7 +412,7 @@ fn what_cancels_a_transform_and_what_does_not() {
                 !cancelled,
                 "{why}"
             );
-            // Nothing that has torque jumps.
+            // No axis with torque jumps.
             let mut last = velocities(&bench, ["A2", "B2", "C2"]);
             for _ in 0..400 {
                 bench.tick();
@@ -517,7 +517,7 @@ fn stops_supersede_each_other() {
         ("EN DN".into(), "EN DN IP".into())
     );
     bench.run(10);
-    // The move of L1 and what followed at the 2000 units/s² of the system, B1 at its own 4000 units/s².
+    // The move of L1 and its followers at the 2000 units/s² of the system, B1 at its own 4000 units/s².
     near(
         velocities(&bench, ["A1", "B1", "A2"]),
         [76.0, 60.0, 76.0],
@@ -562,7 +562,7 @@ fn stops_supersede_each_other() {
     bench.until("S2", Flag::Pc);
     assert_eq!(velocities(&bench, ["A1", "B1"]), [0.0, 100.0]);
 
-    // A stop of transforms alone keeps nobody from moving.
+    // A stop of transforms alone does not keep other axes from moving.
     let mut bench = start(TRAPEZOID);
     assert_eq!(
         bench.call("MCS(L1, S1, CoordinatedTransform, Yes, 50, 0, No, 0, 0)"),
@@ -576,7 +576,7 @@ fn stops_supersede_each_other() {
 #[test]
 fn a_stop_near_the_end_comes_to_rest_beyond_it() {
     // 100 units/s and 1000 units/s²: 5 units to brake. Stopped 4 units before the end at a quarter of the rate, the axes
-    // go 100 · 100 / (2 · 250) = 20 units minus what was braked already, and stay there.
+    // go 100 · 100 / (2 · 250) = 20 units minus the distance already braked, and stay there.
     let mut bench = bench();
     assert_eq!(bench.call(&format!("MCT(L1, L2, T, {NO_TURN})")), OK);
     assert_eq!(bench.call(&format!("MCLM(L1, M, 0, [100, 0, 0], {TRAPEZOID}, 1)")), OK);

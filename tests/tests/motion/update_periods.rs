@@ -1,7 +1,7 @@
 //! One program gives one trajectory at every update period (spec/motion-core.md §12.4).
 //!
-//! A program that waits looks once a tick, so what it does after a WAIT begins up to a tick later by definition.
-//! These programs queue, or do something at instants that every period has: what they do does not hang on when they look.
+//! A waiting program checks its condition once a tick, so statements after a WAIT begin up to a tick later by definition.
+//! These programs queue moves, or act at instants that every period has: their result does not depend on the instants of the checks.
 //! Not here, as the period shows in them by their definition: corners of types 4 and 5 that are not tangent, and planned
 //! contours whose pace is changed.
 
@@ -15,7 +15,7 @@ const PERIODS: [f64; 3] = [0.25, 1.0, 4.0];
 /// Something done at an instant, ms.
 type Step = (u64, &'static str);
 
-/// From Speed on: S-curves and trapezoids.
+/// The operands from Speed on: S-curves and trapezoids.
 macro_rules! dynamics {
     (s $speed:literal) => {
         concat!($speed, ", 0, 2000, 0, 1500, 0, 1, 30000, 20000, 0")
@@ -52,7 +52,7 @@ fn plain(period: f64) -> Bench {
     Bench::with(&config)
 }
 
-/// The machine of what follows, with a cam.
+/// The machine of the following tests, with a cam.
 fn followers(period: f64) -> Bench {
     let tags = "[[tag]]\nname = \"Cam\"\ntype = \"CAM[8]\"\n[[tag]]\nname = \"P1\"\ntype = \"CAM_PROFILE[8]\"\n";
     let mut bench = Bench::with(&format!("{}{tags}", follow::machine(period)));
@@ -66,7 +66,7 @@ fn followers(period: f64) -> Bench {
 
 const OVERRIDE: &str = "override ";
 
-/// What it is, the machine, the steps.
+/// The name, the machine, the steps.
 type Sequence = (&'static str, fn(f64) -> Bench, &'static [Step]);
 
 #[rustfmt::skip]
@@ -160,7 +160,7 @@ const SEQUENCES: &[Sequence] = &[
     ]),
 ];
 
-/// Command positions of every axis every 4 ms, and what each step was answered.
+/// Command positions of every axis every 4 ms, and the answer to each step.
 fn sampled(
     period: f64,
     machine: fn(f64) -> Bench,

@@ -1,7 +1,7 @@
 //! Wild operands never move: every number of every instruction takes values that are none, that overflow, or that nothing can be
 //! built with, alone and in pairs, from rest and in motion. Whatever is accepted, all axes stay finite, and no axis jumps.
 //!
-//! `ARCLINE_CASES` sets how many random sequences of pairs are run (150 unless told).
+//! `ARCLINE_CASES` sets the number of random sequences of pairs (150 by default).
 
 use arcline_instruction_set::{Kind, Mnemonic};
 use arcline_tests::bench::{Bench, OK};
@@ -147,7 +147,7 @@ const BEGIN_ROBOT: [&str; 3] = [
     "MAJ(U, Begin2, 0, 20, 0, 200, 0, 200, 0, 0, 100, 100, 2)",
     "MCPM(CART, Begin3, Way, 1, Pace)",
 ];
-/// Programmed with what went before it at the end of the queue, and stopped.
+/// The move programmed before at the end of the queue, and stopped.
 const AFTER: [&str; 2] = [
     "MCLM(XY, After1, 1, [3, -2], 60, 0, 900, 0, 900, 0, 0, 100, 100, 2, 1)",
     "MAM(X, After2, 1, 3, 60, 0, 900, 0, 900, 0, 0, 100, 100, 2)",
@@ -354,7 +354,7 @@ fn no_wild_numbers_together_move_an_axis() {
     }
 }
 
-/// What errs with 13, and with which operand.
+/// The errors 13, each with its operand.
 #[test]
 fn what_is_out_of_range_is_refused_with_its_operand() {
     #[rustfmt::skip]

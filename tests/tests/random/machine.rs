@@ -19,7 +19,7 @@ const RATE: f64 = 1000.0;
 const STOP_RATE: f64 = 2000.0;
 /// Axes of the other side of a transform, which add up on an axis.
 const SIDES: f64 = 3.0;
-/// What can act on an axis at once: two moves that are superposed, a residual, a move, a jog, a gear, two cams, and a brake
+/// The generators that can act on an axis at once: two superposed moves, a residual, a move, a jog, a gear, two cams, and a brake
 /// of each.
 const GENERATORS: f64 = 8.0;
 
@@ -47,7 +47,7 @@ enum Kind {
     Rotary,
     /// Servos with limits of speed and torque, encoders, and position errors that fault.
     Limited,
-    /// With a system that has an orientation, and path moves of it.
+    /// A machine with a system that has an orientation, and path moves of it.
     Paths,
 }
 
@@ -148,7 +148,7 @@ struct Sequence {
     /// Servos are switched and axes fault, so that axes lose their speed and their command at once.
     switching: bool,
     kind: Kind,
-    /// What was written to the encoder's tag last.
+    /// The newest value of the encoder's tag.
     encoder: f64,
 }
 
@@ -165,7 +165,7 @@ impl Sequence {
             kind,
             encoder: 0.0,
         };
-        // From rest to rest, so that nothing jumps: at most 0.75 units a unit, and 60 units/s.
+        // Motion from rest to rest, so that no axis jumps: at most 0.75 units a unit, and 60 units/s.
         sequence.calculate("Position", 40.0, 20.0);
         sequence.calculate("Time", 0.25, 10.0);
         sequence
@@ -253,7 +253,7 @@ impl Sequence {
     }
 
     fn axis(&mut self) -> &'static str {
-        // RX and RY only turn along paths, so that RY stays where RX and RZ are told apart.
+        // RX and RY only turn along paths, so that RY stays where RX and RZ are unambiguous.
         match self.random.below(self.kind.axes().len().min(LINEAR + 1) as u64) as usize {
             LINEAR => "RZ",
             place => AXES[place],
@@ -385,7 +385,7 @@ impl Sequence {
         self.execute(&call);
     }
 
-    /// Changes what a coordinate system does.
+    /// Changes the dynamics of a coordinate system.
     fn change(&mut self) {
         let (system, _) = *self.random.one_of(self.kind.systems());
         let (speed, scope) = (self.random.between(0.0, 150.0), self.random.below(2));
@@ -408,7 +408,7 @@ impl Sequence {
         self.execute(&call);
     }
 
-    /// Puts the cause of a fault on an axis, or takes it away and resets what it has done.
+    /// Puts the cause of a fault on an axis, or removes it and resets the fault.
     fn fault(&mut self) {
         let place = self.random.below(self.kind.axes().len() as u64) as usize;
         let axis = AXES[place];
@@ -434,7 +434,7 @@ impl Sequence {
     }
 
     fn run(&mut self, ticks: u64) {
-        // At most 5 units/s: the encoder's speed steps.
+        // At most 5 units/s, since the encoder's speed steps.
         self.encoder += self.random.between(-0.25, 0.25);
         self.write("Encoder", self.encoder);
         let _ = writeln!(self.program, "DELAY({});", ticks as f64 * PERIOD);
@@ -443,7 +443,7 @@ impl Sequence {
         }
     }
 
-    /// One tick: no axis jumps, unless its servo may have been switched.
+    /// Makes one tick: no axis jumps, unless its servo may have been switched.
     fn tick(&mut self) {
         let before = self.bench.snapshot();
         self.bench.tick();
@@ -466,10 +466,10 @@ impl Sequence {
             if self.switching {
                 continue;
             }
-            // Every part of what moves it is programmed with at most 150 units/s; home speeds are less.
+            // Each generator of the axis is programmed with at most 150 units/s; home speeds are less.
             let fastest = SIDES * GENERATORS * 150.0;
             assert!(a[1].abs() <= fastest, "{name}: {} units/s", a[1]);
-            // An axis of a transform adds up what three axes of the other side do.
+            // An axis of a transform adds up the motion of three axes of the other side.
             let most = SIDES * GENERATORS * STOP_RATE * PERIOD;
             assert!(
                 (a[1] - b[1]).abs() <= most,
@@ -523,7 +523,7 @@ impl Sequence {
     /// was cleared.
     fn check_ends(&self) {
         let mut ends: BTreeMap<u64, Vec<String>> = BTreeMap::new();
-        // What is armed may be done an update later.
+        // An armed instruction may be done an update later.
         let mut under_way = BTreeSet::new();
         for (name, event) in &self.bench.events {
             let ended = event.set & (Flag::Er.mask() | Flag::Pc.mask()) != 0

@@ -14,7 +14,7 @@ fn random_programs_on_planned_contours() {
     run(&Scope::PRECISE, 400);
 }
 
-/// A move that an MCCD let overshoot its end, with others behind it: the stop that the robot was looked at with led over to their paths.
+/// A move that an MCCD let overshoot its end, with others behind it: the stop that the robot's guard checked led over to their paths.
 #[test]
 fn a_robot_follows_a_move_beyond_its_end() {
     run_one(&Scope::INSIDE, 2_080_015_515);

@@ -9,7 +9,7 @@ use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::random::{Random, seeds};
 
-/// Largest rates of a sequence, units/s²: what bounds the change of the velocity from tick to tick.
+/// Largest rates of a sequence, units/s²: the bound of the change of velocity from tick to tick.
 const RATE: f64 = 4000.0;
 const PERIOD: f64 = 0.001;
 /// Largest jerk of a smooth sequence, units/s³: 2500² / 100 · (200 / 70 - 1).
@@ -137,7 +137,7 @@ impl Sequence {
         }
     }
 
-    /// One tick: nothing jumps, and the commanded velocity is that of the commanded positions.
+    /// Makes one tick: no axis jumps, and the commanded velocity is that of the commanded positions.
     fn tick(&mut self) {
         let before = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
         if let Some(random) = &mut self.overrides

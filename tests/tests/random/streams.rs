@@ -1,6 +1,6 @@
-//! Random toolpaths through a queue of 1,000 moves that is kept filled: chords, islands of tiny moves, lines, arcs between lines and sudden corners. Plans
-//! come 20 ms after they were asked for. A trapezoid stream never rests on the way and an S-curve stream rests in less than one of fifty; both are within their
-//! limits at every tick, whatever is asked of them meanwhile.
+//! Random toolpaths through a full queue of 1,000 moves: chords, islands of tiny moves, lines, arcs between lines and sudden corners. Plans come
+//! 20 ms after their request. A trapezoid stream never rests on the way and an S-curve stream rests in less than one of fifty; both are within
+//! their limits at every tick, also with overrides, changes and stops meanwhile.
 #![allow(missing_docs)]
 
 use arcline_planner::geometry::{Path, Point};
@@ -30,7 +30,7 @@ fn an_s_curve_stream_that_is_sent_fast_enough_rests_in_less_than_one_of_fifty() 
     assert!(50 * rests < streams.max(51), "{rests} rests in {streams} streams");
 }
 
-/// How often streams rested on the way.
+/// The numbers of rests on the way.
 struct Rests {
     streams: usize,
     rests: usize,
@@ -51,8 +51,8 @@ fn rests(seeds: impl Iterator<Item = u64>, is_meant: impl Fn(&Wild) -> bool) -> 
     Rests { streams, rests }
 }
 
-/// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS), after which the rest of the stream is sent from
-/// where the motion came to rest.
+/// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream
+/// begins at the position of rest.
 #[test]
 fn whatever_is_asked_of_a_stream_keeps_it_within_its_limits_and_it_goes_on() {
     for seed in seeds(40) {
@@ -107,7 +107,7 @@ fn whatever_is_asked_of_a_stream_keeps_it_within_its_limits_and_it_goes_on() {
     }
 }
 
-/// Ticks that the longest stop may take: from 400 mm/s beside what the motion needs its axes for.
+/// The longest stop, ticks: from 400 mm/s while the motion needs its axes.
 const LONGEST_STOP: u64 = 500;
 
 /// Speed, acceleration and jerk from tick to tick.
@@ -150,7 +150,7 @@ impl<'w> Within<'w> {
     }
 }
 
-/// How far from the programmed path.
+/// The distance from the programmed path.
 struct OnPath {
     paths: Vec<Path>,
     tolerance: f64,
@@ -172,7 +172,7 @@ impl OnPath {
             return;
         };
         let most = self.tolerance * (1.0 + 1e-6) + 1e-9;
-        // The nearest first, so that most are not looked at.
+        // The nearest first, so that the search can skip most.
         let mut near: Vec<usize> = (active.saturating_sub(BESIDE)..(active + BESIDE).min(self.paths.len())).collect();
         near.sort_by_key(|place| place.abs_diff(active));
         let mut least = f64::INFINITY;
@@ -204,7 +204,7 @@ impl OnPath {
 /// Moves beside the active one that may be the nearest.
 const BESIDE: usize = 16;
 
-/// From a path, by the nearest of some of its points and a search about it.
+/// The distance from a path, by the nearest of some of its points and a search about it.
 fn distance(path: &Path, from: &Point) -> f64 {
     let length = path.length();
     let off = |s: f64| (path.at(s.clamp(0.0, length)).position - from).norm();

@@ -1,11 +1,11 @@
-//! The dependency rule of ARCHITECTURE.md, held against what Cargo really links.
+//! The dependency rule of ARCHITECTURE.md, checked against the packages that Cargo links.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
 
-/// Every package and the packages that it may name itself; what those may use, it may use too.
+/// Every package and the packages that it may name itself; it may also use the packages that those may use.
 #[rustfmt::skip]
 const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-tag",             &[]),
@@ -60,7 +60,7 @@ const BEFORE_REALTIME: &[&str] = &[
     "arcline-gcode",
 ];
 
-/// What would give them one.
+/// Packages that would give them a thread, clock, file, socket or log.
 const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
     "tokio",
     "tokio-util",
@@ -82,7 +82,7 @@ const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
     "rayon",
 ];
 
-/// The files of `server/src` in which each source of chance stands: what a simulation must not meet is behind a seam there, or is of a program
+/// The files of `server/src` with each source of chance: code that a simulation must not run is behind a seam there, or belongs to a program
 /// that is not simulated (spec/reliability.md §4). `Instant::now` of tokio is no such source: its clock may be paused.
 #[rustfmt::skip]
 const CHANCE: &[(&str, &[&str], &[&str])] = &[

@@ -8,7 +8,7 @@ use arcline_tests::workspace;
 const BEGIN: &str =
     "<!-- A test writes the table to the next mark from docs/campaigns (tests/tests/repository/campaign.rs). -->\n\n";
 const END: &str = "\n<!-- End of the table of campaigns. -->";
-/// How the row of README.md begins.
+/// The beginning of the row in README.md.
 const ROW: &str = "| [the whole server simulated from a seed](docs/RELIABILITY.md#the-whole-server) |";
 
 /// A file of docs/campaigns.
@@ -46,7 +46,7 @@ impl Simulation {
         self.number("simulated_s") / self.number("processor_s")
     }
 
-    /// How many runs they were, where the file says so: some scenarios are run several times.
+    /// The number of runs, if the file has it: some scenarios are run several times.
     fn runs(&self) -> String {
         match self.0.get("runs") {
             Some(runs) => format!(" in {runs} runs"),
@@ -59,7 +59,7 @@ impl Simulation {
     }
 }
 
-/// The lines of a file whose first one tells the commit and the date of its campaign, and that first one.
+/// The lines of a file whose first one has the commit and the date of its campaign, and that first one.
 fn dated(name: &str) -> (String, Vec<String>) {
     let text = file(name);
     let mut lines = text.lines().map(str::to_owned);
@@ -113,7 +113,7 @@ fn table() -> String {
     )
 }
 
-/// Holds a file against what it should be, or writes it.
+/// Compares a file with the expected text, or writes it.
 fn hold(path: &Path, found: &str, expected: &str) {
     if std::env::var_os("UPDATE_EXPECT").is_some() {
         std::fs::write(path, expected).expect("the file can be written");
@@ -159,7 +159,7 @@ fn the_row_of_the_simulation_is_that_of_the_campaign() {
     hold(&path, &readme, &(lines.collect::<Vec<_>>().join("\n") + "\n"));
 }
 
-/// What the standards ask of a campaign that counts.
+/// The least size of a valid campaign by the standards.
 #[test]
 fn the_campaigns_are_of_the_size_that_is_asked() {
     let simulation = Simulation::read();

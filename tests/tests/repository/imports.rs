@@ -105,7 +105,7 @@ fn sources(root: &Path) -> BTreeMap<String, String> {
     found
 }
 
-/// Every circle as text: its modules, and what each takes from the others.
+/// Every circle as text: its modules, and the names that each takes from the others.
 fn circles(files: &BTreeMap<String, String>) -> Vec<String> {
     let modules: BTreeMap<&str, Module> = files
         .iter()
@@ -152,10 +152,10 @@ fn circles(files: &BTreeMap<String, String>) -> Vec<String> {
     found
 }
 
-/// What a module names of others.
+/// The names of other modules in a module.
 #[derive(Default)]
 struct Module {
-    /// By the name that it has here: absolute paths of `use`.
+    /// Absolute paths of `use`, by the name in this module.
     names: BTreeMap<String, Vec<String>>,
     /// Every absolute path that it names.
     paths: Vec<Vec<String>>,
@@ -232,7 +232,7 @@ fn imports<'m>(
     found
 }
 
-/// The module that defines what an absolute path names, through re-exports.
+/// The module that defines the item of an absolute path, through re-exports.
 fn home<'m>(path: &[String], modules: &BTreeMap<&'m str, Module>, seen: &mut BTreeSet<Vec<String>>) -> &'m str {
     let mut current = "";
     for (index, part) in path.iter().enumerate() {

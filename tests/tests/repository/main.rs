@@ -1,4 +1,4 @@
-//! Rules for the repository itself: which crate may use which, and that what code cites is there.
+//! Rules for the repository itself: the permitted dependencies of each crate, and the existence of cited pages.
 
 mod architecture;
 mod campaign;

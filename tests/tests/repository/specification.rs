@@ -1,4 +1,4 @@
-//! Citations of the specification and links between pages: what they name exists.
+//! Citations of the specification and links between pages: their targets exist.
 //!
 //! A citation outside of `docs/spec` names its page as `spec/NAME.md` on its own line or on the line before; a page of the
 //! specification cites its own sections without a name.

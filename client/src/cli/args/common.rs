@@ -47,7 +47,7 @@ pub(crate) struct Ramps {
     pub(crate) decel: Option<Rate>,
 }
 
-/// Whether a command ends before the motion does.
+/// Selects whether a command ends before the motion does.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub(crate) struct Waiting {
     /// Do not wait for the end of the motion

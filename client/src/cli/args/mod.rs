@@ -246,7 +246,7 @@ pub(crate) enum LocalCommand {
         Example: arcline diff expected.csv trace.csv --tolerance 1e-6"
     )]
     Diff(Diff),
-    /// Look at what a server needs of this computer (ports, rights, real time), and say what is amiss and what to do
+    /// Check the ports, rights and real-time settings of this computer, and name each defect and its remedy
     #[command(
         after_help = "Runs `arcline-server doctor` with the same options. The exit code is 0 when nothing is amiss, 1 when something warns, 2 when a server \
         would not start.\n\

@@ -48,7 +48,7 @@ pub(crate) struct Gcode {
 }
 
 impl Gcode {
-    /// Whether it is run on a server.
+    /// Whether the program runs on a server.
     pub(crate) fn needs_server(&self) -> bool {
         !self.simulate && self.emit.is_none()
     }

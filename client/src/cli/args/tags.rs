@@ -37,7 +37,7 @@ pub(crate) struct CreateTag {
     /// The program that has the tag in its scope
     #[arg(long)]
     pub(crate) program: Option<String>,
-    /// Whether clients may write it
+    /// Access of clients
     #[arg(long, value_enum, default_value = "read_write")]
     pub(crate) access: TagAccess,
 }

@@ -1,4 +1,4 @@
-//! What parses, what is refused, and the help.
+//! The accepted and refused command lines, and the help.
 
 use arcline_client::{Mnemonic, WriteValue};
 
@@ -36,7 +36,7 @@ fn every_help_has_examples_that_parse_as_that_command() {
         assert!(!found.is_empty(), "{name} has no example");
         for example in found {
             let words = shlex::split(&example).unwrap_or_else(|| panic!("{name}: {example}"));
-            // What a shell does with the output is not ours.
+            // The rest of the line belongs to the shell.
             let words: Vec<String> = words
                 .into_iter()
                 .take_while(|word| word != ">" && word != "|")

@@ -1,5 +1,5 @@
-//! `gcode`: a program of lines and arcs, run by the server as Structured Text, simulated, or written down. What its words
-//! mean is `arcline-gcode`'s, how its file is read `gcode::source`'s.
+//! `gcode`: a program of lines and arcs, run by the server as Structured Text, simulated, or written to a file. `arcline-gcode` interprets its
+//! words; `gcode::source` reads its file.
 
 mod simulate;
 mod source;
@@ -102,7 +102,7 @@ pub(crate) async fn run(client: &Client, command: &Gcode, output: &Output) -> Re
     Ok(())
 }
 
-/// Runs the statements, so many at a time, and waits for the end of the motion.
+/// Runs the statements, a bounded number at a time, and waits for the end of the motion.
 async fn pieces(client: &Client, source: &Source<'_>, counts: &Counts, output: &Output) -> Result<(), Failure> {
     let failed = |error: ProgramError| {
         let statement = match &error {

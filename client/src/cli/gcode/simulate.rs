@@ -54,7 +54,7 @@ pub(super) fn simulate(source: &Source<'_>, counts: &Counts, output: &Output) ->
         });
         let said = scope.spawn(|| {
             let mut said = Vec::new();
-            // What could be read is shown.
+            // Show the part that could be read.
             let _ = errors.map(|mut errors| errors.read_to_end(&mut said));
             String::from_utf8_lossy(&said).into_owned()
         });

@@ -105,7 +105,7 @@ pub(super) struct Steps<'s> {
 }
 
 impl Steps<'_> {
-    /// Adds the text of the next steps, at most so many; how many they were.
+    /// Adds the text of the next steps, at most `most`; returns their number.
     pub(super) fn next_text(&mut self, text: &mut String, most: usize) -> Result<usize, Failure> {
         let mut count = 0;
         while count < most {

@@ -227,11 +227,11 @@ impl Found {
 /// An instruction whose operands are being written.
 struct Call<'l> {
     mnemonic: Mnemonic,
-    /// Of the operand at the end.
+    /// The index of the operand at the end.
     index: usize,
     /// The text of it so far, with the blanks in front.
     text: &'l str,
-    /// Where it ends in the line.
+    /// The end of the call in the line.
     end: usize,
 }
 
@@ -289,7 +289,7 @@ fn value_name(arg: &Arg) -> String {
     names.first().map(ToString::to_string).unwrap_or_default()
 }
 
-/// Those that begin with a text, case ignored, in order and once.
+/// The candidates that begin with a text, case ignored, in order and once.
 fn beginning(text: &str, candidates: Vec<String>) -> Vec<String> {
     let begins = |candidate: &String| {
         let front = candidate.get(..text.len());

@@ -29,7 +29,7 @@ pub(super) enum Read {
     End,
 }
 
-/// Where lines come from.
+/// The source of lines.
 #[derive(Debug)]
 pub(super) enum Lines {
     /// A terminal.

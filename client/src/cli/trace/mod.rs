@@ -29,10 +29,10 @@ const OF_AXIS: [&str; 4] = [
 ];
 /// The signals of a coordinate system.
 const OF_SYSTEM: [&str; 2] = ["PathSpeed", "PathPosition"];
-/// Those that only a robot has besides.
+/// The further signals of a robot.
 const OF_ROBOT: [&str; 3] = ["ToolX", "ToolY", "ToolZ"];
 
-/// Where rows go.
+/// The output file of the rows.
 enum Sink {
     Csv(Csv),
     Mcap(Mcap<BufWriter<File>>),
@@ -68,7 +68,7 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     tell_unmade(client, &request.trigger, output).await?;
     let instance = client.start_trace(&request).await?;
     let result = follow(client, instance, &mut sink, command, output).await;
-    // It would be forgotten in a minute anyway.
+    // The server would forget it in a minute anyway.
     let _ = client.delete_trace(instance).await;
     let finished = match sink {
         Sink::Csv(csv) => csv.finish(),

@@ -23,7 +23,7 @@ use view::View;
 
 /// Said while STOP holds.
 const INHIBITED: &str = "STOP holds: motion is inhibited until `arcline release`";
-/// Time between two looks at the keyboard.
+/// Time between two reads of the keyboard.
 const KEYS: Duration = Duration::from_millis(20);
 
 /// `watch`.

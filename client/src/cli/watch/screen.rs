@@ -17,7 +17,7 @@ use super::view::View;
 const WIDE: u16 = 120;
 /// Columns of the tables on a wide screen.
 const TABLES: u16 = 84;
-/// A path is drawn below the tables where so many rows are left.
+/// The fewest free rows below the tables in which a path is drawn.
 const TALL: u16 = 12;
 /// A character is about twice as high as wide.
 const ASPECT: f64 = 2.0;

@@ -18,7 +18,7 @@ pub(super) struct View {
     pub(super) time: f64,
     /// STOP holds.
     pub(super) is_inhibited: bool,
-    /// Nothing new is taken.
+    /// The view takes no new data.
     pub(super) paused: bool,
     /// The answer to the last key.
     pub(super) note: String,
@@ -59,7 +59,7 @@ impl View {
         self.time = time;
     }
 
-    /// The movers, each with the names of what it moves.
+    /// The movers, each with the names of the objects that it moves.
     pub(super) fn movers(&self) -> Vec<(&str, String)> {
         let mut movers: Vec<(&str, String)> = Vec::new();
         for one in &self.shown {

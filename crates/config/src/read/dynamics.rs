@@ -4,7 +4,7 @@ use arcline_controller::machine::{DynamicsBits, default_jerk};
 
 use crate::section::Section;
 
-/// What an axis and a coordinate system have alike.
+/// The dynamics that an axis and a coordinate system have in common.
 pub(super) struct Dynamics {
     pub(super) speed: f64,
     pub(super) acceleration: f64,

@@ -1,4 +1,4 @@
-//! `feed` and `registration` of an `[[axis]]` table: what the axis has from tags that clients write.
+//! `feed` and `registration` of an `[[axis]]` table: the inputs of the axis from tags that clients write.
 
 use arcline_controller::image::{Image, TagKind};
 use arcline_controller::machine::{Feed, Inputs, Machine};

@@ -1,4 +1,4 @@
-//! Names of tags: what one may be, that each is there once, and what was probably meant by one that is not there.
+//! Names of tags: their syntax, their uniqueness, and the nearest name for one that does not exist.
 
 use std::collections::BTreeMap;
 

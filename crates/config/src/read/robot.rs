@@ -1,4 +1,4 @@
-//! What a coordinate system's axes are: X Y Z, with Rx Ry Rz behind them, or the joints of a robot with its parameters.
+//! The axes of a coordinate system: X Y Z, with Rx Ry Rz behind them, or the joints of a robot with its parameters.
 
 use arcline_controller::machine::{Axis, Build, Geometry, MAX_PRIMARY_AXES, Orientation, Parameters, Robot, Wrist};
 
@@ -23,7 +23,7 @@ impl Kind {
         kind
     }
 
-    /// How many axes there may be, from least to most, and what that is called.
+    /// The possible numbers of axes, from least to most, and the name of such axes.
     pub(super) fn axes(&self) -> (std::ops::RangeInclusive<usize>, &'static str) {
         let joints = match self.wrist() {
             Some(wrist) => wrist.joints(),

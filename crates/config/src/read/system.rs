@@ -1,4 +1,4 @@
-//! `[[coordinate_system]]` and `[[transform]]` tables: what stands on axes and systems that are there already.
+//! `[[coordinate_system]]` and `[[transform]]` tables, which build on axes and systems that exist already.
 
 use arcline_controller::machine::{AxisKind, CoordinateSystem, Machine, Transform};
 

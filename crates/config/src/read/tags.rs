@@ -101,7 +101,7 @@ pub(super) fn plain_tags(root: &Section<'_>, types: &Types, names: &mut Taken) -
     tags
 }
 
-/// Who may write a tag, and which numbers.
+/// The writers of a tag, and the range of its numbers.
 fn rule(section: &Section<'_>, tag_type: &TagType) -> WriteRule {
     for key in ["write_role", "min", "max"] {
         if section.has(key) && section.has("alias") {
@@ -160,7 +160,7 @@ fn rule(section: &Section<'_>, tag_type: &TagType) -> WriteRule {
     }
 }
 
-/// The type of a tag: its own, or that of what it stands for.
+/// The type of a tag: its own, or that of its base tag.
 fn type_of(section: &Section<'_>, alias: Option<&Alias>, types: &Types) -> Option<TagType> {
     if section.has("alias") {
         for (key, reason) in [
@@ -210,7 +210,7 @@ fn first(section: &Section<'_>, tag_type: &TagType) -> Vec<u8> {
     first
 }
 
-/// What an alias stands for.
+/// The base of an alias.
 struct Alias {
     path: TagPath,
     tag_type: TagType,

@@ -156,7 +156,7 @@ pub const ELEMENTARY: &[&str] = &[
 
 const TOO_LARGE: &str = "a type of at most 2 MiB";
 
-/// What the type of a member is, for messages.
+/// The possible types of a member, for messages.
 pub(crate) fn member_types() -> String {
     format!(
         "{} or a [[data_type]] above, or an array of 1 to 65535 of them such as REAL[16]",
@@ -164,7 +164,7 @@ pub(crate) fn member_types() -> String {
     )
 }
 
-/// What the type of a tag is, for messages.
+/// The possible types of a tag, for messages.
 pub(crate) fn tag_types() -> String {
     format!(
         "{}, MOTION_INSTRUCTION or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]",

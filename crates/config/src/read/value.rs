@@ -3,7 +3,7 @@
 use arcline_tag::{DataType, Elementary, TagType, Value, write_string};
 use toml::de::DeValue;
 
-/// What a first value may be, or why one cannot be.
+/// The kinds of a first value.
 const NUMBER: &str = "a number that the type holds";
 const TRUTH: &str = "true or false";
 const TEXT: &str = "a text of up to 82 bytes";
@@ -13,7 +13,7 @@ const MEMBERS: &str = "a table of the structure's members";
 /// Writes a value over the bytes of a tag.
 ///
 /// # Errors
-/// What was expected where the value does not fit.
+/// The expected value, if the value does not fit.
 pub(super) fn encode(tag_type: &TagType, value: &DeValue<'_>, bytes: &mut [u8]) -> Result<(), &'static str> {
     let rank = tag_type.rank();
     elements(&tag_type.data_type, &tag_type.dimensions[..rank], value, bytes)

@@ -303,7 +303,7 @@ impl Place {
         matches!(self.key.kind, Kind::Table(_) | Kind::Tables(..))
     }
 
-    /// What it has where the file does not say it, as the file would say it.
+    /// The value of a key that the file leaves out, as the file would have it.
     fn default(&self) -> Option<Value> {
         Some(match self.key.default {
             Default::Number(number) => Value::Float(number),
@@ -356,7 +356,7 @@ fn every_word_of_a_key_is_written_as_it_was_read() {
             place
                 .within(&mut other)
                 .insert(place.key.name.to_owned(), Value::String((*word).to_owned()));
-            // Not every word goes with the other keys.
+            // Some words contradict the other keys.
             let Ok(project) = load(&crate::format(&other), "m.toml") else {
                 continue;
             };

@@ -1,4 +1,4 @@
-//! Why a call could not be bound: the operand, what was given for it, and what was expected.
+//! The reason for which a call could not be bound: the operand, the given value, and the expected value.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use super::Given;
 use crate::instruction::{Kind, Object};
 use crate::{Mnemonic, OperandIndex};
 
-/// Why a call could not be bound. Positions are those of the faceplate.
+/// The reason for which a call could not be bound. Positions are those of the faceplate.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum BindError {
     /// An operand that has no default was left out.
@@ -27,16 +27,16 @@ pub enum BindError {
         /// Operands of the faceplate behind target and motion control.
         most: usize,
     },
-    /// Not the type of the operand.
+    /// The value does not have the type of the operand.
     #[error("{mnemonic}: {} is {given}, expected {expected}", NamedOperand(*mnemonic, *operand))]
     WrongType {
         /// The instruction.
         mnemonic: Mnemonic,
         /// The operand.
         operand: OperandIndex,
-        /// What was given.
+        /// The given value.
         given: Given,
-        /// What is accepted.
+        /// The expected value.
         expected: &'static str,
     },
     /// An array longer than any instruction uses, where the length has a meaning.
@@ -68,7 +68,7 @@ pub enum BindError {
         mnemonic: Mnemonic,
         /// The operand.
         operand: OperandIndex,
-        /// What it must be.
+        /// The expected kind of object.
         object: Object,
         /// The name.
         name: String,

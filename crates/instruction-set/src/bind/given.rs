@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What was given for an operand.
+/// The value of an operand in a call, before binding.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Given {
     /// Left out: 0, None, Disabled, Programmed.

@@ -1,4 +1,4 @@
-//! What binds, what is refused and why, and which operand is out of range first.
+//! Calls that bind, calls that do not with the reason, and the operand that is out of range first.
 
 use proptest::prelude::*;
 
@@ -57,7 +57,7 @@ fn given(text: &str) -> Vec<Given> {
     operands
 }
 
-/// Binds and verifies: `ok`, the operand out of range, or the message of what cannot be bound.
+/// Binds and verifies: `ok`, the operand out of range, or the message of the operand that cannot be bound.
 fn outcome(name: &str, axes: usize, operands: &str) -> String {
     let mnemonic: Mnemonic = name.parse().expect("a mnemonic");
     match bind(mnemonic, Some(0), ControlSlot(0), &given(operands), &Machine) {
@@ -155,7 +155,7 @@ fn operands_out_of_range_are_found_in_faceplate_order() {
         ("MCLM", 3, MCLM, &[(19, "5")], "13/19"),
         ("MCLM", 3, MCLM, &[(20, "[5,nan]")], "13/20"),
         ("MCLM", 3, MCLM, &[(20, "[5,1]"), (21, "Results")], "ok"),
-        ("MCLM", 3, MCLM, &[(4, "-1"), (2, "9")], "13/2"), // the first one is told
+        ("MCLM", 3, MCLM, &[(4, "-1"), (2, "9")], "13/2"), // the first one counts
         ("MCCM", 2, MCCM, &[], "ok"),
         ("MCCM", 1, MCCM, &[], "13/0"),
         ("MCCM", 2, MCCM, &[(2, "2")], "13/2"),

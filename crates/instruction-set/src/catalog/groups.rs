@@ -21,7 +21,7 @@ operand_groups! {
         jerk_units: JerkUnits = jerk_units(jerks),
     ];
 
-    /// Where and in which direction a motion locks to its master: MCLM, MCCM, MCPM, MAM, MAJ, MATC.
+    /// The position and direction at which a motion locks to its master: MCLM, MCCM, MCPM, MAM, MAJ, MATC.
     LockOperands() [
         lock_position: f64 = number(Range::Any, "master units; used when master driven"),
         lock_direction: LockDirection = word(),

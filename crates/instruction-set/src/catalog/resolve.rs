@@ -87,7 +87,7 @@ const fn equal(one: &str, other: &str) -> bool {
     place == one.len() && place == other.len()
 }
 
-/// How many operands the rows are.
+/// The number of operands in the rows.
 pub(super) const fn total(parts: &[&[Draft]]) -> usize {
     let (mut part, mut total) = (0, 0);
     while part < parts.len() {

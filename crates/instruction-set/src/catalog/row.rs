@@ -1,4 +1,4 @@
-//! How the tables of the catalogue are written: a row for each operand, groups of rows, and the structs that come of them.
+//! The language of the catalogue's tables: a row for each operand, groups of rows, and the structs that come of them.
 //!
 //! A row names another operand, on which its range depends, as the faceplate does ([`super::resolve`]).
 
@@ -49,14 +49,14 @@ impl<T> Row<T> {
         self
     }
 
-    /// Range looked at only when the named operand is Yes.
+    /// The range applies only when the named operand is Yes.
     pub(super) const fn changed_by(mut self, flag: &'static str) -> Self {
         self.draft.operand.condition = Condition::Changed(0);
         self.draft.condition_on = flag;
         self
     }
 
-    /// Range looked at only when the named operand has this value.
+    /// The range applies only when the named operand has this value.
     pub(super) const fn when(mut self, operand: &'static str, value: i32) -> Self {
         self.draft.operand.condition = Condition::When { operand: 0, value };
         self.draft.condition_on = operand;

@@ -1,4 +1,4 @@
-//! The predefined types: what a motion tag looks like to a client
+//! The predefined types: the structure of motion tags that clients see
 //! (spec/axis-and-data-types.md §8, Appendix A).
 //!
 //! The layouts are data, one line a member: offset, type, name (in parentheses: not shown), then
@@ -66,7 +66,7 @@ predefined! {
     path_data "PATH_DATA" 0xF0C 68;
     /// DYNAMICS_DATA, 44 bytes: how fast it leads there, for MCPM (spec/coordinated-instructions.md §23.2).
     dynamics_data "DYNAMICS_DATA" 0xF0D 44;
-    /// TIMER, 12 bytes: what a timer of a program holds, for clients that read one. Nothing counts in it.
+    /// TIMER, 12 bytes: the data of a program's timer, for clients that read one. Nothing counts in it.
     timer "TIMER" 0xF83 12;
     /// COUNTER, 12 bytes: as TIMER.
     counter "COUNTER" 0xF82 12;
@@ -111,9 +111,9 @@ pub fn of_tags(name: &str) -> Option<Arc<Template>> {
 pub mod cam_profile_status {
     /// There is no profile.
     pub const NOT_CALCULATED: i32 = 0;
-    /// MCCP works on it.
+    /// MCCP calculates the profile.
     pub const BEING_CALCULATED: i32 = 1;
-    /// It can be used; so many more, by as many instructions it is.
+    /// The profile can be used; each instruction that uses it adds 1.
     pub const CALCULATED: i32 = 2;
 }
 
@@ -136,7 +136,7 @@ pub fn histogram_edge(bucket: usize) -> Option<f64> {
     (bucket + 1 < HISTOGRAM_BUCKETS).then(|| 250e-9 * 2_f64.powi(bucket as i32))
 }
 
-/// From here on instances are those of a real controller, whose handles are the same numbers.
+/// The type instances from here on are those of a real controller, whose handles are the same numbers.
 const CONTROLLERS_OWN: u16 = 0xF80;
 
 /// The offset of a word of a layout, found while this is compiled.
@@ -149,7 +149,7 @@ const fn offset_in(layout: &str, name: &str) -> usize {
             offset = 10 * offset + (layout[at] - b'0') as usize;
             at += 1;
         }
-        // Behind the type.
+        // The name begins behind the type.
         at += 1;
         while layout[at] != b' ' {
             at += 1;
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn handles_of_program_types_are_those_that_clients_know() {
-        // Of gologix (lgxtypes) and of what pycomm3 reads from controllers.
+        // Handles from gologix (lgxtypes), and handles that pycomm3 reads from controllers.
         for (template, handle) in [(timer(), 0x0F83), (counter(), 0x0F82), (control(), 0x0F81)] {
             assert_eq!(
                 (template.handle, template.instance),
@@ -279,7 +279,7 @@ mod tests {
                 end += member.size();
                 alignment = alignment.max(member.data_type.size());
             }
-            // Of several in an array, each begins where its largest member can stand.
+            // In an array, each structure begins at the alignment of its largest member.
             assert_eq!(
                 end.next_multiple_of(alignment),
                 template.size as usize,

@@ -5,12 +5,12 @@ use arcline_tag::{DataType, Elementary, Template, Value, shortest, string_text};
 use super::xml::Xml;
 use crate::text;
 
-/// Where a value stands, which decides its element.
+/// The position of a value, which decides its element.
 #[derive(Clone, Copy)]
 pub(super) enum ValueKind<'n> {
     /// The value of a tag.
     Value,
-    /// That of a member.
+    /// The value of a member.
     Member(&'n str),
 }
 

@@ -18,7 +18,7 @@ use crate::{L5xError, Reason};
 pub(crate) use drive::ACTIONS;
 pub(crate) use system::{ORIENTATION, ROBOT, SYSTEM_TYPES, UNDEFINED};
 
-/// Whether a tag is of a motion type, which are read here and not among the plain tags.
+/// Whether a tag is of a motion type; this module reads such a tag, not the one of plain tags.
 pub(super) fn is_motion(tag: Node<'_, '_>) -> bool {
     let word = tag.attribute("DataType").unwrap_or_default();
     word.starts_with("AXIS_") || ["COORDINATE_SYSTEM", "MOTION_GROUP"].contains(&word)

@@ -64,7 +64,7 @@ impl<'a, 't> Importer<'a, 't> {
                 }
             }
         }
-        // Those whose tag stands below them.
+        // Aliases whose tag comes later in the file.
         for (node, program, name) in late {
             if !self.alias(node, program, name, &aliases, &bases) {
                 self.source.report(node, Reason::NoCounterpart);

@@ -41,7 +41,7 @@ pub(super) struct Structure {
 pub(super) struct Types(BTreeMap<String, Structure>);
 
 impl Types {
-    /// Those that are predefined.
+    /// The predefined types.
     pub(super) fn new() -> Self {
         let structures = predefined::for_tags().into_iter().map(|template| {
             let members = template.members.iter().filter(|member| !member.hidden);

@@ -1,4 +1,4 @@
-//! Modules, and tags that controllers share: what of them there is.
+//! Modules, and tags that controllers share: the parts that exist without hardware.
 
 use crate::logic;
 
@@ -9,7 +9,7 @@ fn file(modules: &str, tags: &str) -> String {
     )
 }
 
-/// A module with an upstream port, and what stands in its connections.
+/// A module with an upstream port, and the content of its connections.
 fn module(name: &str, parent: &str, port: &str, connection: &str) -> String {
     format!(
         "<Module Name=\"{name}\" ParentModule=\"{parent}\"><Ports><Port Id=\"1\" {port} Upstream=\"true\"/></Ports><Communications>\

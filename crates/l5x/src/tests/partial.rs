@@ -1,4 +1,4 @@
-//! Partial exports: what runs of them.
+//! Partial exports: the parts that run.
 
 use arcline_routine::source::Trigger;
 

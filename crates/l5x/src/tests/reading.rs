@@ -451,7 +451,7 @@ fn robots() {
     };
     #[rustfmt::skip]
     let cases = [
-        // why,                        attributes,                                                     of the configuration, what is reported
+        // why,                        attributes,                                                     of the configuration, in the report
         ("a delta",                    r#"SystemType="Delta" Axes="J1 J2 J3" TransformDimension="3""#, "delta", ""),
         ("a delta in a plane",         r#"SystemType="Delta" Axes="J1 J2" TransformDimension="2""#, "delta", ""),
         ("an arm",                     r#"SystemType="Articulated Independent" Axes="J1 J2 J3""#, "articulated_independent", ""),

@@ -1,5 +1,5 @@
-//! Instructions of motion (spec/programs.md §11): operands by the catalogue of `arcline-instruction-set`. What is written in the text
-//! is bound when the project is loaded; what is in tags is read when the instruction executes.
+//! Instructions of motion (spec/programs.md §11): operands by the catalogue of `arcline-instruction-set`. Literal operands are bound when the
+//! project is loaded; operands in tags are read when the instruction executes.
 
 use arcline_instruction_set::{
     Argument as Bound, Call, ControlSlot, Kind, MAX_OPERANDS, Mnemonic, Object, RealArray, predefined,
@@ -196,8 +196,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Makes the tag of an operand known to the host, which reads and writes it as a whole. What an add-on instruction gets by
-    /// reference is shared where its call names it.
+    /// Makes the tag of an operand known to the host, which reads and writes it as a whole. A tag that an add-on instruction gets by
+    /// reference is shared at the call of that instruction.
     fn share(&mut self, area: &Area) {
         if area.place.base == 0 {
             self.share_at(area.place.at);

@@ -8,7 +8,7 @@ use crate::expression::{Expression, Reference, Step};
 use crate::memory::Symbol;
 use crate::source::Usage;
 
-/// Where a reference leads.
+/// The target of a reference.
 #[derive(Clone, Debug)]
 pub(crate) struct Found {
     pub(crate) base: u8,

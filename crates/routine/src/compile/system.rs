@@ -9,7 +9,7 @@ use crate::expression::Expression;
 use crate::table::Op;
 
 impl Compiler<'_> {
-    /// What GSV and SSV do when they are passed over: 0, and a minor fault.
+    /// The effect of GSV and SSV without a known attribute: 0, and a minor fault.
     pub(crate) fn missing_attribute(&mut self, operands: &[&str]) -> Option<System> {
         let area = self.area_of(operands.last()?).ok()?;
         Some(System {

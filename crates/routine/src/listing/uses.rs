@@ -23,7 +23,7 @@ pub struct Use {
     pub instruction: String,
     /// The tag as it is written there.
     pub operand: String,
-    /// Whether the instruction writes it.
+    /// Whether the instruction writes the tag.
     pub is_written: bool,
 }
 
@@ -125,7 +125,7 @@ impl Listing {
         }
     }
 
-    /// What a reference names in a program, through aliases.
+    /// The tag that a reference names in a program, through aliases.
     fn named(&self, known: &Known, program: Option<usize>, reference: &Reference) -> Named {
         let number = |name: &str| {
             let programs = self.project.programs.iter();
@@ -174,7 +174,7 @@ impl Listing {
 }
 
 impl Named {
-    /// Whether two names may share data: the same, a part, or the whole.
+    /// Whether two names may share data: one is the same as the other, a part of it, or the whole.
     fn overlaps(&self, other: &Named) -> bool {
         let mut steps = self.steps.iter().zip(&other.steps);
         self.program == other.program && self.name == other.name && steps.all(|(a, b)| may_be_same(a, b))

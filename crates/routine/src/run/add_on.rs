@@ -14,7 +14,7 @@ impl<'s> Scan<'s> {
         if self.s.add_ons >= MAX_ADD_ONS || frame + 1 + call.references.len() > MAX_BASES {
             return Err(self.fault(4, 84, None));
         }
-        // Everything of the caller is looked at with the caller's bases.
+        // Operands of the caller are evaluated with the caller's bases.
         self.s.push_base(instance, 1);
         for reference in &call.references {
             match self.reference(reference) {

@@ -84,7 +84,7 @@ impl Scan<'_> {
         Ok(())
     }
 
-    /// How long the condition has been there, ms.
+    /// The time for which the condition has been present, ms.
     fn held(&mut self, of: &Alarm<'_>, is_present: bool) -> i32 {
         let now = self.s.now_ms as i32;
         let mut held = 0;

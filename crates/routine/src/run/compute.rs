@@ -9,7 +9,7 @@ use crate::code::{Area, Argument, Cellular, TextPart};
 use crate::table::Op;
 
 impl Scan<'_> {
-    /// Stores a value, with its flags; `rest` has the operands whose carry the project looks at.
+    /// Stores a value, with its flags; `rest` has the operands whose carry the project reads.
     pub(crate) fn compute(&mut self, value: &Argument, target: &Argument, rest: &[Argument]) -> Run<()> {
         self.begin_arithmetic();
         if let [a, b, Argument::Word(is_subtraction)] = rest {

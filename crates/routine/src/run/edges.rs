@@ -1,4 +1,4 @@
-//! One shots, limits, and values that routines give back.
+//! One shots, limits, and results of routines.
 
 use super::Number;
 use super::counters::member_bit;

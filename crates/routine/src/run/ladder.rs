@@ -43,7 +43,7 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    /// The rungs of a routine; `TRACED`: someone looks at their power flow.
+    /// The rungs of a routine; `TRACED`: a viewer watches their power flow.
     fn rungs<const TRACED: bool>(&mut self, rungs: &'s [Rung]) -> Run<()> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
@@ -150,7 +150,7 @@ impl<'s> Scan<'s> {
         Ok(power)
     }
 
-    /// An instruction, and what follows a fault of it.
+    /// Executes an instruction, and handles its fault.
     pub(crate) fn instruction(&mut self, instruction: &'s Instruction, power: bool) -> Run<bool> {
         self.set_instruction(instruction.name);
         match self.act(instruction, power) {
@@ -252,7 +252,7 @@ impl<'s> Scan<'s> {
         }
     }
 
-    /// Looks at the operands of an instruction whose rung is false: its subscripts must be in range all the same.
+    /// Evaluates the operands of an instruction whose rung is false: its subscripts must be in range even then.
     fn touch(&mut self, arguments: &[Argument]) -> Run<()> {
         for argument in arguments {
             match argument {

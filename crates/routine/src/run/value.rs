@@ -462,7 +462,7 @@ impl Scan<'_> {
         self.s.overflow = true;
     }
 
-    /// Ends an area or address that lies outside of the memory.
+    /// The fault of an area or address that lies outside of the memory.
     pub(crate) fn outside(&mut self) -> Exit {
         self.fault(4, 20, None)
     }

@@ -1,5 +1,5 @@
-//! Wires between tags and axes (spec/programs.md §15). A wire of a tag gives its value before the first rung of a tick, one of an axis
-//! behind the last one. Its delay is that of a filter: the value passes when it has been there for so long.
+//! Wires between tags and axes (spec/programs.md §15). A wire of a tag passes its value before the first rung of a tick, one of an axis
+//! behind the last one. Its delay is that of a filter: a value passes after it has been present for that time.
 
 use super::{Scan, State};
 use crate::code::{Code, End, FixedBit};
@@ -7,14 +7,14 @@ use crate::code::{Code, End, FixedBit};
 /// The state of a wire.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Signal {
-    /// What it has given; `None`: nothing yet.
+    /// The last passed value; `None` before the first one.
     given: Option<bool>,
-    /// The value at its beginning, and since when, ns.
+    /// The value at its beginning, and the time of its last change, ns.
     seen: Option<(bool, u64)>,
 }
 
 impl Signal {
-    /// What the wire gives now.
+    /// The value that the wire passes now.
     fn value(&mut self, is_on: bool, now: u64, delay: u64) -> bool {
         match self.seen {
             Some((before, _)) if before == is_on => {}
@@ -31,7 +31,7 @@ impl Signal {
 }
 
 impl State {
-    /// Forgets what wires have given: all of them give again.
+    /// Forgets the values of the wires, so that each passes its present value again.
     pub(crate) fn begin_wires(&mut self) {
         self.wires.fill(Signal::default());
     }

@@ -174,7 +174,7 @@ fn cases() -> Vec<(&'static str, Project, String)> {
             let trigger = Trigger::Event("EVENT Instruction Only".to_owned(), None);
             of.tasks.push(TaskSource::new("Other", trigger, &["Counting"]));
         }
-        // What prescan does to members is seen where they do not begin with 0.
+        // The effects of prescan on members show only if the members do not begin with 0.
         let lines = match *name {
             "TON" => started_with(&of, "T.EN,T.TT,T.DN,T.ACC=7", "T.EN=0;T.TT=0;T.DN=0;T.ACC=0", lines),
             "TOF" => started_with(&of, "T.EN,T.TT,T.DN,T.ACC=7", "T.EN=0;T.TT=0;T.DN=0;T.ACC=20", lines),
@@ -209,7 +209,7 @@ fn cases() -> Vec<(&'static str, Project, String)> {
     all
 }
 
-/// Holds what prescan does to members that had values, and returns the script with a line for it.
+/// Checks the effects of prescan on members with values, and returns the script with a line for it.
 fn started_with(of: &Project, sets: &str, expected: &str, lines: &str) -> String {
     let why = format!("prescan of {sets}");
     let mut cell = started(&why, of);
@@ -255,7 +255,7 @@ fn every_instruction_does_what_its_row_lists() {
     }
 }
 
-/// The effects that a row needs cases for: what it does not list it must not do.
+/// The effects that a row needs cases for. The instruction must not have an effect that its row does not list.
 fn needed(row: &Row) -> &'static [&'static str] {
     if row.form == Form::Text {
         &["pre", "true", "again"]

@@ -64,7 +64,7 @@ fn a_task_runs_when_its_event_comes() {
     let mut cell = started("events", &project);
     #[rustfmt::skip]
     let steps = [
-        // why,                        what is set,              what holds then; Home Watch First Second Input Late
+        // why,                        tags to set,              counts afterwards: Home Watch First Second Input Late
         ("nothing has come",           "",                       [0, 0, 0, 0, 0, 0]),
         ("a bit becomes true",         "Axis.HomeEventStatus=1", [1, 0, 0, 0, 0, 0]),
         ("a bit that stays",           "",                       [1, 0, 0, 0, 0, 0]),

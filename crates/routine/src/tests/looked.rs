@@ -1,4 +1,4 @@
-//! What people see of a project: rungs as they are written, power flow, values, uses.
+//! The listing of a project: the text of its rungs, power flow, values, uses.
 
 use super::{project, script};
 use crate::source::TagSource;

@@ -42,7 +42,7 @@ fn a_table_answers_messages() {
     let well = (0, 0);
     #[rustfmt::skip]
     let cases = [
-        // why,                     instance, destination, rows,                                        scans, what holds then
+        // why,                     instance, destination, rows,                                        scans, conditions after them
         ("an answer",               "1", "Data[0]", vec![row(Some(1), &bytes[..4], 0, well)],              2, "M.DN=1, M.ER=0, M.EW=0, Data[0]=1, M.DN_LEN=4, M.EN=1"),
         ("not before its delay",    "1", "Data[0]", vec![row(Some(1), &bytes[..4], 40, well)],             4, "M.DN=0, M.EN=1, M.EW=1, Data[0]=0"),
         ("after its delay",         "1", "Data[0]", vec![row(Some(1), &bytes[..4], 40, well)],             5, "M.DN=1, Data[0]=1"),

@@ -8,7 +8,7 @@ use super::{project, routine, tags};
 use crate::source::{Datum, MemberSource, Project, TaskSource, Trigger, TypeSource, Usage};
 use crate::{Cell, Directory, Fault, Host, load};
 
-/// The axes X and Y and the coordinate system CS. It notes what it is asked.
+/// The axes X and Y and the coordinate system CS. It records the calls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Machine {
     /// The names of the motion control tags by slot.
@@ -18,7 +18,7 @@ pub(super) struct Machine {
     falses: Vec<u32>,
     /// The answer to each call; none is EN, DN and IP.
     answer: Option<MotionControl>,
-    /// What wires gave to inputs of axes.
+    /// The values that wires passed to inputs of axes.
     pub(super) inputs: Vec<(u32, bool)>,
     /// Bytes that are forced when inputs have been latched.
     pub(super) forced: Option<(usize, u8)>,
@@ -127,7 +127,7 @@ impl Bench {
         ran
     }
 
-    /// Sets tags, scans once, and looks at what holds then: `Go, M.PC=0 : M.EN; M.IP=0`.
+    /// Sets tags, scans once, and checks the conditions: `Go, M.PC=0 : M.EN; M.IP=0`.
     pub(super) fn scan(&mut self, line: &str) {
         let (sets, _) = line.split_once(':').unwrap_or((line, ""));
         for text in sets.split(',').map(str::trim).filter(|text| !text.is_empty()) {

@@ -1,4 +1,4 @@
-//! What does not run is named with its place, and counted (spec/programs.md §4, §10.8, §16).
+//! Each part that does not run has a finding with its position, and is counted (spec/programs.md §4, §10.8, §16).
 
 use super::{NoMachine, expect, project, routine, script, set, started};
 use crate::source::{Content, RoutineSource, RungSource};

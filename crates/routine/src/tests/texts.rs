@@ -1,4 +1,4 @@
-//! Texts: what is read is printed as it was; no text panics.
+//! Texts: printing gives a text back as it was read; no text panics.
 
 use proptest::prelude::*;
 

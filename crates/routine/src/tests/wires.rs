@@ -91,7 +91,7 @@ fn the_inputs_of_a_module_that_lost_its_connection_keep_their_values() {
         wire("B", "Other", 0),
     ]));
     bench.scan("B : Local:1:I.Data.0; Other");
-    // The fault comes with the tick, and what is wired behind it stays.
+    // The fault comes with the tick, and the tags wired behind it keep their values.
     bench.scan("Break : Local:1:I.ConnectionFaulted");
     bench.scan("B=0 : Local:1:I.Data.0; Other=0");
     bench.scan("Break=0 : Local:1:I.ConnectionFaulted=0");

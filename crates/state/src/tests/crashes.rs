@@ -1,7 +1,7 @@
-//! Every content that a crash behind any call may leave of the file, held against what the clients were answered.
+//! Every content of the file that a crash after any call may leave, compared with the answers to the clients.
 //!
-//! The bounds come from the calls and the answers alone: at least what was answered (process) or synchronised under a name that the disk had
-//! (system), at most what was sent, in whole records.
+//! The bounds come from the calls and the answers alone: at least the answered records (process), or those synchronised under a name that the
+//! disk had (system); at most the sent ones, in whole records.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::recording::{Call, Crashes, Inode, Kind, Recording, Rules};
 /// One step of a script.
 #[derive(Clone, Copy, Debug)]
 enum Step {
-    /// A client writes so many bytes of the table.
+    /// A client writes this number of bytes of the table.
     Write(usize),
     /// The table of tags changes.
     Table,
@@ -19,9 +19,9 @@ enum Step {
     Disk,
     /// A pause goes by.
     Pause,
-    /// From now on calls of the kind fail.
+    /// From now on calls of this kind fail.
     Fail(Kind),
-    /// From now on none fails.
+    /// From now on all calls succeed.
     Mend,
 }
 use Step::{Disk as Ends, Fail, Mend, Pause, Table, Write};
@@ -31,7 +31,7 @@ enum Under {
     Done(Ended),
 }
 
-/// A writer on a recording disk, and what it was sent and has answered.
+/// A writer on a recording disk, with the records it was sent and its answers.
 struct Scene {
     disk: Recording,
     writer: Writer<Recording, usize>,
@@ -127,7 +127,7 @@ impl Scene {
         }
     }
 
-    /// Records that are in the file whatever the crash does to it, when it comes behind so many calls.
+    /// Records that a crash behind these calls always leaves in the file.
     fn at_least(&self, calls: &[Call], rules: Rules) -> Option<usize> {
         match rules {
             Rules::Process => {
@@ -251,7 +251,7 @@ fn arbitrary(seed: u64) -> impl FnMut(usize) -> usize {
     }
 }
 
-/// The scripts, by what happens in them.
+/// The scripts, by their subjects.
 const SCRIPTS: &[(&str, &[Step])] = &[
     (
         "writes, synchronisations, and the file written anew with writes under way",

@@ -54,7 +54,7 @@ fn written(tag: u32, offset: u32, bytes: &[u8]) -> Change {
     Change::Tag { tag, offset, bytes }
 }
 
-/// What is written after another in the files of these tests.
+/// The records in the files of these tests, in their order.
 fn steps() -> Vec<Record> {
     vec![
         Record::Changes(vec![written(0, 0, &[9, 0, 0, 0])]),
@@ -220,7 +220,7 @@ fn a_bit_that_has_flipped_before_the_horizon_is_found() {
     }
 }
 
-/// What a crash of the system left in files before there were horizons, and in files whose horizons are both gone.
+/// The remains of a crash of the system in files from before there were horizons, and in files whose horizons are both gone.
 #[test]
 fn a_file_without_a_horizon_ends_where_only_zeros_follow() {
     let mut without = example();
@@ -470,8 +470,8 @@ proptest! {
         prop_assert_eq!(parse(&bytes).map(|kept| kept.state), Ok(state));
     }
 
-    /// Whatever stands in a file, reading it ends, in a state or in an error. The checksums are right, so that the
-    /// records are looked at.
+    /// Any bytes in a file are read to a state or an error. The checksums are right, so that the reader decodes the
+    /// records.
     #[test]
     fn any_bytes_in_a_record_are_a_state_or_an_error(data in prop::collection::vec(any::<u8>(), 0..200)) {
         let mut bytes = format::fresh(&State::default()).0[..12_288].to_vec();

@@ -97,7 +97,7 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// How many operands stand in front of the end of the call.
+    /// The number of operands in front of the end of the call.
     fn operands_ahead(&self) -> Result<usize, SyntaxError> {
         let (mut lexer, mut token) = (self.lexer, self.peek);
         let (mut count, mut depth) = (1, 0_usize);
@@ -194,7 +194,7 @@ impl<'t> Parser<'t> {
         Ok(())
     }
 
-    /// An enumeration word in any spelling; what is none is an expression.
+    /// An enumeration word in any spelling; other text is an expression.
     fn word_operand(&mut self, mnemonic: Mnemonic, place: usize, words: &'static Words) -> Result<(), SyntaxError> {
         /// `% of Time Master Driven` is the longest word there is, in tokens.
         const LONGEST: usize = 8;

@@ -5,7 +5,7 @@ use crate::code::{Binary, Meaning, Op};
 use crate::error::{SyntaxError, SyntaxProblem};
 use crate::lexer::{Kind, Token, number};
 
-/// What an expression turned out to be.
+/// The shape of a parsed expression.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Shape {
     /// A path and nothing else: the last operation reads it.

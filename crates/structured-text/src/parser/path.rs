@@ -1,4 +1,4 @@
-//! Tag paths: `Points[i + 1].Word.5`. What an index computes is compiled like any expression.
+//! Tag paths: `Points[i + 1].Word.5`. An index is compiled like any expression.
 
 use arcline_tag::{PathError, PathSegment, TagPath};
 

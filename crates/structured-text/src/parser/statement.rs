@@ -221,7 +221,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// What could stand where a statement is expected, in front of these ends.
+/// The text for messages about a missing statement, in front of these ends.
 fn block_expected(ends: &[&str]) -> &'static str {
     match ends {
         [] => "a statement",

@@ -38,7 +38,7 @@ impl<'t> Parser<'t> {
     }
 }
 
-/// The first word of a statement, and what to use instead of it.
+/// The first word of a statement, and the construct to use instead of it.
 const STATEMENTS: &[(&str, &str)] = &[
     ("CASE", "use IF, ELSIF and ELSE"),
     ("RETURN", "a program ends with its last statement"),
@@ -49,7 +49,7 @@ const STATEMENTS: &[(&str, &str)] = &[
     ("RET", "a program is one text"),
 ];
 
-/// A sign that stands where a value or a statement must begin, the construct that it begins, and what to use instead.
+/// A sign in front of a value or a statement, the construct that it begins, and the construct to use instead.
 const SIGNS: &[(&str, &str, &str)] = &[
     (".", "number that begins with its point", "write 0.5 for .5"),
     ("*", "operator **", "multiply instead"),

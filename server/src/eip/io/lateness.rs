@@ -20,7 +20,7 @@ pub(super) struct Lateness {
 }
 
 impl Lateness {
-    /// Without a measurement yet, the shortest interval of all may be confirmed.
+    /// Before the first measurement, a connection may have the shortest interval.
     pub(super) fn new() -> Self {
         Self {
             floor: SHORTEST,
@@ -70,7 +70,7 @@ const FEW: u32 = 3;
 mod tests {
     use super::*;
 
-    /// A second of datagrams, so many of them late.
+    /// Records a second of datagrams, a number of them late.
     fn second(lateness: &mut Lateness, number: u64, late: u32) -> Option<u32> {
         for index in 0..1000 {
             let micros = if index < late { 900 } else { 60 };

@@ -44,7 +44,7 @@ pub(crate) mod status {
 
 /// A number of something.
 pub(crate) struct Field<T> {
-    /// Name; what ends in `[n]` is an element.
+    /// Name; a name that ends in `[n]` is an element.
     pub(crate) name: &'static str,
     /// Meaning.
     pub(crate) meaning: &'static str,
@@ -89,7 +89,7 @@ impl<T> Field<T> {
     }
 }
 
-/// What stands in front of the inputs.
+/// The fields in front of the inputs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Head {
     /// The tick of the data; it wraps.
@@ -191,7 +191,7 @@ pub(crate) fn renew_head(head: Head, input: &mut BytesMut) {
     }
 }
 
-/// Command word and feed overrides of an output assembly; what is not there is not read.
+/// Decodes the command word and the feed overrides of an output assembly. Overrides that the data lack are left out.
 pub(crate) fn decode_output(data: &[u8]) -> Option<(u32, Vec<f32>)> {
     let (word, overrides) = data.split_first_chunk()?;
     let overrides = overrides.as_chunks::<FIELD>().0.iter();

@@ -1,8 +1,8 @@
 //! Implicit I/O: class 0 and 1 connections over one UDP socket (spec/ethernet-ip.md §14, docs/IO.md).
 //!
-//! Which connections may open, and when a datagram is due, is `arcline-proto`'s [`IoConnections`]; here are the socket, the turns that take
-//! and send datagrams, the thread that makes the turns, and what the assemblies mean. The tick knows nothing of it: inputs come from its snapshots, outputs
-//! go through the ring of its commands.
+//! The choice of connections that may open, and the times of datagrams, are those of [`IoConnections`] in `arcline-proto`. This module has the
+//! socket, the turns that receive and send datagrams, the thread that makes the turns, and the meaning of the assemblies. The tick has no
+//! part in it: inputs come from its snapshots, and outputs go through the ring of its commands.
 
 mod lateness;
 pub(crate) mod layout;
@@ -43,7 +43,7 @@ pub(crate) use turn::IoTurns;
 /// Connections of all originators.
 const MAX_CONNECTIONS: usize = 64;
 
-/// The assemblies, and what was last commanded through them, with or without a connection.
+/// The assemblies, and the newest outputs, with or without a connection.
 #[derive(Debug)]
 pub(crate) struct AssemblyData {
     assemblies: Assemblies,
@@ -52,7 +52,7 @@ pub(crate) struct AssemblyData {
 }
 
 impl AssemblyData {
-    /// For a machine.
+    /// The assemblies of a machine.
     pub(crate) fn new(machine: &Machine, reaction: IoLoss) -> Self {
         Self {
             assemblies: layout::assemblies(machine),
@@ -61,7 +61,7 @@ impl AssemblyData {
         }
     }
 
-    /// What connections can be about.
+    /// The assemblies that connections can use.
     pub(crate) fn assemblies(&self) -> &Assemblies {
         &self.assemblies
     }
@@ -74,7 +74,7 @@ impl AssemblyData {
         out.freeze()
     }
 
-    /// The input assembly of the newest tick in place of what `out` holds; where the plant is busy, only the head of it.
+    /// Replaces the contents of `out` by the input assembly of the newest tick; while the plant is busy, it refreshes the head only.
     fn refresh_input(&self, plant: &Plant, ownership: Ownership, out: &mut BytesMut) {
         let head = self.head(ownership);
         let done = plant.try_with_snapshot(|snapshot| {
@@ -183,12 +183,12 @@ impl Io {
         self.local
     }
 
-    /// How many connections are open.
+    /// The number of open connections.
     pub(crate) fn open_connections(&self) -> usize {
         lock(&self.connections).len()
     }
 
-    /// What the outputs are at present.
+    /// The present ownership of the outputs.
     pub(crate) fn ownership(&self) -> Ownership {
         lock(&self.connections).outputs()
     }
@@ -237,7 +237,7 @@ impl Io {
         })
     }
 
-    /// Has what is sent to a group leave through the address at which its connections were opened.
+    /// Sends the datagrams of a group through the address at which its connections opened.
     fn route(&self, group: Ipv4Addr) {
         let via = lock(&self.groups).get(&group).copied();
         if let Some(via) = via

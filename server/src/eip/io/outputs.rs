@@ -1,6 +1,6 @@
-//! What the output assembly commands, and the reaction when no client commands any more.
+//! The commands of the output assembly, and the reaction when no client commands any more.
 //!
-//! Not which client may command: that is the connection's. Overrides are in percent.
+//! The connection decides which client may command. Overrides are in percent.
 
 use arcline_config::IoLoss;
 use tracing::warn;
@@ -8,7 +8,7 @@ use tracing::warn;
 use super::layout::{command, decode_output};
 use crate::plant::{Plant, Principal};
 
-/// What was applied last.
+/// The newest outputs that the server has applied.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outputs {
     word: u32,
@@ -34,7 +34,7 @@ impl Outputs {
         &self.data
     }
 
-    /// Does what has changed since the last outputs. A stop comes first and cannot be undone by what else is set.
+    /// Applies the differences from the previous outputs. A stop comes first; the other bits and values of the same outputs cannot undo it.
     pub(crate) fn apply(&mut self, data: &[u8], plant: &Plant) {
         if data == self.data {
             return;
@@ -47,7 +47,7 @@ impl Outputs {
         let changed = rises(command::OVERRIDE) || self.word & command::HOLD != 0 || !same(&overrides, &self.overrides);
         let (resume, hold, stop) = (rises(command::RESUME), rises(command::HOLD), rises(command::STOP));
         if stop {
-            // It waits for no lock; what else is set does, and cannot undo it.
+            // It waits for no lock. The other bits and values do, and cannot undo it.
             plant.stop_all();
         }
         if wanted && changed {

@@ -21,7 +21,7 @@ pub trait Datagrams: Debug + Send + Sync {
     /// The system's.
     fn send(&self, bytes: &[u8], to: SocketAddr) -> io::Result<()>;
 
-    /// What is sent to a group leaves through the adapter with this address from now on.
+    /// Sends all further datagrams to groups through the adapter with this address.
     ///
     /// # Errors
     /// The system's.

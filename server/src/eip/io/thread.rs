@@ -1,6 +1,6 @@
 //! The thread of implicit I/O: it sleeps until a datagram comes or something is due.
 //!
-//! It comes after the tick and before everything else, where the system allows that, so it bounds its own work: a flood of
+//! Its priority is below that of the tick and, where the system allows that, above all other threads, so it bounds its own work: a flood of
 //! datagrams makes it pause. It waits only for the short locks of the connections and of the plant.
 
 use std::os::fd::AsFd;
@@ -17,7 +17,7 @@ use super::Io;
 use super::turn::{Arrived, IoTurns};
 use crate::eip::device::Device;
 
-/// Rest after a whole batch of datagrams, unless something is due: what comes faster than this is no I/O but a flood, and is lost.
+/// Pause after a whole batch of datagrams, unless a connection is due. Datagrams that come faster are a flood, not I/O, and are lost.
 const REST: Duration = Duration::from_micros(400);
 
 /// The running thread; it ends when this is dropped.
@@ -88,7 +88,7 @@ impl Worker {
             PollFd::from_borrowed_fd(socket, PollFlags::IN),
             PollFd::new(&self.io.wake, PollFlags::IN),
         ];
-        // A signal ends it early: what is due is looked at again.
+        // A signal ends the wait early: the next turn checks the due times again.
         let _ = poll(&mut fds, timeout.as_ref());
         let woken = fds.get(1).is_some_and(|fd| !fd.revents().is_empty());
         if woken {

@@ -14,9 +14,9 @@ use super::lateness::Lateness;
 use super::{Io, apply_events, lock};
 use crate::eip::device::Device;
 
-/// Datagrams that are taken before what is due is done.
+/// The most datagrams that a turn receives before it does the due work.
 const BATCH: usize = 128;
-/// The longest datagram that is looked at.
+/// The longest datagram that a turn accepts.
 const MAX_DATAGRAM: usize = 65_535;
 /// The longest wait for the next turn, when nothing is due.
 const IDLE: Duration = Duration::from_secs(3600);
@@ -32,17 +32,17 @@ pub(crate) struct IoTurns {
     lateness: Lateness,
 }
 
-/// What a turn has taken.
+/// The amount that a turn has received.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Arrived {
-    /// All that had arrived.
+    /// All datagrams that had arrived.
     All,
     /// A whole batch: there may be more.
     Batch,
 }
 
 impl IoTurns {
-    /// Of a device's I/O.
+    /// The turns of a device's I/O.
     pub(crate) fn new(device: Arc<Device>, io: Arc<Io>) -> Self {
         Self {
             device,
@@ -61,7 +61,7 @@ impl IoTurns {
         arrived
     }
 
-    /// How long nothing is due.
+    /// The time until a connection is due.
     pub(crate) fn until_due(&self) -> Duration {
         let next = lock(&self.io.connections).poll_timeout();
         next.map_or(IDLE, |next| next.saturating_sub(self.io.now()))
@@ -71,7 +71,7 @@ impl IoTurns {
     fn take(&mut self) -> Arrived {
         for _ in 0..BATCH {
             let Ok((length, from)) = self.io.socket.receive(&mut self.received) else {
-                // Nothing more; anything else shows again, if it lasts.
+                // No more datagrams, or an error; an error that lasts shows again.
                 return Arrived::All;
             };
             let now = self.io.now();
@@ -85,7 +85,7 @@ impl IoTurns {
         Arrived::Batch
     }
 
-    /// Ends what is overdue, sends what is due.
+    /// Ends the overdue connections and sends the due datagrams.
     fn send_due(&mut self) {
         let mut connections = lock(&self.io.connections);
         if !is_planted("watchdog of an I/O connection") {

@@ -148,7 +148,7 @@ impl Attributes<'_, '_, '_> {
         self.set(id, value)
     }
 
-    /// The first attribute of unknown width ends the list: what follows cannot be read.
+    /// The first attribute of unknown width ends the list: the server cannot read the bytes behind it.
     fn set_list(&mut self) -> Result<Reply, CipStatus> {
         let request = self.cx.request;
         let mut values = AttributeListReader::new(&request.data)?;

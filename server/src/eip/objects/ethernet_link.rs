@@ -9,7 +9,7 @@ use super::values::{no_attribute, short_string, u8_value, u32_value};
 
 /// Bits of attribute 2: the link is active.
 const ACTIVE: u32 = 0x01;
-/// It is full duplex.
+/// Bit of a full duplex link.
 const FULL_DUPLEX: u32 = 0x02;
 /// Speed and duplex were negotiated.
 const NEGOTIATED: u32 = 3 << 2;

@@ -40,7 +40,7 @@ impl Object for Identity {
         let device = cx.device();
         if id == STATUS {
             return u16_value(match mode(&device.plant) {
-                // Without a program the machine is always ready.
+                // Without a program of its own the controller is always ready.
                 ControllerMode::None | ControllerMode::Run => device.settings.identity.status,
                 ControllerMode::Program => STATUS_NOT_RUNNING,
                 ControllerMode::Faulted => STATUS_NOT_RUNNING | MAJOR_FAULT,
@@ -55,7 +55,7 @@ impl Object for Identity {
             name: "Reset",
             on: On::Instance,
             access: Access::Read,
-            // It is refused to every role.
+            // No role may execute it.
             right: Right::Look,
         }]
     }

@@ -1,4 +1,4 @@
-//! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, what clients tell of themselves, and the counters of commands.
+//! Machine, class 0x0305 (docs/spec/contract.md §7): STOP and its release, the identifications of clients, and the counters of commands.
 //! Series of moves are in [`series`](super::series).
 
 use arcline_controller::image::MOST_STEPS;
@@ -149,7 +149,7 @@ fn step(cx: &mut ObjectContext<'_, '_>) -> Result<(), CipStatus> {
     cx.apply(Command::Step { ticks, until }).map(drop)
 }
 
-/// Notes what a client tells of itself.
+/// Stores the identification that a client sends.
 fn identify(cx: &ObjectContext<'_, '_>) -> Result<(), CipStatus> {
     let told = Identification::decode(&cx.request.data)?;
     if let Some(session) = cx.context.principal.session() {

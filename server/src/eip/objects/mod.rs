@@ -75,7 +75,7 @@ static OBJECTS: [&dyn Object; 22] = [
 pub(crate) struct Objects(pub(crate) &'static [&'static dyn Object]);
 
 impl Objects {
-    /// Those of a controller.
+    /// The objects of a controller.
     pub(crate) const ALL: Objects = Objects(&OBJECTS);
 
     /// The object of a class code.
@@ -83,7 +83,7 @@ impl Objects {
         self.0.iter().copied().find(|object| object.class() == class)
     }
 
-    /// What a service to a name needs: motion objects have no more of their own than the symbol.
+    /// The access of a service that addresses a tag by name. A motion object has the services of the symbol only.
     pub(crate) fn access_by_name(self, code: u8) -> Access {
         self.find(class::SYMBOL)
             .map_or(Access::Read, |symbol| symbol.access(code))

@@ -1,7 +1,7 @@
 //! Motion services: an instruction as a CIP service of its object (spec/contract.md §4).
 //!
-//! The object is addressed by class and instance, or by its name as a symbolic segment. What the operands mean is the
-//! catalogue's; here bytes become [`Given`] and results become statuses.
+//! A request addresses the object by class and instance, or by its name as a symbolic segment. The catalogue gives the operands their
+//! meaning; this module turns bytes into [`Given`], and results into statuses.
 
 use arcline_controller::image::{Image, TagKind};
 use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object, by_service};

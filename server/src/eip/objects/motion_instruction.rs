@@ -1,5 +1,5 @@
-//! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for every instruction that was executed, the
-//! newest 4,096 kept.
+//! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for each of the newest 4,096 executed
+//! instructions.
 //!
 //! | attribute | type | |
 //! |---|---|---|
@@ -9,10 +9,10 @@
 //! | 4 | SINT | STATE |
 //! | 5 | DINT | SEGMENT |
 //! | 6 | SINT | EXERR |
-//! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; this is what Get Attributes All returns |
-//! | 8 | structure | why the instruction ended that has ended without PC and without an error |
+//! | 7 | 16 bytes | the MOTION_INSTRUCTION structure; Get Attributes All returns it |
+//! | 8 | structure | the cause that ended the instruction without PC and without an error |
 //!
-//! Attribute 8: USINT 0 nothing to say, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine, 4 the end of a jog by
+//! Attribute 8: USINT 0 no cause, 1 another instruction, 2 faults of an axis, 3 a stop of the whole machine, 4 the end of a jog by
 //! the server; SHORT_STRING the other's motion control tag, or the axis; SHORT_STRING its mnemonic, or the faults as words with blanks
 //! between them, or of a jog `released` (the button of the page), `silent` or `lost` (the client that began it); LREAL the time of the machine, s; ULINT the time, µs since 1970-01-01 UTC.
 

@@ -12,7 +12,7 @@
 //! | 7 | | maximum deceleration jerk | maximum deceleration jerk |
 //! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
 //! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL |
-//! | 10 | | what can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
+//! | 10 | | faults that can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
 //! | 11 | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set | the last feed override that was not 0, REAL, percent |
 //! | 12, 13 | | | LinkLength1, LinkLength2, LREAL |
 //! | 14 to 16 | | | BaseOffset1 to BaseOffset3, LREAL |
@@ -20,8 +20,8 @@
 //! | 20 to 25 | | | ZeroAngleOffset1 to ZeroAngleOffset6, LREAL, degrees |
 //! | 12 (axis) | | faults, UDINT: bits of docs/FAULTS.md | |
 //! | 26 | | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set |
-//! | 27 to 29 | | | of the active move: distance to go, length of its path (0: no move is active), seconds to its end or its successor as planned now (NaN: not known), LREAL |
-//! | 13 (axis), 30 | | what moves it: a [`Mover`](arcline_proto::arcline::motion::Mover) | what moves it |
+//! | 27 to 29 | | | of the active move, LREAL: distance to go, length of its path (0: no move is active), seconds to its planned end or its successor (NaN: not known) |
+//! | 13 (axis), 30 | | the mover: a [`Mover`](arcline_proto::arcline::motion::Mover) | the mover |
 //!
 //! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
 //! (spec/axis-and-data-types.md §9.6); the numbers of numeric attributes are those of [`Attribute`]. Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
@@ -236,7 +236,7 @@ fn system(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     }
 }
 
-/// What a robot is built with, one attribute a number.
+/// The dimensions of a robot; each attribute has one number.
 fn robot(system: &CoordinateSystem, id: u16) -> Result<Bytes, CipStatus> {
     let parameters = system.robot.map(|robot| robot.parameters).unwrap_or_default();
     let numbers = [

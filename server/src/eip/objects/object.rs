@@ -1,4 +1,4 @@
-//! What a CIP object is: its class, instances, attributes and services.
+//! The parts of a CIP object: its class, instances, attributes and services.
 
 use std::fmt::Debug;
 
@@ -24,12 +24,12 @@ pub(crate) trait Object: Debug + Sync {
     /// The name of the class.
     fn name(&self) -> &'static str;
 
-    /// Whether it must not be asked under the plant's lock: it takes that lock, or reads files of the host.
+    /// Whether the object must not be read under the plant's lock, since it takes that lock itself or reads files of the host.
     fn is_late(&self) -> bool {
         false
     }
 
-    /// Whether its instances execute instructions as services.
+    /// Whether the instances execute instructions as services.
     fn is_motion(&self) -> bool {
         false
     }
@@ -67,7 +67,7 @@ pub(crate) trait Object: Debug + Sync {
         &[1, 2, 3, 6, 7]
     }
 
-    /// Why there is no such instance (1 or more), if there is none.
+    /// Checks that an instance (1 or more) exists.
     fn check(&self, cx: &ObjectContext<'_, '_>, instance: u32) -> Result<(), CipStatus> {
         if instance <= self.extent(cx)?.highest {
             Ok(())
@@ -89,7 +89,7 @@ pub(crate) trait Object: Debug + Sync {
         None
     }
 
-    /// The right that setting an attribute needs; what is a command of the plant is judged there too.
+    /// The right that setting an attribute needs. The plant checks its own commands too.
     fn right_to_set(&self) -> Right {
         Right::Administer
     }
@@ -106,7 +106,7 @@ impl dyn Object {
         self.services().iter().find(|own| own.code == code)
     }
 
-    /// What a service needs.
+    /// The access of a service.
     pub(crate) fn access(&self, code: u8) -> Access {
         match (self.is_late(), self.own_service(code)) {
             (true, _) => Access::Late,
@@ -117,14 +117,14 @@ impl dyn Object {
     }
 }
 
-/// What a service needs of the tag memory.
+/// The access of a service to the tag memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Access {
     /// Reads it, without a lock.
     Read,
     /// May set an attribute that is in it, under the plant's lock.
     Set,
-    /// Changes the table of tags, under the plant's lock; it succeeds only when the change is kept over a restart.
+    /// Changes the table of tags, under the plant's lock; it succeeds only when the file of the retained state has the change.
     Change,
     /// Is answered when the plant's lock is free.
     Late,
@@ -139,22 +139,22 @@ pub(crate) struct OwnService {
     pub(crate) code: u8,
     /// The name of the service.
     pub(crate) name: &'static str,
-    /// Where it is asked.
+    /// The instances to which the service applies.
     pub(crate) on: On,
-    /// What it needs; of an object that is late, late.
+    /// The access to the tag memory; of an object that answers late, always late.
     pub(crate) access: Access,
-    /// The right that it needs; a command of the plant is judged there too.
+    /// The right that the service needs. The plant checks its own commands too.
     pub(crate) right: Right,
 }
 
-/// Where a service is asked; elsewhere it is refused with 0x08.
+/// The instances to which a service applies; for the others the status is 0x08.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum On {
     /// On the class: instance 0 or none.
     Class,
     /// On an instance that exists.
     Instance,
-    /// On any number: it is no instance to the service.
+    /// On any instance number, which the service ignores.
     Any,
 }
 
@@ -181,7 +181,7 @@ impl Extent {
     }
 }
 
-/// One request to an object, and what it is answered with.
+/// One request to an object, and the resources for its answer.
 pub(crate) struct ObjectContext<'a, 't> {
     /// The device and the connection.
     pub(crate) context: &'a Context<'a>,

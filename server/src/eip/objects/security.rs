@@ -37,7 +37,7 @@ const VERIFIED: u8 = 3;
 const PEM: u8 = 0;
 const PEM_BIT: u32 = 1;
 
-/// A service that is refused to every role; the audit has those who asked without the right.
+/// A service that every role is refused. The audit records the clients that requested it without the right.
 const fn refused(code: u8, name: &'static str, on: On) -> OwnService {
     OwnService {
         code,
@@ -105,7 +105,7 @@ impl Object for CipSecurity {
         }
     }
 
-    /// Without attribute 3, as OpENer has it.
+    /// Attribute 3 is left out, as in OpENer.
     fn all(&self) -> &'static [u16] {
         &[1, 2]
     }
@@ -204,7 +204,7 @@ fn certificate(instance: u8) -> [u8; 5] {
     [2, 0x20, 0x5F, 0x24, instance]
 }
 
-/// How many certificates there are: instance 1, that of the factory, which is empty; 2, that of `[security]`.
+/// The number of certificates: instance 1, the factory's, which is empty, and instance 2, that of `[security]`.
 fn certificates(cx: &ObjectContext<'_, '_>) -> u8 {
     if has_tls(cx) { IN_USE } else { 1 }
 }
@@ -278,7 +278,7 @@ impl Object for CertificateManagement {
         match id {
             1 => Ok(short_string(NAMES[usize::from(is_configured)])),
             2 => u8_value(if is_configured { VERIFIED } else { NON_EXISTENT }),
-            // Whether the certificate and that of its authority are verified, and their paths: they are in no File object.
+            // The certificate and that of its authority: whether each is verified, and no path, since no File object holds them.
             3 | 4 => Ok(Bytes::copy_from_slice(&[is_configured.into(), NONE])),
             5 => u8_value(PEM),
             _ => no_attribute(),

@@ -13,7 +13,7 @@ use crate::plant::{LONGEST_SERIES, SeriesEnd};
 #[derive(Debug)]
 pub(crate) struct SeriesRequest {
     service: u8,
-    /// Those in front of the first that cannot be read.
+    /// The moves in front of the first unreadable one.
     moves: Vec<MotionRequest>,
     /// The reply to that one.
     unreadable: Option<Reply>,

@@ -52,7 +52,7 @@ impl Object for TcpIpInterface {
     fn attribute(&self, cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Result<Bytes, CipStatus> {
         match id {
             1 => u32_value(CONFIGURED),
-            // Nothing can be configured here; the addresses are the system's.
+            // A client can configure none of it; the system has set the addresses.
             2 | 3 => u32_value(0),
             // The Ethernet Link object: two words, class 0xF6, instance 1.
             4 => Ok(Bytes::from_static(&[2, 0, 0x20, 0xF6, 0x24, 1])),
@@ -138,7 +138,7 @@ fn configuration(adapter: &Adapter) -> Bytes {
     out.freeze()
 }
 
-/// By the default algorithm: `alloc u8, 0, count u16, first address u32`.
+/// The multicast address by the default algorithm: `alloc u8, 0, count u16, first address u32`.
 fn multicast(adapter: &Adapter) -> Bytes {
     let mut out = BytesMut::with_capacity(8);
     out.put_slice(&[0, 0]);

@@ -1,6 +1,6 @@
 //! Wall clock, class 0x8B (spec/ethernet-ip.md §13; the dates are those of GSV and SSV).
 //!
-//! Setting it moves what clients see, never the host's clock. Local time is UTC.
+//! A client that sets it moves the time that clients see, never the host's clock. Local time is UTC.
 
 use arcline_proto::cip::{CipStatus, class};
 use bytes::{BufMut, Bytes, BytesMut};
@@ -78,7 +78,7 @@ impl Object for WallClock {
 /// Bytes of a date: seven DINTs.
 const DATE_LENGTH: usize = 7 * 4;
 
-/// The date of so many µs since 1970; the last that there is, when it is further.
+/// The date at a number of µs since 1970, or the last possible date.
 fn encode(micros: u64) -> Bytes {
     let moment = OffsetDateTime::from_unix_timestamp_nanos(i128::from(micros) * 1000);
     let moment = moment.unwrap_or(PrimitiveDateTime::MAX.assume_utc());
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn dates_and_back() {
-        // Seconds as `date -u +%s` tells them.
+        // Seconds as `date -u +%s` prints them.
         for (why, seconds, [year, month, day, hour, minute, second]) in [
             ("the beginning", 0, [1970, 1, 1, 0, 0, 0]),
             ("a leap day of a century", 951_782_400, [2000, 2, 29, 0, 0, 0]),

@@ -1,4 +1,4 @@
-//! Who reaches the door at all (spec/security.md §6).
+//! The list of addresses that may connect (spec/security.md §6).
 
 use std::net::SocketAddr;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! The audit has what EtherNet/IP clients change without a command of the plant (spec/security.md §9).
+//! The audit has the changes that EtherNet/IP clients make without a command of the plant (spec/security.md §9).
 
 use arcline_config::{IoLoss, Role};
 use arcline_proto::arcline::trace::service as of_trace;
@@ -27,7 +27,7 @@ async fn what_is_no_command_is_recorded_when_it_is_done() {
     for request in [set(0x8B, 6, &clock), set(0xF5, 13, &[60, 0]), set(0x06, 100, &[0])] {
         assert!(client.ask(&request).await.status.is_success());
     }
-    // What is refused for another reason than the role changes nothing, and has no line.
+    // A request that is refused for another reason than the role changes nothing, and has no line.
     assert!(!client.ask(&set(0xF5, 13, &[0xFF, 0xFF])).await.status.is_success());
     let trace = client.create(config(0, 10, 1, &[0], &["X.CommandPosition"])).await;
     for code in [of_trace::STOP, of_trace::START, service::DELETE] {

@@ -1,4 +1,4 @@
-//! What a packet costs the server without the system's part of it: bytes in, bytes out, on one thread.
+//! The cost of a packet in the server without the system's part: bytes in, bytes out, on one thread.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use super::*;
 /// Reads in a packet.
 const TAGS: usize = 100;
 
-/// How many packets are asked: `ARCLINE_PACKETS`, otherwise a few. A release build says the time of one.
+/// The number of packets: `ARCLINE_PACKETS`, or a few by default. A release build prints the time of one.
 fn packets() -> u32 {
     let given = std::env::var("ARCLINE_PACKETS").ok();
     given.and_then(|text| text.parse().ok()).unwrap_or(20)

@@ -1,4 +1,4 @@
-//! What is counted of requests.
+//! The counters of requests.
 
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::epath::Epath;

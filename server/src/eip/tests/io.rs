@@ -73,7 +73,7 @@ struct Scanner {
     sequence: u32,
 }
 
-/// What came in a datagram.
+/// The contents of a datagram.
 struct Input {
     sequence: u32,
     count: u16,
@@ -223,7 +223,7 @@ impl Scanner {
     }
 }
 
-/// Where the fields of the first coordinate system and of the axis X stand.
+/// The offsets of the fields of the first coordinate system and of the axis X.
 const STATUS: usize = 4;
 const ECHO: usize = 8;
 const OVERRIDE: usize = 12 + 8;
@@ -361,7 +361,7 @@ async fn the_command_word_holds_resumes_overrides_and_stops() {
         .await;
     let stopped = bench.snapshot(|snapshot| snapshot.axes[0].command);
     assert_eq!(stopped[1], 0.0);
-    // What moves after the stop is not stopped by the bit that stays.
+    // The bit stays set, and does not stop later motion.
     let input = scanner.input().await;
     assert_eq!(f64::from(input.real(POSITION_X)) as f32, stopped[0] as f32);
     bench.set_out().await;
@@ -396,7 +396,7 @@ async fn lost_outputs_do_what_is_configured() {
                 "close" => assert!(client.close_io(1).await.is_success()),
                 "close without the wire" => {
                     assert!(io.close(key(1), PEER, &bench.device));
-                    // Before its reply: what its originator begins then is not stopped by what it has lost.
+                    // The reaction comes before the reply: it does not stop motion that the originator begins after the reply.
                     assert_eq!(bench.device.assembly_data().output(), zeros, "{reaction:?}");
                 }
                 _ => scanner.send_output(false, command::HOLD, [0.0; 4]).await,
@@ -461,7 +461,7 @@ async fn openings_that_are_refused_and_counted() {
         assert_eq!(reply.status, expected, "{why}");
         assert_eq!(listens, None, "{why}");
     }
-    // Another TCP connection sees the same, and may close what comes from its address.
+    // A client on another TCP connection sees the same, and may close the connections from its address.
     let mut other = bench.client().await;
     assert_eq!(other.open_io(&open(1, OUTPUT), 1).await.0.status, failed(0x0100));
     let listener = other.scan(&open(3, LISTEN_ONLY)).await;
@@ -510,7 +510,7 @@ async fn the_assembly_object() {
     assert_eq!(status_of(client.assembly(get, 99, 3, &[]).await), (0x05, 0));
     assert_eq!(status_of(client.assembly(get, INPUT, 5, &[]).await), (0x14, 0));
 
-    // The output commands as long as nobody owns it.
+    // The assembly object commands the outputs as long as no connection owns them.
     let set = service::SET_ATTRIBUTE_SINGLE;
     let data = output(command::OVERRIDE, [50.0; 4]);
     assert_eq!(status_of(client.assembly(set, INPUT, 3, &[0; 248]).await), (0x0E, 0));
@@ -540,7 +540,7 @@ async fn inputs_are_sent_to_a_group() {
     let mut client = bench.client().await;
     let mut wanted = open(1, INPUT_ONLY);
     wanted.t_to_o.connection_type = ConnectionType::Multicast;
-    // Host 1 of 127.0.0.0/8: the first group, what attribute 9 of the TCP/IP Interface tells too.
+    // Host 1 of 127.0.0.0/8: the first group, as in attribute 9 of the TCP/IP Interface.
     let group = SocketAddrV4::new(Ipv4Addr::new(239, 192, 1, 0), 2222);
     let heard = UdpSocket::bind(group).await.expect("nobody else has the group");
     heard

@@ -1,4 +1,4 @@
-//! What becomes of motion when the connection that began it is lost, and when it is closed in order.
+//! The reaction of motion to the loss of the connection that began it, and to the close of that connection.
 
 use arcline_config::ConnectionLoss;
 use arcline_instruction_set::{Flag, Mnemonic};
@@ -10,10 +10,10 @@ use arcline_tag::Elementary;
 use super::motion::{line, name, numbers, on};
 use super::*;
 
-/// How a connection ends.
+/// The end of a connection.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum End {
-    /// The TCP connection is closed, nothing was said.
+    /// The TCP connection closes without UnRegisterSession or Forward Close.
     Dropped,
     /// Its watchdog expires, the TCP connection stays.
     Silent,
@@ -23,7 +23,7 @@ enum End {
     Unregistered,
 }
 
-/// What motion came to.
+/// The state of the motion afterwards.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Then {
     Runs,
@@ -34,7 +34,7 @@ enum Then {
 const JOG: &str = "Jogging";
 const MOVE: &str = "Moving";
 const LINE: &str = "Lining";
-/// Somebody else's.
+/// A move that another client began.
 const OTHER: &str = "Others";
 
 /// Axes of the default machine: S, A and B. CS1 has X, Y and Z.
@@ -87,7 +87,7 @@ impl Bench {
     }
 }
 
-/// Begins motion over a class 3 connection of 10 ms × 4, ends it, and sees what came of it.
+/// Begins motion over a class 3 connection of 10 ms × 4, ends the connection, and returns the state of the motion.
 async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
     let mut other = bench.client().await;
     assert!(other.ask(&jog(OTHER, B)).await.status.is_success());
@@ -286,7 +286,7 @@ async fn a_silent_client_stops_its_jogs_and_nothing_else() {
         assert!(client.ask(&single(MOVE, A)).await.status.is_success());
         assert!(talks.ask(&jog(OTHER, B)).await.status.is_success());
         let silent_from = std::time::Instant::now();
-        // Whoever polls goes on; whoever says nothing does not.
+        // A client that polls keeps its jogs; a silent client does not.
         while silent_from.elapsed() < Duration::from_millis(900) {
             talks.read("aDint").await;
             tokio::time::sleep(Duration::from_millis(10)).await;
@@ -325,7 +325,7 @@ async fn the_reaction_is_an_attribute_of_whoever_asks() {
         let reply = client.ask_connected(&mut connected, &set(value)).await;
         assert_eq!(codes(reply.status), (expected, 0), "{value:?}");
     }
-    // It is forgotten with the connection.
+    // The reaction is forgotten with the connection.
     assert!(client.close(&connected).await.status.is_success());
     let mut again = client.open(500, 1).await;
     assert_eq!(client.ask_connected(&mut again, &get).await.data[..], [0]);

@@ -50,9 +50,9 @@ use super::device::{Device, Settings};
 use super::io::IoThread;
 use crate::plant::Plant;
 
-/// Where the in-memory streams were accepted.
+/// The local address of the in-memory streams.
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
-/// Where they come from.
+/// The peer's address of the in-memory streams.
 const PEER: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
 /// Longer than anything here may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -145,7 +145,7 @@ pub(super) struct Bench {
 pub(super) fn project() -> arcline_config::Project {
     let text = format!("{}{TAGS}", arcline_config::DEFAULT);
     let mut project = arcline_config::load(&text, "test").expect("a valid configuration");
-    // Of silence there are tests of their own; others may be slow.
+    // Silent jogs have tests of their own; the clients of other tests may be slow.
     project.server.jog_silence = 0;
     project
 }

@@ -70,7 +70,7 @@ impl Object for Counter {
     }
 }
 
-/// Those of a controller and the counter.
+/// The objects of a controller and the counter.
 fn objects() -> Objects {
     let counter: &'static dyn Object = Box::leak(Box::new(Counter(AtomicU32::new(7))));
     let mut all = Objects::ALL.0.to_vec();
@@ -129,7 +129,7 @@ fn requests_are_parsed_to_what_they_need() {
     let objects = objects();
     let object = |code, class| Request::new(code, Epath::object(class, 1), Bytes::new());
     let named = |code| Request::new(code, path("X"), Bytes::new());
-    // Under the plant's lock, after it, and only when kept.
+    // Under the plant's lock, after its release, and only when the retained state has the change.
     #[rustfmt::skip]
     let cases = [
         ("a read", named(service::READ_TAG), NOTHING),

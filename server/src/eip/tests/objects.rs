@@ -1,5 +1,5 @@
-//! The objects that every controller shows: each class, instance and attribute with the bytes it gives, and what is
-//! answered where there is none (spec/ethernet-ip.md §6, §13).
+//! The objects that every controller shows: each class, instance and attribute with its bytes, and the status of objects and attributes
+//! that do not exist (spec/ethernet-ip.md §6, §13).
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::{Bench, Client, codes, forward_open};
 use crate::eip::adapter;
 use crate::eip::connection;
 
-/// Where the client of these tests came in.
+/// The local address to which the client of these tests has connected.
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::new(192, 168, 1, 10), 44818);
 
 /// Class, instance (0: the class), attribute, and its bytes in hexadecimal; `*` is any byte.
@@ -249,7 +249,7 @@ async fn what_is_not_there_has_its_status() {
     }
     #[rustfmt::skip]
     let cases: [Refused; 30] = [
-        // What HMI browsers probe: an answer at once, with the status of what is not there.
+        // Probes of HMI browsers: each has its answer at once, with the status of an object that does not exist.
         (0x01, 0x47, 1, None, &[], (0x05, 0)),
         (0x0E, 0x47, 1, Some(1), &[], (0x05, 0)),
         (0x15, 0x01, 1, None, &[], (0x08, 0)),
@@ -258,7 +258,7 @@ async fn what_is_not_there_has_its_status() {
         (0x4B, 0xB2, 1, None, &[], (0x05, 0)),
         (0x55, 0x68, 0, None, &[1, 0, 28, 0], (0x05, 0)),
         (0x01, 0xF4, 2, None, &[], (0x05, 0)),
-        // Reset: nobody may, and there is none of type 2.
+        // Reset: no role may execute it, and there is no type 2.
         (0x05, 0x01, 1, None, &[], (0x0F, 0)),
         (0x05, 0x01, 1, None, &[0], (0x0F, 0)),
         (0x05, 0x01, 1, None, &[1], (0x0F, 0)),

@@ -1,7 +1,7 @@
-//! Where other servers fail with real clients (spec/ethernet-ip.md §17), by its numbers.
+//! The pitfalls in which other servers fail with real clients (spec/ethernet-ip.md §17), by their numbers.
 //!
-//! How well an interval is kept in real time (11) and what a request costs (14) is measured by `tests/tests/io_scanner.rs`
-//! and `tests/benches/network.rs`; here is what no machine can change.
+//! `tests/system/tests/load/io_scanner.rs` measures the real-time accuracy of an interval (11), and `tests/system/benches/network.rs` the
+//! cost of a request (14). The tests here do not depend on the machine's speed.
 
 use std::net::SocketAddr;
 
@@ -417,7 +417,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
     }
 }
 
-/// 10 ms a read is what made 32 clients wait for a third of a second: here all of them together are answered in far less.
+/// With 10 ms for a read, 32 clients would wait for a third of a second: here all of them together have their answers in far less.
 #[tokio::test]
 async fn pitfall_14_a_read_costs_no_client_the_time_of_another() {
     const CLIENTS: usize = 32;

@@ -16,7 +16,7 @@ use super::hostile::messages;
 use super::*;
 use crate::eip::Listener;
 
-/// How many of something a test takes, from the environment.
+/// A size of a test, from an environment variable.
 fn scale(variable: &str, default: usize) -> usize {
     std::env::var(variable).map_or(default, |text| text.parse().expect("a number"))
 }

@@ -21,7 +21,7 @@ const WRITERS: u32 = 2;
 /// Messages of each client in the normal run.
 const MESSAGES: u32 = 1000;
 
-/// What the controller was sent for the tag.
+/// The edges of the tag's EnableIn that the controller received.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Edge {
     /// An execution with its values of [`OPERANDS`].
@@ -48,7 +48,7 @@ fn values(call: &Call) -> [f64; OPERANDS.len()] {
 fn serve(mut rings: Rings, plant: &Plant, end: &AtomicBool) -> Vec<Edge> {
     let mut edges = Vec::new();
     loop {
-        // Looked at first: what was sent before it is still taken.
+        // Read the end flag first, so that the loop still takes all commands from before it.
         let last = end.load(Ordering::Acquire);
         let mut took = false;
         while let Some(command) = rings.next_command() {

@@ -1,4 +1,4 @@
-//! EtherNet/IP clients of every role: what each may, as a service, by a tag, in a packet, and inside of Unconnected Send.
+//! EtherNet/IP clients of every role: the permitted services, tags and packets of each, also inside of Unconnected Send.
 
 use std::collections::BTreeMap;
 
@@ -122,14 +122,14 @@ fn services(made: Made) -> Vec<(String, Needs, Request)> {
                 On::Class => 0,
                 On::Instance | On::Any => instance_of(class, made),
             };
-            // A series is judged when it is whole.
+            // The server checks a whole series.
             let data = match (class, own.code) {
                 (machine::CLASS, machine::service::EXECUTE_SERIES) => {
                     join_multiple(&[on(Mnemonic::Mclm, 1, &line("", &[0.0; 3]))]).expect("short")
                 }
                 _ => Bytes::new(),
             };
-            // What would commission the device, and Reset, no role may.
+            // No role may commission the device or reset it.
             let needs = match class {
                 0x01 | 0x5D | 0x5E | 0x5F => None,
                 _ => Some(own.right),
@@ -181,7 +181,7 @@ fn create_tag(name: &str) -> Request {
     Request::new(service::CREATE, Epath::object(0x6B, 0), create.to_bytes())
 }
 
-/// Services of tags, and what the tables of objects do not tell apart.
+/// Services of tags, and services that the tables of objects do not distinguish.
 fn tags() -> Vec<(&'static str, Right, Request)> {
     let fragment = |path: Epath, data_type: u8, value: &[u8]| {
         let mut data = vec![data_type, 0, 1, 0, 0, 0, 0, 0];
@@ -223,7 +223,7 @@ pub(crate) fn rights() -> Vec<Right> {
     services.chain(sets).chain(tags).collect()
 }
 
-/// Whether a reply says that the client may not: for the request, for the attribute of its list, or for the first move of its series.
+/// Whether a reply refuses the client for its role: for the request, for an attribute of its list, or for the first move of its series.
 fn is_refused(request: &Request, reply: &Reply) -> bool {
     if request.path.is_object(machine::CLASS, 1) && request.service == machine::service::EXECUTE_SERIES {
         let failed = SeriesReply::decode(&reply.data).and_then(|reply| reply.failed);
@@ -350,7 +350,7 @@ async fn every_request_for_every_role() {
     );
 }
 
-/// A request that no role may make is refused alike for every role: clients find out by it what the server is.
+/// A request that no role may make has the same refusal for every role: clients identify the server by such a request.
 #[tokio::test]
 async fn what_does_not_exist_has_the_same_status_for_every_role() {
     let bench = Bench::new();

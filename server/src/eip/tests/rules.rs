@@ -1,4 +1,4 @@
-//! Tags that ask something of those who write them: a least role, and a range (spec/security.md §6).
+//! Tags with rules for their writers: a least role, and a range (spec/security.md §6).
 
 use arcline_config::Role;
 use arcline_proto::logix::ReadModifyWrite;

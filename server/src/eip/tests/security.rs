@@ -66,7 +66,7 @@ const ROWS: &[Row] = &[
     (0x5F, 0, 9, b"\x02\x1aDefault Device Certificate\x02\x20\x5F\x24\x01\x0aConfigured\x02\x20\x5F\x24\x02",
                                                    Some(b"\x01\x1aDefault Device Certificate\x02\x20\x5F\x24\x01")),
     (0x5F, 0, 10, &[1, 0, 0, 0],                   Some(&[1, 0, 0, 0])),
-    // That of the factory is not there; that of the configuration is verified.
+    // The factory's certificate is empty; that of the configuration is verified.
     (0x5F, 1, 1, b"\x1aDefault Device Certificate", Some(b"\x1aDefault Device Certificate")),
     (0x5F, 1, 2, &[0],                             Some(&[0])),
     (0x5F, 1, 3, &[0, 0],                          Some(&[0, 0])),
@@ -94,7 +94,7 @@ async fn every_attribute_has_its_bytes() {
                 None => assert_eq!(codes(reply.status), (0x05, 0), "{place}"),
             }
         }
-        // What editions do not agree about is not there.
+        // Attributes on which the editions of the specification differ do not exist.
         for id in 17..=20 {
             assert_eq!(
                 codes(get(&mut client, 0x5E, 1, id).await.status),

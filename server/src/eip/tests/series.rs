@@ -1,4 +1,4 @@
-//! Series of moves: their order, the move that fails, the queue without room, and what is no move.
+//! Series of moves: their order, the move that fails, the queue without room, and requests that are not moves.
 
 use arcline_instruction_set::predefined::coordinate_system_status::MOTION_STATUS;
 use arcline_instruction_set::{Flag, Mnemonic, MotionControl};
@@ -22,7 +22,7 @@ fn series(moves: &[Request]) -> Request {
     Request::new(EXECUTE_SERIES, Epath::object(CLASS, 1), data)
 }
 
-/// A line so long that it does not end while a test runs.
+/// A line that does not end while a test runs.
 fn long(control: &str, x: f64) -> Request {
     let mut operands = line(control, &[x, 0.0, 0.0]);
     operands[3] = numbers(&[1.0]);

@@ -81,7 +81,7 @@ async fn silence_without_a_session_ends_the_connection() {
     assert_eq!(started.elapsed().as_secs(), 30);
 }
 
-/// Nothing but a registration puts the end off; with one it does not come.
+/// Only a registration keeps the connection open.
 #[tokio::test(start_paused = true)]
 async fn only_a_registration_within_30_seconds_keeps_a_connection() {
     let bench = Bench::new();
@@ -416,7 +416,7 @@ async fn connections_are_limited_in_all_and_of_one_address() {
         assert_eq!(codes(full.status), (0x01, 0x0113));
         assert!(one.close(&first).await.status.is_success());
         one.open(500, 4).await;
-        // With the clients their connections go.
+        // The connections of a client end with it.
         drop((one, other));
         let free = async {
             while bench.device.open_connections() > 0 {
@@ -441,7 +441,7 @@ async fn who_reads_nothing_is_closed_and_nobody_waits_for_it() {
         Packet::unconnected(message).to_bytes(),
     )
     .to_bytes();
-    // Until nothing more is taken from it: its replies fill what there is for them, and no more.
+    // Until the server reads no more from it: its replies fill their room, and no more.
     let flood = async {
         let mut sent = 0_usize;
         while slow.stream.write_all(&ask).await.is_ok() {

@@ -1,4 +1,4 @@
-//! What single stock clients send that others do not, byte by byte, each a test named after its client. Those that
+//! Requests that only one stock client sends, byte by byte; each test has the name of its client. The clients that
 //! `tests/system/tests/foreign/interop.rs` runs against a whole server are not here.
 
 use arcline_proto::cip::{join_multiple, split_multiple_replies};
@@ -97,7 +97,7 @@ async fn ethernet_ip_of_npm_reads_and_sets_the_wall_clock_as_a_date() {
     let set = format!("52 02 20062401 047d 2400  1003 208b 2401 3005 {date} 080a0c00  0100 0100");
     assert_eq!(answer(&mut client, &set).await, bytes("90000000"));
     let shown = bytes(&format!("8e000000 {date}"));
-    // To the minute: it goes on.
+    // Compare to the minute, since the clock goes on.
     let minute = 4 + 20;
     assert_eq!(answer(&mut client, read).await[..minute], shown[..minute]);
     let universal = answer(&mut client, "0e03 208b 2401 3007").await;

@@ -34,7 +34,7 @@ async fn delete(client: &mut Client, program: Option<&str>, instance: u32) -> Re
     client.ask(&request).await
 }
 
-/// What clients poll: attributes 3, 4 and 10 of class 0xAC.
+/// The attributes that clients poll for changes: 3, 4 and 10 of class 0xAC.
 async fn changes(client: &mut Client) -> [u32; 3] {
     let request = Request::new(
         service::GET_ATTRIBUTE_LIST,
@@ -94,7 +94,7 @@ async fn a_created_tag_is_there_for_everybody_and_a_deleted_one_for_nobody() {
     assert_eq!(codes(delete(&mut one, None, fresh).await.status), (0x05, 0));
     assert_eq!(codes(other.ask(&read("Program:Other.R", 1)).await.status), (0x05, 0));
     assert_eq!(other.read("aDint").await.data.len(), 4);
-    // Its id is nobody else's.
+    // No other tag has its id.
     assert_ne!(instance(&create(&mut one, None, "Fresh", "DINT", 0).await), fresh);
 }
 
@@ -137,7 +137,7 @@ async fn a_template_goes_with_the_last_tag_that_needs_it() {
     for template in &instances {
         assert_eq!(codes(client.ask(&attributes(*template)).await.status), (0x05, 0));
     }
-    // The same type has the same instance when it comes back: what clients have cached of it is right.
+    // The same type has the same instance again, so the templates in the caches of clients remain valid.
     instance(&create(&mut client, None, "One", "Outer", 0).await);
     assert_eq!(
         known().into_iter().map(|(_, instance)| instance).collect::<Vec<_>>(),
@@ -174,7 +174,7 @@ async fn what_cannot_be_created_or_deleted_has_its_status_and_changes_nothing() 
         let reply = create(&mut client, program, name, data_type, access).await;
         assert_eq!(codes(reply.status), (expected, 0), "{name} {data_type} {access}");
     }
-    // The group, an axis and an instruction tag stay; so does what an alias stands for, and what nobody may write.
+    // The group, an axis and an instruction tag stay, as do the base tag of an alias and a read-only tag.
     let (mut axis, mut based, mut read_only) = (0, 0, 0);
     bench.device.plant.with_image(|image| {
         let id = |name: &str| image.find(name).map_or(0, |tag| tag.id.0);
@@ -342,7 +342,7 @@ async fn another_configuration_changes_what_is_other_and_nothing_else() {
         0
     );
     assert_eq!(client.read("MoveNew.DN").await.data[..], [1]);
-    // Once more: nothing is other, nobody browses again.
+    // The same configuration again: nothing changes, and no client needs to browse again.
     plant.reload(&after, &after).await.expect("the same");
     assert_eq!(changes(&mut client).await, now);
     // And back.

@@ -1,4 +1,4 @@
-//! What the server answers: the type of each answer, and what they are made of.
+//! The answers of the server: the type of each answer, and the types of its parts.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::push::Event;
 use super::refusal::Refusal;
 
-/// The server did what the page asked.
+/// The server has carried out the request.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Done {}
@@ -31,7 +31,7 @@ pub(crate) struct CallLine {
     pub(crate) text: String,
 }
 
-/// What is wrong with a program.
+/// The errors of a program.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Checked {
@@ -39,7 +39,7 @@ pub(crate) struct Checked {
     pub(crate) errors: Vec<Refusal>,
 }
 
-/// What a preview or a dry run found.
+/// The result of a preview or a dry run.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Simulated {
@@ -148,21 +148,21 @@ pub(crate) struct TagRow {
     pub(crate) data_type: String,
     /// Sizes of an array; empty for a single value.
     pub(crate) dims: Vec<u32>,
-    /// Whether it can be written.
+    /// The access of clients to the tag.
     pub(crate) access: TagAccess,
     /// The value of a single value of an elementary type.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<Value>,
 }
 
-/// Whether a tag can be written.
+/// The access of clients to a tag.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) enum TagAccess {
-    /// It cannot.
+    /// Read only.
     #[serde(rename = "read")]
     Read,
-    /// It can.
+    /// Read and write.
     #[serde(rename = "read/write")]
     ReadWrite,
 }
@@ -173,7 +173,7 @@ pub(crate) enum TagAccess {
 pub(crate) struct Values {
     /// The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text.
     pub(crate) values: Map<String, Value>,
-    /// Those of the names that cannot be written.
+    /// Read-only tags among them.
     pub(crate) read_only: Vec<String>,
 }
 
@@ -187,7 +187,7 @@ pub(crate) struct Signals {
     pub(crate) period_s: f64,
 }
 
-/// What the binary frame in front of this answer holds.
+/// The contents of the binary frame in front of this answer.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct HistoryPiece {
@@ -235,7 +235,7 @@ pub(crate) struct TaskRow {
     pub(crate) priority: u32,
     /// Longest time of a run, ms.
     pub(crate) watchdog_ms: f64,
-    /// Whether it never runs.
+    /// Whether the task is inhibited.
     pub(crate) inhibited: bool,
     /// Names of its programs, in their order.
     pub(crate) programs: Vec<String>,
@@ -251,7 +251,7 @@ pub(crate) struct ProgramRow {
     pub(crate) main: Option<String>,
     /// Name of the routine that runs after a major fault.
     pub(crate) fault: Option<String>,
-    /// Whether its task passes over it.
+    /// Whether the task passes over the program.
     pub(crate) disabled: bool,
     /// Its routines.
     pub(crate) routines: Vec<RoutineRow>,
@@ -289,9 +289,9 @@ pub(crate) struct RoutineRow {
 pub(crate) struct RoutinePage {
     /// Version of the program.
     pub(crate) version: u64,
-    /// Of a ladder routine.
+    /// The rungs of a ladder routine.
     pub(crate) rungs: Vec<Rung>,
-    /// Of a routine of Structured Text.
+    /// The lines of a routine of Structured Text.
     pub(crate) lines: Vec<TextLine>,
 }
 
@@ -335,9 +335,9 @@ pub(crate) struct RungElement {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RungOperand {
-    /// What it is.
+    /// Name of the operand.
     pub(crate) name: String,
-    /// As it is written.
+    /// Its text in the project.
     pub(crate) text: String,
 }
 
@@ -359,9 +359,9 @@ pub(crate) struct TextLine {
 pub(crate) struct UseList {
     /// Full name of the tag, through aliases.
     pub(crate) tag: String,
-    /// At most 500.
+    /// The uses, at most 500.
     pub(crate) uses: Vec<UseRow>,
-    /// Whether there are more.
+    /// Whether there are more uses.
     pub(crate) more: bool,
 }
 
@@ -379,7 +379,7 @@ pub(crate) struct UseRow {
     pub(crate) instruction: String,
     /// The tag as it is written there.
     pub(crate) operand: String,
-    /// Whether it is written.
+    /// Whether the instruction writes the tag.
     pub(crate) writes: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What the server sends without being asked.
+//! The messages that the server sends without a request.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -43,7 +43,7 @@ pub(crate) enum Push<'s> {
     },
     /// Comes when the program has changed.
     Program(ProgramStatus<'s>),
-    /// Comes when what is looked at has changed, at most five times a second. The first one has all rows.
+    /// Comes when watched rungs or lines have changed, at most five times a second. The first one has all rows.
     Look {
         /// Number of the routine.
         routine: u32,
@@ -71,7 +71,7 @@ pub(crate) struct LookRow {
 pub(crate) struct ControllerStatus {
     /// Mode that was asked for: `program` or `run`.
     pub(crate) mode: &'static str,
-    /// What it does.
+    /// State of the program.
     pub(crate) state: ControllerState,
     /// Another number for each program that is loaded.
     pub(crate) version: u64,
@@ -87,7 +87,7 @@ pub(crate) struct ControllerStatus {
     pub(crate) forces: Vec<ForceRow>,
 }
 
-/// What the controller's own program does.
+/// State of the controller's own program.
 #[derive(Clone, Copy, Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -284,7 +284,7 @@ pub(crate) struct RealTime {
     pub(crate) missed: u64,
     /// Whether the thread has real-time priority.
     pub(crate) fifo: bool,
-    /// Whether its memory is locked.
+    /// Whether the thread's memory is locked.
     pub(crate) memory_locked: bool,
 }
 
@@ -298,7 +298,7 @@ pub(crate) struct ProgramStatus<'s> {
     pub(crate) line: Option<usize>,
     /// The viewer that began it.
     pub(crate) viewer: Option<&'s str>,
-    /// Why it failed.
+    /// Error of a failed program.
     pub(crate) error: Option<&'s Refusal>,
     /// Another number for each program.
     pub(crate) run: u64,
@@ -314,11 +314,11 @@ pub(crate) struct ProgramStatus<'s> {
 pub(crate) enum ProgramState {
     /// No program ran yet.
     Idle,
-    /// It runs.
+    /// The program runs.
     Running,
-    /// It is paused in front of a statement.
+    /// The program is paused in front of a statement.
     Paused,
-    /// It has ended.
+    /// The program has ended.
     Ended,
     /// An error ended it.
     Failed,
@@ -341,7 +341,7 @@ pub(crate) struct Event {
     pub(crate) change: EventChange,
 }
 
-/// What an event is about.
+/// The subject of an event.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -366,7 +366,7 @@ pub(crate) enum EventChange {
 pub(crate) struct RestEvent {
     /// The coordinate system.
     pub(crate) system: Option<String>,
-    /// What was too slow: `program`, whose next move came late, or `planner`.
+    /// The part that was too slow: `program`, whose next move came late, or `planner`.
     pub(crate) slow: SlowPart,
     /// Rests of that cause since the start.
     pub(crate) count: u32,
@@ -411,7 +411,7 @@ pub(crate) struct InstructionEvent {
     pub(crate) exerr: i8,
     /// The error, where ER was set.
     pub(crate) error: Option<Refusal>,
-    /// What ended it before its end.
+    /// The cause that ended the instruction before its end.
     pub(crate) ended: Option<EndCause>,
 }
 
@@ -427,7 +427,7 @@ pub(crate) struct FaultEvent {
     pub(crate) again: Vec<&'static str>,
     /// Words of the faults that went.
     pub(crate) clear: Vec<&'static str>,
-    /// What cleared them.
+    /// The cause that cleared the faults.
     pub(crate) by: Option<EndCause>,
     /// The command that the axis refused.
     pub(crate) refused: Option<RefusedCommand>,
@@ -447,7 +447,7 @@ pub(crate) struct RefusedCommand {
     pub(crate) asked: [f64; 2],
 }
 
-/// What ended an instruction or cleared a fault.
+/// The cause that ended an instruction or cleared a fault.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct EndCause {
@@ -485,7 +485,7 @@ pub(crate) enum CauseKind {
     /// The end of a jog whose viewer did not confirm it.
     #[serde(rename = "dead-man")]
     DeadMan {
-        /// Why.
+        /// Reason for the end.
         reason: &'static str,
     },
 }

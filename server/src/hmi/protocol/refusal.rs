@@ -1,4 +1,4 @@
-//! Why the server did not do what a page asked, with what it knows about the cause.
+//! The reason for which the server refuses a request of a page, with the known details of the cause.
 
 use arcline_instruction_set::{Explanation, Mnemonic, MotionError, OperandIndex, describe, explain};
 use arcline_structured_text::SyntaxError;
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::plant::{CallRefused, Refused};
 
-/// Why the server did not do what a page asked, or why an instruction erred.
+/// The reason for which the server refuses a request, or the error of an instruction.
 #[derive(Serialize, Clone, PartialEq, Debug, Default)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Refusal {
@@ -53,7 +53,7 @@ pub(crate) struct MissingControl {
 }
 
 impl Refusal {
-    /// Without control of an object; `holder` is the viewer that has it.
+    /// A refusal for missing control of an object; `holder` is the viewer that has it.
     pub(crate) fn control(object: &str, holder: Option<&str>) -> Self {
         let text = match holder {
             Some(holder) => format!("You do not have control of {object}: {holder} has it."),
@@ -76,7 +76,7 @@ impl Refusal {
         }
     }
 
-    /// A motion error, as `arcline explain` tells it.
+    /// A motion error, with the text of `arcline explain`.
     pub(crate) fn motion(err: i16, exerr: i8, mnemonic: Mnemonic) -> Self {
         let codes = Self {
             err: Some(err),

@@ -1,4 +1,4 @@
-//! What a page asks for: one struct for each request, with the type of its answer.
+//! The requests of a page: one struct for each, with the type of its answer.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -184,18 +184,18 @@ requests! {
         routine: u32,
         /// Index of the first one, from 0.
         from: usize,
-        /// How many.
+        /// Number of rungs or lines.
         count: usize,
     } -> RoutinePage;
-    /// Looks at rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most
-    /// five times a second, in place of those looked at before. Without a routine it ends.
+    /// Watches rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most
+    /// five times a second, in place of those watched before. Without a routine it ends.
     Look {
         /// Number of the routine.
         routine: Option<u32>,
         /// Index of the first rung or line, from 0.
         #[serde(default)]
         from: usize,
-        /// How many.
+        /// Number of rungs or lines.
         #[serde(default)]
         count: usize,
         /// Version of the program that the numbers are of.
@@ -213,7 +213,7 @@ requests! {
     } -> UseList;
     /// Lets the controller's own program run, or stops it and all motion.
     Mode {
-        /// Whether it is to run.
+        /// `true` lets the program run, `false` stops it.
         run: bool,
     } -> Done;
     /// Forces an input of a module: the controller's own program sees this value.
@@ -227,7 +227,7 @@ requests! {
     RemoveForces {} -> Done;
     /// Begins or ends the binary frames of samples.
     Trace {
-        /// Whether frames come.
+        /// `true` begins the frames, `false` ends them.
         on: bool,
     } -> Signals;
     /// Asks for the newest samples before a tick: a binary frame comes, then the answer. At most two may wait to be read.

@@ -10,7 +10,7 @@ use super::super::{instructions, machine};
 use super::{Push, Refusal, request};
 use crate::pages::{compare_or_write, compare_or_write_part};
 
-/// Collects the schemas of messages: those that a page sends by what the server accepts, the others by what it writes.
+/// Collects the schemas of messages: the schema of reading for messages of a page, the schema of writing for those of the server.
 pub(super) struct Schemas {
     read: SchemaGenerator,
     written: SchemaGenerator,
@@ -113,7 +113,7 @@ fn kind(schema: &Value, indent: &str) -> String {
     }
 }
 
-/// A type of JSON with what a schema says about it.
+/// A type of JSON with the constraints of its schema.
 fn one(name: &str, schema: &Map<String, Value>, indent: &str) -> String {
     match name {
         "integer" | "number" => "number".into(),

@@ -34,10 +34,10 @@ const MOST_OF_ONE: usize = 8;
 const MOST: usize = 64;
 /// Log-ins that may wait until those before them are checked.
 const WAITING: usize = 16;
-/// How often sessions and the file of users are looked at.
+/// Time between two checks of the sessions and of the file of users.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// The sessions, and who may begin one.
+/// The sessions, and the users who may begin one.
 #[derive(Debug)]
 pub(crate) struct Sessions {
     file: Option<PathBuf>,
@@ -65,7 +65,7 @@ pub(super) struct Joined {
     pub(super) state: watch::Receiver<State>,
 }
 
-/// Why a log-in was refused.
+/// The reason for the refusal of a log-in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum LoginRefused {
     /// The user or the password is wrong.
@@ -77,7 +77,7 @@ pub(super) enum LoginRefused {
 }
 
 impl Default for Sessions {
-    /// Without users.
+    /// Makes the sessions of a page without users.
     fn default() -> Self {
         Self::of(None, Users::default(), &Security::default())
     }
@@ -110,7 +110,7 @@ impl Sessions {
         }
     }
 
-    /// Whether there is a user who could log in.
+    /// Whether a user exists who could log in.
     pub(super) fn has_users(&self) -> bool {
         self.users.load().users.iter().any(|user| !user.is_disabled)
     }
@@ -242,7 +242,7 @@ impl Sessions {
         Some(())
     }
 
-    /// What a viewer sees of a session.
+    /// The session of a key, as its viewer sees it.
     pub(super) fn look(&self, key: Key) -> Option<Joined> {
         let known = self.known();
         let session = known.get(&key)?;
@@ -327,7 +327,7 @@ impl Sessions {
         }
     }
 
-    /// Ends the sessions that do not hold any more, and locks those without a person.
+    /// Ends the sessions that are no longer valid, and locks those without input of a person.
     pub(super) fn judge(&self, plant: &Plant, now: Instant) {
         let users = self.users.load_full();
         let mut ended = Vec::new();
@@ -369,7 +369,7 @@ impl Sessions {
     }
 }
 
-/// Ends the session that has been idle for longest, of those that a condition is true of.
+/// Ends the session with the longest idle time among those that meet a condition.
 fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, Session>, is_one: impl Fn(&Session) -> bool) {
     let sessions = known.iter().filter(|(_, session)| is_one(session));
     let oldest = sessions

@@ -11,18 +11,18 @@ use crate::guard::VIEWERS;
 use crate::plant::Plant;
 use crate::plant::control::ViewerId;
 
-/// What a viewer sees of its session.
+/// The state of a session, as its viewer sees it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::hmi) enum State {
-    /// It has this role.
+    /// The session has this role.
     Open(Role),
     /// The page was idle for long, or a person locked it.
     Locked,
-    /// It is over.
+    /// The session has ended.
     Ended,
 }
 
-/// The one who began a session.
+/// The user or script that began a session.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Subject {
     User(String),

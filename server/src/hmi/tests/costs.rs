@@ -1,16 +1,16 @@
-//! What viewers cost: a trace beside them has no gap, and the tick is not later for them.
+//! The cost of viewers: a trace beside them has no gap, and they do not delay the tick.
 
 use arcline_controller::image::Measured;
 
 use super::*;
 
-/// How long the traces are that ten viewers look on, s: `ARCLINE_TRACE_SECONDS`, otherwise 2.
+/// The length of the traces that ten viewers watch, s: `ARCLINE_TRACE_SECONDS`, or 2 by default.
 fn trace_seconds() -> u64 {
     let given = std::env::var("ARCLINE_TRACE_SECONDS").ok();
     given.and_then(|text| text.parse().ok()).unwrap_or(2)
 }
 
-/// Ten viewers that get everything and look at nothing, until they are dropped.
+/// Ten viewers that get everything and watch no routine, until they are dropped.
 struct Audience(Vec<JoinHandle<()>>);
 
 impl Audience {
@@ -33,7 +33,7 @@ impl Drop for Audience {
     }
 }
 
-/// Records 32 signals for so many ticks and holds that none is missing.
+/// Records 32 signals for a number of ticks and checks that no row is missing.
 async fn trace_without_a_gap(bench: &Bench, ticks: u64) {
     let signals = crate::trace::history::columns(bench.plant.machine());
     assert_eq!(signals.len(), 32);
@@ -92,7 +92,7 @@ impl Late {
         }
     }
 
-    /// Adds what has been measured since a moment.
+    /// Adds the measurements since an earlier moment.
     fn add(&mut self, bench: &Bench, since: &Late) {
         let now = Late::begin(bench);
         self.ticks += now.ticks - since.ticks;
@@ -120,8 +120,8 @@ impl Late {
     }
 }
 
-/// Turn by turn without anybody, and with ten viewers and a trace of 32 signals: the tick is not later for them. The halves of
-/// `ARCLINE_TRACE_SECONDS` are cut into pieces, so that what else the machine does falls on both.
+/// Measures in turns: without viewers, and with ten viewers and a trace of 32 signals; viewers do not delay the tick. The halves of
+/// `ARCLINE_TRACE_SECONDS` are cut into pieces, so that other load of the machine falls on both.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_tick_is_not_later_for_viewers() {
     let bench = Bench::start().await;
@@ -146,7 +146,7 @@ async fn the_tick_is_not_later_for_viewers() {
     }
     println!("alone:                  {}", alone.told());
     println!("ten viewers and a trace: {}", watched.told());
-    // Buckets are a factor of two wide, and a machine that is busy adds what it likes.
+    // Buckets are a factor of two wide, and a busy machine adds latency of its own.
     let bound = 8.0 * alone.late.p50() + 500.0;
     assert!(watched.late.p50() <= bound, "{} above {bound} us", watched.late.p50());
 }

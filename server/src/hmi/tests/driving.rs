@@ -297,7 +297,7 @@ async fn what_was_asked_before_stop_is_not_begun_after_it() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
     viewer.take("CS1").await;
-    // Longer than what is read at once: it waits for its turn.
+    // Longer than one read of the socket: the request waits for its turn.
     let slow = format!("{SLOW}{}", " ".repeat(200_000));
     viewer
         .send(json!({"id": 101, "do": "execute", "text": slow}).to_string())

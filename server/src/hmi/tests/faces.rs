@@ -8,16 +8,16 @@ use super::*;
 use crate::eip::{Listener, Settings};
 use arcline_simulation::{Blind, End, ImageNames, Options};
 
-/// How a program ended.
+/// The end of a program.
 #[derive(Clone, PartialEq, Debug)]
 enum Ended {
-    /// With all its motion, the machine at X and Y.
+    /// The program and all its motion have ended, the machine at X and Y.
     At(f64, f64),
-    /// Before it began, at a line and column.
+    /// The program did not begin: an error at a line and column.
     Unread(u64, u64, String),
-    /// By an error of a motion instruction, ERR and EXERR.
+    /// An error of a motion instruction ended it: ERR and EXERR.
     Erred(u64, i64, i64),
-    /// By another error.
+    /// Another error ended it.
     Failed(u64, String),
 }
 

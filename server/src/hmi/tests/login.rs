@@ -15,7 +15,7 @@ async fn role_of(viewer: &mut Viewer) -> (Value, Value, bool) {
     (session["role"].take(), session["user"].take(), locked)
 }
 
-/// What a role below operator may not do.
+/// Writes a tag, which a role below operator may not do; returns whether the server accepts it.
 async fn writes(viewer: &mut Viewer) -> bool {
     let answer = viewer
         .ask(json!({"do": "write", "tag": "Move1.Speed", "value": 5}))
@@ -31,7 +31,7 @@ async fn speed(viewer: &mut Viewer) -> f64 {
     read["values"]["Move1.Speed"].as_f64().expect("a number")
 }
 
-/// Until the server closes; the code that it gives.
+/// Waits until the server closes; returns its code.
 async fn closed(viewer: &mut Viewer) -> Option<u16> {
     loop {
         match timeout(SOON, viewer.socket.next()).await.expect("in time") {
@@ -131,7 +131,7 @@ async fn the_sixth_failure_is_refused_for_a_while() {
         answer.starts_with("HTTP/1.1 429") && answer.contains("retry-after: "),
         "{answer}"
     );
-    // On this computer for a second at most.
+    // From this computer, the lockout lasts a second at most.
     let again = async { while page.log_in("anna", ANNA).await.is_err() {} };
     timeout(SOON, again).await.expect("in time");
 }
@@ -191,7 +191,7 @@ async fn a_session_without_a_person_is_locked_and_ends() {
     assert_eq!(closed(&mut anna).await, Some(4401));
 }
 
-/// What an administrator changes in the file holds within a second or so, for open sockets too.
+/// A change that an administrator makes in the file takes effect within about a second, for open sockets too.
 #[tokio::test]
 async fn a_change_of_the_users_reaches_open_sessions() {
     let page = Secured::start().await;

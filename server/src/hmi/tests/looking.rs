@@ -168,7 +168,7 @@ async fn an_instruction_tag_moves_with_the_right() {
     assert_eq!(none, Ok(json!({"events": []})));
 }
 
-/// An error is told as `arcline explain` tells it, in the answer and among the events.
+/// The answer and the events have the text of an error from `arcline explain`.
 #[tokio::test]
 async fn an_error_is_explained_from_one_source() {
     let bench = Bench::start().await;
@@ -247,7 +247,7 @@ async fn frames_have_every_tick() {
     viewer.status(|_| true).await;
 }
 
-/// Who comes later is told what was before, piece by piece, as exactly as it is kept.
+/// A later viewer receives the past, piece by piece, as exactly as the server keeps it.
 #[tokio::test]
 async fn a_new_viewer_is_told_the_past() {
     let bench = Bench::start().await;

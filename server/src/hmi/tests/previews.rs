@@ -1,4 +1,4 @@
-//! Previews and dry runs: what would happen, and that nothing does.
+//! Previews and dry runs: they show the motion, and the machine does not move.
 
 use super::*;
 
@@ -257,7 +257,7 @@ async fn previews_wait_for_each_other_and_nothing_waits_for_them() {
         );
         assert!(viewer.seen.is_empty(), "before the simulations: {:?}", viewer.seen);
     }
-    // Who goes waits no longer.
+    // The preview of a viewer that goes leaves the queue.
     viewers.pop();
     drop(one);
     for viewer in &mut viewers {

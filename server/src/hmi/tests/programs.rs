@@ -79,7 +79,7 @@ async fn an_instruction_that_errs_ends_it_at_its_line() {
     assert!(failed["error"]["remedy"].is_string());
 }
 
-/// What a WAIT waits for can no longer come: the move was stopped by another client, or the tag was never executed.
+/// The condition of a WAIT can no longer come true: another client has stopped the move, or the tag was never executed.
 #[tokio::test]
 async fn a_wait_that_cannot_come_true_ends_it_with_the_reason() {
     let bench = Bench::start().await;

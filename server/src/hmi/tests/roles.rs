@@ -109,7 +109,7 @@ async fn a_program_stops_when_its_viewer_may_no_longer_run_it() {
     assert!(text.contains("run programs"), "{failed}");
 }
 
-/// The audit says what became of a request, not what it asked for.
+/// The audit records the outcome of a request, not the request itself.
 #[tokio::test]
 async fn the_audit_has_the_outcome_of_a_request() {
     let bench = Bench::start().await;

@@ -32,16 +32,16 @@ const PAUSE: Duration = Duration::from_millis(1);
 pub(super) struct Heard {
     /// The message.
     pub(super) text: Utf8Bytes,
-    /// How often STOP had been pressed, by any viewer.
+    /// The number of presses of STOP by all viewers at that time.
     pub(super) stops: u64,
-    /// How often the button of each axis's jog had been released.
+    /// The number of releases of the button of each axis's jog at that time.
     pub(super) releases: Box<[u64]>,
-    /// Room among what waits.
+    /// The room that the message takes in the queue.
     _room: OwnedSemaphorePermit,
 }
 
 impl Heard {
-    /// Whether to work on it takes long.
+    /// Whether the request takes long.
     pub(super) fn is_long(&self) -> bool {
         self.text.len() > SHORT
     }
@@ -112,7 +112,7 @@ impl Hearing {
         }
     }
 
-    /// Whether the viewer reads its answers.
+    /// Handles a message. Returns whether the viewer reads its answers.
     fn hear(&self, text: Utf8Bytes) -> bool {
         let head = (text.len() <= SHORT).then(|| serde_json::from_str::<Head>(&text));
         let head = head.and_then(Result::ok);
@@ -183,7 +183,7 @@ impl Hearing {
         self.answer(Outgoing::Text(protocol::reply(id, answer).into()))
     }
 
-    /// Whether the viewer reads its answers.
+    /// Sends an answer. Returns whether the viewer reads its answers.
     fn answer(&self, answer: Outgoing) -> bool {
         self.outbox.try_send(answer).is_ok()
     }

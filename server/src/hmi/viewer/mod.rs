@@ -1,8 +1,7 @@
-//! One viewer. The thread of stops (`guard`) reads its requests and answers `stop`, `keep` and `jog_end` at once, whatever else the
-//! server does ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order ([`driving`], [`programs`], [`mod@tags`],
-//! [`logic`], [`records`]), and another one sends answers
-//! and pushes. Long computations run on threads of their own. Simulations are answered when they are done. A viewer that
-//! does not read loses its connection, and delays no other one.
+//! One viewer. The thread of stops (`guard`) reads its requests and answers `stop`, `keep` and `jog_end` at once, independent of other work
+//! of the server ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order ([`driving`], [`programs`],
+//! [`mod@tags`], [`logic`], [`records`]), and another one sends answers and pushes. Long computations run on threads of their own.
+//! Simulations are answered when they are done. A viewer that does not read loses its connection, and delays no other one.
 
 mod driving;
 mod hearing;
@@ -52,7 +51,7 @@ pub(super) struct Page {
     pub(super) role: arcline_config::Role,
     /// The session that it showed.
     pub(super) session: Option<Joined>,
-    /// Whether a user could log in there.
+    /// Whether a user could log in on this connection.
     pub(super) can_log_in: bool,
     /// Is cancelled when the viewer is to be closed.
     pub(super) close: CancellationToken,
@@ -149,7 +148,7 @@ struct Viewer {
     outbox: mpsc::Sender<Outgoing>,
     /// One for each piece of the past that may wait to be sent.
     pieces: Arc<Semaphore>,
-    /// How often the button of each axis's jog was released.
+    /// The number of releases of the button of each axis's jog.
     releases: Arc<[AtomicU64]>,
     /// Its session.
     session: Option<Key>,
@@ -158,7 +157,7 @@ struct Viewer {
 impl Viewer {
     /// Answers until the viewer goes, or does not read.
     async fn listen(&self, mut asked: mpsc::Receiver<Heard>) {
-        // Those that wait end with the viewer.
+        // The waiting simulations end with the viewer.
         let mut simulations = JoinSet::new();
         while let Some(heard) = asked.recv().await {
             let text = heard.text.clone();
@@ -181,7 +180,7 @@ impl Viewer {
                 .try_send(Outgoing::Text(protocol::reply(&id, answer).into()))
                 .is_err()
             {
-                // It does not read its answers.
+                // The viewer does not read its answers.
                 return;
             }
         }

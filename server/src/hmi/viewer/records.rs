@@ -1,4 +1,4 @@
-//! Requests about what was: the trace, its past, events.
+//! Requests for the past: the trace, its history, events.
 
 use super::Viewer;
 use super::sending::Outgoing;

@@ -1,10 +1,10 @@
-//! What a request of the page is: whether it may move the machine, which right it needs, and what the audit records of it.
+//! The rules of the page's requests: whether a request may move the machine, which right it needs, and its record in the audit.
 
 use crate::audit::{What, sha256};
 use crate::hmi::protocol::{Request, Take};
 use crate::plant::Right;
 
-/// Whether a request may move something.
+/// Whether a request may move an axis.
 pub(super) fn moves(request: &Request) -> bool {
     match request {
         Request::Execute(_)
@@ -46,7 +46,7 @@ pub(super) fn moves(request: &Request) -> bool {
     }
 }
 
-/// What the audit records of a request that is no command of the plant.
+/// The record in the audit of a request that is not a command of the plant.
 pub(super) fn audited(request: &Request) -> Option<(What, String)> {
     Some(match request {
         Request::Take(take) if take.force => (What::Take, format!("{} by force", take.object)),
@@ -59,7 +59,7 @@ pub(super) fn audited(request: &Request) -> Option<(What, String)> {
     })
 }
 
-/// The right that a request needs; what is a command of the plant is judged there too.
+/// The right that a request needs. The plant checks its own commands too.
 pub(super) fn right(request: &Request) -> Right {
     match request {
         Request::Ping(_)
@@ -89,7 +89,7 @@ pub(super) fn right(request: &Request) -> Right {
         Request::Jog(_) => Right::Move,
         Request::ReleaseStop(_) => Right::ReleaseStop,
         Request::Run(_) | Request::Step(_) | Request::Continue(_) => Right::RunProgram,
-        // They are commands of the plant: what each needs depends on what it does.
+        // They are commands of the plant: the right that each needs depends on its operands.
         Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
         Request::Mode(_) => Right::ChangeMode,
         Request::Force(_) | Request::RemoveForces(_) => Right::Force,

@@ -1,4 +1,4 @@
-//! The task that writes to a viewer: answers, and the pushes of what has changed.
+//! The task that writes to a viewer: answers, and the pushes of changes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,7 +23,7 @@ use crate::hmi::{Shared, controller, tags};
 use crate::plant::control::ViewerId;
 use crate::plant::{Plant, Principal};
 
-/// What a viewer sees of its session.
+/// The session as its viewer sees it.
 pub(super) struct Sight {
     pub(super) viewer: ViewerId,
     pub(super) user: Option<String>,
@@ -33,7 +33,7 @@ pub(super) struct Sight {
 }
 
 impl Sight {
-    /// The push that tells the page.
+    /// The push of the session's state.
     pub(super) fn push(&self, plant: &Plant) -> String {
         let state = self.state.as_ref().map(|state| *state.borrow());
         text_of(&Push::Session {
@@ -60,15 +60,15 @@ impl Sight {
 pub(super) enum Outgoing {
     /// A text.
     Text(Utf8Bytes),
-    /// What answers a ping or a close.
+    /// The answer to a ping or a close.
     Control(Message),
     /// A piece of the past.
     Piece(Bytes, OwnedSemaphorePermit),
-    /// Whether frames of samples are wanted.
+    /// `true` begins the frames of samples, `false` ends them.
     Samples(bool),
     /// The tags whose values are wanted.
     Watch(Vec<String>),
-    /// What of the controller's own program is looked at.
+    /// The rungs or lines of the controller's own program that the viewer watches.
     Look(Option<controller::Looking>),
 }
 
@@ -120,7 +120,7 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
                 if changed.is_err() {
                     return;
                 }
-                // A program is told as often as the state.
+                // The status of the program comes as often as that of the machine.
                 if programs.has_changed().unwrap_or(false) {
                     let push = programs.borrow_and_update().push(&mut program);
                     if !send_one(&mut sink, Message::Text(push.into())).await {
@@ -177,7 +177,7 @@ async fn next_frame(frames: &mut Option<broadcast::Receiver<Bytes>>) -> Bytes {
     while let Some(receiver) = frames {
         match receiver.recv().await {
             Ok(frame) => return frame,
-            // The next one's first tick tells what is missing.
+            // The first tick of the next frame shows the gap.
             Err(RecvError::Lagged(_)) => {}
             Err(RecvError::Closed) => *frames = None,
         }
@@ -185,7 +185,7 @@ async fn next_frame(frames: &mut Option<broadcast::Receiver<Bytes>>) -> Bytes {
     std::future::pending().await
 }
 
-/// The next push of what is looked at; never, where nothing is.
+/// The next push of the watched rungs or lines; it never comes if the viewer watches none.
 async fn next_look(looking: &mut Option<controller::Looking>) -> String {
     match looking {
         Some(looking) => looking.changed().await,
@@ -205,9 +205,9 @@ fn newest(statuses: &mut watch::Receiver<Status>, paths: &mut u64) -> Utf8Bytes 
 
 /// The code by which a WebSocket is closed whose session has ended; a page connects again without it.
 const SESSION_ENDED: u16 = 4401;
-/// How long a page may take to answer that.
+/// The time that a page has to answer that close.
 const GOODBYE: Duration = Duration::from_secs(1);
-/// How long a viewer may take to read what is sent to it.
+/// The time that a viewer has to read a message.
 const READ_WITHIN: Duration = Duration::from_secs(10);
-/// Time between two pings: the answers are the signs of life of a page that says nothing.
+/// Time between two pings: the answers are the signs of life of a silent page.
 const PING: Duration = Duration::from_millis(500);

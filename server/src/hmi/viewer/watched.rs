@@ -26,7 +26,7 @@ struct Name {
     text: String,
     /// The tag that it named at the last push.
     tag: Option<TagId>,
-    /// Whether its value was pushed.
+    /// Whether the server has pushed the value.
     is_pushed: bool,
 }
 

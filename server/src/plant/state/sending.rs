@@ -1,4 +1,4 @@
-//! Commands on their way to the controller: through the ring, or waiting for room in it. What waits is bounded by the machine and its tags.
+//! Commands on their way to the controller: through the ring, or waiting for room in it. The machine and its tags bound the number that waits.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -36,17 +36,17 @@ impl Later {
     }
 }
 
-/// How a command goes to the controller.
+/// The order in which commands go to the controller.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Lane {
     /// Ahead of the others where more of them wait than one tick takes.
     Stops,
-    /// One after the other.
+    /// In the order of their arrival.
     Others,
 }
 
 impl Lane {
-    /// That of an instruction, and of its false rung conditions.
+    /// The lane of an instruction, and of its false rung conditions.
     fn of(mnemonic: Mnemonic) -> Self {
         match mnemonic.is_stop() {
             true => Lane::Stops,
@@ -55,7 +55,7 @@ impl Lane {
     }
 }
 
-/// Whether both inputs are of one axis, registration input or word.
+/// Whether two inputs are of the same axis, registration input or word.
 fn is_of_the_same(one: &Input, other: &Input) -> bool {
     match (one, other) {
         (Input::Position { axis: one, .. }, Input::Position { axis: other, .. }) => one == other,
@@ -78,7 +78,7 @@ impl State {
         Series(Ticket(self.next_ticket))
     }
 
-    /// How many moves can be sent to a coordinate system, as far as the snapshot shows.
+    /// The number of moves that a coordinate system can still take, as far as the snapshot shows.
     pub(in crate::plant) fn queue_room(&mut self, system: SystemId) -> usize {
         let snapshot = self.link.snapshots.output_buffer();
         let shown = snapshot
@@ -86,7 +86,7 @@ impl State {
             .get(system.index())
             .map_or(0, |system| system.queue_room);
         let shown = usize::try_from(shown).unwrap_or(usize::MAX);
-        // Of the calls that wait, any may be a move of this system. One is sent all the same: calls of others may always wait.
+        // Each waiting call may be a move of this system. The plant sends one move all the same, since calls of other clients may always wait.
         shown.saturating_sub(self.waiting.len()).max(shown.min(1))
     }
 
@@ -148,7 +148,7 @@ impl State {
         ticket
     }
 
-    /// How many instructions can still be sent; those that only stop or switch off have room of their own.
+    /// The number of instructions that the plant can still send; those that only stop or switch off have room of their own.
     pub(in crate::plant) fn room(&self) -> CallRoom {
         let waiting = self.waiting.len();
         let calls = OUTSTANDING.saturating_sub(waiting);
@@ -160,7 +160,7 @@ impl State {
         }
     }
 
-    /// Whether an instruction can be sent.
+    /// Whether the plant can send an instruction.
     pub(in crate::plant) fn has_room(&self, mnemonic: Mnemonic) -> bool {
         let CallRoom { calls, stops } = self.room();
         if mnemonic.is_stop() { stops > 0 } else { calls > 0 }
@@ -177,7 +177,7 @@ impl State {
         }
     }
 
-    /// Whether a command that can wait finds room now.
+    /// Whether the ring has room for a command that can wait.
     fn has_room_to_wait(&self, lane: Lane) -> bool {
         match lane {
             Lane::Stops => self.link.commands.stop_slots() > 0,
@@ -208,7 +208,7 @@ impl State {
         }
     }
 
-    /// Whether anything waits for an answer or for room.
+    /// Whether a call waits for an answer or a command for room.
     pub(in crate::plant) fn is_busy(&self) -> bool {
         !self.waiting.is_empty() || self.later != Later::default()
     }
@@ -233,7 +233,7 @@ impl State {
         }
     }
 
-    /// Tells the controller which overrides have changed.
+    /// Sends the changed overrides to the controller.
     pub(in crate::plant) fn send_overrides(&mut self) {
         self.later.overrides = false;
         let overrides: Vec<f32> = self.image.feed_overrides().collect();
@@ -256,7 +256,7 @@ impl State {
         }
     }
 
-    /// Tells the controller which injected causes of faults have changed.
+    /// Sends the changed injected causes of faults to the controller.
     pub(super) fn send_injected(&mut self) {
         self.later.injected = false;
         let injected: Vec<FaultSet> = self.image.injected_faults().collect();
@@ -305,5 +305,5 @@ impl State {
 pub(in crate::plant) const OUTSTANDING: usize = 512;
 /// Calls that may wait besides if they only stop or switch off.
 const FOR_STOPS: usize = STOPS / 2;
-/// Room of the ring that only false rung conditions take which go ahead of their instruction: what the controller takes in two ticks.
+/// Room of the ring for false rung conditions that go ahead of their instruction: the number that the controller takes in two ticks.
 const RESERVE: usize = 2 * MAX_COMMANDS_PER_TICK;

@@ -1,4 +1,4 @@
-//! The clients of a scenario. Each draws from a generator of its own, so that another one can be left out without changing what it does.
+//! The clients of a scenario. Each has a random generator of its own, so that a scenario can leave another one out without a change of its actions.
 
 mod faults;
 mod motion;
@@ -26,7 +26,7 @@ use crate::motion::Deadline;
 use crate::network::{End, Network, Weather};
 use crate::record::{Record, lock};
 
-/// An actor: its name and what it does.
+/// An actor: its name and its function.
 pub(crate) struct Actor {
     pub(crate) name: &'static str,
     pub(crate) act: fn(Stage) -> Acting,
@@ -70,7 +70,7 @@ pub(crate) const ACTORS: &[Actor] = &[
 /// Actors whose absence no other one notices (N2, T2).
 pub(crate) const LOAD: &[&str] = &["hostile", "crowd", "slow reader", "half-open", "browser"];
 
-/// What the actors share with the world.
+/// The state that the actors share with the world.
 #[derive(Clone, Default)]
 pub(crate) struct Common {
     pub(crate) record: Record,
@@ -86,7 +86,7 @@ pub(crate) struct Common {
     pub(crate) alive: Arc<Mutex<BTreeSet<u32>>>,
     /// ms: from then on nothing fails.
     pub(crate) quiet_from: u64,
-    /// Until when whatever runs beside the tick stands or stood still, ms.
+    /// The end of the present or last stall of the tasks beside the tick, ms.
     pub(crate) stalled_until: Arc<AtomicU64>,
     /// Changes of instructions that the server has lost since its start.
     pub(crate) lost: Arc<AtomicU64>,
@@ -112,7 +112,7 @@ pub(crate) enum Port {
     Page,
 }
 
-/// To the watch of motion.
+/// A message to the watch of motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Order {
     /// An axis must stand at a time.
@@ -121,7 +121,7 @@ pub(crate) enum Order {
     Moves(usize),
     /// A line of CS1 may begin, to this position of X, Y and Z.
     Line([f64; 3]),
-    /// It was refused.
+    /// The line was refused.
     NoLine([f64; 3]),
 }
 
@@ -137,7 +137,7 @@ impl Drop for Alive {
     }
 }
 
-/// Where an actor acts.
+/// The environment of an actor.
 pub(crate) struct Stage {
     pub(crate) name: &'static str,
     pub(crate) common: Common,
@@ -199,7 +199,7 @@ impl Stage {
         Ok(client)
     }
 
-    /// A handle or id that the server gave: it is not 0, and no one else has it (L4).
+    /// Records a handle or id of the server: it is not 0, and no other session has it (L4).
     pub(crate) fn alive(&self, id: u32) -> Alive {
         let is_new = lock(&self.common.alive).insert(id);
         if id == 0 || !is_new {
@@ -237,7 +237,7 @@ impl Stage {
     /// has failed.
     pub(crate) fn judge(&self, began: u64, error: &NoAnswer) {
         self.note(&format!("{error}"));
-        // The client has waited so long for its last answer, unless the session is younger.
+        // The client has waited this time for its last answer, unless the session is younger.
         let asked = began.max(self.now().saturating_sub(PATIENCE_MS));
         match error {
             NoAnswer::Ended => {}
@@ -263,7 +263,7 @@ impl Stage {
         self.common.ledger.asks(self.address.into(), kind);
     }
 
-    /// It is answered as done, or as refused where that was asked for.
+    /// Records a request with the answer "done", or with "refused" for a request that must be refused.
     pub(crate) fn answered(&self, kind: Kind) {
         self.common.ledger.answered(self.address.into(), kind);
     }
@@ -289,12 +289,12 @@ impl Stage {
         u16::MAX - 5
     }
 
-    /// Whether the server has lost changes of instructions: their tags may show less than is.
+    /// Whether the server has lost changes of instructions: their tags may lag behind the instructions.
     pub(crate) fn has_lost(&self) -> bool {
         self.common.lost.load(Ordering::Relaxed) > 0
     }
 
-    /// Until when whatever runs beside the tick stands or stood still, ms.
+    /// The end of the present or last stall of the tasks beside the tick, ms.
     pub(crate) fn stalled_until(&self) -> u64 {
         self.common.stalled_until.load(Ordering::Relaxed)
     }

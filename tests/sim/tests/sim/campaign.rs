@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-/// What a campaign that found nothing has done.
+/// The numbers of a campaign without a finding.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Campaign {
     pub(crate) first_seed: u64,
@@ -73,7 +73,7 @@ pub(crate) fn processor_seconds() -> u64 {
     ticks.div_ceil(100).max(1)
 }
 
-/// What git prints.
+/// The output of git.
 pub(crate) fn git(arguments: &[&str]) -> String {
     let output = Command::new("git").args(arguments).output();
     output.map_or_else(

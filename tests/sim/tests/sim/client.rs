@@ -1,4 +1,4 @@
-//! A client of the simulation: sessions, messages with and without connection, and what its user may rely on: each request has one answer, in
+//! A client of the simulation: sessions, messages with and without connection, and the guarantees to its user: each request has one answer, in
 //! time, or the connection ends.
 
 use std::fmt;
@@ -50,7 +50,7 @@ impl Connected {
     }
 }
 
-/// Why a client has no answer.
+/// The reason for which a client has no answer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum NoAnswer {
     /// The connection has ended.

@@ -20,7 +20,7 @@ pub(crate) struct Post(Arc<Mutex<Inner>>);
 struct Inner {
     /// ms of the scenario.
     now: u64,
-    /// What arrives before is lost.
+    /// The time before which all datagrams are lost.
     held_until: u64,
     to_server: Vec<(u64, Vec<u8>, SocketAddr)>,
     arrived: VecDeque<(Vec<u8>, SocketAddr)>,
@@ -37,7 +37,7 @@ pub(crate) struct Mailbox {
 }
 
 impl Post {
-    /// Lets a millisecond begin: what is due arrives.
+    /// Begins a millisecond: the due datagrams arrive.
     pub(crate) fn begin(&self, now: u64) {
         let mut inner = lock(&self.0);
         inner.now = now;
@@ -64,7 +64,7 @@ impl Post {
         lock(&self.0).arrived.clear();
     }
 
-    /// Until when everything is or was lost.
+    /// The time until which all datagrams are or were lost.
     pub(crate) fn held_until(&self) -> u64 {
         lock(&self.0).held_until
     }

@@ -1,7 +1,7 @@
-//! What clients wrote and read, and whether a register could have behaved so: W1 to W3 of the invariants.
+//! The writes and reads of clients, and whether a register could have these values: W1 to W3 of the invariants.
 //!
-//! Everything here is stated on the messages of clients: the order of requests and answers, not the code of the server. Each write has a value of its own, so a
-//! read names its write. The check is the one of Gibbons and Korach (1997) for registers with unique values, O(n log n).
+//! All rules are about the messages of clients: the order of requests and answers, not the code of the server. Each write has a value of its
+//! own, so a read names its write. The check is the one of Gibbons and Korach (1997) for registers with unique values, O(n log n).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -15,7 +15,7 @@ pub(crate) struct History(Arc<Mutex<Inner>>);
 #[derive(Default)]
 struct Inner {
     clock: u64,
-    /// What each tag held when the server started.
+    /// The value of each tag when the server started.
     initial: BTreeMap<&'static str, i32>,
     /// Values from before that start, which a loss of power may bring back: the start could not write them anew.
     older: BTreeMap<&'static str, BTreeSet<i32>>,
@@ -30,7 +30,7 @@ struct Write {
     asked: u64,
     /// `u64::MAX`: there was no answer.
     answered: u64,
-    /// The server said that it is kept over a restart.
+    /// The server has answered that the file has the value.
     kept: bool,
 }
 
@@ -52,12 +52,12 @@ pub(crate) enum Written {
     Refused,
 }
 
-/// What a start did with the values that it found.
+/// The writes of a start with the values that it found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Wrote {
-    /// They are in a new file, which the disk has.
+    /// The values are in a new file, which the disk has.
     Anew,
-    /// The disk failed: it has what it had.
+    /// The disk failed: it has the earlier file.
     Nothing,
 }
 
@@ -80,7 +80,7 @@ impl History {
         self.lock().writes.entry(tag).or_default().insert(value, write);
     }
 
-    /// It has the answer.
+    /// Whether the write has an answer.
     pub(crate) fn has(&self, tag: &'static str, value: i32, answer: Written) {
         let answered = self.clock();
         let mut inner = self.lock();
@@ -101,8 +101,8 @@ impl History {
         self.lock().reads.entry(tag).or_default().push(read);
     }
 
-    /// A server has started and shows these values: the first one, or one that reads what another has left. All writes that were answered
-    /// as kept by `durable` must be there. `wrote`: whether the start has put the values on the disk.
+    /// A server has started and shows these values: the first one, or one that reads the file of another. All writes that were answered
+    /// as persistent by `durable` must be there. `wrote`: whether the start has put the values on the disk.
     pub(crate) fn start(&self, values: &[(&'static str, i32)], durable: u64, wrote: Wrote) -> Vec<String> {
         let mut wrong = self.check();
         let mut inner = self.lock();
@@ -131,7 +131,7 @@ impl History {
         self.lock().lost(values, durable)
     }
 
-    /// What no register could have shown since the start of the server.
+    /// The reads that no register could have shown since the start of the server.
     pub(crate) fn check(&self) -> Vec<String> {
         let inner = self.lock();
         let mut wrong = Vec::new();
@@ -231,7 +231,7 @@ fn check_register(
             cluster(read.value, read.answered, read.asked);
         }
     }
-    // Of two values of which each was certainly there while the other one was, one came back.
+    // Each of two values certainly came before the other one, so one came back.
     let (mut forward, backward): (Vec<&Cluster>, Vec<&Cluster>) =
         clusters.values().partition(|cluster| cluster.from < cluster.to);
     forward.sort_by_key(|cluster| cluster.from);
@@ -268,7 +268,7 @@ mod tests {
         history.has("T", 1, Written::Kept);
         // A kill: the system has the write, the disk does not, and the start cannot write it anew.
         assert_eq!(start(1, u64::MAX, Wrote::Nothing), Vec::<String>::new());
-        // A loss of power brings back what the disk has; what is written anew then stays.
+        // A loss of power brings back the values on the disk; values that are written anew then stay.
         assert_eq!(start(0, 0, Wrote::Anew), Vec::<String>::new());
         assert_eq!(start(1, 0, Wrote::Anew).len(), 1, "1 was not written since");
     }

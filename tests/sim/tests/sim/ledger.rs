@@ -1,4 +1,4 @@
-//! What clients changed and tried, against the events of the audit (U1): each change and each refusal has its event, and each event its cause.
+//! The changes and attempts of clients, compared with the events of the audit (U1): each change and refusal has its event, and each event its cause.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -13,7 +13,7 @@ use crate::record::{Record, lock};
 #[derive(Clone, Default)]
 pub(crate) struct Ledger(Arc<Mutex<BTreeMap<(String, Kind), Count>>>);
 
-/// What the ledger counts.
+/// The kinds of events in the ledger.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Kind {
     /// A write of a tag whose values are unique.
@@ -49,7 +49,7 @@ impl Ledger {
         let is_done = event.result == "done";
         let kind = match event.what.as_str() {
             "denied" => Kind::Denied,
-            // A write that is not kept has changed the tag.
+            // A write that does not reach the file has changed the tag.
             "write" if is_done || event.result == "not kept" => {
                 let of = |name: &&&str| **name == event.object;
                 match TAGS.iter().chain(&PAIR).find(of) {
@@ -66,7 +66,7 @@ impl Ledger {
         self.count(client.to_owned(), kind, |count| count.events += 1);
     }
 
-    /// What does not fit, at the end of a scenario.
+    /// The differences at the end of a scenario.
     pub(crate) fn check(&self) -> Vec<String> {
         let counts = lock(&self.0);
         let wrong = counts

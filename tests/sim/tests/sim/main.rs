@@ -116,7 +116,7 @@ fn scenarios() {
         threads.into_iter().any(|thread| thread.join().is_err())
     });
     assert!(!failed, "see above");
-    // One after another, so that no other scenario's memory is counted.
+    // One after another, so that the memory of other scenarios is not counted.
     for seed in seeds.clone().step_by(TWICE_EVERY as usize) {
         runs.fetch_add(without_load(&Scenario::of(seed)), Ordering::Relaxed);
     }
@@ -152,7 +152,7 @@ fn scenarios() {
 
 /// Seeds of which the first is run again, and once more without load.
 const TWICE_EVERY: u64 = 50;
-/// In a run of CI.
+/// Scenarios in a run of CI.
 const SCENARIOS: u64 = 200;
 
 /// States that a campaign must reach.
@@ -239,9 +239,9 @@ fn twice(scenario: &Scenario, outcome: &world::Outcome) -> u64 {
     panic!("{}: two runs differ: {differs:?}", scenario.command());
 }
 
-/// Without the actors that only load the network, the others see the same answers (N2) and the machine moves the same (T2); and these actors
-/// hold bounded memory as long as they are connected, and none afterwards (N3).
-/// Returns how often the scenario was run.
+/// Without the actors that only load the network, the others see the same answers (N2) and the machine moves the same (T2). The server's memory for
+/// these actors is bounded as long as they are connected, and it has none for them afterwards (N3).
+/// Returns the number of runs of the scenario.
 fn without_load(scenario: &Scenario) -> u64 {
     let mut loaded = scenario.clone();
     loaded.without.extend(SENSITIVE.iter().map(|name| (*name).to_owned()));
@@ -257,7 +257,7 @@ fn without_load(scenario: &Scenario) -> u64 {
     });
     assert_eq!(loaded.0, quieter.0, "N2: {}", scenario.command());
     assert_eq!(loaded.1, quieter.1, "T2: {}", scenario.command());
-    // What is held for a moment, such as a file that is written anew, may be held in another millisecond of the other run.
+    // Memory of a moment, such as a file that is written anew, may exist in another millisecond of the other run.
     let beyond = |(loaded, quieter): (&world::Sample, &world::Sample)| {
         let connections = loaded.connections.saturating_sub(quieter.connections);
         let may = quieter.bytes + connections * BYTES_OF_CONNECTION + BYTES_OF_RUN;
@@ -286,7 +286,7 @@ const HELD_MS: usize = 10;
 /// The difference between two runs that is not of a connection, bytes (spec/reliability.md §7).
 const BYTES_OF_RUN: usize = 64 * 1024;
 
-/// Faults after which other clients may see a load. What a power loss leaves on the disk is drawn, and the draw depends on every call before
-/// it. A moving axis is kept where the last read before the kill saw it. Where no sockets are left, the client that was silent for longest is closed.
-/// Where the rings are small, a load fills them and others are refused.
+/// Faults after which other clients may see a load. The remains of a power loss on the disk are drawn, and the draw depends on every call before
+/// it. After a kill, a moving axis has the position of the last read. Without free sockets, the client with the longest silence is closed.
+/// A load fills small rings, and the requests of other clients are refused.
 const SENSITIVE: &[&str] = &["power loss", "kill", "kill during start", "no sockets", "small rings"];

@@ -1,4 +1,4 @@
-//! What each tick must hold, M1 to M3, and the deadlines of stops, L1 and L2.
+//! The invariants of each tick, M1 to M3, and the deadlines of stops, L1 and L2.
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{AxisSnapshot, Snapshot};
@@ -7,12 +7,12 @@ use arcline_instruction_set::predefined::axis_status;
 use crate::path::Path;
 use crate::record::Record;
 
-/// Looks at every tick.
+/// The check of every tick.
 pub(crate) struct Watch {
     limits: Vec<[f64; 2]>,
     period: f64,
     before: Option<Vec<AxisSnapshot>>,
-    /// How many ticks motion has been inhibited for.
+    /// The number of ticks for which motion has been inhibited.
     inhibited: u64,
     deadlines: Vec<Deadline>,
     path: Path,
@@ -60,7 +60,7 @@ impl Watch {
         self.deadlines.push(deadline);
     }
 
-    /// Nothing beside the tick runs in this millisecond: what is heard late is judged as much later.
+    /// No task beside the tick runs in this millisecond: deadlines of late messages move by as much.
     pub(crate) fn postpone(&mut self) {
         self.deadlines.iter_mut().for_each(|deadline| deadline.at += 1);
     }
@@ -75,12 +75,12 @@ impl Watch {
         self.path.expect(target);
     }
 
-    /// It was refused.
+    /// The line was refused.
     pub(crate) fn forget_line(&mut self, target: [f64; 3]) {
         self.path.forget(target);
     }
 
-    /// Looks at a tick; `is_inhibited` as it was before it.
+    /// Checks a tick; `is_inhibited` is the state before it.
     pub(crate) fn see(&mut self, snapshot: &Snapshot, is_inhibited: bool, record: &Record) {
         self.inhibited = if is_inhibited { self.inhibited + 1 } else { 0 };
         self.moving = false;
@@ -105,7 +105,7 @@ impl Watch {
                 record.violated("M2", &format!("axis {index}: a step of {step} in one tick"));
             }
             let is_on = |axis: &AxisSnapshot| axis.status & axis_status::SERVO_ACTION_STATUS != 0;
-            // What a fault has switched off coasts.
+            // An axis coasts after a fault has switched it off.
             let coasts = axis.faults.kinds().next().is_some() && velocity.abs() <= before.command[1].abs();
             if !is_on(before) && !is_on(axis) && velocity != 0.0 && !coasts {
                 record.violated(
@@ -118,7 +118,7 @@ impl Watch {
             if self.inhibited > 2 && faster && acceleration.abs() > before.command[2].abs() + 1e-6 {
                 record.violated("M3", &format!("axis {index} accelerates to {velocity} under STOP"));
             }
-            // From the highest speed at the highest deceleration.
+            // The longest stop: from the highest speed at the highest deceleration.
             if self.inhibited as f64 * self.period > 2.0 * speed / rate + 0.1 && velocity != 0.0 {
                 record.violated("M3", &format!("axis {index} still moves at {velocity} under STOP"));
             }

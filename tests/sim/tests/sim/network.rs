@@ -1,7 +1,7 @@
 //! The network between the clients and the server: streams whose bytes arrive at a drawn time, in pieces, late, or never.
 //!
-//! Time is that of the scenario, ms. It models what TCP shows of a network to the programs at its ends, not packets: bytes arrive in order or the
-//! connection is reset.
+//! Time is that of the scenario, ms. The model has the properties of TCP that the programs at its ends observe, not packets: bytes arrive in order or
+//! the connection is reset.
 
 use std::collections::VecDeque;
 use std::io;
@@ -22,7 +22,7 @@ pub(crate) struct Network {
     links: Arc<Mutex<Vec<Arc<Mutex<Link>>>>>,
 }
 
-/// How the network treats a connection.
+/// The delays and sizes of a connection.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Weather {
     /// The longest delay of a piece, ms.
@@ -33,27 +33,27 @@ pub(crate) struct Weather {
 
 /// Both directions of a connection.
 struct Link {
-    /// From the client to the server, and back.
+    /// The ways from the client to the server, and back.
     ways: [Way; 2],
     weather: Weather,
     random: Random,
-    /// Nothing arrives before.
+    /// The time before which no bytes arrive.
     held_until: u64,
     /// The connection has failed for each end; the time at which each notices.
     reset_at: [Option<u64>; 2],
-    /// Ends that are still in use.
+    /// The ends that are still in use.
     open: [bool; 2],
 }
 
 #[derive(Default)]
 struct Way {
-    /// Under way: when it arrives, and what.
+    /// Bytes under way, with the time of their arrival.
     flying: VecDeque<(u64, Vec<u8>)>,
     arrived: VecDeque<u8>,
     /// When the end of the stream arrives.
     end_at: Option<u64>,
     ended: bool,
-    /// What is sent never arrives.
+    /// Whether sent bytes never arrive.
     swallows: bool,
     /// The receiver's window is closed.
     stalled: bool,
@@ -93,7 +93,7 @@ impl Network {
         (end(0), end(1))
     }
 
-    /// Lets a millisecond begin: what is due arrives.
+    /// Begins a millisecond: the due bytes arrive.
     pub(crate) fn begin(&self, now: u64) {
         self.now.store(now, Ordering::Relaxed);
         let mut wake = Vec::new();
@@ -107,18 +107,18 @@ impl Network {
         }
     }
 
-    /// Nothing arrives before a time.
+    /// Holds all bytes until a time.
     pub(crate) fn hold(&self, until: u64) {
         self.each(|link| link.held_until = until);
     }
 
-    /// Every connection is cut, and both ends are told.
+    /// Cuts every connection; both ends notice it.
     pub(crate) fn reset(&self) {
         let now = self.now.load(Ordering::Relaxed);
         self.each(|link| link.reset_at = [Some(now + 1); 2]);
     }
 
-    /// From now on the server is gone without a word: its ends say nothing, and clients notice it later.
+    /// The server is gone without a reset: its ends send nothing from now on, and clients notice it later.
     pub(crate) fn lose_server(&self, noticed_at: u64) {
         self.each(|link| {
             link.ways[1].swallows = true;
@@ -166,7 +166,7 @@ impl Link {
 }
 
 impl End {
-    /// From now on nothing that this end sends arrives, and nothing reaches it; the other end notices that at a time.
+    /// From now on no byte of this end arrives, and none reaches it; the other end notices that at a time.
     pub(crate) fn vanish(mut self, noticed_at: u64) {
         self.silent = true;
         let mut link = lock(&self.link);
@@ -177,14 +177,14 @@ impl End {
         link.reset_at[1 - side] = Some(noticed_at);
     }
 
-    /// Cuts the connection: the other end is told at once.
+    /// Cuts the connection: the other end notices it at once.
     pub(crate) fn cut(mut self) {
         self.silent = true;
         let now = self.now.load(Ordering::Relaxed);
         lock(&self.link).reset_at[1 - self.side] = Some(now + 1);
     }
 
-    /// What this end sends never arrives any more; it still hears.
+    /// The bytes of this end no longer arrive; it still receives.
     pub(crate) fn mute(&self, noticed_at: u64) {
         let mut link = lock(&self.link);
         link.ways[self.side].swallows = true;
@@ -281,7 +281,7 @@ impl AsyncWrite for End {
             way.writer = Some(cx.waker().clone());
             return Poll::Pending;
         }
-        // It arrives with the next millisecond at the earliest.
+        // The bytes arrive with the next millisecond at the earliest.
         let due = way.last.max(now + 1 + late);
         way.last = due;
         way.flying.push_back((due, bytes.to_vec()));

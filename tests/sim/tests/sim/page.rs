@@ -27,7 +27,7 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// Whether it has ended, in whatever manner.
+    /// Whether the program has ended or failed.
     pub(crate) fn is_over(&self) -> bool {
         self.state == "ended" || self.state == "failed"
     }
@@ -62,7 +62,7 @@ impl Page {
         .await
     }
 
-    /// Sends a request and waits for its answer: what it holds, or the sentence of the refusal.
+    /// Sends a request and waits for its answer: the answer's content, or the sentence of the refusal.
     pub(crate) async fn ask(&mut self, request: Value) -> Answer<Result<Value, String>> {
         let id = self.send(request).await?;
         in_time(async {
@@ -93,7 +93,7 @@ impl Page {
 
     /// The end of a program whose start has been answered, and whose text is no other one's; or another program, which has begun since.
     pub(crate) async fn end_of(&mut self, text: &str) -> Answer<Program> {
-        // What is shown of programs before it is old.
+        // The state of earlier programs is old.
         self.program.take_if(|program| program.text != text);
         in_time(async {
             loop {

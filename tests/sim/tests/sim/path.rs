@@ -12,10 +12,10 @@ const EXACT: f64 = 1e-6;
 
 type Point = [f64; AXES];
 
-/// Where the axes may be.
+/// The region in which the axes may be.
 #[derive(Debug, Default)]
 pub(crate) struct Path {
-    /// Where they stood last.
+    /// Their last position at rest.
     rest: Option<Point>,
     /// The newest is the last.
     targets: Vec<Point>,
@@ -42,7 +42,7 @@ impl Path {
         self.targets.retain(|known| *known != target);
     }
 
-    /// Looks at a tick: how far the axes are from every line, if that is too far.
+    /// Checks a tick: returns the distance of the axes from every line, if it is too great.
     pub(crate) fn see(&mut self, axes: &[AxisSnapshot], is_inhibited: bool) -> Option<f64> {
         let axes = axes.first_chunk::<AXES>()?;
         let point = [0, 1, 2].map(|axis| axes[axis].command[0]);
@@ -71,7 +71,7 @@ impl Path {
     }
 }
 
-/// From a point to the line between two others.
+/// The distance of a point from the line between two others.
 fn distance(point: Point, from: Point, to: Point) -> f64 {
     let minus = |one: Point, other: Point| [0, 1, 2].map(|axis| one[axis] - other[axis]);
     let dot = |one: Point, other: Point| (0..AXES).map(|axis| one[axis] * other[axis]).sum::<f64>();

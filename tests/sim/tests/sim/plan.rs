@@ -1,4 +1,4 @@
-//! What a seed decides before a scenario begins: its actors, its faults and their times.
+//! The plan of a seed before a scenario begins: its actors, its faults and their times.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use arcline_tests::random::Random;
 use crate::actors::ACTORS;
 use crate::record::Fnv;
 
-/// A scenario: the seed, and what is left out of it.
+/// A scenario: the seed, and the parts that are left out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Scenario {
     pub(crate) seed: u64,
@@ -30,15 +30,15 @@ pub(crate) enum Fault {
     Late(u64),
     /// The contour planner, ms.
     Planner(u64),
-    /// Nothing arrives, ms.
+    /// No bytes arrive for this time, ms.
     Partition(u64),
     /// Every connection is cut.
     Reset,
-    /// Each synchronisation takes so long from now on, ms.
+    /// Each synchronisation takes this time from now on, ms.
     SlowDisk(u64),
-    /// Calls of these kinds fail for so long, ms.
+    /// Calls of these kinds fail for this time, ms.
     Disk(Failing, u64),
-    /// The process is killed and starts again after so long, ms.
+    /// The process is killed and starts again after this time, ms.
     Kill(u64),
     /// The power fails; by these rules.
     Power(u64, Rules),
@@ -50,7 +50,7 @@ pub(crate) enum Fault {
     Stall(u64),
     /// The clock on the wall is set, by ms.
     Wall(i64),
-    /// The process is killed, starts after so long, ms, is killed again at this call of the disk, and starts once more.
+    /// The process is killed, starts after this time, ms, is killed again at this call of the disk, and starts once more.
     KillStart(u64, usize),
     /// Another server is started with the same file.
     Second,
@@ -81,7 +81,7 @@ pub(crate) const FAULTS: &[(&str, u64)] = &[
     ("wall clock", 4),
     ("kill during start", 2),
     ("second server", 2),
-    // These hold for the whole scenario.
+    // These faults last for the whole scenario.
     ("small rings", 0),
     ("counters near their end", 0),
 ];
@@ -147,12 +147,12 @@ impl Scenario {
         self.has(NEAR_END, 30)
     }
 
-    /// From then on nothing fails, ms.
+    /// The time from which on no fault begins, ms.
     pub(crate) fn quiet_from(&self) -> u64 {
         self.ticks * 2 / 3
     }
 
-    /// A generator of its own for each name, so that another one can be left out without changing what it draws.
+    /// A generator for each name, so that a scenario can leave one out without a change of the others.
     pub(crate) fn random(&self, name: &str) -> Random {
         let mut hash = Fnv::default();
         hash.add(name.as_bytes());

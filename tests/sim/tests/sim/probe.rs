@@ -1,4 +1,4 @@
-//! What a loss of power would leave: contents of the state file are drawn without any loss, and judged as a start would judge them (W2). So a
+//! The effect of a loss of power: contents of the state file are drawn without any loss, and checked as a start would read them (W2). So a
 //! scenario tries hundreds of losses, and those at the instants that matter: while the disk synchronises.
 
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::actors::tags::{PAIR, TAGS};
 use crate::history::History;
 use crate::record::Record;
 
-/// The values of the tags whose writes are judged.
+/// The values of the tags whose writes are checked.
 pub(crate) type Values = Vec<(&'static str, i32)>;
 
 /// Draws contents of a file.
@@ -29,7 +29,7 @@ impl Probe {
         self.random.below(3) == 0
     }
 
-    /// Judges what the file may hold behind the newest call. All writes that were answered as kept by `durable` must be there.
+    /// Checks the possible contents of the file behind the newest call. They must have all writes that were answered as persistent by `durable`.
     pub(crate) fn look(&mut self, disk: &Recording, file: &Path, history: &History, durable: u64, record: &Record) {
         record.sometimes("what a power loss would leave is judged");
         disk.with_calls(|calls| {
@@ -46,7 +46,7 @@ impl Probe {
 
 /// Judges one content.
 fn judge(content: Option<&[u8]>, rules: Rules, history: &History, durable: u64, record: &Record) {
-    // Without a file the machine starts as configured.
+    // Without a file the machine starts from its configuration.
     let state = match content.map(parse) {
         None => State::default(),
         Some(Ok(kept)) => kept.state,
@@ -62,7 +62,7 @@ fn judge(content: Option<&[u8]>, rules: Rules, history: &History, durable: u64, 
     judge_pair(&values, record);
 }
 
-/// A message that writes two tags is kept whole.
+/// The file has a message that writes two tags as a whole or not at all.
 pub(crate) fn judge_pair(values: &Values, record: &Record) {
     let of = |tag| values.iter().find(|(name, _)| *name == tag).map(|(_, value)| *value);
     if of(PAIR[0]) != of(PAIR[1]) {
@@ -79,5 +79,5 @@ fn values_of(state: &State) -> Values {
     TAGS.into_iter().chain(PAIR).map(value).collect()
 }
 
-/// Contents that are judged by each set of rules, of each file that the name may point at: all, where there are no more.
+/// The number of contents to check by each set of rules, of each file that the name may point at; all contents if there are no more.
 const CONTENTS: usize = 8;

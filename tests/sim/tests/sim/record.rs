@@ -1,4 +1,4 @@
-//! What a scenario observes: a log whose hash is compared between two runs of a seed, and the interesting states that were reached.
+//! The observations of a scenario: a log whose hash is compared between two runs of a seed, and the interesting states that were reached.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,7 +13,7 @@ struct Inner {
     hash: Fnv,
     newest: VecDeque<String>,
     all: Option<Vec<String>>,
-    /// By actor, the hash of what its client saw.
+    /// The hash of the client's messages, by actor.
     seen: BTreeMap<&'static str, Fnv>,
     violations: Vec<String>,
     reached: BTreeMap<&'static str, u64>,
@@ -38,7 +38,7 @@ impl Fnv {
 }
 
 impl Record {
-    /// With every line of the log, to compare two runs.
+    /// Makes a record with every line of the log, to compare two runs.
     pub(crate) fn with_lines() -> Self {
         let record = Record::default();
         record.lock().all = Some(Vec::new());
@@ -72,7 +72,7 @@ impl Record {
         self.lock().hash.add(bytes);
     }
 
-    /// Adds what the client of an actor saw.
+    /// Adds bytes that the client of an actor received.
     pub(crate) fn saw(&self, actor: &'static str, bytes: &[u8]) {
         let mut inner = self.lock();
         let now = inner.now;
@@ -105,7 +105,7 @@ impl Record {
         self.lock().hash.0
     }
 
-    /// What the clients of these actors saw.
+    /// The hashes of the messages of the clients.
     pub(crate) fn seen(&self) -> BTreeMap<&'static str, Fnv> {
         self.lock().seen.clone()
     }
@@ -136,7 +136,7 @@ impl Record {
     }
 }
 
-/// Locks what the actors and the world share; the panic of one of them is a violation of its own.
+/// Locks the state that the actors and the world share; the panic of one of them is a violation of its own.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! The losses that the server tells in its log, of the scenario that this thread runs.
+//! The losses that the server logs, in the scenario of this thread.
 
 use std::cell::Cell;
 use std::fmt::Debug;
@@ -16,7 +16,7 @@ pub(crate) fn begin() {
     LOST.set(0);
 }
 
-/// The changes that it has told to be lost.
+/// The number of changes that the server has logged as lost.
 pub(crate) fn lost() -> u64 {
     LOST.get()
 }
@@ -51,7 +51,7 @@ impl Subscriber for Log {
     fn exit(&self, _: &Id) {}
 }
 
-/// Adds what is lost.
+/// Adds the lost changes of a log entry.
 struct Lost;
 
 impl Visit for Lost {

@@ -77,7 +77,7 @@ struct Running {
     configured: usize,
 }
 
-/// How a scenario ended.
+/// The end of a scenario.
 pub(crate) struct Outcome {
     pub(crate) record: Record,
     pub(crate) motion: u64,
@@ -87,7 +87,7 @@ pub(crate) struct Outcome {
 /// The bytes that a scenario holds; of use where it runs alone.
 #[derive(Default)]
 pub(crate) struct Memory {
-    /// Behind each millisecond.
+    /// The samples behind each millisecond.
     pub(crate) during: Vec<Sample>,
     /// When all clients have left.
     pub(crate) behind: usize,
@@ -101,7 +101,7 @@ impl Memory {
     }
 }
 
-/// What is held behind a millisecond.
+/// The memory behind a millisecond.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     pub(crate) bytes: usize,
@@ -120,7 +120,7 @@ struct World<'s> {
     disk: Recording,
     computer: Computer,
     conditions: Conditions,
-    /// The next start is killed at this call of the disk; the one behind it comes after so long, ms.
+    /// The next start is killed at this call of the disk; the one behind it comes after this time, ms.
     start_killed: Option<(u64, usize)>,
     failing: Arc<AtomicU8>,
     failing_until: u64,
@@ -271,7 +271,7 @@ impl World<'_> {
         }
         let incoming = std::mem::take(&mut *lock(&self.common.incoming));
         let Some(running) = &mut self.running else {
-            // Nobody listens: they are closed.
+            // There is no listener: close them.
             drop(incoming);
             return;
         };
@@ -303,7 +303,7 @@ impl World<'_> {
         }
     }
 
-    /// Notes which rings have no more room, and what was lost.
+    /// Records the rings without room, and the losses.
     fn look_at_rings(&self) {
         let Some(running) = &self.running else { return };
         if self.conditions.room == Room::default() {
@@ -326,7 +326,7 @@ impl World<'_> {
         self.common.lost.store(lost, Ordering::Relaxed);
     }
 
-    /// A millisecond of what runs beside the tick.
+    /// One millisecond of the tasks beside the tick.
     fn serve_beside(&mut self) {
         let Some(running) = &mut self.running else { return };
         if self.now >= self.planner_until {
@@ -453,7 +453,7 @@ impl World<'_> {
         });
     }
 
-    /// Judges what a loss of power would leave now.
+    /// Checks the effect of a loss of power at this instant.
     fn probe(&mut self) {
         let (history, record) = (&self.common.history, &self.common.record);
         self.probe.look(&self.disk, &file(), history, self.durable, record);
@@ -479,7 +479,7 @@ impl World<'_> {
         if self.now < self.stalled_until {
             self.watch.postpone();
         }
-        // A late tick is caught up before it is judged.
+        // Late ticks are made up before the check.
         if self.now >= self.late_until.max(self.stalled_until) + 100 {
             self.watch.due(self.now, &self.common.record);
         }
@@ -490,7 +490,7 @@ impl World<'_> {
         self.common.record.mix(&self.watch.hash.0.to_le_bytes());
     }
 
-    /// What must hold when all clients have left.
+    /// The invariants after all clients have left.
     fn finish(&mut self) {
         let record = self.common.record.clone();
         for wrong in self.common.history.check() {
@@ -500,7 +500,7 @@ impl World<'_> {
             record.broken(wrong);
         }
         self.probe();
-        // An owner whose Forward Open was answered to nobody has so long for its first datagram.
+        // An owner that never got the answer to its Forward Open has this time for its first datagram.
         for _ in 0..FIRST_DATAGRAM {
             if self
                 .running
@@ -538,7 +538,7 @@ impl World<'_> {
     }
 }
 
-/// Runs what is ready on a runtime, and its clock to a time since it began, ms.
+/// Runs the ready tasks of a runtime, and its clock to a time since it began, ms.
 fn turn(runtime: &Runtime, began: Instant, ms: u64) {
     runtime.block_on(async { tokio::time::sleep_until(began + Duration::from_millis(ms)).await });
 }
@@ -555,7 +555,7 @@ fn file() -> PathBuf {
     PathBuf::from("machine.state")
 }
 
-/// Before the end actors leave; that long it takes until a client that vanished is noticed, ms.
+/// The time before the end at which actors leave; the server needs it to detect a client that has vanished, ms.
 const LEAVING: u64 = 5_000;
 /// The longest silence before the first datagram of an I/O connection, ms (docs/IO.md).
 const FIRST_DATAGRAM: u64 = 10_100;

@@ -1,4 +1,4 @@
-//! The HMI in a real browser, against a real server. The scripts in `tests/browser` say what is expected.
+//! The HMI in a real browser, against a real server. The scripts in `tests/browser` have the expectations.
 
 use arcline_system_tests::browser::{case, case_among_strangers, case_on, case_with_users};
 

@@ -107,7 +107,7 @@ async fn write(client: &Client, number: i64) -> Result<(), ClientError> {
         .await
 }
 
-/// Whether a write was refused because it could not be kept.
+/// Whether a write was refused because the file could not store it.
 fn is_not_kept(error: &ClientError) -> bool {
     error.to_string().contains("could not save it")
 }
@@ -170,7 +170,7 @@ async fn a_full_file_system_recovers_when_there_is_room_again() {
     }
     drop(client);
     let _ = server.kill();
-    // A server that starts on a full disk has what was answered, and refuses to keep more.
+    // A server that starts on a full disk has the answered writes, and refuses new ones.
     let server = files
         .start_under(program(), &state)
         .unwrap_or_else(|not_ready| panic!("{not_ready}"));

@@ -1,5 +1,5 @@
-//! Clients that others have written, unmodified: what each can browse, every type and shape of tag, moves, refusals. The scripts and
-//! the program in `tests/python`, `tests/node` and `tests/libplctag` say what is expected.
+//! Unmodified clients of others: browsing, every type and shape of tag, moves, refusals. The scripts and
+//! the program in `tests/python`, `tests/node` and `tests/libplctag` have the expectations.
 
 use arcline_system_tests::interop::{
     libplctag, libplctag_hangs, libplctag_through, node, node_through, python, python_hangs, python_io,

@@ -1,4 +1,4 @@
-//! The README's tour with pycomm3, run as it stands: what it shows is what happens.
+//! The README's tour with pycomm3, run as it is: the results are those in the text.
 
 use arcline_system_tests::guide::readme_blocks;
 use arcline_system_tests::python::Python;

@@ -11,7 +11,7 @@ use arcline_system_tests::load::{Load, Question, read_all};
 use arcline_system_tests::server::Server;
 
 const CLIENTS: usize = 1000;
-/// What each reads: of axes of the default machine.
+/// The tags that each client reads: those of axes of the default machine.
 const TAGS: [&str; 10] = [
     "X.ActualPosition",
     "Y.ActualPosition",
@@ -26,9 +26,9 @@ const TAGS: [&str; 10] = [
 ];
 /// Resident, MiB.
 const MOST_MEMORY: f64 = 100.0;
-/// Of an answer, µs.
+/// The greatest p99 time of an answer, µs.
 const MOST_P99: f64 = 10_000.0;
-/// By which the tick's p99 lateness may rise over that of an idle server, µs.
+/// The greatest rise of the tick's p99 lateness over that of an idle server, µs.
 const MOST_RISE: f64 = 20.0;
 
 #[test]

@@ -20,11 +20,11 @@ use rustix::process::{Resource, getrlimit, setrlimit};
 use tokio::io::AsyncWriteExt as _;
 use tokio::net::{TcpSocket, TcpStream};
 
-/// Of an answer to the client that works, µs.
+/// The greatest p99 time of an answer to the working client, µs.
 const MOST_P99: f64 = 50_000.0;
-/// By which the tick's p99 lateness may rise over that of an idle server, beyond what a thread that only sleeps sees, µs.
+/// The greatest rise of the tick's p99 lateness over that of an idle server, beyond the lateness of a thread that only sleeps, µs.
 const MOST_RISE: f64 = 20.0;
-/// Of so many connections that say nothing, one sends a byte a second.
+/// The number of silent connections for each one that sends a byte a second.
 const SILENT_PER_SLOW: usize = 8;
 /// Addresses that the strangers come from: 127.0.1.1 and so on.
 const ADDRESSES: u8 = 8;
@@ -115,7 +115,7 @@ fn works(server: &Server, time: Duration) -> Outcome {
     .run()
 }
 
-/// Lets this process, and the server that it starts, open so many files; whether that is granted.
+/// Lets this process, and the server that it starts, open `count` files; returns whether the system permits it.
 fn descriptors_for(count: usize) -> bool {
     let mut limit = getrlimit(Resource::Nofile);
     if limit.current.is_some_and(|current| current < count as u64) {

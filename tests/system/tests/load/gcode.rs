@@ -55,9 +55,9 @@ fn a_dense_toolpath_takes_the_time_that_was_simulated() {
 /// A program on a server. Seconds.
 #[derive(Debug)]
 struct Run {
-    /// From the execution of the first move to the first motion.
+    /// The time from the execution of the first move to the first motion.
     began: f64,
-    /// From the first motion to the last.
+    /// The time from the first motion to the last.
     motion: f64,
     /// Rests on the way: as the program, and as the planner was too slow.
     rests: Vec<f64>,
@@ -89,7 +89,7 @@ impl Run {
     }
 }
 
-/// From the first row of a trace to the first motion, and from that to the last, s.
+/// The times from the first row of a trace to the first motion, and from that to the last, s.
 fn moving(trace: &Path) -> (f64, f64) {
     let text = std::fs::read_to_string(trace).expect("a trace");
     let mut rows = text.lines();

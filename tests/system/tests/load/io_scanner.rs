@@ -1,5 +1,5 @@
 //! Implicit I/O with a real server: a minute at 2 ms (five seconds where `ARCLINE_IO_SECONDS` does not say so, which is for
-//! a release build and `--test-threads=1`), the shortest interval that is confirmed, a scanner that dies, and what Wireshark says to it.
+//! a release build and `--test-threads=1`), the shortest interval that is confirmed, a scanner that dies, and Wireshark's findings.
 //!
 //! Every server has a loopback address of its own, so that it can have port 2222.
 
@@ -16,10 +16,10 @@ use arcline_system_tests::server::Server;
 use arcline_system_tests::{eventually, not_run};
 use rustix::net::sockopt::set_socket_recv_buffer_size;
 
-/// Of the default machine: four coordinate systems, seven axes (docs/IO.md).
+/// The size of the input assembly of the default machine: four coordinate systems, seven axes (docs/IO.md).
 const INPUT: u16 = 12 + 4 * 24 + 7 * 20;
 const OUTPUT: u16 = 4 + 4 * 4;
-/// Where ConnectionStatus stands, and its bits.
+/// The offset of ConnectionStatus, and its bits.
 const STATUS: usize = 4;
 const OWNED: u32 = 1;
 const RUN: u32 = 2;
@@ -38,7 +38,7 @@ fn server() -> Server {
     Server::start_at(&format!("{address}:0"), &["--config", file])
 }
 
-/// A socket that holds what comes in [`PAUSE`] at the shortest interval, and a thread that looks at it in time where the system
+/// A socket with room for the datagrams of [`PAUSE`] at the shortest interval, and a thread that reads it in time if the system
 /// allows that.
 fn socket() -> UdpSocket {
     let _ = arcline_realtime::prepare_beside_tick();
@@ -79,15 +79,15 @@ fn status(arrival: &Arrival) -> u32 {
     u32::from_le_bytes(bytes)
 }
 
-/// Longer, and the socket may overflow: what is lost then is the scanner's fault, or the machine's.
+/// The longest pause: after a longer one the socket may overflow, and the scanner or the machine is the cause of a loss.
 const PAUSE: Duration = Duration::from_millis(250);
 /// The shortest interval that is confirmed under any load, and some, µs (docs/IO.md).
 const CONFIRMED: u32 = 40_000;
 /// Runs of which one must be without such a pause, and keep the interval.
 const TRIES: usize = 5;
 
-/// A connection with the server's consent: one that the machine kept from its times confirms no interval that short before it
-/// has seen better ones.
+/// A connection with the server's consent: a server that the machine has delayed confirms no interval that short before its timing
+/// has improved.
 fn opened(session: &mut Session, wanted: Wanted) -> Connection {
     let unconfirmed = CipStatus::connection(0x0111);
     eventually("a confirmed interval", Duration::from_secs(60), || {
@@ -98,9 +98,9 @@ fn opened(session: &mut Session, wanted: Wanted) -> Connection {
     })
 }
 
-/// Exchanges data for a time on a connection of its own, and holds what came to the interval; again, when the machine did not
-/// let the scanner look at its socket, or stalled the server, but not where a run of its own was asked for. One test at a time:
-/// their threads come before all others.
+/// Exchanges data for a time on a connection of its own, and checks the interval of the datagrams. It repeats the exchange if the machine
+/// delayed the scanner or stalled the server, but not in a run of its own. One test at a time: their threads have priority over all
+/// others.
 fn exchanged(
     session: &mut Session,
     wanted: Wanted,
@@ -138,7 +138,7 @@ fn exchanged(
     None
 }
 
-/// Nothing lost, nothing twice: sequences and counts go up by one.
+/// No datagram is lost or comes twice: sequences and counts go up by one.
 fn assert_gapless(arrivals: &[Arrival]) {
     for (place, pair) in arrivals.windows(2).enumerate() {
         assert_eq!(
@@ -149,7 +149,7 @@ fn assert_gapless(arrivals: &[Arrival]) {
     }
 }
 
-/// How far each arrival is from a schedule without drift, as a share of the interval, sorted: whatever drifts is spread
+/// The deviation of each arrival from a schedule without drift, as a share of the interval, sorted: a drift spreads the values
 /// over the whole of it. Slots that a stalled machine left out do not count, since the schedule stays.
 fn deviations(arrivals: &[Arrival], rpi: u32) -> Vec<f64> {
     let first = arrivals[0].at;
@@ -185,15 +185,15 @@ fn intervals(arrivals: &[Arrival]) -> Vec<f64> {
     intervals
 }
 
-/// Whether a run of its own was asked for: elsewhere tests run beside this one, and the scanner itself is late.
+/// Whether this is a run of its own: elsewhere tests run beside this one, and the scanner itself is late.
 fn alone() -> bool {
     std::env::var_os("ARCLINE_IO_SECONDS").is_some()
 }
 
-/// Whether what came in a time came at the interval, without drift.
+/// Checks that the datagrams of a time came at the interval, without drift.
 ///
 /// # Panics
-/// When something is lost, or comes twice or too often.
+/// When a datagram is lost, or comes twice or too often.
 fn kept(arrivals: &[Arrival], bare: &Bare, time: Duration, rpi: u32) -> Result<(), String> {
     assert_gapless(arrivals);
     let expected = (time.as_micros() / u128::from(rpi)) as usize;
@@ -218,7 +218,7 @@ fn kept(arrivals: &[Arrival], bare: &Bare, time: Duration, rpi: u32) -> Result<(
         bare.left_out
     );
     assert!(came <= expected + 1, "{came} of {expected}: nothing comes too often");
-    // A busy machine may leave out some, beside those that nobody could have been in time for.
+    // A busy machine may leave out some, beside the slots that no thread could have met.
     let excused = if alone() { 0 } else { bare.left_out };
     if (came + excused) * 10 < expected * 9 {
         return Err(format!("{came} of {expected}, {excused} excused"));
@@ -305,7 +305,7 @@ fn longer_intervals_are_kept_too() {
     let _machine = crate::alone();
     let server = server();
     let mut session = Session::connect(server.address());
-    // Long beside what a stalled machine may sleep through; where one of 100 is judged, there must be many.
+    // Long in comparison with the pauses of a stalled machine; a check of one in 100 needs many.
     let time = Duration::from_secs(if alone() { seconds() } else { 2 });
     for (serial, rpi) in (1..).zip([5000, 10_000, 100_000]) {
         exchanged(&mut session, input_only(serial, rpi), time, &[]);
@@ -339,7 +339,7 @@ fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
             );
             let owned = status(&arrival) & (OWNED | RUN);
             seen_run |= owned == OWNED | RUN;
-            // What waited in the socket is from before the owner.
+            // Datagrams that waited in the socket are from before the owner.
             if seen_run && owned == 0 {
                 return Some(arrival.at - began);
             }

@@ -47,7 +47,7 @@ fn doctor_tells_what_is_amiss_and_how_bad_it_is() {
     ]);
     let result: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let checks = result["checks"].as_array().expect("checks");
-    // What this computer lacks for real time is its own affair.
+    // The test does not depend on the real-time settings of this computer.
     let code = if result["worst"] == "ok" { 0 } else { 1 };
     assert_eq!(output.status.code(), Some(code), "{result}");
     for check in ["configuration", "EtherNet/IP", "open files", "state"] {

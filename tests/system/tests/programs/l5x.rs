@@ -1,4 +1,4 @@
-//! `arcline-server import` and `export` through the built program: files, exit codes, what is said where.
+//! `arcline-server import` and `export` through the built program: files, exit codes, messages.
 
 use std::process::{Command, Output};
 
@@ -57,7 +57,7 @@ fn a_file_becomes_a_configuration_that_the_server_takes() {
     ] {
         assert!(out.contains(line), "{line}\n{out}");
     }
-    // Without -o to standard output; strict is told apart by the exit code alone.
+    // Without -o the output is standard output; --strict changes the exit code only.
     let (out, strict) = check(&run(&["import", "--strict", &l5x]), 1);
     assert_eq!(out, std::fs::read_to_string(&toml).expect("the configuration"));
     assert_eq!(strict, err);

@@ -1,4 +1,4 @@
-//! The time of a wrong log-in tells no stranger whether a user exists (spec/security.md §10).
+//! The time of a wrong log-in does not reveal whether a user exists (spec/security.md §10).
 
 use std::io::Write as _;
 use std::net::{Ipv4Addr, SocketAddr};

@@ -1,4 +1,4 @@
-//! A master that a client writes over the network, and what it leads.
+//! A master that a client writes over the network, and its slaves.
 
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ fn an_encoder_that_a_client_writes_leads_a_coordinated_move() {
     let at = server.address();
     let _ = arcline(at, &["write", "Encoder", "200"]).expect(0);
     let _ = arcline(at, &["exec", "MDCC(CS1, E, Link, Actual, 0)"]).expect(0);
-    // 52 units of the master for 100 of the slave (spec/coordinated-instructions.md §27.8), which is told before it moves.
+    // 52 units of the master for 100 of the slave (spec/coordinated-instructions.md §27.8); the result is there before the move.
     let line = "MCLM(CS1, Line, Absolute, [100, 0, 0], 2, Unitspermasterunit, 1, Unitspermasterunit2, 1, Unitspermasterunit2, \
                 Trapezoidal, 100, 100, %ofTimeMasterDriven, 1, Disabled, Programmed, 0, 0, ImmediateForwardOnly, [0], Whole)";
     let _ = arcline(at, &["exec", "--no-wait", line]).expect(0);
@@ -37,7 +37,7 @@ fn an_encoder_that_a_client_writes_leads_a_coordinated_move() {
             (master == written && (slave - expected).abs() < 1e-6).then_some(())
         });
     }
-    // What the move was told to do is done, and its link is there for the next one.
+    // The move is complete, and its link is there for the next one.
     let told = arcline(at, &["status", "CS1"]).expect(0).stdout;
     assert!(told.contains("at rest"), "{told}");
 }

@@ -8,7 +8,7 @@ use arcline_system_tests::server::Server;
 
 /// Far more than the axis takes.
 const SOON: Duration = Duration::from_secs(20);
-/// How far the axis goes while a bit of an update waits for the next one, and more, units.
+/// The travel of the axis while a bit of an update waits for the next one, and more, units.
 const NEAR: f64 = 1.0;
 
 #[test]
@@ -100,7 +100,7 @@ fn a_client_arms_an_output_cam_and_sees_its_bits() {
         [9.0, 0.0],
         "disarmed: nobody changes it"
     );
-    // What the instruction refuses comes back as it would in a controller.
+    // The refusal of the instruction is that of a controller.
     let refused = arcline(at, &["exec", &arm.replace("(A, 1,", "(A, 2,")]).expect(1);
     assert!(refused.stderr.contains("ERR 35"), "{refused:?}");
 }

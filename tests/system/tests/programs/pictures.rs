@@ -1,5 +1,5 @@
-//! The pictures of the documentation are what `arcline plot` draws of the traces of their programs. `UPDATE_EXPECT=1` draws
-//! them anew.
+//! `arcline plot` draws the pictures of the documentation from the traces of their programs. `UPDATE_EXPECT=1` draws them
+//! anew.
 
 use std::path::Path;
 use std::process::Command;
@@ -59,7 +59,7 @@ fn pictures_are_new() {
     }
 }
 
-/// A file of the documentation; what is a block of a page is written into the folder.
+/// A file of the documentation; a block of a page is written into the folder.
 fn file(docs: &Path, name: &str, folder: &Path) -> std::path::PathBuf {
     let Some((page, name)) = name.split_once('#') else {
         return docs.join(name);

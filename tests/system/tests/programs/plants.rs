@@ -77,7 +77,7 @@ fn a_plant_that_echoes_gives_the_trace_of_the_simulated_drives() {
     }
     let rows = read("plain.csv").split(|byte| *byte == b'\n').count() - 2;
     assert_eq!(ticks, rows, "a line for each tick");
-    // It leaves all axes to the simulated drives.
+    // The plant leaves all axes to the simulated drives.
     let left = step(folder.path(), &files, |_| Some("{}\n".to_owned()));
     assert!(
         left.status.success() && read("plain.csv") == read("step.csv"),

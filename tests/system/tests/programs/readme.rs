@@ -1,4 +1,4 @@
-//! The README's tour of the command line, run as it stands: what it shows is what happens.
+//! The README's tour of the command line, run as it is: the results are those in the text.
 
 use std::time::Duration;
 

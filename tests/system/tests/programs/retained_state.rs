@@ -1,4 +1,4 @@
-//! `--state FILE`: what survives a restart, a SIGKILL at any instant, and what becomes of files that cannot be used.
+//! `--state FILE`: the state after a restart and after a SIGKILL at any instant, and the treatment of files that cannot be used.
 //!
 //! `ARCLINE_KILLS` sets how often a server is killed: 16 times without it in a release build (`.ci/run timed_tests`), 5 in others.
 #![allow(missing_docs)]
@@ -23,9 +23,9 @@ fn position(random: &mut Random) -> f64 {
     f64::from(random.below(400_001) as f32 / 1000.0 - 200.0)
 }
 
-/// From the start of the process to its ready line. A debug build on a busy machine is measured, not judged.
+/// The longest time from the start of the process to its ready line. A debug build on a busy machine is measured, not checked.
 const READY: Duration = Duration::from_millis(500);
-/// After this long, what axes do is in the file. It is 10 ms and a write, but the machine may be busy.
+/// After this time, the state of the axes is in the file. It is 10 ms and a write, but the machine may be busy.
 const SEEN: Duration = Duration::from_millis(500);
 /// DINTs that each writer writes in one message.
 const ELEMENTS: usize = 16;
@@ -67,7 +67,7 @@ impl Files {
         Server::start_with(&self.arguments())
     }
 
-    /// The state in the file, which nobody may have damaged.
+    /// The state in the file, which must be undamaged.
     fn read(&self) -> State {
         let bytes = std::fs::read(&self.state).expect("the file is there");
         parse(&bytes)
@@ -75,7 +75,7 @@ impl Files {
             .state
     }
 
-    /// What stands beside the configuration, sorted.
+    /// The files beside the configuration, sorted.
     fn names(&self) -> Vec<String> {
         let folder = self.config.parent().expect("a file has a folder");
         let entries = std::fs::read_dir(folder).expect("the folder is readable");
@@ -107,7 +107,7 @@ async fn numbers(client: &Client, path: &str) -> Vec<f64> {
         .unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The axis stands where it was kept, its drive is off, and it is homed unless it was moving.
+/// The axis has its stored position, its drive is off, and it is homed unless it was moving.
 async fn holds(client: &Client, kept: &Axis, why: &str) {
     let AxisState {
         position,
@@ -132,14 +132,14 @@ fn table(number: i64) -> WriteValue {
     WriteValue::Array(vec![WriteValue::from(number); ELEMENTS])
 }
 
-/// What a writer has sent, and what was acknowledged.
+/// The newest sent and the newest acknowledged value of a writer.
 #[derive(Clone, Copy, Default)]
 struct Written {
     sent: i64,
     acknowledged: i64,
 }
 
-/// A move: where from, where to, and what was seen of it when.
+/// A move: its start, its end, and its observed positions with their times.
 #[derive(Clone, Debug)]
 struct Leg {
     from: [f64; 3],
@@ -242,13 +242,13 @@ fn home_again(file: &Path) {
     write_state(place, state);
 }
 
-/// Puts a state in the place of the one that is kept.
+/// Puts a state in the place of the stored one.
 fn write_state(place: LockedFile, state: State) {
     let mut writer = Writer::<_, ()>::start(place, state, Pace::default(), Duration::ZERO);
     assert_eq!(writer.actions().count(), 0, "the folder is writable");
 }
 
-/// What a server shows that has just been started on a state.
+/// Checks that a server shows the state on which it has just started.
 async fn shows(server: &Server, kept: &State, why: &str) {
     let client = connect(server).await;
     for axis in &kept.axes {

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use arcline_system_tests::{fixture, programs};
 
-/// With and without a trace, on the default configuration at 1 ms, on one core. A floor, not a goal: the second one was 2,000 until
-/// set-points and feedback of all axes were exchanged at once and command limits looked at, which costs a sixth more.
+/// The floors with and without a trace, on the default configuration at 1 ms, on one core. The second one was 2,000 until
+/// the controller exchanged set-points and feedback of all axes at once and checked command limits, which costs a sixth more.
 const TIMES_REAL_TIME: [f64; 2] = [200.0, 1300.0];
 
 /// The ten-minute program in a folder of its own; in a debug build its first twentieth.
@@ -89,7 +89,7 @@ fn faster_than_real_time() {
         }
         let times = simulated / took.as_secs_f64();
         println!("{simulated:.1} s simulated in {took:?} with {name}: {times:.0} times real time");
-        // A debug build is measured, not judged.
+        // A debug build is measured, not checked.
         assert!(
             cfg!(debug_assertions) || times > least,
             "{times:.0} times real time with {name}, expected {least}"
@@ -172,7 +172,7 @@ fn a_program_injects_faults_and_sees_them() {
             .expect("the server was just built");
         (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
     };
-    // X stops by itself at 10,000 units/s² and ends behind 20 by half a unit and what an update makes.
+    // X stops by itself at 10,000 units/s² and ends behind 20 by half a unit and the travel of an update.
     let (code, errors) = run(
         "MCLM(CS1, M, 0, [100, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1);\n\
          WAIT(X.ActualPosition > 20);\nFaultInject[0] := 16;\nWAIT(X.CIPAxisState = 8);\n\

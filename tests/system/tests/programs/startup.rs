@@ -9,7 +9,7 @@ use arcline_system_tests::capture::list_identity;
 use arcline_system_tests::programs;
 use arcline_system_tests::server::Server;
 
-/// From the start of the process to the answer of its first request.
+/// The longest time from the start of the process to the answer of its first request.
 const LIMIT: Duration = Duration::from_millis(300);
 
 fn first_answer() -> Duration {
@@ -39,7 +39,7 @@ fn the_first_request_is_answered_soon() {
     let _ = programs::arcline_server(); // built before the clock runs
     let best = (0..TRIES).map(|_| first_answer()).min().expect("there are tries");
     println!("first answer {best:?} after the start of the process, best of {TRIES}");
-    // A debug build on a busy machine is measured, not judged.
+    // A debug build on a busy machine is measured, not checked.
     assert!(
         cfg!(debug_assertions) || best < LIMIT,
         "first answer after {best:?}, expected less than {LIMIT:?}"

@@ -1,4 +1,4 @@
-//! What the server says to systemd (`sd_notify(3)`).
+//! The messages of the server to systemd (`sd_notify(3)`).
 
 use std::os::unix::net::UnixDatagram;
 use std::process::{Command, Stdio};

@@ -1,4 +1,4 @@
-//! One program gives one trajectory at every update period (spec/motion-core.md §12.4): what `simulate` shows of queued moves.
+//! One program gives one trajectory at every update period (spec/motion-core.md §12.4): queued moves in `simulate`.
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,5 @@
 //! MCCD of the move that is under way (spec/coordinated-instructions.md §14): every unit, both jerks, jerks in percent of time,
-//! and what §14.4 derives for rates that are lowered too late.
+//! and the derivation of §14.4 for rates that are lowered too late.
 
 use arcline_instruction_set::{Flag, Object};
 use arcline_tests::bench::{Bench, OK};
@@ -16,7 +16,7 @@ fn measured(bench: &mut Bench) -> [f64; 5] {
         let [_, speed, acceleration] = bench.axis("X").command;
         let jerk = ((acceleration - last) / PERIOD).abs();
         let sides = if acceleration.min(last) >= 0.0 { 3..4 } else { 4..5 };
-        // Where the sign of the acceleration changes, a tick has some of both.
+        // In a tick that changes the sign of the acceleration, both jerks act.
         if acceleration * last >= 0.0 {
             for side in sides {
                 most[side] = most[side].max(jerk);
@@ -251,7 +251,7 @@ fn a_deceleration_that_is_lowered_too_late_passes_the_end_and_comes_back() {
         change: &'static str,
         /// The lowest velocity, of speed and deceleration at the change.
         lowest: fn(f64, f64) -> Option<f64>,
-        /// How far beyond the end, of speed and way to go at the change.
+        /// The distance beyond the end, from the speed and the distance to go at the change.
         beyond: fn(f64, f64) -> Option<f64>,
     }
     let cases = [
@@ -364,7 +364,7 @@ fn a_change_is_refused_for_a_pending_move_that_cannot_have_it() {
     let change = |scope: &str| format!("MCCD(XY, C1, 1, Yes, 80, 0, No, 0, 0, No, 0, 0, No, 0, No, 0, 0, {scope})");
     assert_eq!(bench.call(&change("ActiveandPendingMotion")).0, 105);
     assert_eq!(bench.call(&change("ActiveMotion")), OK);
-    // With what waits gone, all can be changed.
+    // Without waiting moves, all dynamics can be changed.
     bench.until("M1", Flag::Pc);
     assert_eq!(bench.position("X"), 100.0);
 }

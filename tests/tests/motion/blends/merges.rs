@@ -6,7 +6,7 @@ use arcline_tests::bench::{Bench, OK};
 
 #[test]
 fn both_types_take_over_at_both_speeds() {
-    // XY moves along X at 200, Y jogs besides at 50; what takes over is programmed with 120.
+    // XY moves along X at 200, and Y also jogs at 50; the merging move is programmed with 120.
     let present = 200.0_f64.hypot(50.0);
     #[rustfmt::skip]
     let ways = [
@@ -37,16 +37,16 @@ fn both_types_take_over_at_both_speeds() {
                 while !bench.control("M3").has(Flag::Pc) {
                     bench.tick();
                     ticks += 1;
-                    // What is along the new path is its beginning, and slows down first.
+                    // The motion along the new path is its beginning, and slows down first.
                     let fast = bench.system("XY").path_speed;
-                    // The path and what ramps out beside it, together.
+                    // The speed of the path and of its residual together.
                     assert!(fast <= present * 1.25, "{row}: {fast}");
                     if ticks > 250 {
                         top = top.max(fast);
                     }
                     let now = ["X", "Y"].map(|axis| bench.axis(axis).command);
                     for (before, after) in last.iter().zip(now) {
-                        // The old and the new rate, and what an arc of 150 asks across it.
+                        // The old and the new rate, and the centripetal acceleration of an arc of 150.
                         let most = (2.0 * 2000.0 + expected * expected / 150.0) * 0.001 * 1.01;
                         assert!(
                             (after[1] - before[1]).abs() <= most,
@@ -57,7 +57,7 @@ fn both_types_take_over_at_both_speeds() {
                     }
                     last = now;
                 }
-                // A little less where the way of what ramps out adds to that of the path.
+                // A little less if the speed of the residual adds to that of the path.
                 assert!(
                     top <= expected + 1e-6 && top > 0.95 * expected,
                     "{row}: {top}, not {expected}"

@@ -1,4 +1,4 @@
-//! Where one move becomes the next: termination types, merges, changes and stops in between
+//! The transition from one move to the next: termination types, merges, changes and stops in between
 //! (spec/coordinated-instructions.md §6, §7, §27; spec/motion-core.md §6).
 
 mod changes;
@@ -87,7 +87,7 @@ fn blended_cycles_save_exactly_the_overlap() {
     }
 }
 
-/// Bits of a coordinate system that tell that a move waits.
+/// Bits of a coordinate system that show a waiting move.
 const WAITING: u32 = cms::MOVE_PENDING_STATUS | cms::MOVE_PENDING_QUEUE_FULL_STATUS;
 /// The same, and that two moves overlap.
 const SEEN: u32 = WAITING | cms::MOVE_TRANSITION_STATUS;

@@ -25,7 +25,7 @@ enum Piece {
         from: Vector,
         to: Vector,
     },
-    /// From `from` in the direction `begins`, about a centre on the side `inner`.
+    /// An arc from `from` in the direction `begins`, about a centre on the side `inner`.
     Arc {
         from: Vector,
         begins: Vector,
@@ -60,7 +60,7 @@ impl Piece {
         }
     }
 
-    /// How far a point is from it.
+    /// The distance of a point from the piece.
     fn off(&self, point: Vector) -> f64 {
         match *self {
             Piece::Line { from, to } => {
@@ -79,7 +79,7 @@ impl Piece {
     }
 }
 
-/// What it is, both pieces, whether they go over into each other without a corner.
+/// The name, both pieces, and whether their junction has no corner.
 fn pairs() -> [(&'static str, [Piece; 2], bool); 6] {
     let origin = [0.0; 3];
     let corner = along(origin, X, 50.0);
@@ -175,7 +175,7 @@ fn point(bench: &Bench) -> Vector {
 
 #[test]
 fn every_type_between_lines_and_arcs() {
-    // (type, tolerance of the corner: 0 follows the path, whether the speed is kept where the joint is tangent)
+    // (type, tolerance of the corner: 0 follows the path, whether a tangent joint preserves the speed)
     let types = [
         ("0", 0.0, false),
         ("1", 0.0, false),
@@ -208,7 +208,7 @@ fn every_type_between_lines_and_arcs() {
                     at_joint = (apart(place, joint), speed);
                 }
                 let step: Vector = std::array::from_fn(|k| now[k][1] - last[k][1]);
-                // Two ramps at once, and what arcs ask across the path; a corner of types 4 and 5 is passed with a step by definition.
+                // Two ramps at once, and the centripetal acceleration of arcs; a corner of types 4 and 5 is passed with a step by definition.
                 let declared = if keeps && !tangent { 10.0 * 3.0_f64.sqrt() } else { 0.0 };
                 let most = (2000.0 + 1500.0 + 2.0 * 120.0 * 120.0 / RADIUS) * 0.001 + declared;
                 assert!(dot(step, step).sqrt() <= most, "{why}: {last:?} to {now:?}");

@@ -22,7 +22,7 @@ fn stopped(bench: &mut Bench, why: &str) -> (f64, f64) {
         bench.tick();
         let now = ["X", "Y"].map(|axis| bench.axis(axis).command);
         for ((before, after), most) in last.iter().zip(&now).zip(began) {
-            // An acceleration is taken back with the jerk of the move, and so is what is left of it beyond rest.
+            // An acceleration ends with the jerk of the move, and so does its rest beyond standstill.
             if [before, after].iter().all(|state| state[1] > 0.0 && state[2] <= 0.0) {
                 jerk = jerk.max(((after[2] - before[2]) / PERIOD).abs());
             }

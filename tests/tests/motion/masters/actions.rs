@@ -1,14 +1,14 @@
-//! What actions on a slave or its master do to the links and to what they drive, row by row
+//! The effect of actions on a slave or its master on the links and on the driven motion, row by row
 //! (spec/coordinated-instructions.md §8.9; spec/axis-and-data-types.md §3.8).
 
 use arcline_instruction_set::{FaultKind, Flag};
 use arcline_tests::bench::{Bench, OK};
 
-/// How long everything that an action stops takes to stand, ticks.
+/// The longest time until all stopped motion stands, ticks.
 const SETTLED: u64 = 600;
 
-/// The default machine, with a coordinate system `M` of the servo S alone, which can be a master of CS1, and what a fault does to an
-/// axis.
+/// The default machine, with a coordinate system `M` of the servo S alone, which can be a master of CS1, and with the action of an axis's
+/// faults.
 fn bench(action: &str) -> Bench {
     let faulting = |text: &str, axis: &str| {
         let head = format!("[[axis]]\nname = \"{axis}\"\n");
@@ -58,14 +58,14 @@ fn driven(action: &str) -> Bench {
     bench
 }
 
-/// What is done.
+/// An action on the machine.
 #[derive(Clone, Copy, Debug)]
 enum Action {
     Call(&'static str),
     Fault { axis: &'static str, action: &'static str },
 }
 
-/// What is left of the links and the move when all stands.
+/// The remaining links and the move when all axes stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Left {
     /// IP of the active and of the waiting MDCC, and of the MDAC of a slave's axis.

@@ -4,9 +4,9 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::{ACCEL_STATUS, JOG_LOCK_STATUS, MOVE_LOCK_STATUS};
 use arcline_tests::bench::{Bench, OK};
 
-/// From Speed on: 2 units per master unit, 1 unit per master unit².
+/// The operands from Speed on: 2 units per master unit, 1 unit per master unit².
 const DRIVEN: &str = "2, 4, 1, 4, 1, 4, 0, 100, 100, 6";
-/// By time.
+/// The same by time.
 const TIMED: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
 
 #[track_caller]
@@ -40,7 +40,7 @@ fn near(is: f64, expected: f64, why: &str) {
     assert!((is - expected).abs() < 1e-9, "{why}: {is} is not {expected}");
 }
 
-/// Where a move of 100 is on the way of its master (spec/coordinated-instructions.md §27.8), and its speed and acceleration by that way.
+/// The position of a move of 100 at a displacement of its master (spec/coordinated-instructions.md §27.8), with speed and acceleration by it.
 pub(super) fn planned(way: f64) -> [f64; 3] {
     match way {
         way if way < 2.0 => [0.5 * way * way, way, 1.0],

@@ -100,7 +100,7 @@ fn events_lie_on_the_curve_that_is_travelled() {
             "move {place}: {end} ms, complete at {ended}"
         );
         assert_eq!(beyond, 0.0, "before the move");
-        // What is left from there on, by the positions at ticks.
+        // The distance to go from there on, by the positions at ticks.
         let from = (begun + ten).round() as usize;
         let left: f64 = places[from..=*ended]
             .windows(2)
@@ -125,7 +125,7 @@ fn a_contour_is_a_function_of_its_masters_way() {
         bench.until("M1", Flag::Ac);
         bench.run(3);
         assert_eq!(place(&bench), [0.0, 0.0], "its master stands");
-        // A master unit is so many ticks of the timed one.
+        // A master unit is a fixed number of ticks of the timed one.
         let ticks = |way: f64| way / NOMINAL * 1e3;
         let (mut at, mut furthest) = (0_i64, 0_i64);
         while furthest < places.len() as i64 - 1 {

@@ -7,7 +7,7 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::MOVE_TRANSITION_STATUS;
 use arcline_tests::bench::{Bench, OK};
 
-/// What a move is a function of.
+/// The time base of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Mode {
     Time,
@@ -20,7 +20,7 @@ use Mode::{Master, Time};
 const NOMINAL: f64 = 100.0;
 
 impl Mode {
-    /// What of the one is what of the other: seconds per master unit.
+    /// The scale between the time bases: seconds per master unit.
     fn scale(self) -> f64 {
         match self {
             Time => 1.0 / NOMINAL,
@@ -73,7 +73,7 @@ fn lead(bench: &mut Bench, to: f64) {
     bench.until("Go", Flag::Pc);
 }
 
-/// So far on, in master units or in hundredths of seconds.
+/// Advances by a displacement, in master units or in hundredths of seconds.
 fn go_on(bench: &mut Bench, mode: Mode, by: f64) {
     match mode {
         Time => bench.run((by * 10.0).round() as u64),
@@ -121,7 +121,7 @@ fn distances_of_one_move() {
     }
 }
 
-/// Where a line of 100 and its successor change over: the successor's end, Termination Type, Command Tolerance, when the
+/// The transition from a line of 100 to its successor: the successor's end, Termination Type, Command Tolerance, the time at which the
 /// first is complete, and whether the path leaves the corner.
 type Change = (&'static str, [f64; 3], u8, f64, f64, bool);
 
@@ -191,7 +191,7 @@ fn termination_types_by_time_and_by_a_master() {
                 bench.tick();
             }
             assert_eq!(was_blended, blended, "{why}, {mode:?}");
-            // The whole is what both took.
+            // The whole is the sum of both.
             let whole = complete + bench.array("Then1")[0];
             let update = if mode == Time { 1e-3 } else { 0.2 };
             assert!((gone(&bench) - whole).abs() < 1.1 * update, "{why}, {mode:?}");
@@ -241,7 +241,7 @@ fn a_change_of_dynamics_is_calculated_from_the_start_of_the_move() {
             bench.control("M1").has(Flag::CalculatedDataAvailable),
             "{mode:?}: available again"
         );
-        // What lies behind keeps its answer.
+        // The moves behind the event keep their answer.
         answers(
             &bench,
             mode,

@@ -1,7 +1,7 @@
 //! Random gears and cams, and chains of two: the slave is where its master makes it be within the same update, to rounding, at every
 //! update period (spec/axis-and-data-types.md §3.5, §3.9).
 //!
-//! `ARCLINE_CASES` sets how many chains are followed (20 unless told).
+//! `ARCLINE_CASES` sets the number of chains (20 by default).
 
 use arcline_cam::{Point, Profile, SegmentType};
 use arcline_instruction_set::predefined::motion_status::GEARING_LOCK_STATUS;
@@ -9,7 +9,7 @@ use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::machine;
 use arcline_tests::random::Random;
 
-/// What follows a master: how far it goes for how far the master goes, from where both were in the beginning.
+/// The law by which a slave follows a master: the slave's displacement as a function of the master's, both from the beginning.
 #[derive(Debug)]
 enum Law {
     Gear {
@@ -36,7 +36,7 @@ struct Chain {
 }
 
 impl Law {
-    /// How far the slave is for a way of the master.
+    /// The displacement of the slave for one of the master.
     fn at(&self, way: f64) -> f64 {
         match self {
             Law::Gear { ratio } => ratio * way,
@@ -58,7 +58,7 @@ impl Law {
         }
     }
 
-    /// What rounding of the master's position can make of the slave's.
+    /// The greatest effect of rounding of the master's position on the slave's.
     fn steepness(&self) -> f64 {
         match self {
             Law::Gear { ratio } => ratio.abs(),
@@ -94,7 +94,7 @@ fn bench(period: f64) -> Bench {
     ))
 }
 
-/// Where an axis is, as it is commanded or really.
+/// The command or actual position of an axis.
 fn position(bench: &Bench, axis: &str, actual: bool) -> f64 {
     let axis = bench.axis(axis);
     if actual { axis.actual[0] } else { axis.command[0] }

@@ -62,7 +62,7 @@ fn an_encoder_that_is_not_written_leaves_its_slave_where_it_is() {
             (bench.bits("M1").as_str(), bench.bits("D").as_str()),
             ("EN DN IP AC TrackingMaster", "EN DN IP AC")
         );
-        // What was missed is not made up.
+        // The axis does not make up for the missed displacement.
         bench.write("Encoder", 900.0);
         execute(&mut bench, "MAFR(E, F);");
         bench.run(10);

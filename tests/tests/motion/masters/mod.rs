@@ -1,4 +1,4 @@
-//! Master driven motion: MDCC and MDAC, and what becomes of moves that are functions of a master's way
+//! Master driven motion: MDCC and MDAC, and the moves that are functions of a master's displacement
 //! (spec/coordinated-instructions.md §8, §9, §18, §27.8; spec/axis-and-data-types.md §1.5, §3.8).
 
 use arcline_instruction_set::Flag;
@@ -112,7 +112,7 @@ fn the_speed_of_axes_is_that_of_the_move_times_that_of_the_master() {
     assert!((bench.axis("X").command[1] - 100.0).abs() < 1e-9);
     assert!((bench.system("CS1").path_speed - 100.0).abs() < 1e-9);
     assert!(!cs1(&bench, coordinate_motion_status::ACCEL_STATUS));
-    // The master slows down, and the slave with it: bits of the instruction tell of its own ramps only.
+    // The master slows down, and the slave with it: bits of the instruction show its own ramps only.
     assert_eq!(
         bench.call("MAS(A, S1, Jog, Yes, 100, Unitspersec2, No, 100, %ofTime);"),
         OK

@@ -5,7 +5,7 @@ use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::COORDINATE_SYSTEM_LOCK_STATUS;
 use arcline_tests::bench::{Bench, OK};
 
-/// From Speed on: 2 units per master unit, 1 unit per master unit².
+/// The operands from Speed on: 2 units per master unit, 1 unit per master unit².
 const DRIVEN: &str = "2, 4, 1, 4, 1, 4, 0, 100, 100, 6";
 
 #[track_caller]
@@ -39,7 +39,7 @@ fn locked(bench: &Bench) -> bool {
     bench.system("CS1").motion_status & COORDINATE_SYSTEM_LOCK_STATUS != 0
 }
 
-/// An action, and what is seen then: the bits of both moves, and the lock.
+/// An action, and the state after it: the bits of both moves, and the lock.
 type Step = (&'static str, Box<dyn Fn(&mut Bench)>, &'static str, &'static str, bool);
 
 #[track_caller]
@@ -72,7 +72,7 @@ fn tracking_is_of_the_instructions_own_ramps() {
         |speed: f64| format!("MCCD(CS1, C, 1, Yes, {speed}, 4, No, 1, 4, No, 1, 4, No, 1, No, 1, 4, ActiveMotion);");
     #[rustfmt::skip]
     let steps: [Step; 18] = [
-        // why,                                      what is done,                               M1,                      M2,                      lock
+        // why,                                        action,                                       M1,                      M2,            lock
         ("at once: locked, and nothing has begun",   call(line("M1", 100.0, 4, 0, "0, 1")),      "IP AC",                 "",                      true),
         ("one that waits",                           call(line("M2", 200.0, 1, 0, "0, 1")),      "IP AC",                 "IP",                    true),
         ("its own ramp",                             by(1.0),                                    "IP AC ACCEL",           "IP",                    true),
@@ -100,7 +100,7 @@ fn tracking_is_of_the_instructions_own_ramps() {
 fn a_lock_is_shown_from_its_position_on() {
     #[rustfmt::skip]
     let steps: [Step; 9] = [
-        // why,                           what is done,                                    M1,                M2,               lock
+        // why,                          action,                                       M1,              M2,            lock
         ("it waits",                      call(line("M1", 100.0, 1, 0, "-5, 4")),          "IP AC",           "",               false),
         ("the other way",                 by(20.0),                                        "IP AC",           "",               false),
         ("not as far",                    by(-24.0),                                       "IP AC",           "",               false),
@@ -122,7 +122,7 @@ fn nothing_ends_a_move_that_waits_for_a_master_that_stands() {
         let mut bench = linked();
         execute(&mut bench, &line("M1", 100.0, 1, 0, lock));
         bench.run(3);
-        // What a simulation ends with.
+        // The end of a simulation.
         bench.until_rest();
         assert_eq!(bench.bits("M1"), "EN DN IP AC");
         execute(

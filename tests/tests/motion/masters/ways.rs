@@ -1,7 +1,7 @@
 //! Random sequences over random masters: where the slave is hangs on where its master is, and a sequence is complete where it
 //! was calculated to be (spec/coordinated-instructions.md §8.1, §8.6, §8.10, §9).
 //!
-//! `ARCLINE_CASES` sets how many sequences of each kind are travelled (8 unless told; half as many are travelled over random masters).
+//! `ARCLINE_CASES` sets the number of sequences of each kind (8 by default; half as many over random masters).
 
 use arcline_instruction_set::BlendedSequence;
 use arcline_instruction_set::Flag;
@@ -14,7 +14,7 @@ use arcline_tests::random::Random;
 const SLAVE: [&str; 3] = ["A1", "B1", "C1"];
 /// Update periods, ms.
 const PERIODS: [f64; 3] = [0.25, 1.0, 4.0];
-/// Nothing of the slave may differ by more, units.
+/// The greatest difference of the slave's values, units.
 const SAME: f64 = 1e-9;
 
 fn cases() -> u64 {
@@ -37,10 +37,10 @@ fn bench(period: f64, depth: usize) -> Bench {
 #[derive(Clone, Debug)]
 struct Programmed {
     tag: String,
-    /// Where its Calculated Data go: one element.
+    /// The tag of its Calculated Data: one element.
     data: String,
     call: String,
-    /// Termination Type, and how much of the move it may be blended over at most: the tolerance is at least its length.
+    /// Termination Type, and the greatest part of the move that a blend may take: the tolerance is at least its length.
     ending: u8,
     is_full: bool,
 }
@@ -128,7 +128,7 @@ fn jog(bench: &mut Bench, speed: f64, more: &str) {
     execute(bench, &call);
 }
 
-/// How many of the moves are complete.
+/// The number of complete moves.
 fn complete(bench: &Bench, moves: &[Programmed]) -> usize {
     moves.iter().filter(|one| bench.control(&one.tag).has(Flag::Pc)).count()
 }
@@ -267,7 +267,7 @@ fn the_path_is_a_function_of_the_masters_position() {
 
         // The same over an encoder that goes from one of these positions to another, in steps of its own.
         for stride in [1, 2 + random.below(60) as usize] {
-            // What a corner lets pass hangs on the period (spec/coordinated-instructions.md §7.5).
+            // The behaviour in a corner depends on the period (spec/coordinated-instructions.md §7.5).
             let mut fed = bench(period, 8);
             fed.write("Encoder", 0.0);
             execute(&mut fed, "MDCC(L1, E, D, Actual, 50);");

@@ -1,5 +1,5 @@
-//! What becomes of the bits of an output cam that is over, superseded or disarmed: edges that lag behind the axis, durations, and what
-//! the next cam has to do with them.
+//! The bits of an output cam that is over, superseded or disarmed: edges that lag behind the axis, durations, and their treatment by
+//! the next cam.
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::OK;
@@ -21,11 +21,11 @@ const fn compensated(offset: f64, latch: f64, unlatch: f64) -> [f64; 6] {
 struct Case {
     why: &'static str,
     elements: &'static [(&'static str, [f64; 8])],
-    /// By bits.
+    /// The compensation by bits.
     compensation: &'static [(usize, [f64; 6])],
-    /// What is executed where the axis has come to a place.
+    /// The calls, each at a position of the axis.
     calls: &'static [(f64, &'static str)],
-    /// Milliseconds at which `Out[0]` changes, and what it is then.
+    /// Milliseconds at which `Out[0]` changes, and its value then.
     expected: &'static [(f64, i64)],
 }
 
@@ -133,7 +133,7 @@ const CASES: &[Case] = &[
             ),
             (52.0, NEXT),
         ],
-        // It is armed as if it had been repeated before, too.
+        // The cam is armed as if it had been repeated before, too.
         expected: &[
             (0.0, 1),
             (50.0, 0),
@@ -262,7 +262,7 @@ fn edges_come_where_they_lie_whatever_ends_their_cam() {
     for case in CASES {
         for period in [0.25, 1.0, 4.0] {
             let tick = |time: f64| {
-                // It has taken 50 ps to come to its speed; what is executed before the first tick shows at once.
+                // The axis has taken 50 ps to reach its speed; a call before the first tick shows at once.
                 let ticks = if time == 0.0 {
                     0.0
                 } else {
@@ -271,7 +271,7 @@ fn edges_come_where_they_lie_whatever_ends_their_cam() {
                 ticks * period
             };
             let mut expected: Vec<(f64, i64)> = case.expected.iter().map(|(time, word)| (tick(*time), *word)).collect();
-            // Of edges within one update the last one is seen.
+            // Of edges within one update, only the last one shows.
             expected.reverse();
             expected.dedup_by_key(|(time, _)| *time);
             expected.reverse();

@@ -1,4 +1,4 @@
-//! MAOC and MDOC: which bits are set where the axis is, what arms and ends an output cam, and what is refused
+//! MAOC and MDOC: the bits at each position of the axis, the arming and the end of an output cam, and refusals
 //! (spec/axis-and-data-types.md §5).
 
 mod ends;
@@ -6,9 +6,9 @@ mod ends;
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
 
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
-/// From Speed on: an S-curve at 100 units/s.
+/// The operands from Speed on: an S-curve at 100 units/s.
 const S_CURVE: &str = "100, 0, 1000, 0, 1000, 0, 1, 100, 100, 2";
 
 /// `X` without a drive, `TURN` rotary, `P` a servo that lags, each with 4 targets; `NONE` has no target.
@@ -83,7 +83,7 @@ fn status(bench: &Bench, axis: &str) -> [u32; 4] {
     bench.axis(axis).output_cams
 }
 
-/// What a cam of the whole range does: MAOC's operands from Output on, with the first 100 units.
+/// A cam of the whole range: MAOC's operands from Output on, with the first 100 units.
 const WHOLE: &str = "Out[0], In, Cam, 0, 100, None";
 
 #[test]
@@ -108,7 +108,7 @@ fn bits_are_set_where_the_axis_is() {
                 let at = bench.position("X");
                 bench.tick();
                 let inside = |left: f64, right: f64| (left..right).contains(&at);
-                // Bit 3 is nobody's; bit 31 begins where the cam does.
+                // Bit 3 belongs to no cam; bit 31 begins with the cam.
                 let expected = u32::from(inside(10.0, 20.0))
                     | u32::from(inside(15.0, 60.0)) << 5
                     | 1 << 3
@@ -121,7 +121,7 @@ fn bits_are_set_where_the_axis_is() {
     }
 }
 
-/// Why, what is written to the tags, and when the bits change.
+/// Why, the values written to the tags, and the times at which the bits change.
 type Edges = (&'static str, Box<dyn Fn(&mut Bench)>, Vec<(f64, i64)>);
 
 #[test]
@@ -172,7 +172,7 @@ fn edges_lie_between_ticks_and_show_at_the_next() {
             let ticks: Vec<(f64, i64)> = expected
                 .iter()
                 .map(|(time, word)| {
-                    // It has taken 50 ps to come to its speed.
+                    // The axis has taken 50 ps to reach its speed.
                     let ticks = if *time == 0.0 {
                         0.0
                     } else {
@@ -252,7 +252,7 @@ fn an_enable_bit_counts_with_or_without_the_position() {
             assert_eq!(bench.read("Out[0]") != 0.0, *on, "{why}: step {place}");
         }
     }
-    // By a bit of the output, its own or another one's: a tick later.
+    // Enabled by a bit of the output, its own or another one's: a tick later.
     let mut bench = machine(1.0);
     element(&mut bench, "Cam[0]", window(4, 10.0, 20.0));
     element(&mut bench, "Cam[1]", [0.0, ENABLE, 3.0, 0.0, 0.0, 0.0, 2.0, 4.0]);
@@ -269,12 +269,12 @@ fn an_enable_bit_counts_with_or_without_the_position() {
     assert_eq!(after(&mut bench, 5.0), 2);
     assert_eq!(after(&mut bench, 15.0), 0b1_0011);
     assert_eq!(after(&mut bench, 25.0), 2);
-    // A client's write of bits that are nobody's is kept, and seen.
+    // A client's write of bits that belong to no cam stays and shows.
     bench.write("Out[0]", f64::from(1 << 9 | 1 << 20));
     assert_eq!(after(&mut bench, 15.0), 1 << 20 | 1 << 9 | 0b1_0001);
 }
 
-/// A position, and what is there: the word, the status words, and what the instruction shows.
+/// A position, and the state there: the word, the status words, and the bits of the instruction.
 type Place<'a> = (f64, u32, [u32; 4], &'a str);
 /// Why, the operands from Execution Mode to Cam Arm Position, and the places on the way.
 type Way<'a> = (&'a str, &'a str, &'a [Place<'a>]);
@@ -355,7 +355,7 @@ fn a_pending_cam_takes_over_at_the_end() {
                 seen.push(at);
             }
         }
-        // From the end at 50, or the start at -50, with a lead of 10 units, 5 units long.
+        // The output from the end at 50, or the start at -50, with a lead of 10 units, 5 units long.
         let (from, until) = if to > 0.0 { (50.0, 55.0) } else { (-90.0, -85.0) };
         let lead = 100.0 * delay;
         assert!(
@@ -388,7 +388,7 @@ fn a_pending_cam_takes_over_at_the_end() {
     go(&mut bench, "X", 115.0, TRAPEZOID);
     bench.tick();
     assert_eq!((status(&bench, "X"), bench.read("Out[0]")), ([2, 0, 2, 0], 1.0));
-    // One that is armed takes the place of the other.
+    // An armed cam takes the place of the other.
     assert_eq!(bench.call(&armed.replace(", C,", ", E,")), OK);
     bench.tick();
     assert_eq!(

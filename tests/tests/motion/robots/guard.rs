@@ -1,4 +1,4 @@
-//! The guard of a robot's joints: whatever leads the source, it stops in time, and the joints never leave what they can do
+//! The guard of a robot's joints: it stops every motion of the source in time, and the joints never leave their limits
 //! (spec/coordinated-instructions.md §19.8).
 
 use arcline_instruction_set::Flag;
@@ -10,7 +10,7 @@ const SPEED: f64 = 360.0;
 /// The share by which a joint may be faster than that.
 const SLACK: f64 = 0.02;
 
-/// How far a joint may get in an update beyond what its velocities at both ends say, degrees.
+/// The greatest travel of a joint in an update beyond that of its velocities at both ends, degrees.
 const STEP: f64 = 5e-3;
 
 /// Links of 300 and 260; the tool at X 400, Y 39.999 or so.
@@ -29,16 +29,16 @@ const ARM: RobotMachine = RobotMachine {
     ..SCARA
 };
 
-/// What happened until everything stood.
+/// The observations until all axes stood.
 #[derive(Debug, Default)]
 struct Seen {
     /// ERR and EXERR of T.
     error: (i16, i8),
     /// The highest speed of a joint.
     speed: f64,
-    /// How far a joint got in an update beyond what its velocities say.
+    /// The greatest travel of a joint in an update beyond that of its velocities.
     step: f64,
-    /// Where the joints are.
+    /// The positions of the joints.
     joints: Vec<f64>,
 }
 
@@ -178,7 +178,7 @@ fn beside_a_singularity_no_joint_exceeds_its_speed() {
                     seen.speed <= SPEED * (1.0 + SLACK) && seen.step < STEP,
                     "{why}: {seen:?}"
                 );
-                // Not much too early: it was as fast as that on the way, or is near where it would have been.
+                // The stop is not much too early: the joint reached that speed on the way, or is near the limit.
                 let x = bench.position("X");
                 assert!(
                     seen.speed > 0.8 * SPEED || (-1.0..30.0).contains(&x),
@@ -298,7 +298,7 @@ fn a_transform_of_a_tree_is_cancelled_without_a_step() {
                 assert_eq!(bench.call("MCS(GANT, S, 3)"), OK);
             }
             if tick == 1200 {
-                // What stays linked stays together.
+                // Linked systems stay together.
                 let line = "MCLM(WORLD, B, 1, [10, 5, 3], 100, 0, 2000, 0, 2000, 0, 1, 80, 80, 2, 1)";
                 assert_eq!(bench.call(line), OK);
             }

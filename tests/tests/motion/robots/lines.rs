@@ -8,7 +8,7 @@ use arcline_tests::robots::{ARTICULATED, DELTA, RobotMachine, SCARA};
 
 use super::{LINK, apart, geometry, names, off_line, positions};
 
-/// From Speed on: as fast as makes a line short.
+/// The operands from Speed on, fast enough for a short line.
 const FAST: [&str; 2] = [
     "800, 0, 10000, 0, 10000, 0, 0, 100, 100, 2",
     "800, 0, 10000, 0, 10000, 0, 1, 100, 100, 2",

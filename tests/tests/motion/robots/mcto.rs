@@ -12,15 +12,15 @@ use arcline_kinematics::{OrientedRobot, Pose, tool_centre};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::robots::{DELTA_J1J2J3J4J5, DELTA_J1J2J3J6, DELTA_J1J2J6, RobotMachine, SCARA_J1J2J3J6, SIX_AXES};
 
-/// Tags, and what they are given.
+/// Tags and their values.
 type Values<'a> = &'a [(&'a str, f64)];
-/// Why, the machine, what came before, values of tags, the call, ERR and EXERR.
+/// Why, the machine, the earlier calls, values of tags, the call, ERR and EXERR.
 type Refused<'a> = (&'a str, &'a str, &'a [&'a str], Values<'a>, &'a str, (i16, i8));
 
 const LINK: &str = "MCTO(CART, ROBOT, T, Work, Tool)";
 const CARTESIAN: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 const JOINTS: [&str; 6] = ["J1", "J2", "J3", "J4", "J5", "J6"];
-/// From Speed on: a trapezoid at 100 units/s.
+/// The operands from Speed on: a trapezoid at 100 units/s.
 const RATES: &str = "100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2";
 /// The same at 400 units/s.
 const FAST: &str = "400, 0, 8000, 0, 8000, 0, 0, 100, 100, 2";
@@ -45,7 +45,7 @@ fn with_frames(mut bench: Bench, tilt: f64) -> Bench {
     bench
 }
 
-/// Where the robot's joints bring its tool in the work frame.
+/// The pose of the tool in the work frame by the robot's joints.
 struct Tool {
     robot: OrientedRobot,
     joints: usize,
@@ -123,7 +123,7 @@ fn a_straight_move_keeps_the_tool_on_its_line_and_turned_as_it_was() {
 
 #[test]
 fn a_path_move_takes_the_tool_along_and_round() {
-    // How far the tool turns about X, Y and Z beside its line: what each robot can.
+    // The turn of the tool about X, Y and Z beside its line, as far as each robot can turn it.
     for (machine, turn) in [
         (DELTA_J1J2J6, [0.0, 0.0, 150.0]),
         (DELTA_J1J2J3J6, [0.0, 0.0, -170.0]),
@@ -140,7 +140,7 @@ fn a_path_move_takes_the_tool_along_and_round() {
         let mut bench = with_frames(paths::bench_of(machine), 0.0);
         assert_eq!(bench.call(LINK), OK, "{why}");
         let began = CARTESIAN.map(|axis| bench.position(axis));
-        // REALs are not quite what a robot with fewer than six joints can do.
+        // A robot with fewer than six joints reaches the REAL values only approximately.
         let within = if machine.joints.len() == 6 { 1e-9 } else { 1e-5 };
         let plane = machine.joints.len() == 3;
         let along = [30.0, if plane { 0.0 } else { -20.0 }, 15.0];
@@ -191,7 +191,7 @@ fn both_sides_lead() {
         let mut bench = bench(&machine, 0.0);
         assert_eq!(bench.call(LINK), OK, "{why}");
         let last = JOINTS[machine.joints.len() - 1];
-        // The last joint by itself, through half a turn and more: what it shows goes on, and so does the source.
+        // The last joint by itself, through half a turn and more: its position goes on, and so does the source.
         let from = bench.position(last);
         assert_eq!(bench.call(&format!("MAM({last}, A, 1, 300, {FAST})")), OK, "{why}");
         let mut before = source(&bench);
@@ -521,7 +521,7 @@ fn positions_with_orientation_are_calculated() {
         assert_eq!(bench.read("Bits"), f64::from(taken.configuration.bits()), "{why}");
         let counter = if why == "J1J2J3J4J5" { 1 } else { 2 };
         assert_eq!(bench.read(&format!("Turns[{counter}]")), 2.0, "{why}");
-        // And back, with what was written.
+        // And back, with the written values.
         assert_eq!(bench.call(&call(1, point)), OK, "{why}");
         let back = place(&mut bench);
         for (back, joint) in back.iter().zip(joints) {

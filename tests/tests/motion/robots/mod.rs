@@ -1,4 +1,4 @@
-//! Robots behind transforms: the tool stays on its line while the joints move, and what happens where the arm cannot go
+//! Robots behind transforms: the tool stays on its line while the joints move, and the limits of the arm's reach
 //! (spec/coordinated-instructions.md §19, §20, §22).
 
 mod guard;
@@ -21,9 +21,9 @@ use arcline_tests::robots::{
 };
 
 const LINK: &str = "MCT(CART, ROBOT, T, [0, 0, 0], [0, 0, 0])";
-/// From Speed on: a trapezoid at 300 units/s.
+/// The operands from Speed on: a trapezoid at 300 units/s.
 const TRAPEZOID: &str = "300, 0, 3000, 0, 3000, 0, 0, 100, 100, 2";
-/// From Speed on: an S-curve at 300 units/s.
+/// The operands from Speed on: an S-curve at 300 units/s.
 const S_CURVE: &str = "300, 0, 3000, 0, 3000, 0, 1, 100, 100, 2";
 
 fn geometry(machine: &RobotMachine) -> Robot {
@@ -54,7 +54,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }
 
-/// How far a point is off the line between two others.
+/// The distance of a point from the line between two others.
 fn off_line(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
     let along = [0, 1, 2].map(|k| to[k] - from[k]);
     let length = along.iter().map(|part| part * part).sum::<f64>();
@@ -155,7 +155,7 @@ fn a_straight_move_keeps_the_tool_on_its_line() {
                 );
                 assert!(off_line(tool, from, *point) < 1e-6, "{why}: on the line at {tool:?}");
                 for (k, (now, before)) in now.iter().zip(before).enumerate() {
-                    // What is told of the speed is what the positions do.
+                    // The reported speed is that of the positions.
                     if let Some(name) = joints.get(k) {
                         let [_, velocity, acceleration] = bench.axis(name).command;
                         let mean = (now - before) / 1e-3;
@@ -399,7 +399,7 @@ fn near_a_singularity_it_stops_on_the_path() {
         bench.axis("J1").motion_status & motion_status::TRANSFORM_STATE_STATUS,
         0
     );
-    // It can be linked again from where it stands.
+    // The robot can be linked again from its present position.
     assert_eq!(bench.call(LINK), OK);
 }
 
@@ -469,7 +469,7 @@ fn joint_limits_slow_the_path_down() {
             }
         }
     }
-    // Nothing makes it faster: no change of dynamics, and no override.
+    // Neither a change of dynamics nor an override makes it faster.
     bench.set_override("CART", 2.0);
     assert_eq!(
         bench.call(&format!("MCLM(CART, M, 0, [300, 150, 20], {TRAPEZOID}, 1)")),
@@ -486,7 +486,7 @@ fn joint_limits_slow_the_path_down() {
         }
         assert!(!bench.control("T").has(Flag::Er));
     }
-    // Without, the same is too fast.
+    // Without the limit, the same is too fast.
     let machine = RobotMachine {
         joint_speed: 40.0,
         ..SCARA
@@ -540,7 +540,7 @@ fn joint_limits_hold_at_corners() {
     };
     for kind in [4, 5] {
         let [most, slowest] = steps("joint_limits = \"enforce\"\n", kind);
-        // The step, and what the paths themselves ask for in the same update.
+        // The step, and the change that the paths themselves need in the same update.
         assert!(most <= 1.6 + 1e-6, "type {kind}: a step of {most} degrees/s");
         assert!(slowest > 0.1, "type {kind}: it comes to rest");
     }
@@ -745,7 +745,7 @@ fn positions_are_calculated_without_motion() {
             "{call} writes nothing"
         );
     }
-    // Without a place for the answer it is verified all the same.
+    // Without a tag for the answer the call is verified too.
     assert_eq!(
         bench.call(&format!("MCTP(CART, ROBOT, C, {frames}, 1, [10, 0, 10], 0)")),
         OK

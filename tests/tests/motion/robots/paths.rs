@@ -363,7 +363,7 @@ fn both_parts_stop_pause_and_change_together() {
     let stood = shown(&bench);
     bench.run(20);
     assert_eq!(shown(&bench), stood);
-    // From where it stands.
+    // A start from the present position.
     assert_eq!(bench.call(MOVE), OK);
     bench.until("M", Flag::Pc);
     assert_eq!(shown(&bench), [300.0, 0.0, 0.0, 0.0, 0.0, 90.0]);
@@ -417,7 +417,7 @@ fn what_only_turns_brakes_as_a_turn_does() {
 fn a_master_drives_both_parts() {
     for (mode, linear, orientation, nominal) in [
         (1.0, [2.0, 0.5, 0.5], [1.0, 0.25, 0.25], 0.0),
-        // Of 1000 units/s and 90 degrees/s at 50 master units/s.
+        // 1000 units/s and 90 degrees/s at 50 master units/s.
         (
             0.0,
             [10.0, 12.5, 12.5],
@@ -499,7 +499,7 @@ fn any_two_path_moves() {
     }
 }
 
-/// How far two places and orientations are apart, units and parts of 1.
+/// The distance of two positions and orientations, units and parts of 1.
 fn apart(a: &[f64; 6], b: &[f64; 6]) -> f64 {
     let line = (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
     let [a, b] = [a, b].map(|p| rotation(&Point::new(p[3], p[4], p[5])));

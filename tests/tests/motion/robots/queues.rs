@@ -10,7 +10,7 @@ use arcline_tests::robots::{DELTA_J1J2J3J6, RobotMachine};
 use super::paths::{MACHINE, MOVE, bench_of, dynamics, position};
 
 const AXES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
-/// From Speed on, of the moves of `bench_of`: a trapezoid.
+/// The operands from Speed on, of the moves of `bench_of`: a trapezoid.
 const LINE: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
 /// The same as an S-curve.
 const SMOOTH: &str = "100, 0, 1000, 0, 1000, 0, 1, 60, 60, 2";
@@ -35,7 +35,7 @@ fn rate(of: &[[f64; 3]; 6]) -> Point {
     rate.map(f64::to_degrees)
 }
 
-/// One tick in which nothing jumps: speeds change by no more than rates allow.
+/// Makes one tick in which no axis jumps: speeds change by no more than rates allow.
 fn smoothly(bench: &mut Bench, period: f64, [linear, turn]: [f64; 2], why: &str) {
     let before = shown(bench);
     bench.tick();
@@ -149,7 +149,7 @@ fn longer_sequences_of_all_termination_types() {
 fn a_waiting_path_move_takes_along_what_turned_meanwhile() {
     #[rustfmt::skip]
     let cases = [
-        // why,                                    before it,                                   what turns,                                     Rz at the end
+        // why,                       earlier call,                             turn,                              Rz at the end
         ("behind a line",                          "MCLM(CART, L, 0, [60, 0, 0], LINE, 1)",     "MAM(RZ, R, 1, 45, LINE)",                      85.0),
         ("behind a line that blends",              "MCLM(CART, L, 0, [60, 0, 0], LINE, 2)",     "MAM(RZ, R, 1, 45, LINE)",                      85.0),
         ("behind a path move",                     "MCPM(CART, L, Many[0], 1, D)",              "MAM(RZ, R, 1, 45, LINE)",                      85.0),
@@ -215,7 +215,7 @@ fn a_joint_that_turns_meanwhile_is_taken_along() {
     assert!(!bench.control("T").has(Flag::Er));
 }
 
-/// The guard of the joints looks at a stop in which the turn still ramps out, from where it is.
+/// The guard of the joints checks a stop in which the residual of the turn still ramps out, from its present position.
 #[test]
 fn a_robot_follows_a_turn_that_ramps_out() {
     for (why, master) in [("by time", false), ("by a master", true)] {
@@ -250,7 +250,7 @@ fn a_robot_follows_a_turn_that_ramps_out() {
     }
 }
 
-/// A merge while it turns, and what comes before and behind it.
+/// A merge during a turn, and the calls before and behind it.
 struct Merged<'a> {
     why: &'a str,
     /// Ticks before the merge.
@@ -259,7 +259,7 @@ struct Merged<'a> {
     /// Calls at once, before it.
     before: &'a [&'a str],
     line: &'a str,
-    /// What is called so many ticks later.
+    /// Later calls, each with its number of ticks.
     then: &'a [(u64, &'a str)],
 }
 
@@ -346,7 +346,7 @@ fn a_merge_ramps_a_turn_out() {
         }
         bench.run(5);
         assert_eq!(positions(&bench), end, "{why}");
-        // A line behind it keeps what it came to.
+        // A line behind it keeps the position that it has reached.
         assert_eq!(
             bench.call(&format!("MCLM(CART, Q, 1, [1, 1, 1], {LINE}, 1)")),
             OK,
@@ -403,7 +403,7 @@ fn a_master_driven_merge_ramps_a_turn_out() {
     assert_eq!(rate(&shown(&bench)).norm(), 0.0);
 }
 
-/// What has blended once stays at its end, whatever the moves behind it are functions of.
+/// A complete blend stays at its end, in any time base of the moves behind it.
 #[test]
 fn a_blend_that_is_over_does_not_come_back_on_another_clock() {
     let mut bench = bench_of(MACHINE);

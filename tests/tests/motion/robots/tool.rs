@@ -1,4 +1,4 @@
-//! Where the tool of a robot is, as snapshots and traces tell it: by the actual positions of its joints, in the frame of its base.
+//! The position of a robot's tool in snapshots and traces: by the actual positions of its joints, in the frame of its base.
 
 use arcline_config::load;
 use arcline_controller::machine::Build;
@@ -10,7 +10,7 @@ use arcline_tests::robots::{ARTICULATED, DELTA, DELTA_J1J2J6, PLANAR, RobotMachi
 
 const RATES: &str = "100, 0, 2000, 0, 2000, 0, 0, 100, 100, 2, 1";
 
-/// Where the tool is while its joints are where they actually are; `tool`: the tool frame.
+/// The position of the tool at the actual positions of its joints; `tool`: the tool frame.
 fn tool(machine: &RobotMachine, bench: &Bench, tool: &Pose) -> [f64; 3] {
     let project = load(&machine.config(), "robot.toml").expect("the configuration is valid");
     let described = project.machine.systems[2].robot.expect("the system is a robot");
@@ -45,7 +45,7 @@ fn the_tool_is_where_the_joints_really_are() {
         let why = machine.keys;
         assert_eq!(bench.system("CART").tool, None, "{why}");
         near(bench.system("ROBOT").tool, tool(&machine, &bench, &none), why);
-        // Without any transform.
+        // The position without any transform.
         assert_eq!(bench.call("MAM(J1, M, 1, 10, 100, 0, 2000, 0, 2000, 0)"), OK, "{why}");
         let mut before = bench.system("ROBOT").tool;
         while !bench.control("M").has(Flag::Pc) {
@@ -68,7 +68,7 @@ fn it_is_the_tool_centre_while_mcto_runs() {
     assert_eq!(bench.call("MCTO(CART, ROBOT, T, Work, Tool)"), OK);
     bench.run(2);
     near(bench.system("ROBOT").tool, tool(&SIX_AXES, &bench, &frame), "linked");
-    // It is where the source says, in the work.
+    // The tool is at the position of the source, in the work frame.
     assert_eq!(bench.call(&format!("MCLM(CART, M, 1, [30, -20, 15], {RATES})")), OK);
     bench.until("M", Flag::Pc);
     let [x, y, z] = bench.system("ROBOT").tool.expect("a robot");

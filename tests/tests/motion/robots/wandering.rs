@@ -31,7 +31,7 @@ const MACHINES: [RobotMachine; 13] = [
     SIX_AXES,
 ];
 
-/// Of the whole Maximum Speed: what a guard may overlook between two of its looks.
+/// The share of Maximum Speed by which a joint may exceed it between two checks of the guard.
 const FASTER: f64 = 0.02;
 /// Share of a joint's Maximum Speed by which its velocity may change in one update.
 const CHANGE: f64 = 1.0;
@@ -178,7 +178,7 @@ impl Wanderer {
         let rates = self.rates();
         let axis = *self.random.one_of(&self.axes.clone());
         let turns = axis.starts_with('R');
-        // What a contour does beside single axes' motion is not looked at here.
+        // The test does not include a contour beside single axes' motion.
         let precise = self.machine.cart.contains("precise");
         let kind = if precise {
             *self.random.one_of(&[4, 5, 7, 11, 12, 13, 15])
@@ -314,7 +314,7 @@ impl Wanderer {
                 step.abs() <= (0.5 * (v1 - v0).abs() + 0.05 * most) * self.period + 1e-6,
                 "tick {at}: {joint} steps from {p0} to {p1} at {v0} and {v1} units/s"
             );
-            // Without a clutch a slave has the geared speed at once, from the other way around too.
+            // A slave without a clutch has the geared speed at once, even from the opposite direction.
             let change = if self.geared_at == Some(at - 1) {
                 2.0 * CHANGE
             } else {
@@ -324,7 +324,7 @@ impl Wanderer {
                 (v1 - v0).abs() <= change * most,
                 "tick {at}: {joint} changes from {v0} to {v1} units/s of {most}"
             );
-            // Without a transform its own faults keep it there.
+            // Without a transform, its own faults hold the robot there.
             let kept = !self.joints_move || self.bench.control("T").has(Flag::Ip);
             if let Some(travel) = self.travel.as_ref().filter(|_| kept) {
                 let [min, max] = travel[place];

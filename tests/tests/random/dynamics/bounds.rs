@@ -1,4 +1,4 @@
-//! How far a motion may go on: what a stop with the old dynamics, or with those of the stop, would need.
+//! The greatest further travel of a motion: the distance that a stop with the old dynamics, or with those of the stop, would need.
 //!
 //! Units and seconds.
 
@@ -28,7 +28,7 @@ impl Dynamics {
         }
     }
 
-    /// What a change makes of it; a speed of 0 leaves the jerks as they were.
+    /// Applies a change; a speed of 0 leaves the jerks as they were.
     pub(crate) fn changed(&mut self, speed: f64, acceleration: Option<f64>, deceleration: Option<f64>) {
         if speed > 0.0 {
             self.speed = speed;
@@ -54,7 +54,7 @@ impl Dynamics {
                 deceleration: jerk,
             }),
         };
-        // It may have been on its way to a higher speed than programmed.
+        // The motion may have been on its way to a higher speed than programmed.
         let before = self.limits();
         let most = Profile::stop(from, &before).top_speed(0.0).max(from.velocity.abs());
         let before = Limits {
@@ -100,7 +100,7 @@ impl Beside {
     }
 }
 
-/// What a distance may come to where a way is the bound: a path is sampled, and a call takes effect within a tick or two.
+/// The greatest distance if `way` is the bound: a path is sampled, and a call takes effect within a tick or two.
 pub(crate) fn at_most(way: f64, from: KinematicState) -> f64 {
     1.02 * way + 0.1 + 2.0 * PERIOD * from.velocity
 }

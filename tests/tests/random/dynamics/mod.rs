@@ -1,6 +1,6 @@
 //! Random lines, arcs, merges, changes of dynamics and stops of both profiles, at any instant, with moves and jogs of single axes
-//! among them, or of one axis alone: no speed exceeds 1.5 times what is programmed, no velocity steps by more than the rates that
-//! there are, a stop, a merge or a change goes no further than the dynamics before it would need to rest, and everything ends
+//! among them, or of one axis alone: no speed exceeds 1.5 times the programmed one, no velocity steps by more than the rates of the
+//! program, a stop, a merge or a change goes no further than the dynamics before it would need to rest, and all motion ends
 //! (spec/coordinated-instructions.md §5.4, §6.3).
 #![allow(missing_docs)]
 
@@ -18,7 +18,7 @@ use bounds::{Beside, Coasting, Dynamics, PERIOD, at_most};
 
 const FASTEST: f64 = 200.0;
 
-/// What a program consists of.
+/// The contents of a program.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     /// Coordinated moves.
@@ -47,9 +47,9 @@ struct Program {
     hardest: [f64; 3],
     /// The largest centripetal acceleration of an arc per square of its speed: the curvature.
     curvature: f64,
-    /// Coordinated moves, and what they are programmed with now.
+    /// Coordinated moves, with their present dynamics.
     moves: Vec<(String, Dynamics)>,
-    /// What moves one axis alone: the Motion Type of MCD, and how.
+    /// The motion of one axis alone: the Motion Type of MCD, and its dynamics.
     alone: Option<(u64, Dynamics)>,
     coasting: Option<Coasting>,
     beside: Option<Beside>,
@@ -99,7 +99,7 @@ impl Program {
         program
     }
 
-    /// Whether it was accepted.
+    /// Executes a call; returns whether it was accepted.
     fn execute(&mut self, call: &str) -> bool {
         let _ = writeln!(self.text, "{call};");
         let (error, _) = self.bench.call(call);
@@ -208,7 +208,7 @@ impl Program {
             self.coasting = None;
             let most = match before {
                 Some(before) if !arc => self.at_most(before.way(from), from),
-                // An arc bulges, and what ramps out behind another merge adds up.
+                // An arc bulges, and residuals behind another merge add up.
                 _ => f64::INFINITY,
             };
             self.beside = Some(Beside {
@@ -581,8 +581,8 @@ fn program(program: &mut Program) {
 const JOG: u64 = 0;
 /// Maximum Acceleration and Deceleration of X and Y, units/s².
 const AXIS_MAXIMUM: f64 = 10_000.0;
-/// How many times the hardest programmed rate there may be at once: two moves of a blend; or a path and what ramps out beside it, hastened
-/// where a limited jerk has to stop within the way of a trapezoid (spec/coordinated-instructions.md §6.3).
+/// The greatest number of programmed rates that act at once: two moves of a blend; or a path and its residual, which is faster
+/// if a limited jerk has to stop within the way of a trapezoid (spec/coordinated-instructions.md §6.3).
 const OVERLAP: f64 = 2.5;
 
 #[test]

@@ -1,4 +1,4 @@
-//! How an axis is homed.
+//! The homing of an axis.
 
 use roxmltree::Node;
 use toml::{Table, Value};

@@ -54,7 +54,7 @@ async fn inject(stage: &mut Stage, client: &mut Client, there: &mut Option<u32>)
     Ok(())
 }
 
-/// Whether the server takes the causes of an axis.
+/// Sets the causes of an axis's faults; returns whether the server accepts them.
 async fn set(client: &mut Client, axis: u32, bits: i32) -> Answer<bool> {
     let reply = client
         .ask(&write(&format!("FaultInject[{axis}]"), DINT, 1, &bits.to_le_bytes()))

@@ -64,7 +64,7 @@ pub(crate) async fn stepper(mut stage: Stage) {
     }
 }
 
-/// What the tag and its axis show, of one tick: the axis's position, and its velocity.
+/// The motion control tag, and the position and velocity of its axis, of one tick.
 async fn look(stage: &Stage, client: &mut Client) -> Answer<Option<(MotionControl, f64, f64)>> {
     let tags = ["StepA.MotionControl", "A.CommandPosition", "A.CommandVelocity"];
     let replies = client.ask_all(&tags.map(|tag| read(tag, 1))).await?;

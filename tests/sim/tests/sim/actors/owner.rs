@@ -78,12 +78,12 @@ impl Owned {
         self.heard = self.mailbox.send(&bytes).or(self.heard);
     }
 
-    /// Whether the server still sends inputs, and has heard outputs.
+    /// Whether the server still sends inputs, and has received outputs.
     fn is_open(&self, now: u64) -> bool {
         self.heard.is_some() && now <= self.sent + 3 * self.interval
     }
 
-    /// Takes what has come.
+    /// Takes the arrived datagrams.
     fn consume(&mut self, stage: &Stage) {
         while let Some((sent, bytes)) = self.mailbox.receive() {
             self.sent = sent;
@@ -105,7 +105,7 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     let address = SocketAddr::new(stage.ip().into(), IO_PORT);
     let random = arcline_tests::random::Random(stage.random.bits());
     let mailbox = stage.common.post.open(address, stage.weather, random);
-    // Before the connection is open: its time-out does not wait for many answers.
+    // Send it before the connection is open: its time-out does not wait for many answers.
     client.ask(&instruction(Mnemonic::Mafr, C, "", &[])).await?;
     let Some(opened) = client.open_io(&open, IO_PORT).await? else {
         stage.note("the outputs have another owner still");
@@ -129,7 +129,7 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     owned.produce();
     client.ask(&instruction(Mnemonic::Mso, C, "", &[])).await?;
     stage.order(Order::Moves(C as usize - 1));
-    // By 200 units at 20 units/s: longer than the owner lives.
+    // 200 units at 20 units/s: longer than the owner lives.
     let far = [1.0, 200.0, 20.0, 0.0, 1000.0, 0.0, 1000.0, 0.0];
     client.ask(&instruction(Mnemonic::Mam, C, "FarC", &far)).await?;
     for _ in 0..stage.random.below(80) {
@@ -156,7 +156,7 @@ async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> 
     Ok(())
 }
 
-/// The server ends the connection after its time-out, never before, and stops what moves (L2).
+/// The server ends the connection after its time-out, never before, and stops its motion (L2).
 async fn fall_silent(stage: &mut Stage, owned: &mut Owned, lives: u64) {
     let Some(heard) = owned.heard else { return };
     stage.sometimes("the owner of the outputs falls silent");
@@ -194,7 +194,7 @@ fn rest(at: u64, why: &'static str) -> Order {
     })
 }
 
-/// Of an exclusive owner; the interval in ms.
+/// The Forward Open of an exclusive owner; the interval in ms.
 fn forward_open(key: ConnectionKey, interval: u64, multiplier: u8) -> ForwardOpen {
     let parameters = |size| NetworkParameters {
         variable: false,

@@ -79,7 +79,7 @@ async fn jog(stage: &mut Stage, mut page: Page) -> Answer<()> {
             page.ask(json!({"do": "jog_end", "axis": "S"}))
                 .await?
                 .map_err(NoAnswer::Wrong)?;
-            // From 20 units/s at 1,000 units/s², or by the guard.
+            // A stop from 20 units/s at 1,000 units/s², or by the guard.
             stage.order(rest(stage.now() + 50 + LATE, "its button is released"));
             page.leave().await;
         }
@@ -182,7 +182,7 @@ async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
     let shown = loop {
         match tokio::time::timeout(Duration::from_secs(1), page.end_of(&text)).await {
             Ok(shown) => break shown?,
-            // It waits for a change that was lost.
+            // The program waits for a lost change.
             Err(_) if stage.has_lost() => return Ok(()),
             Err(_) if stage.now() - sent > PATIENCE_MS => return Err(NoAnswer::Late),
             Err(_) => {}

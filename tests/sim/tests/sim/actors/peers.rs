@@ -131,7 +131,7 @@ pub(crate) async fn slow_reader(mut stage: Stage) {
     }
 }
 
-/// Its bytes are lost one way: the server hears nothing more and is told late.
+/// A connection that loses its bytes one way: the server receives no more, and learns of the loss late.
 pub(crate) async fn half_open(mut stage: Stage) {
     while !stage.is_over() {
         if let Ok(mut client) = stage.client().await {

@@ -15,7 +15,7 @@ use crate::world::wall;
 pub(crate) const TAGS: [&str; 4] = ["D0", "D1", "D2", "D3"];
 /// Two tags that are always written in one message, with the same value.
 pub(crate) const PAIR: [&str; 2] = ["P0", "P1"];
-/// How soon the state is kept again when the disk works again, ms: the writer tries after a second, and synchronises twice.
+/// The longest time until the file has the state again after the disk works again, ms: the writer tries after a second, and synchronises twice.
 const RECOVERY: u64 = 1_200;
 
 pub(crate) async fn writer_1(stage: Stage) {
@@ -275,7 +275,7 @@ async fn read_clock(stage: &Stage, client: &mut Client, connected: &mut Connecte
         .get(..8)
         .and_then(|bytes| bytes.try_into().ok())
         .map(u64::from_le_bytes);
-    // Else it was set meanwhile.
+    // Otherwise another client has set it meanwhile.
     let goes_on = answered == asked + 1000 * took;
     if goes_on && !shown.is_some_and(|shown| (asked..=answered).contains(&shown)) {
         let why = format!("the clock shows {shown:?}, between {asked} and {answered}");

@@ -1,4 +1,4 @@
-//! What breaks in a scenario, and how it works again.
+//! The faults of a scenario, and their end.
 
 use std::sync::atomic::Ordering;
 
@@ -142,7 +142,7 @@ impl World<'_> {
         }));
     }
 
-    /// Nothing fails any more.
+    /// Ends all faults.
     pub(super) fn calm(&mut self) {
         self.failing.store(0, Ordering::Relaxed);
         self.sync_takes = 2;

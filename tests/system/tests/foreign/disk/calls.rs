@@ -112,11 +112,11 @@ async fn a_disk_that_fails_is_an_answer_and_recovers() {
     }
 }
 
-/// What an error at one call led to.
+/// The effect of an error at one call.
 enum Met {
-    /// The server said that it cannot use the file, and did not start.
+    /// The server reported that it cannot use the file, and did not start.
     Refused,
-    /// So many writes were answered as not kept, until the state was in a new file.
+    /// The number of writes that were answered as not persistent, until the state was in a new file.
     NotKept(u32),
 }
 
@@ -160,7 +160,7 @@ async fn an_error_at_any_call_loses_nothing_and_recovers() {
     assert!(at_start > 0 && at_start + met + 4 >= 2 * calls, "the calls fail");
 }
 
-/// Runs a server one call of which fails: nothing that it has answered as kept is lost meanwhile, and in the end it keeps everything again.
+/// Runs a server one call of which fails: it loses no write that it has answered as persistent, and in the end all writes are persistent again.
 async fn fail_once(error: &'static str, text: &'static str, call: u32, state: Vec<u8>) -> Met {
     let why = format!("{error} at call {call} of a kind");
     let begun = spawn_blocking(move || {
@@ -219,7 +219,7 @@ async fn kill(server: Server, client: Client) -> String {
 const FIRST: i64 = 7;
 /// Servers under strace at a time: they wait most of the time.
 const AT_ONCE: usize = 8;
-/// So long is everything kept before a run ends: longer than the pause after which the disk is synchronised.
+/// The time for which all writes are persistent before a run ends: longer than the pause after which the disk is synchronised.
 const GOOD: Duration = Duration::from_millis(1500);
 /// An error is over by then, also on a busy machine.
 const RECOVERED: Duration = Duration::from_secs(30);

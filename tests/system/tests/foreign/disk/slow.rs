@@ -23,7 +23,7 @@ async fn a_slow_disk_delays_no_answer() {
     panic!("answers wait for the disk, longest without and with delay: {tries:?}");
 }
 
-/// The longest answer to a write of some seconds, at a disk whose synchronisations take so much longer.
+/// The longest answer to a write of some seconds, on a disk whose synchronisations take longer by `delay`.
 async fn longest_answer(delay: Duration) -> Duration {
     let files = Files::new();
     let server = files.start_injected(&format!("fdatasync:delay_enter={}", delay.as_micros()));
@@ -43,6 +43,6 @@ async fn longest_answer(delay: Duration) -> Duration {
 }
 
 const SYNCHRONISATION: Duration = Duration::from_secs(2);
-/// What no answer is delayed by.
+/// The delay that must not show in any answer.
 const DELAY: Duration = Duration::from_millis(10);
 const TRIES: usize = 5;

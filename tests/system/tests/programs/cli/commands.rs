@@ -1,4 +1,4 @@
-//! Commands of `arcline` against a real `arcline-server`: every one, and what they say to mistakes.
+//! Commands of `arcline` against a real `arcline-server`: every one, and its messages for mistakes.
 
 use std::io::{Read, Write};
 use std::net::TcpListener;
@@ -164,7 +164,7 @@ fn exit_codes_and_messages() {
         .expect("one object");
     assert_eq!((&object["ERR"], &object["EXERR"]), (&13.into(), &4.into()), "{object}");
 
-    // A port that nobody listens on: it was free a moment ago.
+    // A port without a listener: it was free a moment ago.
     let nobody = TcpListener::bind("127.0.0.1:0")
         .and_then(|listener| listener.local_addr())
         .expect("a free port");
@@ -230,7 +230,7 @@ fn single_axes_move_and_jog() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("interrupted: X is stopped"), "{text}");
 
-    // One that somebody else stops ends well.
+    // A jog that another client stops ends well.
     let waiting = command(at, &["jog", "X", "5%"])
         .stdout(Stdio::piped())
         .spawn()
@@ -247,7 +247,7 @@ fn single_axes_move_and_jog() {
     assert!(started.stdout.contains("IP"), "{started:?}");
 }
 
-/// As a user does it: the key makes the signal, and the progress leaves the terminal for what was done.
+/// As for a user: the key makes the signal, and the progress gives way to the result on the terminal.
 #[test]
 fn control_c_at_a_terminal() {
     /// Runs a program on a terminal of its own, between its own input and output; needs Python 3.9.
@@ -420,7 +420,7 @@ fn axes_are_homed() {
     );
     let _ = arcline(at, &["home"]).expect(2);
 
-    // Nobody moves R: its homing lasts until Ctrl-C ends it.
+    // No client moves R: its homing lasts until Ctrl-C ends it.
     let homing = || arcline(at, &["--json", "read", "R.HomingStatus"]).expect(0).objects()[0]["value"].clone();
     let mut waiting = command(at, &["home", "R"])
         .stdout(Stdio::piped())

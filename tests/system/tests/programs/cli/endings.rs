@@ -1,4 +1,4 @@
-//! How motion ends that did not come to its end, and what the command line says to mistakes of a newcomer.
+//! The causes of motion that ended before its end, and the messages of the command line for mistakes of a newcomer.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! `arcline fault` against a live server: inject, list, clear, and what a client sees meanwhile.
+//! `arcline fault` against a live server: inject, list, clear, and the view of a client meanwhile.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! `arcline gcode` on a server, simulated and written down; `arcline plot` of what it did.
+//! `arcline gcode` on a server, simulated and written to a file; `arcline plot` of the result.
 
 use std::path::Path;
 
@@ -27,7 +27,7 @@ fn a_program_runs_where_it_says() {
     let told = arcline(at, &["gcode", &file, "CS1"]).expect(0);
     assert!(told.stdout.contains("slot.ngc: 8 moves"), "{told:?}");
     assert_eq!(read_numbers(at, &POSITIONS), [0.0, 0.0, 5.0]);
-    // It begins where the machine stands, and a plane has no Z.
+    // The program begins at the present position, and a plane has no Z.
     let file = written(folder.path(), "on.ngc", "G91 G0 X5 Y-5\n");
     let _ = arcline(at, &["gcode", &file, "XY"]).expect(0);
     assert_eq!(read_numbers(at, &POSITIONS), [5.0, -5.0, 5.0]);
@@ -39,7 +39,7 @@ fn a_program_runs_where_it_says() {
             .contains("z.ngc: line 2, column 1: the coordinate system has 2 axes and no Z"),
         "{refused:?}"
     );
-    // What the machine refuses is told with its line.
+    // The refusal of the machine has the line of the program.
     let _ = arcline(at, &["servo", "off", "Y"]).expect(0);
     let file = written(folder.path(), "off.ngc", "(no drive)\n\nG0 X5 Y1\n");
     let refused = arcline(at, &["gcode", &file, "XY"]).expect(1);
@@ -110,7 +110,7 @@ fn a_program_is_simulated_and_drawn_without_a_server() {
     let _ = arcline(nobody, &["plot", &at("none.csv"), "-o", &at("p.svg")]).expect(2);
     let _ = arcline(nobody, &["plot", &trace, "-o", &at("p.svg"), "--axes", "W"]).expect(2);
 
-    // What is written down is the same program.
+    // The written file is the same program.
     let text = at("slot.st");
     let _ = arcline(nobody, &["gcode", &file, "CS1", "--emit", &text]).expect(0);
     let shown = arcline(nobody, &["gcode", &file, "CS1", "--emit", "-"]).expect(0);
@@ -156,7 +156,7 @@ fn a_long_program_streams_in_pieces() {
     assert!(told.stdout.contains("live.ngc: 1100 moves"), "{told:?}");
     let x = read_numbers(server.address(), &POSITIONS)[0];
     assert!((x - 1.1).abs() < 1e-9, "{x}");
-    // Nothing moves when the last line cannot be read, and errors behind the first piece have the lines of the file.
+    // No axis moves when the last line cannot be read, and errors behind the first piece have the lines of the file.
     let file = written(folder.path(), "wrong.ngc", &format!("{text}G5 X1\n"));
     let refused = arcline(server.address(), &["gcode", &file, "CS1"]).expect(2);
     assert!(refused.stderr.contains("wrong.ngc: line 1102, column 1"), "{refused:?}");

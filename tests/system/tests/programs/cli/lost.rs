@@ -11,7 +11,7 @@ use arcline_system_tests::server::Server;
 /// Position units per second, and the ramp that MAS takes from it: at the default machine's 10,000 units/s², S-curve.
 const SPEED: f64 = 100.0;
 const RAMP: f64 = 0.1;
-/// What issue 6 allows from the death to the beginning of the ramp, s.
+/// The time that issue 6 allows from the death to the beginning of the ramp, s.
 const ALLOWED: f64 = 0.25;
 
 /// The way that is gone after the kill is the time, in the time of the machine, whatever the load of the computer.

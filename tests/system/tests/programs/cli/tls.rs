@@ -29,7 +29,7 @@ fn tls_is_chosen_by_options_by_variables_and_by_a_folder() {
     let key = file(&secured, &format!("{CLIENT}.key"));
     let foreign = file(&stranger, &format!("{CLIENT}.pem"));
     let foreign_key = file(&stranger, &format!("{CLIENT}.key"));
-    // What the folder of a user's configuration has: ~/.config, or the folder of the variable.
+    // The contents of the folder of a user's configuration: ~/.config, or the folder of the variable.
     let home = tempfile::tempdir().expect("a folder");
     let (config, empty) = (home.path().join(".config"), home.path().join("empty"));
     for folder in [config.join("arcline"), empty.clone()] {

@@ -1,4 +1,4 @@
-//! What the command line does beside commanding: explain, watch, the shell, completions and manual pages.
+//! The commands of the command line that command no motion: explain, watch, the shell, completions and manual pages.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -17,7 +17,7 @@ fn with_input(mut command: Command, input: &str) -> Outcome {
         .spawn()
         .expect("the program was just built");
     let mut stdin = child.stdin.take().expect("stdin is piped");
-    // One that has ended before reads nothing.
+    // A program that has ended before reads no input.
     let _ = stdin.write_all(input.as_bytes());
     drop(stdin);
     let output = child.wait_with_output().expect("it ends");
@@ -153,12 +153,12 @@ fn a_slip_is_answered_with_what_was_meant() {
             "{why}: {arguments:?}: {refused:?}"
         );
     }
-    // A motion control tag may be made yet, so a trigger waits for it: told, and ended by Ctrl-C.
+    // A client may yet make a motion control tag, so a trigger waits for it, with a message, until Ctrl-C ends it.
     let waiting = command(at, &["trace", "X", "--for", "1", "--trigger", "Mvoe1:AC", "-o", &out]);
     let talk = [("did you mean \"Move1\"?", ""), ("waiting for the trigger", "\u{3}")];
     let told = at_a_terminal(&waiting, &talk);
     assert!(told.code == Some(0) && told.stdout.contains("0 rows"), "{told:?}");
-    // A list without a row is no error; what is there and is not meant is told as what it is.
+    // A list without a row is no error; a name of the wrong kind has a message with its kind.
     let none = arcline(at, &["tags", "Mvoe1"]).expect(0);
     assert_eq!(
         (none.stdout.as_str(), none.stderr.as_str()),
