@@ -11,7 +11,7 @@ const ROLES = ["viewer", "operator", "engineer", "administrator"];
 /** @import { AxisConfiguration, Catalogue, Event, LookRow, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
 
 /**
- * Events: `status` 15 times a second, `program`, `values` of watched tags, `events`, `look` of the controller's program.
+ * Events: `status` up to 16 times a second, `program`, `values` of watched tags, `events`, `look` of the controller's program.
  * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[], look: { routine: number, rows: LookRow[] } }>}
  */
 export class Store extends Emitter {

@@ -29,7 +29,7 @@ pub(crate) enum Push<'s> {
         /// Whether a user could log in on this connection.
         can_log_in: bool,
     },
-    /// Comes 15 times a second.
+    /// Comes when tags change, up to 16 times a second.
     Status(Status),
     /// Comes when instructions or faults have changed.
     Event {
