@@ -47,7 +47,7 @@ pub(super) fn frame(
     let angles = vector(orientation.as_slice());
     let shifts = vector(translation.as_slice());
     for (member, angle) in angles.iter().enumerate() {
-        // Rotations that would turn the axes out of the dimensions of the system (§19.3).
+        // Rotations that would turn the axes out of the dimensions of the system (spec/coordinated-instructions.md §19.3).
         let turns_out = match dimension {
             3 => false,
             2 => member != 2,
