@@ -14,7 +14,7 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{self, SignalKind};
 use tokio::sync::oneshot;
 
-use crate::audit::{self, Audit, What};
+use crate::audit::{self, Audit, EventKind};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::{self, Doors, Hmi, Sessions};
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
-    plant.record(Principal::Server, What::Stop, String::new(), "done");
+    plant.record(Principal::Server, EventKind::Stop, String::new(), "done");
     plant.close_audit();
     match keeper.map(StateWriter::close) {
         None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
@@ -246,7 +246,7 @@ fn start_plant(
         plant.set_audit(audit);
         plant.record(
             Principal::Server,
-            What::Start,
+            EventKind::Start,
             env!("CARGO_PKG_VERSION").to_owned(),
             "done",
         );
@@ -365,7 +365,7 @@ fn reload_program(plant: &Plant, live: &live::Live) {
         Ok(()) => {
             plant.record(
                 Principal::Server,
-                What::Reload,
+                EventKind::Reload,
                 "the program of the controller".to_owned(),
                 "done",
             );

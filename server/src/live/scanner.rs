@@ -9,7 +9,7 @@ use arcline_routine::{Cell, Fault};
 use super::host::{LiveHost, Pause};
 use super::names::Places;
 use super::{Bound, LoadError, Missing, Replacement, rebind};
-use crate::audit::What;
+use crate::audit::EventKind;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 
 /// A program and its state.
@@ -167,7 +167,7 @@ impl Scanner {
         let words = fault.to_string();
         tracing::error!("the program of the controller has stopped: {words}");
         self.plant
-            .record(Principal::Controller, What::Stop, words.clone(), "major fault");
+            .record(Principal::Controller, EventKind::Stop, words.clone(), "major fault");
         self.program.show(|status| {
             (status.state, status.fault) = (ProgramState::Faulted(words), Some(fault.clone()));
         });

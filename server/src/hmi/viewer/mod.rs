@@ -205,14 +205,14 @@ impl Viewer {
         }
         let audited = audited(&request);
         let answer = self.answer(id, request, heard, simulations).await;
-        if let Some((what, object)) = audited {
+        if let Some((kind, object)) = audited {
             let result = if matches!(answer, Some(Err(_))) {
                 "refused"
             } else {
                 "done"
             };
             let by = Principal::Viewer(self.id);
-            self.shared.plant.record(by, what, object, result);
+            self.shared.plant.record(by, kind, object, result);
         }
         if moves && stopped() {
             // Its instruction may have been sent after the stop.
