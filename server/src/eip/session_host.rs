@@ -60,8 +60,8 @@ impl Host for SessionHost {
 
     fn connection_opened(&mut self, _id: ConnectionId, key: ConnectionKey) {
         self.device.plant.guard().identify(self.session, |identity| {
-            if identity.told.product.is_empty() {
-                identity.told.product = originator::product(key);
+            if identity.identification.product.is_empty() {
+                identity.identification.product = originator::product(key);
             }
         });
     }

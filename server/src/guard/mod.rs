@@ -184,9 +184,9 @@ impl Guard {
     }
 
     /// A client has sent its identification.
-    pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
+    pub(crate) fn identify(&self, session: u64, change: impl FnOnce(&mut ClientIdentity)) {
         if self.clients().contains_key(&session) {
-            self.table().identify(session, told);
+            self.table().identify(session, change);
         }
     }
 

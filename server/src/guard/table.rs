@@ -56,8 +56,8 @@ pub(super) enum JogState {
 
 impl Table {
     /// A client has connected, or has sent its identification.
-    pub(super) fn identify(&mut self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
-        told(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
+    pub(super) fn identify(&mut self, session: u64, change: impl FnOnce(&mut ClientIdentity)) {
+        change(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
     }
 
     /// The identity of a client.

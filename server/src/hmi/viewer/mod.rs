@@ -46,7 +46,7 @@ pub(super) struct Page {
     /// Its IP address.
     pub(super) peer: IpAddr,
     /// The browser that shows it, as its product.
-    pub(super) told: Identification,
+    pub(super) identification: Identification,
     /// The role of its address.
     pub(super) role: arcline_config::Role,
     /// The session that it showed.
@@ -77,7 +77,7 @@ pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, pag
     let identity = ClientIdentity {
         address: name.clone(),
         ip: Some(page.peer),
-        told: page.told,
+        identification: page.identification,
     };
     let signs = shared.plant.enter(VIEWERS | number, identity, page.role, weak);
     let session = page.session.filter(|joined| {
