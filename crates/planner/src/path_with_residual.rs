@@ -5,7 +5,7 @@
 //! Bounded; no allocation.
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{KinematicState, Lead, Limits, Phase, Profile};
+use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Phase, Profile};
 
 use crate::move_trajectory::Part;
 use crate::ramp_out::forward;
@@ -31,7 +31,7 @@ impl PathWithResidual<'_> {
         removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
-        let free = Profile::led(forward(from, limits, self.bound / self.most_way()), from, |from| {
+        let free = Profile::after_removal(forward(from, limits, self.bound / self.most_way()), from, |from| {
             plan(from, limits)
         });
         if self.keeps(&free) {
@@ -189,21 +189,17 @@ fn held(
     wait: f64,
     plan: &impl Fn(KinematicState, &Limits) -> Profile,
 ) -> Profile {
-    let lead = if from.acceleration * from.velocity < 0.0 {
+    let jerk = if from.acceleration * from.velocity < 0.0 {
         let own = limits.jerk.map_or(f64::INFINITY, |jerk| jerk.deceleration);
-        let critical = Lead::before_rest(from, limits).map_or(0.0, |lead| lead.jerk);
+        let critical = AccelerationRemovalPhase::before_rest(from, limits).map_or(0.0, |phase| phase.jerk);
         own.max(critical)
     } else {
         removal
     };
-    let lead = Lead {
-        from,
-        jerk: lead,
-        hold: 0.0,
-    };
-    let level = lead.end();
-    let hold = wait - lead.duration();
-    let free = || lead.then(&plan(level, limits));
+    let removal_phase = AccelerationRemovalPhase { from, jerk, hold: 0.0 };
+    let level = removal_phase.end();
+    let hold = wait - removal_phase.duration();
+    let free = || removal_phase.then(&plan(level, limits));
     if hold <= 0.0 || level.velocity < 0.0 || level.velocity >= limits.speed {
         return free();
     }
@@ -220,11 +216,11 @@ fn held(
             .iter()
             .find(|time| slow.phase(**time) != Phase::Steady);
         if steady.is_some_and(|steady| hold >= *steady) {
-            return lead.then(&slow);
+            return removal_phase.then(&slow);
         }
     }
-    let lead = Lead { hold, ..lead };
-    lead.then(&plan(lead.end(), limits))
+    let removal_phase = AccelerationRemovalPhase { hold, ..removal_phase };
+    removal_phase.then(&plan(removal_phase.end(), limits))
 }
 
 const BISECTIONS: usize = 6;
