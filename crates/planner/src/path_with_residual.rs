@@ -131,54 +131,48 @@ impl PathWithResidual<'_> {
             if length <= 0.0 {
                 continue;
             }
-            let mut looks = [first; LOOKS + 1];
-            for (look_index, look) in looks.iter_mut().enumerate().skip(1) {
-                *look = square(begin + length * look_index as f64 / LOOKS as f64);
+            let mut samples = [first; INTERVALS + 1];
+            for (index, sample) in samples.iter_mut().enumerate().skip(1) {
+                *sample = square(begin + length * index as f64 / INTERVALS as f64);
             }
-            if highest(&square, begin, end, &looks, most) > most {
+            if highest(&square, begin, end, &samples, most) > most {
                 return false;
             }
-            (begin, first) = (end, looks[LOOKS]);
+            (begin, first) = (end, samples[INTERVALS]);
         }
         true
     }
 }
 
-/// The maximum of a smooth function between two instants, from `looks` at equal distances; exact if it is close to `most`.
-fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOOKS + 1], most: f64) -> f64 {
-    let (mut begin, mut end, mut looks) = (begin, end, *looks);
-    let mut found = vertices(&looks);
+/// The maximum of a smooth function between two instants, from `samples` at equal distances; exact if it is close to `most`.
+fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, samples: &[f64; INTERVALS + 1], most: f64) -> f64 {
+    let (mut begin, mut end, mut samples) = (begin, end, *samples);
+    let mut found = vertices(&samples);
     for _ in 0..NARROWINGS {
         if found > most || found <= most * (1.0 - VERTEX_SHARE) {
             break;
         }
-        let top = (0..=LOOKS).fold(0, |top, look_index| {
-            if looks[look_index] > looks[top] {
-                look_index
-            } else {
-                top
-            }
-        });
-        let (before, after) = (top.saturating_sub(1), (top + 1).min(LOOKS));
-        let step = (end - begin) / LOOKS as f64;
+        let top = (0..=INTERVALS).fold(0, |top, index| if samples[index] > samples[top] { index } else { top });
+        let (before, after) = (top.saturating_sub(1), (top + 1).min(INTERVALS));
+        let step = (end - begin) / INTERVALS as f64;
         (begin, end) = (begin + step * before as f64, begin + step * after as f64);
-        let part = (end - begin) / LOOKS as f64;
-        looks = std::array::from_fn(|look_index| square(begin + part * look_index as f64));
-        found = vertices(&looks);
+        let part = (end - begin) / INTERVALS as f64;
+        samples = std::array::from_fn(|index| square(begin + part * index as f64));
+        found = vertices(&samples);
     }
     found
 }
 
 /// The highest of samples at equal distances, and of the vertices of the parabolas through three of them.
-fn vertices(looks: &[f64; LOOKS + 1]) -> f64 {
+fn vertices(samples: &[f64; INTERVALS + 1]) -> f64 {
     let vertex = |window: &[f64]| {
         let bend = 0.5 * (window[0] + window[2]) - window[1];
         let slope = 0.5 * (window[2] - window[0]);
         let within = bend < 0.0 && slope.abs() < -2.0 * bend;
         window[1] - if within { 0.25 * slope * slope / bend } else { 0.0 }
     };
-    let most = looks.windows(3).map(vertex).fold(looks[0], f64::max);
-    most.max(looks[LOOKS])
+    let most = samples.windows(3).map(vertex).fold(samples[0], f64::max);
+    most.max(samples[INTERVALS])
 }
 
 /// A plan after a hold of this duration, unless the plan must slow down earlier.
@@ -226,6 +220,7 @@ fn held(
 const BISECTIONS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
-const LOOKS: usize = 4;
+/// Intervals between two instants; their ends are samples.
+const INTERVALS: usize = 4;
 /// Narrowings, each of which samples at most half of the interval before.
 const NARROWINGS: usize = 4;
