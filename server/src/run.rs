@@ -14,11 +14,11 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use tokio::signal::unix::{self, SignalKind};
 use tokio::sync::oneshot;
 
-use crate::audit::{self, Audit, What};
+use crate::audit::{self, Audit, EventKind};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::{self, Doors, Hmi, Sessions};
-use crate::live::{self, Missing};
+use crate::live::{self, UnknownParts};
 use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::systemd::Supervisor;
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
     plant.keep_at_the_end();
-    plant.record(Principal::Server, What::Stop, String::new(), "done");
+    plant.record(Principal::Server, EventKind::Stop, String::new(), "done");
     plant.close_audit();
     match keeper.map(StateWriter::close) {
         None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
@@ -92,11 +92,15 @@ struct Start<'a> {
     config: Option<&'a Path>,
     clock: Clock,
     end_with_stdin: bool,
-    program: Option<live::Given>,
+    program: Option<live::ProgramSettings>,
 }
 
 /// The program of the command line, or of the configuration.
-fn program_of(server: &ServerConfig, config: Option<&Path>, given: Option<(PathBuf, bool)>) -> Option<live::Given> {
+fn program_of(
+    server: &ServerConfig,
+    config: Option<&Path>,
+    given: Option<(PathBuf, bool)>,
+) -> Option<live::ProgramSettings> {
     let has_machine = config.is_none() && given.is_some();
     let controller = &server.controller;
     let (file, allow_missing) = match (given, &controller.program) {
@@ -112,15 +116,15 @@ fn program_of(server: &ServerConfig, config: Option<&Path>, given: Option<(PathB
     } else {
         Mode::Run
     };
-    let missing = if allow_missing {
-        Missing::Allowed
+    let unknown_parts = if allow_missing {
+        UnknownParts::Allowed
     } else {
-        Missing::Refused
+        UnknownParts::Refused
     };
-    Some(live::Given {
+    Some(live::ProgramSettings {
         file,
         mode,
-        missing,
+        unknown_parts,
         has_machine,
         around: live::Surroundings::of(controller),
     })
@@ -238,7 +242,7 @@ fn start_plant(
         image.add_clock_step();
     }
     let program = start.program;
-    let program = program.map(|given| live::Prepared::load(given, &project.machine, &mut image));
+    let program = program.map(|settings| live::Prepared::load(settings, &project.machine, &mut image));
     let program = program.transpose()?;
     let started = Plant::start_with(project, image, watch, start.clock);
     let (plant, handle) = started.map_err(|error| Failure::new(1, error.to_string()))?;
@@ -246,7 +250,7 @@ fn start_plant(
         plant.set_audit(audit);
         plant.record(
             Principal::Server,
-            What::Start,
+            EventKind::Start,
             env!("CARGO_PKG_VERSION").to_owned(),
             "done",
         );
@@ -365,7 +369,7 @@ fn reload_program(plant: &Plant, live: &live::Live) {
         Ok(()) => {
             plant.record(
                 Principal::Server,
-                What::Reload,
+                EventKind::Reload,
                 "the program of the controller".to_owned(),
                 "done",
             );

@@ -74,8 +74,8 @@ impl Default for Conditions {
 /// An event that the audit makes a line of (spec/security.md §9).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Audited {
-    /// Its kind, the word of its line.
-    pub what: String,
+    /// The kind: the word of its line.
+    pub kind: String,
     /// The client's address.
     pub from: String,
     /// The tag, or the instruction with its target.
@@ -193,7 +193,7 @@ impl<D: Disk> Stepped<D> {
     /// The events of the audit since the last call.
     pub fn audited(&self) -> impl Iterator<Item = Audited> {
         self.audit.try_iter().flatten().map(|event| Audited {
-            what: serde_json::to_value(event.what)
+            kind: serde_json::to_value(event.kind)
                 .ok()
                 .and_then(|word| word.as_str().map(str::to_owned))
                 .unwrap_or_default(),

@@ -39,8 +39,8 @@ impl ObjectStatus {
         if let Some(object) = self.object.as_object_mut() {
             let moved_by = mover.map(|mover| {
                 json!({
-                    "text": mover.to_string(), "address": mover.address, "product": mover.told.product, "user": mover.told.user,
-                    "program": mover.told.program, "line": (mover.line > 0).then_some(mover.line),
+                    "text": mover.to_string(), "address": mover.address, "product": mover.identification.product, "user": mover.identification.user,
+                    "program": mover.identification.program, "line": (mover.line > 0).then_some(mover.line),
                 })
             });
             object.insert("moved_by".to_owned(), moved_by.unwrap_or_default());

@@ -35,9 +35,9 @@ impl Spin {
             to: rotation(from),
             whole: course(1.0).map(|[angle, ..]| angle),
         };
-        for look in 1..=LOOKS {
+        for sample in 1..=SAMPLES {
             spin.to = spin
-                .rotation_state(&course(f64::from(look) / f64::from(LOOKS)))
+                .rotation_state(&course(f64::from(sample) / f64::from(SAMPLES)))
                 .orientation;
             spin.shown[1] = angles(&spin.to, &spin.shown[1]);
         }
@@ -82,7 +82,7 @@ impl Spin {
 
 /// Samples of a spin, to follow its angles: even in time, so that the angles of two whole turns change by less than half a turn from one to
 /// the next.
-const LOOKS: u32 = 64;
+const SAMPLES: u32 = 64;
 
 #[cfg(test)]
 mod tests {

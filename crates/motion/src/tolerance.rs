@@ -42,6 +42,6 @@ pub(crate) const JOINT_DISTANCE_SHARE: f64 = 1e-3;
 /// An excess of a joint's position over its range below this is rounding, position units or degrees.
 pub(crate) const JOINT_UNITS: f64 = 1e-9;
 /// Least time between two samples of a stop, seconds.
-pub(crate) const SHORTEST_LOOK_S: f64 = 2e-5;
+pub(crate) const SHORTEST_SAMPLE_INTERVAL_S: f64 = 2e-5;
 /// A coordinated move starts at the position of its axis if it is this close, position units.
 pub(crate) const START_UNITS: f64 = 1e-9;

@@ -95,7 +95,7 @@ impl<T: Copy> Planner<T> {
             return self.plan_from(running, start, clock);
         }
         let from = running.trajectory.state(clock);
-        running.removal = self.relief_of(ran, running.motion.limits.speed, running.trajectory.share());
+        running.removal = self.removal_at_change(ran, running.motion.limits.speed, running.trajectory.share());
         running.in_force = running.motion.limits;
         running.kept = false;
         let paused = self.limits(&running).speed == 0.0;
@@ -103,18 +103,18 @@ impl<T: Copy> Planner<T> {
             running.in_force = ran.limits;
             running.kept = true;
         }
-        let lead = running.removal.lead(from, &self.limits(&running));
-        let level = lead.map_or(from, |lead| lead.end());
+        let removal_phase = running.removal.phase(from, &self.limits(&running));
+        let level = removal_phase.map_or(from, |phase| phase.end());
         let plan = self.plan(&running, level);
         let profile = if plan.exit > 0.0 {
             let profile = self.profile(&running, level, &plan);
-            lead.map_or(profile, |lead| lead.then(&profile))
+            removal_phase.map_or(profile, |phase| phase.then(&profile))
         } else if plan.cap == 0.0 {
             let limits = Limits {
                 speed: 0.0,
                 ..self.limits(&running)
             };
-            Profile::led(lead, from, |from| {
+            Profile::after_removal(removal_phase, from, |from| {
                 Profile::to_position_two_stage(from, plan.target, &limits)
             })
         } else {
@@ -124,7 +124,7 @@ impl<T: Copy> Planner<T> {
             };
             let planned = |from, limits: &Limits| Profile::to_position_two_stage(from, plan.target, limits);
             let beside = self.beside_again(&running, from, &limits, ran, planned, clock);
-            beside.unwrap_or_else(|| Profile::led(lead, from, |from| planned(from, &limits)))
+            beside.unwrap_or_else(|| Profile::after_removal(removal_phase, from, |from| planned(from, &limits)))
         };
         // A path that waits until a residual has ramped out continues to wait.
         let waits = running.trajectory.residual.is_some() && running.trajectory.start.elapsed(clock) < 0.0;
@@ -138,7 +138,7 @@ impl<T: Copy> Planner<T> {
     /// The removal of an acceleration at a change of the programmed speed. The profile may overshoot that speed and the old one by half
     /// (spec/coordinated-instructions.md §5.4), and may reach the speed that the earlier profile would have reached. `share`: the profile's
     /// share of the limits.
-    fn relief_of(&self, ran: &Ran, speed: f64, share: f64) -> AccelerationRemoval {
+    fn removal_at_change(&self, ran: &Ran, speed: f64, share: f64) -> AccelerationRemoval {
         if !self.bounds.overshoot {
             return AccelerationRemoval::NONE;
         }
@@ -158,7 +158,7 @@ impl<T: Copy> Planner<T> {
         let limits = self.limits(running);
         let ran = scaled_limits(ran, 1.0, running.trajectory.share());
         let reach = |limits: &Limits| {
-            Profile::led(running.removal.lead(from, limits), from, |level| {
+            Profile::after_removal(running.removal.phase(from, limits), from, |level| {
                 Profile::stop(level, limits)
             })
             .reach()
@@ -200,7 +200,7 @@ impl<T: Copy> Planner<T> {
         };
         let old = ran.limits.jerk.map_or(0.0, |jerk| jerk.acceleration);
         // A hold reduces the acceleration no faster than any other change.
-        let below = running.removal.lead(from, limits).map_or(0.0, |lead| lead.jerk);
+        let below = running.removal.phase(from, limits).map_or(0.0, |phase| phase.jerk);
         let removal = limits.jerk.map_or(old, |jerk| jerk.acceleration.max(old)).max(below);
         let found = beside.profile(from, limits, removal, &plan);
         Some(found.unwrap_or_else(|| beside.waiting(from, limits, removal, &plan)))
@@ -217,9 +217,9 @@ impl<T: Copy> Planner<T> {
         };
         let length = approach.path.length();
         let ran = Ran::approaching(&approach, self.queue.rate(), elapsed);
-        let removal = self.relief_of(&ran, running.motion.limits.speed, 1.0);
-        let lead = removal.lead(from, &limits);
-        let level = lead.map_or(from, |lead| lead.end());
+        let removal = self.removal_at_change(&ran, running.motion.limits.speed, 1.0);
+        let removal_phase = removal.phase(from, &limits);
+        let level = removal_phase.map_or(from, |phase| phase.end());
         let wanted = self.entry(running).min(limits.speed);
         let exit = passing_speed(level, length - level.position, wanted, &limits).speed;
         let capped = Limits {
@@ -229,7 +229,9 @@ impl<T: Copy> Planner<T> {
         // If the approach cannot remove its acceleration before the start of the path, the profile of the path removes the rest.
         let early = level.position > length;
         let target = if early { level.position } else { length };
-        approach.profile = Profile::led(lead, from, |level| Profile::to_position(level, target, exit, &capped));
+        approach.profile = Profile::after_removal(removal_phase, from, |level| {
+            Profile::to_position(level, target, exit, &capped)
+        });
         approach.offset = 0.0;
         approach.start = clock.now();
         let profile = &approach.profile;
@@ -338,13 +340,13 @@ impl Ran {
     fn along(profile: &Profile, elapsed: f64, limits: Limits, programmed: f64) -> Ran {
         let now = profile.at(elapsed);
         let braking = now.velocity > 0.0 && now.acceleration < 0.0;
-        // A preliminary phase is active.
-        let led = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + ROUNDING_SHARE));
+        // The removal phase is active.
+        let removes = |jerk: &f64| braking && taking(&limits).is_some_and(|own| *jerk > own * (1.0 + ROUNDING_SHARE));
         Ran {
             limits,
             programmed,
             ahead: profile.top_speed(elapsed),
-            forward: Some(profile.jerk(elapsed)).filter(led),
+            forward: Some(profile.jerk(elapsed)).filter(removes),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The change of the active move to the oldest pending one: from rest, with a blend, at a speed, or on a continued profile.
 
-use arcline_profile::{KinematicState, Lead, Limits, Profile};
+use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Profile};
 
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{Ends, turns_back};
@@ -102,7 +102,7 @@ impl<T: Copy> Planner<T> {
             ..Running::new(next, trajectory)
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
-        let slow = !self.bounds.overshoot || Lead::below(from, &next.limits, fastest).is_none();
+        let slow = !self.bounds.overshoot || AccelerationRemovalPhase::below(from, &next.limits, fastest).is_none();
         let safe = slow && self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
         if safe {
             self.begin(running, from, clock);

@@ -66,7 +66,7 @@ impl<T: Copy> Planner<T> {
             } else {
                 AccelerationRemoval::NONE
             };
-            self.run_relieved(motion, from, removal, clock);
+            self.run_with_removal(motion, from, removal, clock);
             return;
         }
         let out = RampOut {

@@ -153,9 +153,9 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
     let whole = parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max);
     let most = within.most_tangent();
     let mut speed = 0.0_f64;
-    let kept = (0..=LOOKS).all(|k| {
-        let t = whole * f64::from(k) / f64::from(LOOKS);
-        speed = speed.max(along.at((t + whole / f64::from(LOOKS) - wait).max(0.0)).velocity);
+    let kept = (0..=SAMPLES).all(|k| {
+        let t = whole * f64::from(k) / f64::from(SAMPLES);
+        speed = speed.max(along.at((t + whole / f64::from(SAMPLES) - wait).max(0.0)).velocity);
         (0..3).all(|axis| {
             let residual = parts[axis].profile.at(t).velocity;
             let path = most[axis] * speed;
@@ -349,6 +349,6 @@ const HALF: f64 = 0.5;
 /// The highest override of a move.
 const MOST_RATE: f64 = 2.0;
 /// Samples of the sum of both.
-const LOOKS: u32 = 100;
+const SAMPLES: u32 = 100;
 /// Factor by which an accepted spiral may be tighter than its radius.
 const TIGHTER: f64 = 1.05;

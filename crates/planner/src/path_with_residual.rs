@@ -5,7 +5,7 @@
 //! Bounded; no allocation.
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{KinematicState, Lead, Limits, Phase, Profile};
+use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Phase, Profile};
 
 use crate::move_trajectory::Part;
 use crate::ramp_out::forward;
@@ -31,7 +31,7 @@ impl PathWithResidual<'_> {
         removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
-        let free = Profile::led(forward(from, limits, self.bound / self.most_way()), from, |from| {
+        let free = Profile::after_removal(forward(from, limits, self.bound / self.most_way()), from, |from| {
             plan(from, limits)
         });
         if self.keeps(&free) {
@@ -131,54 +131,48 @@ impl PathWithResidual<'_> {
             if length <= 0.0 {
                 continue;
             }
-            let mut looks = [first; LOOKS + 1];
-            for (look_index, look) in looks.iter_mut().enumerate().skip(1) {
-                *look = square(begin + length * look_index as f64 / LOOKS as f64);
+            let mut samples = [first; INTERVALS + 1];
+            for (index, sample) in samples.iter_mut().enumerate().skip(1) {
+                *sample = square(begin + length * index as f64 / INTERVALS as f64);
             }
-            if highest(&square, begin, end, &looks, most) > most {
+            if highest(&square, begin, end, &samples, most) > most {
                 return false;
             }
-            (begin, first) = (end, looks[LOOKS]);
+            (begin, first) = (end, samples[INTERVALS]);
         }
         true
     }
 }
 
-/// The maximum of a smooth function between two instants, from `looks` at equal distances; exact if it is close to `most`.
-fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, looks: &[f64; LOOKS + 1], most: f64) -> f64 {
-    let (mut begin, mut end, mut looks) = (begin, end, *looks);
-    let mut found = vertices(&looks);
+/// The maximum of a smooth function between two instants, from `samples` at equal distances; exact if it is close to `most`.
+fn highest(square: &impl Fn(f64) -> f64, begin: f64, end: f64, samples: &[f64; INTERVALS + 1], most: f64) -> f64 {
+    let (mut begin, mut end, mut samples) = (begin, end, *samples);
+    let mut found = vertices(&samples);
     for _ in 0..NARROWINGS {
         if found > most || found <= most * (1.0 - VERTEX_SHARE) {
             break;
         }
-        let top = (0..=LOOKS).fold(0, |top, look_index| {
-            if looks[look_index] > looks[top] {
-                look_index
-            } else {
-                top
-            }
-        });
-        let (before, after) = (top.saturating_sub(1), (top + 1).min(LOOKS));
-        let step = (end - begin) / LOOKS as f64;
+        let top = (0..=INTERVALS).fold(0, |top, index| if samples[index] > samples[top] { index } else { top });
+        let (before, after) = (top.saturating_sub(1), (top + 1).min(INTERVALS));
+        let step = (end - begin) / INTERVALS as f64;
         (begin, end) = (begin + step * before as f64, begin + step * after as f64);
-        let part = (end - begin) / LOOKS as f64;
-        looks = std::array::from_fn(|look_index| square(begin + part * look_index as f64));
-        found = vertices(&looks);
+        let part = (end - begin) / INTERVALS as f64;
+        samples = std::array::from_fn(|index| square(begin + part * index as f64));
+        found = vertices(&samples);
     }
     found
 }
 
 /// The highest of samples at equal distances, and of the vertices of the parabolas through three of them.
-fn vertices(looks: &[f64; LOOKS + 1]) -> f64 {
+fn vertices(samples: &[f64; INTERVALS + 1]) -> f64 {
     let vertex = |window: &[f64]| {
         let bend = 0.5 * (window[0] + window[2]) - window[1];
         let slope = 0.5 * (window[2] - window[0]);
         let within = bend < 0.0 && slope.abs() < -2.0 * bend;
         window[1] - if within { 0.25 * slope * slope / bend } else { 0.0 }
     };
-    let most = looks.windows(3).map(vertex).fold(looks[0], f64::max);
-    most.max(looks[LOOKS])
+    let most = samples.windows(3).map(vertex).fold(samples[0], f64::max);
+    most.max(samples[INTERVALS])
 }
 
 /// A plan after a hold of this duration, unless the plan must slow down earlier.
@@ -189,21 +183,17 @@ fn held(
     wait: f64,
     plan: &impl Fn(KinematicState, &Limits) -> Profile,
 ) -> Profile {
-    let lead = if from.acceleration * from.velocity < 0.0 {
+    let jerk = if from.acceleration * from.velocity < 0.0 {
         let own = limits.jerk.map_or(f64::INFINITY, |jerk| jerk.deceleration);
-        let critical = Lead::before_rest(from, limits).map_or(0.0, |lead| lead.jerk);
+        let critical = AccelerationRemovalPhase::before_rest(from, limits).map_or(0.0, |phase| phase.jerk);
         own.max(critical)
     } else {
         removal
     };
-    let lead = Lead {
-        from,
-        jerk: lead,
-        hold: 0.0,
-    };
-    let level = lead.end();
-    let hold = wait - lead.duration();
-    let free = || lead.then(&plan(level, limits));
+    let removal_phase = AccelerationRemovalPhase { from, jerk, hold: 0.0 };
+    let level = removal_phase.end();
+    let hold = wait - removal_phase.duration();
+    let free = || removal_phase.then(&plan(level, limits));
     if hold <= 0.0 || level.velocity < 0.0 || level.velocity >= limits.speed {
         return free();
     }
@@ -220,16 +210,17 @@ fn held(
             .iter()
             .find(|time| slow.phase(**time) != Phase::Steady);
         if steady.is_some_and(|steady| hold >= *steady) {
-            return lead.then(&slow);
+            return removal_phase.then(&slow);
         }
     }
-    let lead = Lead { hold, ..lead };
-    lead.then(&plan(lead.end(), limits))
+    let removal_phase = AccelerationRemovalPhase { hold, ..removal_phase };
+    removal_phase.then(&plan(removal_phase.end(), limits))
 }
 
 const BISECTIONS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
-const LOOKS: usize = 4;
+/// Intervals between two instants; their ends are samples.
+const INTERVALS: usize = 4;
 /// Narrowings, each of which samples at most half of the interval before.
 const NARROWINGS: usize = 4;

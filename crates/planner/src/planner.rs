@@ -328,7 +328,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// As [`Planner::run`] at the present tick, from another motion along the path.
-    pub(crate) fn run_relieved(
+    pub(crate) fn run_with_removal(
         &mut self,
         motion: Move<T>,
         from: KinematicState,
@@ -377,11 +377,11 @@ impl<T: Copy> Planner<T> {
 
     /// The aim of a move's profile, and the profile, after the removal of a present acceleration.
     pub(crate) fn planned(&self, running: &Running<T>, from: KinematicState) -> (Plan, Profile) {
-        let lead = running.removal.lead(from, &self.limits(running));
-        let level = lead.map_or(from, |lead| lead.end());
+        let removal_phase = running.removal.phase(from, &self.limits(running));
+        let level = removal_phase.map_or(from, |phase| phase.end());
         let plan = self.plan(running, level);
         let profile = self.profile(running, level, &plan);
-        (plan, lead.map_or(profile, |lead| lead.then(&profile)))
+        (plan, removal_phase.map_or(profile, |phase| phase.then(&profile)))
     }
 
     /// The limits of the active profile, including the override.

@@ -5,7 +5,7 @@
 //! allocation.
 
 use arcline_geometry::Point;
-use arcline_profile::{Jerk, KinematicState, Lead, Limits, Profile};
+use arcline_profile::{AccelerationRemovalPhase, Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
 use crate::move_trajectory::Part;
@@ -108,12 +108,12 @@ impl RampOut {
 /// Limits with the jerks that remove an acceleration before a motion exceeds `fastest`, or passes through rest.
 fn relieved(from: KinematicState, limits: &Limits, fastest: f64) -> Limits {
     let mut limits = *limits;
-    let lead = forward(from, &limits, fastest);
-    if let (Some(lead), Some(jerk)) = (lead, &mut limits.jerk) {
+    let removal_phase = forward(from, &limits, fastest);
+    if let (Some(removal_phase), Some(jerk)) = (removal_phase, &mut limits.jerk) {
         if from.acceleration < 0.0 {
-            jerk.deceleration = jerk.deceleration.max(lead.jerk);
+            jerk.deceleration = jerk.deceleration.max(removal_phase.jerk);
         } else {
-            jerk.acceleration = jerk.acceleration.max(lead.jerk);
+            jerk.acceleration = jerk.acceleration.max(removal_phase.jerk);
         }
     }
     limits
@@ -198,7 +198,7 @@ fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
 
 /// The distance of a stop that does not pass through rest.
 fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
-    Profile::led(Lead::before_rest(from, limits), from, |from| {
+    Profile::after_removal(AccelerationRemovalPhase::before_rest(from, limits), from, |from| {
         Profile::stop(from, limits)
     })
     .reach()
@@ -222,12 +222,12 @@ pub(crate) fn short(from: KinematicState, limits: &Limits, share: f64, widest: f
     }
 }
 
-/// The preliminary phase that keeps a motion below a speed, and from passing through rest.
-pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
+/// The removal phase that keeps a motion below a speed, and from passing through rest.
+pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<AccelerationRemovalPhase> {
     if from.velocity * from.acceleration < 0.0 {
-        Lead::before_rest(from, limits)
+        AccelerationRemovalPhase::before_rest(from, limits)
     } else {
-        Lead::below(from, limits, ceiling)
+        AccelerationRemovalPhase::below(from, limits, ceiling)
     }
 }
 

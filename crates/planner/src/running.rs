@@ -3,7 +3,7 @@
 //! Units: position units, seconds.
 
 use arcline_geometry::{Path, Point, Rotation};
-use arcline_profile::{Jerk, KinematicState, Lead, Limits};
+use arcline_profile::{AccelerationRemovalPhase, Jerk, KinematicState, Limits};
 
 use crate::Instant;
 use crate::junction::Ending;
@@ -106,15 +106,15 @@ impl AccelerationRemoval {
         forward: Some(0.0),
     };
 
-    pub(crate) fn lead(&self, from: KinematicState, limits: &Limits) -> Option<Lead> {
+    pub(crate) fn phase(&self, from: KinematicState, limits: &Limits) -> Option<AccelerationRemovalPhase> {
         if self.ceiling.is_infinite() {
             None
         } else if let (Some(least), true) = (self.forward, from.velocity * from.acceleration < 0.0) {
-            let lead = Lead::before_rest(from, limits)?;
-            let jerk = lead.jerk.max(least);
-            Some(Lead { jerk, ..lead })
+            let removal_phase = AccelerationRemovalPhase::before_rest(from, limits)?;
+            let jerk = removal_phase.jerk.max(least);
+            Some(AccelerationRemovalPhase { jerk, ..removal_phase })
         } else {
-            Lead::below(from, limits, self.ceiling)
+            AccelerationRemovalPhase::below(from, limits, self.ceiling)
         }
     }
 }

@@ -2,8 +2,8 @@
 //! (spec/coordinated-instructions.md §5.4, the Dynamics Configuration Bits of spec/axis-and-data-types.md §9.2 and §10.4).
 //!
 //! A ramp removes a present acceleration with its own jerk. If that jerk is much lower than the one that built the acceleration up, the speed
-//! overshoots by `a² / 2j`, or passes through rest and returns. A [`Lead`] removes the acceleration with a higher jerk first; the plan begins
-//! after it.
+//! overshoots by `a² / 2j`, or passes through rest and returns. An [`AccelerationRemovalPhase`] removes the acceleration with a higher jerk
+//! first; the plan begins after it.
 //!
 //! Position units and seconds. Real-time safe, as the rest of the crate.
 
@@ -61,7 +61,7 @@ pub const MOST_OVERSHOOT: f64 = 1.5;
 
 /// A phase before a plan: it removes the acceleration of a state with a constant jerk, then holds the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lead {
+pub struct AccelerationRemovalPhase {
     /// Its start state.
     pub from: KinematicState,
     /// Position units per second cubed, above 0. An acceleration whose removal takes no time ends at once.
@@ -70,11 +70,11 @@ pub struct Lead {
     pub hold: f64,
 }
 
-impl Lead {
-    /// The lead that keeps the speed of a plan from a state at or below `ceiling`; `None` if the jerks of the limits suffice. A
+impl AccelerationRemovalPhase {
+    /// The phase that keeps the speed of a plan from a state at or below `ceiling`; `None` if the jerks of the limits suffice. A
     /// motion that passes through rest counts with its speed on the other side.
     #[must_use]
-    pub fn below(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<Lead> {
+    pub fn below(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<AccelerationRemovalPhase> {
         let Shape::SCurve(own) = limits.shape() else {
             return None;
         };
@@ -95,31 +95,31 @@ impl Lead {
             }
             square / (2.0 * (speed + ceiling.max(0.0)))
         };
-        Some(Lead {
+        Some(AccelerationRemovalPhase {
             from,
             jerk: jerk.max(own.up.jerk.min(own.down.jerk)),
             hold: 0.0,
         })
     }
 
-    /// The lead that removes a deceleration before the motion passes through rest; `None` if the jerk of the limits suffices.
+    /// The phase that removes a deceleration before the motion passes through rest; `None` if the jerk of the limits suffices.
     #[must_use]
-    pub fn before_rest(from: KinematicState, limits: &Limits) -> Option<Lead> {
+    pub fn before_rest(from: KinematicState, limits: &Limits) -> Option<AccelerationRemovalPhase> {
         let Shape::SCurve(own) = limits.shape() else {
             return None;
         };
         let critical = critical_jerk(&from)?;
-        (critical > own.down.jerk).then_some(Lead {
+        (critical > own.down.jerk).then_some(AccelerationRemovalPhase {
             from,
             jerk: critical,
             hold: 0.0,
         })
     }
 
-    /// Its duration in seconds.
+    /// Its duration in seconds: the removal and the hold.
     #[must_use]
     pub fn duration(&self) -> f64 {
-        self.relief() + self.hold
+        self.removal_time() + self.hold
     }
 
     /// Its end state, at a constant speed.
@@ -130,17 +130,17 @@ impl Lead {
         level
     }
 
-    /// The lead, followed by a plan from [`Lead::end`].
+    /// The phase, followed by a plan from [`AccelerationRemovalPhase::end`].
     #[must_use]
     pub fn then(&self, plan: &Profile) -> Profile {
         let mut whole = Profile::rest(0.0);
         whole.start = self.from;
-        let relief = self.relief();
+        let removal_time = self.removal_time();
         let mut time = 0.0;
-        if relief > 0.0 {
-            let jerk = -self.from.acceleration / relief;
+        if removal_time > 0.0 {
+            let jerk = -self.from.acceleration / removal_time;
             whole.append(time, Segment { state: self.from, jerk });
-            time += relief;
+            time += removal_time;
         }
         if self.hold > 0.0 {
             let state = self.level();
@@ -156,7 +156,7 @@ impl Lead {
         whole
     }
 
-    fn relief(&self) -> f64 {
+    fn removal_time(&self) -> f64 {
         let time = self.from.acceleration.abs() / self.jerk;
         if time.is_finite() { time } else { 0.0 }
     }
@@ -167,7 +167,7 @@ impl Lead {
             velocity,
             acceleration,
         } = self.from;
-        let time = self.relief();
+        let time = self.removal_time();
         KinematicState {
             position: position + time * (velocity + time * acceleration / 3.0),
             velocity: velocity + 0.5 * time * acceleration,
@@ -177,11 +177,15 @@ impl Lead {
 }
 
 impl Profile {
-    /// A plan from a state, after the lead if there is one.
+    /// A plan from a state, after the removal phase if there is one.
     #[must_use]
-    pub fn led(lead: Option<Lead>, from: KinematicState, plan: impl FnOnce(KinematicState) -> Profile) -> Profile {
-        match lead {
-            Some(lead) => lead.then(&plan(lead.end())),
+    pub fn after_removal(
+        removal_phase: Option<AccelerationRemovalPhase>,
+        from: KinematicState,
+        plan: impl FnOnce(KinematicState) -> Profile,
+    ) -> Profile {
+        match removal_phase {
+            Some(phase) => phase.then(&plan(phase.end())),
             None => plan(from),
         }
     }

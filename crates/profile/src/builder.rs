@@ -3,8 +3,8 @@
 use crate::KinematicState;
 use crate::profile::{Profile, Segment};
 
-/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (spec/motion-core.md §3.4). Two more lead in
-/// ([`crate::Lead`]).
+/// A stop of five segments and a return of seven make twelve; 3.4 needs eleven (spec/motion-core.md §3.4). Two more make the
+/// phase before the plan ([`crate::AccelerationRemovalPhase`]).
 pub(crate) const MAX_SEGMENTS: usize = 14;
 
 /// Receives constant-jerk segments one after the other.

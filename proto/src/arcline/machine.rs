@@ -136,7 +136,7 @@ impl Step {
     }
 }
 
-/// What a client tells of itself: `product, user, program`, each a SHORT_STRING. An empty one is not told.
+/// The identification that a client sends: `product, user, program`, each a SHORT_STRING that may be empty.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Identification {
     /// The product with its version, such as `arcline 0.2.0`.
@@ -300,14 +300,14 @@ mod tests {
 
     #[test]
     fn identifications_are_read_as_they_were_written() {
-        let told = Identification {
+        let identification = Identification {
             product: "arcline 0.2.0".into(),
             user: "jane".into(),
             program: String::new(),
         };
-        let data = told.to_bytes();
+        let data = identification.to_bytes();
         assert_eq!(&data[..4], &[13, b'a', b'r', b'c']);
-        assert_eq!(Identification::decode(&data), Ok(told));
+        assert_eq!(Identification::decode(&data), Ok(identification));
         for cut in 0..data.len() {
             assert_eq!(
                 Identification::decode(&data[..cut]),
@@ -334,12 +334,12 @@ mod tests {
             ("what a terminal would obey", ["a\u{1b}[31mb\n", "", ""], " (a[31mb)"),
         ];
         for (why, [product, user, program], expected) in cases {
-            let told = Identification {
+            let identification = Identification {
                 product: product.into(),
                 user: user.into(),
                 program: program.into(),
             };
-            assert_eq!(told.bounded().to_string(), expected, "{why}");
+            assert_eq!(identification.bounded().to_string(), expected, "{why}");
         }
         let long = Identification {
             user: "x".repeat(1000),

@@ -102,7 +102,7 @@ impl MoverKind {
 }
 
 /// The source of the motion of an axis or coordinate system: `kind USINT, line UDINT`, then `address, product, user, program`, each a
-/// SHORT_STRING. A part that the client has not told is empty.
+/// SHORT_STRING. A part that the client has not sent is empty.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Mover {
     /// Its kind.
@@ -111,8 +111,8 @@ pub struct Mover {
     pub line: u32,
     /// The address of the client; of a viewer with its number.
     pub address: String,
-    /// What the client has told of itself, or its connection shows.
-    pub told: Identification,
+    /// The identification that the client has sent; its product also as its connection shows it.
+    pub identification: Identification,
 }
 
 impl Mover {
@@ -122,7 +122,7 @@ impl Mover {
         out.put_u8(self.kind.0);
         out.put_u32_le(self.line);
         put_name(&mut out, &self.address);
-        out.put_slice(&self.told.to_bytes());
+        out.put_slice(&self.identification.to_bytes());
         out.freeze()
     }
 
@@ -133,7 +133,7 @@ impl Mover {
             kind: MoverKind(reader.u8()?),
             line: reader.u32()?,
             address: read_name(&mut reader)?,
-            told: Identification {
+            identification: Identification {
                 product: read_name(&mut reader)?,
                 user: read_name(&mut reader)?,
                 program: read_name(&mut reader)?,
@@ -149,7 +149,7 @@ impl fmt::Display for Mover {
             kind,
             line,
             address,
-            told,
+            identification,
         } = self;
         let address = if address.is_empty() { "a client" } else { address };
         match *kind {
@@ -157,8 +157,8 @@ impl fmt::Display for Mover {
             MoverKind::IO => f.write_str("the outputs of implicit I/O"),
             MoverKind::SERVER => f.write_str("the server"),
             MoverKind::CONTROLLER => f.write_str("the program of the controller"),
-            MoverKind::PROGRAM => write!(f, "the program of {address}{told}, line {line}"),
-            _ => write!(f, "{address}{told}"),
+            MoverKind::PROGRAM => write!(f, "the program of {address}{identification}, line {line}"),
+            _ => write!(f, "{address}{identification}"),
         }
     }
 }
@@ -206,7 +206,7 @@ mod tests {
             kind: MoverKind::PROGRAM,
             line: 7,
             address: "10.0.0.5 #3".into(),
-            told: Identification {
+            identification: Identification {
                 product: "Firefox 128".into(),
                 ..Identification::default()
             },

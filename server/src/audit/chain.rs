@@ -6,7 +6,7 @@ use ring::digest::{SHA256, digest};
 use serde::Serialize;
 use time::OffsetDateTime;
 
-use super::{Event, What};
+use super::{Event, EventKind};
 
 /// A line; the order of its keys is fixed.
 #[derive(Serialize, Debug)]
@@ -17,7 +17,8 @@ struct Line<'e> {
     door: &'e str,
     from: &'e str,
     role: &'e str,
-    what: What,
+    #[serde(rename = "what")]
+    kind: EventKind,
     object: &'e str,
     #[serde(skip_serializing_if = "Option::is_none")]
     old: Option<&'e str>,
@@ -48,7 +49,7 @@ impl Chain {
             door: event.door,
             from: &event.from,
             role: event.role,
-            what: event.what,
+            kind: event.kind,
             object: &event.object,
             old: values.map(|(old, _)| old.as_str()),
             new: values.map(|(_, new)| new.as_str()),

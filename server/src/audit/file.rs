@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::chain::{self, Chain};
-use super::{Event, What};
+use super::{Event, EventKind};
 
 /// Bytes of a file.
 const LONGEST: u64 = 16 * 1024 * 1024;
@@ -132,7 +132,7 @@ impl Files {
     fn begin(&mut self, object: &str) -> io::Result<()> {
         let event = Event {
             at: SystemTime::now(),
-            what: What::Open,
+            kind: EventKind::Open,
             door: "server",
             from: "".into(),
             role: "",

@@ -32,7 +32,7 @@ const HEAD_EVERY: Duration = Duration::from_secs(60);
 /// The kind of an event.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum What {
+pub(crate) enum EventKind {
     /// The server began; the first line of a file.
     Open,
     /// The server began to serve.
@@ -77,7 +77,7 @@ pub(crate) struct Event {
     /// The time of the event.
     pub(crate) at: SystemTime,
     /// The kind of the event.
-    pub(crate) what: What,
+    pub(crate) kind: EventKind,
     /// The kind of client.
     pub(crate) door: &'static str,
     /// The client: its address, and its certificate's name.
@@ -226,9 +226,9 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: 
         }
         for (event, count) in &lines {
             if let Err(error) = files.append(event, *count) {
-                match event.what {
+                match event.kind {
                     // A later line reports that its events were lost.
-                    What::AuditLost => {
+                    EventKind::AuditLost => {
                         lost.untold.fetch_add(missed, Ordering::Relaxed);
                     }
                     _ => lost.add(),
@@ -259,7 +259,7 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: 
 fn lost_event(missed: u64) -> Event {
     Event {
         at: SystemTime::now(),
-        what: What::AuditLost,
+        kind: EventKind::AuditLost,
         door: "server",
         from: "".into(),
         role: "",

@@ -9,7 +9,11 @@ use super::*;
 fn event(number: u64, is_plain_write: bool) -> Event {
     Event {
         at: SystemTime::UNIX_EPOCH + Duration::from_micros(1_795_301_281_123_456 + number),
-        what: if is_plain_write { What::Write } else { What::Motion },
+        kind: if is_plain_write {
+            EventKind::Write
+        } else {
+            EventKind::Motion
+        },
         door: "eip",
         from: "10.1.2.3:51122 cn:line3-hmi".into(),
         role: "operator",

@@ -14,7 +14,7 @@ use arcline_state::planted::is_planted;
 use super::device::Device;
 use super::originator;
 use super::status::refusal;
-use crate::audit::What;
+use crate::audit::EventKind;
 use crate::plant::{Principal, Right};
 
 /// The device, for the session of one TCP connection.
@@ -60,8 +60,8 @@ impl Host for SessionHost {
 
     fn connection_opened(&mut self, _id: ConnectionId, key: ConnectionKey) {
         self.device.plant.guard().identify(self.session, |identity| {
-            if identity.told.product.is_empty() {
-                identity.told.product = originator::product(key);
+            if identity.identification.product.is_empty() {
+                identity.identification.product = originator::product(key);
             }
         });
     }
@@ -113,7 +113,7 @@ impl Host for SessionHost {
                     // The owner sends nothing before it has the reply.
                     device.plant.roles().set_io(device.plant.roles().of(principal));
                     let what = "the outputs of implicit I/O".to_owned();
-                    device.plant.record(principal, What::Take, what, "done");
+                    device.plant.record(principal, EventKind::Take, what, "done");
                 }
                 Ok(opened)
             }

@@ -26,7 +26,7 @@ use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
-use self::table::{Jog, Seen, Table};
+use self::table::{Jog, JogState, Table};
 use crate::plant::{ClientIdentity, Plant, Principal};
 use arcline_state::planted::is_planted;
 
@@ -184,9 +184,9 @@ impl Guard {
     }
 
     /// A client has sent its identification.
-    pub(crate) fn identify(&self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
+    pub(crate) fn identify(&self, session: u64, change: impl FnOnce(&mut ClientIdentity)) {
         if self.clients().contains_key(&session) {
-            self.table().identify(session, told);
+            self.table().identify(session, change);
         }
     }
 
@@ -310,13 +310,13 @@ impl Guard {
             .try_with_executions(|runs| {
                 self.table().look_again(now, |ending| {
                     if runs(ending.axis, ending.ticket) {
-                        Seen::Moves
+                        JogState::Moves
                     } else {
-                        Seen::Over
+                        JogState::Over
                     }
                 })
             })
-            .unwrap_or_else(|| self.table().look_again(now, |_| Seen::Moves));
+            .unwrap_or_else(|| self.table().look_again(now, |_| JogState::Moves));
         for ending in again {
             if is_planted("jog of a lost client") || is_planted("jog of a silent client") {
                 continue;

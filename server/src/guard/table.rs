@@ -47,7 +47,7 @@ pub(super) struct Ending {
 
 /// The observed state of a jog that is to be stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Seen {
+pub(super) enum JogState {
     /// The axis stands, or another motion moves it.
     Over,
     /// The jog moves or brakes, or its state is unknown.
@@ -56,8 +56,8 @@ pub(super) enum Seen {
 
 impl Table {
     /// A client has connected, or has sent its identification.
-    pub(super) fn identify(&mut self, session: u64, told: impl FnOnce(&mut ClientIdentity)) {
-        told(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
+    pub(super) fn identify(&mut self, session: u64, change: impl FnOnce(&mut ClientIdentity)) {
+        change(Arc::make_mut(&mut self.clients.entry(session).or_default().identity));
     }
 
     /// The identity of a client.
@@ -163,8 +163,8 @@ impl Table {
     }
 
     /// The stops that are not over, and from now on at full deceleration.
-    pub(super) fn look_again(&mut self, now: Duration, see: impl Fn(&Ending) -> Seen) -> Vec<Ending> {
-        self.ending.retain(|ending| see(ending) == Seen::Moves);
+    pub(super) fn look_again(&mut self, now: Duration, state_of: impl Fn(&Ending) -> JogState) -> Vec<Ending> {
+        self.ending.retain(|ending| state_of(ending) == JogState::Moves);
         let due = self.ending.iter().filter(|ending| ending.from <= now);
         due.cloned().collect()
     }
@@ -225,16 +225,16 @@ mod tests {
             [5, 9]
         );
         assert!(
-            table.look_again(ms(9), |_| Seen::Moves).is_empty(),
+            table.look_again(ms(9), |_| JogState::Moves).is_empty(),
             "not at full deceleration yet"
         );
         let again = table.look_again(ms(20), |ending| match ending.ticket {
-            Ticket(9) => Seen::Over,
-            _ => Seen::Moves,
+            Ticket(9) => JogState::Over,
+            _ => JogState::Moves,
         });
         assert_eq!(again.iter().map(|ending| ending.ticket.0).collect::<Vec<_>>(), [5]);
-        assert_eq!(table.look_again(ms(9999), |_| Seen::Moves).len(), 1, "and again");
-        assert!(table.look_again(ms(9999), |_| Seen::Over).is_empty());
+        assert_eq!(table.look_again(ms(9999), |_| JogState::Moves).len(), 1, "and again");
+        assert!(table.look_again(ms(9999), |_| JogState::Over).is_empty());
         assert!(!table.is_idle(), "the other jogs");
         table.forget(TWO);
         assert!(table.is_idle());

@@ -68,16 +68,18 @@ pub(super) fn simulate_here(plant: &Plant, program: Program, patience: Duration)
         until: LONGEST,
         policy: Policy::default(),
     };
-    let mut seen = Seen::new(&machine, patience);
+    let mut observations = Observations::new(&machine, patience);
     let machine = Arc::new(machine);
     let mut runner = Runner::new(machine.clone(), image);
     runner.simulation().take_overrides();
-    match runner.run(Interpreter::new(program), options, &mut seen) {
-        End::Finished => Ok(seen.told(&machine, None)),
+    match runner.run(Interpreter::new(program), options, &mut observations) {
+        End::Finished => Ok(observations.into_simulated(&machine, None)),
         End::Erred(erred) => Err(Refusal::motion(erred.err, erred.exerr, erred.mnemonic).at(erred.line)),
         End::Wrong(wrong) => Err(Refusal::new(wrong.to_string())),
-        End::TooLong(seconds) => Ok(seen.told(&machine, Some(format!("not at its end after {seconds} s")))),
-        End::Left => Ok(seen.told(
+        End::TooLong(seconds) => {
+            Ok(observations.into_simulated(&machine, Some(format!("not at its end after {seconds} s"))))
+        }
+        End::Left => Ok(observations.into_simulated(
             &machine,
             Some(format!("not at its end after {} s of computing", patience.as_secs())),
         )),
@@ -113,7 +115,7 @@ fn present(machine: &Machine, view: &View<'_>) -> Machine {
 }
 
 /// The observations of a simulation.
-struct Seen {
+struct Observations {
     began: Instant,
     /// Real time that it may take.
     patience: Duration,
@@ -148,9 +150,9 @@ struct Trail {
     every: u64,
 }
 
-impl Seen {
+impl Observations {
     fn new(machine: &Machine, patience: Duration) -> Self {
-        Seen {
+        Observations {
             began: Instant::now(),
             patience,
             tick: 0,
@@ -168,7 +170,7 @@ impl Seen {
         }
     }
 
-    fn told(self, machine: &Machine, unfinished: Option<String>) -> Simulated {
+    fn into_simulated(self, machine: &Machine, unfinished: Option<String>) -> Simulated {
         let coordinated = |system: &usize| self.moves.iter().any(|one| usize::from(one.system) == *system);
         let any = self.trails.keys().any(coordinated);
         let shown = self.trails.iter().filter(|(system, _)| !any || coordinated(system));
@@ -202,7 +204,7 @@ impl Seen {
     }
 }
 
-impl Observer for Seen {
+impl Observer for Observations {
     fn accepted(&mut self, ticket: Ticket, call: &Call) {
         let Some(shape) = Shape::of(call) else { return };
         let target = call.target.map(usize::from);

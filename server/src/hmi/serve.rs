@@ -309,7 +309,7 @@ async fn socket(State(shared): State<Arc<Shared>>, Extension(near): Extension<Ne
     let Some(accepted) = accept_key(headers) else {
         return (StatusCode::BAD_REQUEST, "Here is a WebSocket of version 13.\n").into_response();
     };
-    let told = browser(headers);
+    let identification = browser(headers);
     let Some(place) = shared.places.enter(peer) else {
         let text = || "a viewer was refused, since all places of the page are taken".to_owned();
         shared.plant.log_limit().warn("full", Some(peer), text);
@@ -318,7 +318,7 @@ async fn socket(State(shared): State<Arc<Shared>>, Extension(near): Extension<Ne
     let security = &shared.plant.server().security;
     let page = Page {
         peer,
-        told,
+        identification,
         role: match near.is_tls {
             true => role_of_page(security, peer),
             false => role_of_address(security, peer),
@@ -366,11 +366,11 @@ fn upgraded_socket(upgraded: Upgraded, is_tls: bool) -> Option<(Socket, Bytes)> 
 /// The browser of a page as the product of its client.
 fn browser(headers: &HeaderMap) -> Identification {
     let agent = headers.get(header::USER_AGENT).and_then(|agent| agent.to_str().ok());
-    let told = Identification {
+    let identification = Identification {
         product: product_of(agent.unwrap_or_default()),
         ..Identification::default()
     };
-    told.bounded()
+    identification.bounded()
 }
 
 /// The name and the first number of the version of a browser, such as `Firefox 128`, or else of the first product of its `User-Agent`.

@@ -52,7 +52,7 @@ fn others(rest: &[Finding]) -> String {
 
 /// The treatment of instructions, routines and tasks that do not run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Missing {
+pub(crate) enum UnknownParts {
     /// The server names them and refuses the project.
     Refused,
     /// The server names them and passes over them.
@@ -61,11 +61,11 @@ pub(crate) enum Missing {
 
 /// The findings that keep a project from running. A tag of an unknown type, or of a module without
 /// data, is left out: routines that name it do not compile.
-pub(crate) fn blocking(findings: &[Finding], missing: Missing) -> impl Iterator<Item = &Finding> {
+pub(crate) fn blocking(findings: &[Finding], unknown_parts: UnknownParts) -> impl Iterator<Item = &Finding> {
     findings.iter().filter(move |finding| match finding.kind {
         FindingKind::Error => true,
         FindingKind::Type | FindingKind::Module => false,
-        _ => missing == Missing::Refused,
+        _ => unknown_parts == UnknownParts::Refused,
     })
 }
 
@@ -73,13 +73,13 @@ pub(crate) fn blocking(findings: &[Finding], missing: Missing) -> impl Iterator<
 #[derive(Clone, Debug)]
 pub(crate) struct Replacement {
     source: Project,
-    missing: Missing,
+    unknown_parts: UnknownParts,
 }
 
 /// A project on a machine, before the machine runs.
 pub(crate) struct Prepared {
     bound: Bound,
-    given: Given,
+    settings: ProgramSettings,
 }
 
 /// A project whose tags are tags of the machine.
@@ -91,13 +91,13 @@ struct Bound {
 
 /// A program as the command line or the configuration names it.
 #[derive(Clone, Debug)]
-pub(crate) struct Given {
+pub(crate) struct ProgramSettings {
     /// The L5X file.
     pub(crate) file: PathBuf,
     /// The mode at the start.
     pub(crate) mode: Mode,
     /// The treatment of unknown instructions.
-    pub(crate) missing: Missing,
+    pub(crate) unknown_parts: UnknownParts,
     /// Whether the machine comes from the file too.
     pub(crate) has_machine: bool,
     /// The surroundings that the configuration gives the program.
@@ -110,7 +110,7 @@ pub(crate) struct Live {
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     replacements: Arc<Mutex<Option<Order>>>,
-    given: Given,
+    settings: ProgramSettings,
 }
 
 /// A project to run from the next scan on, and the place of the answer.
@@ -177,21 +177,28 @@ pub(crate) fn configuration(file: &Path) -> Result<Configuration, Failure> {
 
 impl Prepared {
     /// Loads the project of a file on a machine, and makes its tags tags of the machine.
-    pub(crate) fn load(given: Given, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
-        let Given {
-            file, missing, around, ..
-        } = &given;
+    pub(crate) fn load(settings: ProgramSettings, machine: &Machine, image: &mut Image) -> Result<Self, Failure> {
+        let ProgramSettings {
+            file,
+            unknown_parts,
+            around,
+            ..
+        } = &settings;
         let source = read(file, around)?;
-        let bound = bind(machine, image, &source, *missing);
+        let bound = bind(machine, image, &source, *unknown_parts);
         let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
-        Ok(Prepared { bound, given })
+        Ok(Prepared { bound, settings })
     }
 
     /// Runs it on a thread of its own.
     pub(crate) fn spawn(self, plant: &Plant) -> std::io::Result<Live> {
-        let Prepared { bound, given } = self;
+        let Prepared { bound, settings } = self;
         let Bound { cell, places, listing } = bound;
-        let program = Arc::new(Program::new(given.file.display().to_string(), given.mode, listing));
+        let program = Arc::new(Program::new(
+            settings.file.display().to_string(),
+            settings.mode,
+            listing,
+        ));
         plant.set_program(program.clone());
         plant.exchange(false, Image::follow_for_program);
         let pause = Box::new(|| std::thread::sleep(MOMENT));
@@ -221,7 +228,7 @@ impl Prepared {
             over,
             thread: Some(thread),
             replacements,
-            given,
+            settings,
         })
     }
 }
@@ -232,13 +239,13 @@ impl Live {
     /// # Errors
     /// Why the program stays as it is.
     pub(crate) fn reload(&self, plant: &Plant) -> Result<(), Failure> {
-        let Given {
+        let ProgramSettings {
             file,
-            missing,
+            unknown_parts,
             has_machine,
             around,
             ..
-        } = &self.given;
+        } = &self.settings;
         let shown = file.display();
         let wrong = |error: String| Failure::usage(format!("{shown}: {error}"));
         if *has_machine {
@@ -249,11 +256,11 @@ impl Live {
         }
         let source = read(file, around)?;
         let mut copy = plant.with_image(Image::clone);
-        rebind(plant.machine(), &mut copy, &source, *missing).map_err(|error| wrong(error.to_string()))?;
+        rebind(plant.machine(), &mut copy, &source, *unknown_parts).map_err(|error| wrong(error.to_string()))?;
         let (answer, done) = mpsc::sync_channel(1);
         let replacement = Replacement {
             source,
-            missing: *missing,
+            unknown_parts: *unknown_parts,
         };
         let order = Order { replacement, answer };
         *self.replacements.lock().unwrap_or_else(PoisonError::into_inner) = Some(order);
@@ -280,14 +287,19 @@ impl Drop for Live {
 }
 
 /// Loads a project on a machine, and makes its tags tags of the machine.
-fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
+fn bind(
+    machine: &Machine,
+    image: &mut Image,
+    source: &Project,
+    unknown_parts: UnknownParts,
+) -> Result<Bound, LoadError> {
     let mut directory = Names::new(machine, image);
     let Loaded {
         mut cell,
         findings,
         names,
     } = arcline_routine::load(source, &mut directory);
-    let mut wrong = blocking(&findings, missing).cloned();
+    let mut wrong = blocking(&findings, unknown_parts).cloned();
     if let Some(first) = wrong.next() {
         let rest: Vec<Finding> = wrong.collect();
         return Err(LoadError::Findings {
@@ -305,13 +317,18 @@ fn bind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing
 }
 
 /// The same on a machine that has a program, whose other tags go.
-fn rebind(machine: &Machine, image: &mut Image, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
+fn rebind(
+    machine: &Machine,
+    image: &mut Image,
+    source: &Project,
+    unknown_parts: UnknownParts,
+) -> Result<Bound, LoadError> {
     // Work on a copy without the tags of the present program, so that an error changes nothing.
     let mut copy = image.clone();
     copy.remove_program_tags(|_| false);
-    let Bound { cell, .. } = bind(machine, &mut copy, source, missing)?;
+    let Bound { cell, .. } = bind(machine, &mut copy, source, unknown_parts)?;
     remove_others(image, &cell);
-    bind(machine, image, source, missing)
+    bind(machine, image, source, unknown_parts)
 }
 
 /// A moment of a thread that waits for the tick.

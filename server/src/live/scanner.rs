@@ -8,8 +8,8 @@ use arcline_routine::{Cell, Fault};
 
 use super::host::{LiveHost, Pause};
 use super::names::Places;
-use super::{Bound, LoadError, Missing, Replacement, rebind};
-use crate::audit::What;
+use super::{Bound, LoadError, Replacement, UnknownParts, rebind};
+use crate::audit::EventKind;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 
 /// A program and its state.
@@ -118,8 +118,8 @@ impl Scanner {
     /// Takes another project in place of this one, between two scans. Tags that both have with one type keep their values.
     pub(crate) fn replace(&mut self, replacement: &Replacement) -> Result<(), LoadError> {
         self.host.exchange(self.cell.memory_mut());
-        let Replacement { source, missing } = replacement;
-        let Bound { cell, places, listing } = self.bind(source, *missing)?;
+        let Replacement { source, unknown_parts } = replacement;
+        let Bound { cell, places, listing } = self.bind(source, *unknown_parts)?;
         self.host.take_over(&cell, places);
         self.cell = cell;
         self.version = self.program.set_listing(listing);
@@ -131,10 +131,10 @@ impl Scanner {
         Ok(())
     }
 
-    fn bind(&self, source: &Project, missing: Missing) -> Result<Bound, LoadError> {
+    fn bind(&self, source: &Project, unknown_parts: UnknownParts) -> Result<Bound, LoadError> {
         let machine = self.plant.machine();
         self.plant
-            .exchange(true, |image| rebind(machine, image, source, missing))
+            .exchange(true, |image| rebind(machine, image, source, unknown_parts))
     }
 
     /// Enters Run.
@@ -167,7 +167,7 @@ impl Scanner {
         let words = fault.to_string();
         tracing::error!("the program of the controller has stopped: {words}");
         self.plant
-            .record(Principal::Controller, What::Stop, words.clone(), "major fault");
+            .record(Principal::Controller, EventKind::Stop, words.clone(), "major fault");
         self.program.show(|status| {
             (status.state, status.fault) = (ProgramState::Faulted(words), Some(fault.clone()));
         });

@@ -76,7 +76,7 @@ impl Bench {
         let mut image = project.image();
         let mut source = source(text);
         Surroundings::of(&project.server.controller).surround(&mut source);
-        let bound = bind(&project.machine, &mut image, &source, Missing::Refused);
+        let bound = bind(&project.machine, &mut image, &source, UnknownParts::Refused);
         let Bound { cell, places, listing } = bound.unwrap_or_else(|error| panic!("{error}"));
         let (rings, link) = arcline_realtime::link(&project.machine);
         let machine = Arc::new(Mutex::new((Controller::new(&project.machine), rings)));
@@ -327,7 +327,7 @@ fn another_project_is_checked_whole_and_keeps_what_is_the_same() {
     let count = bench.number("Count");
     let replacement = |text: &str| Replacement {
         source: source(text),
-        missing: Missing::Refused,
+        unknown_parts: UnknownParts::Refused,
     };
     let wrong = cell(
         &["Count DINT", "New DINT"],
@@ -558,7 +558,7 @@ fn a_wire_that_leads_nowhere_keeps_the_program_from_running() {
         let project = wired(&[(from, to)]);
         let mut source = source(&text);
         Surroundings::of(&project.server.controller).surround(&mut source);
-        let bound = bind(&project.machine, &mut project.image(), &source, Missing::Allowed);
+        let bound = bind(&project.machine, &mut project.image(), &source, UnknownParts::Allowed);
         let error = bound.err().expect(why).to_string();
         assert!(
             error.starts_with(&format!("wire from {from} to {to}: {why}")),

@@ -9,7 +9,7 @@ use super::command::{Command, Outcome, Refused};
 use super::principal::Principal;
 use super::rights::Right;
 use super::{Plant, Shared};
-use crate::audit::{Audit, Event, What};
+use crate::audit::{Audit, Event, EventKind};
 
 /// Bytes of a value that the audit shows.
 const SHOWN: usize = 32;
@@ -34,10 +34,10 @@ impl Plant {
     }
 
     /// Records an event that is not a command of the plant.
-    pub(crate) fn record(&self, principal: Principal, what: What, object: String, result: &'static str) {
+    pub(crate) fn record(&self, principal: Principal, kind: EventKind, object: String, result: &'static str) {
         let role = self.0.roles.of(principal);
         if let Some(audit) = self.0.audit.get() {
-            audit.record(self.0.bare(principal, role, what, object, result));
+            audit.record(self.0.bare(principal, role, kind, object, result));
         }
     }
 
@@ -46,7 +46,7 @@ impl Plant {
     pub(crate) fn record_set(&self, principal: Principal, right: Right, object: String, before: &[u8], after: &[u8]) {
         let role = self.0.roles.of(principal);
         if let Some(audit) = self.0.audit.get() {
-            let mut event = self.0.bare(principal, role, What::Config, object, "done");
+            let mut event = self.0.bare(principal, role, EventKind::Config, object, "done");
             event.values = Some((shown(before), shown(after)));
             event.is_plain_write = right == Right::OwnOutputs;
             audit.record(event);
@@ -59,11 +59,18 @@ impl Plant {
     }
 
     /// Records an event of a session of the page; `from` is its address and its user.
-    pub(crate) fn record_session(&self, from: String, role: Role, what: What, object: String, result: &'static str) {
+    pub(crate) fn record_session(
+        &self,
+        from: String,
+        role: Role,
+        kind: EventKind,
+        object: String,
+        result: &'static str,
+    ) {
         if let Some(audit) = self.0.audit.get() {
             audit.record(Event {
                 at: self.0.wall.now(),
-                what,
+                kind,
                 door: "page",
                 from: from.into(),
                 role: role.word(),
@@ -78,14 +85,14 @@ impl Plant {
 
 impl Shared {
     /// Records that a client came or went.
-    pub(super) fn record_client(&self, what: What, session: u64) {
+    pub(super) fn record_client(&self, kind: EventKind, session: u64) {
         let principal = if session >= crate::guard::VIEWERS {
             Principal::Viewer(session & !crate::guard::VIEWERS)
         } else {
             Principal::Client { session, connection: 0 }
         };
         if let Some(audit) = self.audit.get() {
-            audit.record(self.bare(principal, self.roles.of(principal), what, String::new(), "done"));
+            audit.record(self.bare(principal, self.roles.of(principal), kind, String::new(), "done"));
         }
     }
 
@@ -98,7 +105,7 @@ impl Shared {
         image: &Image,
     ) -> Option<Event> {
         self.audit.get()?;
-        let (what, object) = match command {
+        let (kind, object) = match command {
             Command::WriteTag { tag, offset, data } => {
                 let place = if *offset == 0 {
                     String::new()
@@ -117,7 +124,7 @@ impl Shared {
                 event.values = Some((shown(old), shown(data)));
                 // An instruction's tag as a whole has its EnableIn.
                 event.is_plain_write =
-                    event.what == What::Write && (is_plain(image, *tag) || data.len() <= size_of::<u64>());
+                    event.kind == EventKind::Write && (is_plain(image, *tag) || data.len() <= size_of::<u64>());
                 return Some(event);
             }
             Command::WriteBit { tag, offset, bit, on } => {
@@ -126,8 +133,8 @@ impl Shared {
                 let before = bytes
                     .get(offset + usize::from(bit / 8))
                     .is_some_and(|byte| byte >> (bit % 8) & 1 == 1);
-                let what = if is_edge {
-                    What::Motion
+                let kind = if is_edge {
+                    EventKind::Motion
                 } else {
                     kind_of_write(image, *tag)
                 };
@@ -135,9 +142,9 @@ impl Shared {
                     true => format!("{}.EnableIn", name_of(image, *tag)),
                     false => format!("{} byte {offset} bit {bit}", name_of(image, *tag)),
                 };
-                let mut event = self.bare(principal, role, what, name, "");
+                let mut event = self.bare(principal, role, kind, name, "");
                 event.values = Some((u8::from(before).to_string(), u8::from(*on).to_string()));
-                event.is_plain_write = what == What::Write;
+                event.is_plain_write = kind == EventKind::Write;
                 return Some(event);
             }
             Command::SetAttribute {
@@ -145,39 +152,47 @@ impl Shared {
                 index,
                 value,
             } => (
-                What::Motion,
+                EventKind::Motion,
                 format!("{} of {:?} {index} := {value}", attribute.name, attribute.object),
             ),
-            Command::InjectFaults { axis, bits } => (What::Motion, format!("faults 0x{bits:08X} of axis {}", axis.0)),
+            Command::InjectFaults { axis, bits } => {
+                (EventKind::Motion, format!("faults 0x{bits:08X} of axis {}", axis.0))
+            }
             Command::SetFeedOverride { system, percent } => (
-                What::Motion,
+                EventKind::Motion,
                 format!("feed override {percent} of coordinate system {}", system.index()),
             ),
-            Command::Hold(systems) => (What::Motion, format!("hold {systems:?}")),
-            Command::Resume(systems) => (What::Motion, format!("resume {systems:?}")),
+            Command::Hold(systems) => (EventKind::Motion, format!("hold {systems:?}")),
+            Command::Resume(systems) => (EventKind::Motion, format!("resume {systems:?}")),
             Command::Call(call) => {
                 let target = call.target.map_or_else(String::new, |target| format!(" {target}"));
                 let control = call.control.map_or_else(String::new, |control| format!(" {control}"));
                 let object = call.mnemonic.instruction().object;
-                (What::Motion, format!("{} {object:?}{target}{control}", call.mnemonic))
+                (
+                    EventKind::Motion,
+                    format!("{} {object:?}{target}{control}", call.mnemonic),
+                )
             }
-            Command::SetMode(mode) => (What::Config, format!("mode {}", mode.word())),
-            Command::Force(force) => (What::Write, format!("force {} := {}", force.name, force.value.as_f64())),
-            Command::RemoveForce(Some(name)) => (What::Write, format!("force of {name} removed")),
-            Command::RemoveForce(None) => (What::Write, "all forces removed".to_owned()),
+            Command::SetMode(mode) => (EventKind::Config, format!("mode {}", mode.word())),
+            Command::Force(force) => (
+                EventKind::Write,
+                format!("force {} := {}", force.name, force.value.as_f64()),
+            ),
+            Command::RemoveForce(Some(name)) => (EventKind::Write, format!("force of {name} removed")),
+            Command::RemoveForce(None) => (EventKind::Write, "all forces removed".to_owned()),
             // A program that runs is one change, not each of its instructions.
             Command::Execute(_) | Command::RungFalse(..) => return None,
-            Command::CreateTag(tag) => (What::Config, format!("create {}", tag.name)),
-            Command::DeleteTag(tag) => (What::Config, format!("delete {}", name_of(image, *tag))),
-            Command::Reload { .. } => (What::Reload, "the tags of the configuration".to_owned()),
-            Command::StopAll => (What::Estop, "stop of everything".to_owned()),
-            Command::Inhibit => (What::Estop, "STOP".to_owned()),
-            Command::Release => (What::Estop, "release of STOP".to_owned()),
+            Command::CreateTag(tag) => (EventKind::Config, format!("create {}", tag.name)),
+            Command::DeleteTag(tag) => (EventKind::Config, format!("delete {}", name_of(image, *tag))),
+            Command::Reload { .. } => (EventKind::Reload, "the tags of the configuration".to_owned()),
+            Command::StopAll => (EventKind::Estop, "stop of everything".to_owned()),
+            Command::Inhibit => (EventKind::Estop, "STOP".to_owned()),
+            Command::Release => (EventKind::Estop, "release of STOP".to_owned()),
             // Tests step in every line.
             Command::Step { .. } => return None,
             Command::Lose { .. } | Command::Disown(_) => return None,
         };
-        Some(self.bare(principal, role, what, object, ""))
+        Some(self.bare(principal, role, kind, object, ""))
     }
 
     /// Adds the outcome.
@@ -185,7 +200,7 @@ impl Shared {
         event.result = match done {
             Ok(_) => "done",
             Err(Refused::Role { right, .. }) => {
-                (event.what, event.is_plain_write) = (What::Denied, false);
+                (event.kind, event.is_plain_write) = (EventKind::Denied, false);
                 right.name()
             }
             Err(Refused::NoControl { .. }) => "no control",
@@ -202,7 +217,7 @@ impl Shared {
         };
     }
 
-    fn bare(&self, principal: Principal, role: Role, what: What, object: String, result: &'static str) -> Event {
+    fn bare(&self, principal: Principal, role: Role, kind: EventKind, object: String, result: &'static str) -> Event {
         let from: Arc<str> = match principal.session() {
             Some(session) => self.guard.identity_of(session).address.as_str().into(),
             None => "".into(),
@@ -218,7 +233,7 @@ impl Shared {
         };
         Event {
             at: self.wall.now(),
-            what,
+            kind,
             door,
             from,
             role: role.word(),
@@ -230,11 +245,11 @@ impl Shared {
     }
 }
 
-fn kind_of_write(image: &Image, tag: TagId) -> What {
+fn kind_of_write(image: &Image, tag: TagId) -> EventKind {
     match image.tag(tag).map(|tag| tag.kind) {
-        Some(TagKind::MotionInhibit) => What::Estop,
-        Some(TagKind::FeedOverride | TagKind::FaultInject) => What::Motion,
-        _ => What::Write,
+        Some(TagKind::MotionInhibit) => EventKind::Estop,
+        Some(TagKind::FeedOverride | TagKind::FaultInject) => EventKind::Motion,
+        _ => EventKind::Write,
     }
 }
 

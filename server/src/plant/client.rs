@@ -13,7 +13,7 @@ pub struct ClientIdentity {
     /// Its IP address, if it has one.
     pub ip: Option<IpAddr>,
     /// The identification that the client has sent; its product also as its connections or its browser show it.
-    pub told: Identification,
+    pub identification: Identification,
 }
 
 impl ClientIdentity {
@@ -22,13 +22,13 @@ impl ClientIdentity {
         ClientIdentity {
             address: address.to_owned(),
             ip,
-            told: Identification::default(),
+            identification: Identification::default(),
         }
     }
 }
 
 impl fmt::Display for ClientIdentity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}{}", self.address, self.told)
+        write!(f, "{}{}", self.address, self.identification)
     }
 }

@@ -9,7 +9,7 @@ use arcline_instruction_set::SystemId;
 use arcline_state::planted::is_planted;
 
 use super::{Command, Counter, Executions, LiveMoves, Logged, Movers, Plant, Principal, Systems};
-use crate::audit::What;
+use crate::audit::EventKind;
 
 /// Everything that one tick shows.
 #[derive(Debug)]
@@ -97,7 +97,12 @@ impl Plant {
     pub fn stop_all(&self) {
         self.0.counters.count(Counter::Stops, true);
         self.0.stops.stop_all();
-        self.record(Principal::Server, What::Estop, "stop of everything".to_owned(), "done");
+        self.record(
+            Principal::Server,
+            EventKind::Estop,
+            "stop of everything".to_owned(),
+            "done",
+        );
     }
 
     /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
@@ -107,7 +112,7 @@ impl Plant {
             return self.0.stops.stop_all();
         }
         self.0.stops.inhibit();
-        self.record(Principal::Server, What::Estop, "STOP".to_owned(), "done");
+        self.record(Principal::Server, EventKind::Estop, "STOP".to_owned(), "done");
         // The tags show it with the next look.
         self.0.sent.notify_one();
     }

@@ -52,7 +52,7 @@ use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl
 use arcline_realtime::{Clock, Handle, Link, Meter, Options, SpawnError, Stepper, Stops};
 use tokio::sync::Notify;
 
-use crate::audit::{Audit, What};
+use crate::audit::{Audit, EventKind};
 use crate::guard::{Face, Guard, Signs};
 use crate::limits::LogLimit;
 use crate::retained::ChangeTracker;
@@ -375,13 +375,13 @@ impl Plant {
     pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, role: Role, face: Weak<dyn Face>) -> Signs {
         self.0.roles.set(session, role);
         let signs = self.0.guard.enter(session, identity, face);
-        self.0.record_client(What::Connect, session);
+        self.0.record_client(EventKind::Connect, session);
         signs
     }
 
     /// A client has gone.
     pub(crate) fn leave(&self, session: u64) {
-        self.0.record_client(What::Disconnect, session);
+        self.0.record_client(EventKind::Disconnect, session);
         self.0.guard.leave(session);
         self.0.roles.forget(session);
     }
@@ -396,7 +396,7 @@ impl Plant {
             return Ok(());
         }
         self.log_denied(principal, right, role);
-        self.record(principal, What::Denied, right.may().to_owned(), right.name());
+        self.record(principal, EventKind::Denied, right.may().to_owned(), right.name());
         Err(Refused::Role { right, role })
     }
 

@@ -122,7 +122,7 @@ impl Mover {
             },
             line: self.principal.line().unwrap_or(0),
             address: self.client.address.clone(),
-            told: self.client.told.clone(),
+            identification: self.client.identification.clone(),
         }
     }
 }

@@ -17,7 +17,7 @@ use super::cell_tags;
 use super::output::{Files, is_standard_output};
 use super::plant::Plant;
 use crate::cli::Failure;
-use crate::live::{Missing, Names, Surroundings, blocking, configuration};
+use crate::live::{Names, Surroundings, UnknownParts, blocking, configuration};
 
 /// Longest simulated time of a project, s.
 const LONGEST: f64 = 60.0;
@@ -54,14 +54,14 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     Surroundings::of(&project.server.controller).surround(&mut source);
     let machine = project.machine.clone();
     let mut plant = Plant::new(Simulation::of_project(&project));
-    let missing = if args.allow_missing {
-        Missing::Allowed
+    let unknown_parts = if args.allow_missing {
+        UnknownParts::Allowed
     } else {
-        Missing::Refused
+        UnknownParts::Refused
     };
-    let loaded = plant.load(&source, missing);
+    let loaded = plant.load(&source, unknown_parts);
     let Loaded { mut cell, findings, .. } = loaded.map_err(|error| Failure::usage(format!("{file}: {error}")))?;
-    refuse(&file, &findings, missing)?;
+    refuse(&file, &findings, unknown_parts)?;
     let until = args.until.as_deref().map(|text| {
         let condition = plant.with_names(|names| cell.condition(&source, names, text));
         condition.map_err(|reason| Failure::usage(format!("--until {text}: {reason}")))
@@ -191,12 +191,12 @@ fn set_tags(cell: &mut Cell, plant: &mut Plant, setup: &Setup<'_>) -> Result<(),
 }
 
 /// Refuses a project whose parts do not all run.
-fn refuse(file: &str, findings: &[Finding], missing: Missing) -> Result<(), Failure> {
-    let count = blocking(findings, missing).count();
+fn refuse(file: &str, findings: &[Finding], unknown_parts: UnknownParts) -> Result<(), Failure> {
+    let count = blocking(findings, unknown_parts).count();
     for finding in findings.iter().take(SHOWN) {
         eprintln!("{file}: {finding}");
     }
-    match blocking(findings, missing).next() {
+    match blocking(findings, unknown_parts).next() {
         None => Ok(()),
         Some(first) => Err(Failure::usage(format!(
             "{file}: {first}; {count} parts of the project do not run"

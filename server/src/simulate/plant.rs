@@ -8,7 +8,7 @@ use arcline_routine::source::Project;
 use arcline_routine::{Cell, Host, Loaded};
 use arcline_simulation::{Observer, Origin, Simulation};
 
-use crate::live::{Missing, Names, NotPlaced, Placed, Places, blocking};
+use crate::live::{Names, NotPlaced, Placed, Places, UnknownParts, blocking};
 
 /// A machine under control of a project.
 pub(super) struct Plant {
@@ -26,11 +26,11 @@ impl Plant {
     }
 
     /// Loads a project on the machine, and makes its tags tags of the machine.
-    pub(super) fn load(&mut self, source: &Project, missing: Missing) -> Result<Loaded, NotPlaced> {
+    pub(super) fn load(&mut self, source: &Project, unknown_parts: UnknownParts) -> Result<Loaded, NotPlaced> {
         let machine = self.simulation.machine().clone();
         let mut names = Names::new(&machine, self.simulation.image_mut());
         let mut loaded = arcline_routine::load(source, &mut names);
-        if blocking(&loaded.findings, missing).next().is_none() {
+        if blocking(&loaded.findings, unknown_parts).next().is_none() {
             self.places = names.place(&mut loaded.cell, source)?;
         }
         Ok(loaded)

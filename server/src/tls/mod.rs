@@ -29,7 +29,7 @@ use self::leaf::Leaf;
 pub(crate) use self::leaf::hex;
 pub(crate) use self::trust::TrustError;
 use self::trust::{Files, Trust};
-use crate::audit::What;
+use crate::audit::EventKind;
 use crate::limits::{Full, Lockouts, LogLimit, Place, Places};
 use crate::plant::{Plant, Principal};
 
@@ -223,7 +223,7 @@ impl Tls {
             self.roles.store(Arc::new(table));
             warn!("the roles of certificates were read again");
             let what = "the roles of certificates".to_owned();
-            plant.record(Principal::Server, What::Reload, what, "done");
+            plant.record(Principal::Server, EventKind::Reload, what, "done");
         }
     }
 
@@ -258,7 +258,7 @@ impl Tls {
         let result = if read.is_ok() { "done" } else { "refused" };
         plant.record(
             Principal::Server,
-            What::Reload,
+            EventKind::Reload,
             "the certificates of TLS".to_owned(),
             result,
         );

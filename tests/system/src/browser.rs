@@ -109,12 +109,12 @@ pub fn case_among_strangers(name: &str) {
 /// A client that jogs the axis X slowly as long as it is there.
 async fn jog(server: &str) -> Result<Client, ClientError> {
     let client = Client::connect(server).await?;
-    let told = Identification {
+    let identification = Identification {
         product: "<img src=x onerror=alert(7)>".to_owned(),
         user: "<img src=x onerror=alert(8)>".to_owned(),
         program: "<img src=x onerror=alert(9)>".to_owned(),
     };
-    client.introduce(&told).await?;
+    client.introduce(&identification).await?;
     for axis in ["X", "Y"] {
         client.execute(Mnemonic::Mso, axis, "", &[]).await?;
     }

@@ -53,7 +53,7 @@ pub(crate) fn smooth(
             system.hold(i, point);
         }
         for row in &mut rows {
-            row.look(reference, allowance, &control.points);
+            row.update(reference, allowance, &control.points);
             system.pull(row);
         }
         system.solve(stiffness, &thirds);
@@ -124,12 +124,13 @@ impl Row {
 
     /// Widens the corridor for the running motion, which may be nearer to the wall than a smooth curve.
     fn begin(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
-        self.look(reference, allowance, points);
+        self.update(reference, allowance, points);
         let most = TUNING.smooth.most_begun / self.share * self.radius;
         self.begun = most.min(TUNING.smooth.beside_off * self.off.norm());
     }
 
-    fn look(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
+    /// Finds the nearest point of the reference path, and the corridor there.
+    fn update(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
         let point = self.of(points);
         (self.foot, self.piece) = reference.foot(&point, self.piece);
         let path = &reference.pieces[self.piece];

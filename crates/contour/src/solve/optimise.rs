@@ -94,7 +94,7 @@ impl Problem<'_> {
                     value = self.value(weight, &search.now, &mut search.slack);
                 }
                 let decrement = self.find_step(weight, &mut search);
-                work.look_at(self.points.len());
+                work.visit(self.points.len());
                 let converged = -decrement < TUNING.barrier.converged * self.points.len() as f64;
                 if !decrement.is_finite() || (converged && !self.is_relaxed()) {
                     break;
@@ -191,7 +191,7 @@ impl Problem<'_> {
         for attempt in 0..TUNING.barrier.attempts {
             smooth_lengths(&search.wanted, &mut search.lengths);
             let trial = self.try_step(weight, search);
-            work.look_at(self.points.len());
+            work.visit(self.points.len());
             let Search {
                 gradient,
                 step,

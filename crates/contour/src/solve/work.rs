@@ -34,7 +34,8 @@ impl Work {
         Work { left }
     }
 
-    pub(crate) fn look_at(&mut self, nodes: usize) {
+    /// Counts one visit of each of this number of nodes.
+    pub(crate) fn visit(&mut self, nodes: usize) {
         self.left = self.left.saturating_sub(nodes as u64);
     }
 

@@ -3,7 +3,7 @@
 use arcline_instruction_set::enumerations::McdMotionType;
 use arcline_instruction_set::operands::Mcd;
 use arcline_instruction_set::{AxisIndex, Call, Flag, MotionError};
-use arcline_planner::profile::{KinematicState, Lead, Limits, Profile};
+use arcline_planner::profile::{AccelerationRemovalPhase, KinematicState, Limits, Profile};
 
 use super::axis_moves;
 use super::programmed::{ChangeOperands, Rates};
@@ -89,10 +89,10 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     }
     // An axis that pauses brakes with its stop jerk, which may be higher than the jerk with which it continues.
     let rest = (paused && bounds.overshoot)
-        .then(|| Lead::before_rest(now, &limits))
+        .then(|| AccelerationRemovalPhase::before_rest(now, &limits))
         .flatten();
-    let lead = axis_moves::relief(bounds, now, &limits, before.as_ref()).or(rest);
-    let profile = Profile::led(lead, now, |from| match goal {
+    let removal_phase = axis_moves::removal_phase(bounds, now, &limits, before.as_ref()).or(rest);
+    let profile = Profile::after_removal(removal_phase, now, |from| match goal {
         Goal::Position(target) => Profile::to_position_two_stage(from, target, &limits),
         Goal::Velocity(velocity) => Profile::to_velocity(from, velocity, &limits),
     });

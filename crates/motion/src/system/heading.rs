@@ -44,8 +44,8 @@ pub(crate) fn rotation_between(from: &Point, to: &Point) -> Rotation {
     let [start, end] = [from, to].map(rotation);
     let shortest = Rotation::new(&start, &end, 0.0);
     let mut passed = *from;
-    for look in 1..=LOOKS {
-        let share = f64::from(look) / f64::from(LOOKS);
+    for sample in 1..=SAMPLES {
+        let share = f64::from(sample) / f64::from(SAMPLES);
         passed = continued(&shortest.at(share).orientation, &passed);
     }
     let missing = (to.z - passed.z) / 360.0;
@@ -86,9 +86,9 @@ pub(crate) fn rotation_by(from: &Point, to: &Point, turns: f64) -> Rotation {
 /// down, where Rx and Rz change by half a turn at once, in either direction. Bounded.
 fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     let (mut at, mut here, mut mirrored) = (*from, 0.0, false);
-    let whole = f64::from(LOOKS).recip();
+    let whole = f64::from(SAMPLES).recip();
     let mut step = whole;
-    for _ in 0..MOST_LOOKS {
+    for _ in 0..MOST_SAMPLES {
         let share = f64::min(here + step, 1.0);
         let there = angles(&rotation.at(share).orientation, &at);
         if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR_DEG {
@@ -238,8 +238,8 @@ impl System {
 }
 
 /// Samples of a rotation of at most half a turn: its angles change by less than a quarter turn from one to the next.
-const LOOKS: u32 = 16;
+const SAMPLES: u32 = 16;
 /// Most samples, with steps that are halved close to straight up.
-const MOST_LOOKS: u32 = 200;
+const MOST_SAMPLES: u32 = 200;
 /// Degrees of Rx or Rz in a step.
 const FAR_DEG: f64 = 60.0;

@@ -102,7 +102,7 @@ impl Present<'_> {
     }
 
     /// Samples a plan at an instant, `seconds` after the next update.
-    pub(super) fn look_at(&self, ahead: &mut Ahead, seconds: f64) {
+    pub(super) fn sample_stop(&self, ahead: &mut Ahead, seconds: f64) {
         for stop in &ahead.axes {
             ahead.steps[usize::from(stop.axis)] = KinematicState::default();
         }

@@ -16,7 +16,7 @@ use super::sides::{Side, positions};
 use super::transform::{Map, Transform};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::tolerance::{JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, SHORTEST_LOOK_S};
+use crate::tolerance::{JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, SHORTEST_SAMPLE_INTERVAL_S};
 
 /// The future of a transform.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,7 @@ pub(crate) enum Verdict {
 
 /// The joints at an instant of a stop.
 #[derive(Clone, Copy, Debug, Default)]
-struct Look {
+struct JointSample {
     /// Seconds after the next update.
     at: f64,
     /// The motion of the joints that the source leads, in the robot's frame.
@@ -43,7 +43,7 @@ struct Look {
     own: Side,
 }
 
-impl Look {
+impl JointSample {
     fn joint(&self, index: usize) -> KinematicState {
         let (led, own) = (&self.led[index], &self.own[index]);
         KinematicState {
@@ -68,7 +68,7 @@ enum IntervalVerdict {
 struct Bounds {
     /// Units/s.
     speed: f64,
-    /// Its permitted positions, in the frame of [`Look::joint`].
+    /// Its permitted positions, in the frame of [`JointSample::joint`].
     room: [f64; 2],
     /// The error of a position outside of them.
     beyond: MotionError,
@@ -81,10 +81,10 @@ struct StopAhead<'a> {
     ahead: &'a mut Ahead,
     /// Follows the joints from sample to sample.
     robot: RobotMap,
-    now: Look,
+    now: JointSample,
     bounds: [Bounds; MAX_SYSTEM_AXES],
     /// Samples whose intervals are to be judged, the last one first.
-    goals: [Look; DEPTH],
+    goals: [JointSample; DEPTH],
     /// Remaining samples between others.
     left: u8,
 }
@@ -135,12 +135,12 @@ impl Present<'_> {
             robot: *robot,
             now,
             bounds: self.bounds(transform, robot),
-            goals: [Look::default(); DEPTH],
+            goals: [JointSample::default(); DEPTH],
             left: CLOSER,
         };
         let mut before = now;
-        for index in 0..=LOOKS {
-            let share = f64::from(index) / f64::from(LOOKS);
+        for index in 0..=SAMPLES {
+            let share = f64::from(index) / f64::from(SAMPLES);
             before = stop.go_to(before, duration * share)?;
             if duration <= 0.0 {
                 break;
@@ -150,19 +150,19 @@ impl Present<'_> {
     }
 
     /// The joints at the present tick, one update before the stop.
-    fn joints_now(&self, transform: &Transform) -> Look {
-        let mut look = Look {
+    fn joints_now(&self, transform: &Transform) -> JointSample {
+        let mut sample = JointSample {
             at: -self.clock.period(),
             led: transform.target_before,
             own: Side::default(),
         };
-        for (led, offset) in look.led.iter_mut().zip(transform.offset) {
+        for (led, offset) in sample.led.iter_mut().zip(transform.offset) {
             led.position -= offset;
         }
-        for (axis, own) in transform.target.iter().zip(&mut look.own) {
+        for (axis, own) in transform.target.iter().zip(&mut sample.own) {
             *own = self.axes[*axis].sum.motion_of(|kind| kind != GeneratorKind::Transform);
         }
-        look
+        sample
     }
 
     /// A target of other transforms leads the source: neither the source's own motion nor that of a source above it.
@@ -203,8 +203,8 @@ impl Present<'_> {
             };
             seconds = seconds.max(self.clock.period() + 0.5 * point.velocity.abs() / state.dynamics.deceleration);
         }
-        for look in 0..=LOOKS {
-            let share = f64::from(look) / f64::from(LOOKS);
+        for sample in 0..=SAMPLES {
+            let share = f64::from(sample) / f64::from(SAMPLES);
             let mut there = source;
             for point in &mut there {
                 point.position += point.velocity * seconds * share;
@@ -254,9 +254,9 @@ impl StopAhead<'_> {
     ///
     /// # Errors
     /// The error of the first limit that a joint would exceed until then.
-    fn go_to(&mut self, mut before: Look, at: f64) -> Result<Look, MotionError> {
+    fn go_to(&mut self, mut before: JointSample, at: f64) -> Result<JointSample, MotionError> {
         let mut count = 1;
-        self.goals[0] = self.look(at)?;
+        self.goals[0] = self.sample(at)?;
         while count > 0 {
             let mut next = self.goals[count - 1];
             if self.transform.source_moves {
@@ -266,10 +266,13 @@ impl StopAhead<'_> {
                 IntervalVerdict::Exceeded(error) => return Err(error),
                 // The interval before the next update has no plan of the stop.
                 IntervalVerdict::Unknown
-                    if self.left > 0 && count < DEPTH && before.at >= 0.0 && next.at - before.at > SHORTEST_LOOK_S =>
+                    if self.left > 0
+                        && count < DEPTH
+                        && before.at >= 0.0
+                        && next.at - before.at > SHORTEST_SAMPLE_INTERVAL_S =>
                 {
                     self.left -= 1;
-                    self.goals[count] = self.look(0.5 * (before.at + next.at))?;
+                    self.goals[count] = self.sample(0.5 * (before.at + next.at))?;
                     count += 1;
                     continue;
                 }
@@ -287,20 +290,20 @@ impl StopAhead<'_> {
 
     /// # Errors
     /// The error of a position that the joints cannot take.
-    fn look(&mut self, at: f64) -> Result<Look, MotionError> {
-        self.present.look_at(self.ahead, at);
-        let mut look = Look { at, ..self.now };
+    fn sample(&mut self, at: f64) -> Result<JointSample, MotionError> {
+        self.present.sample_stop(self.ahead, at);
+        let mut sample = JointSample { at, ..self.now };
         if self.transform.source_moves {
             let source = self.present.source_ahead(self.transform, self.ahead);
-            look.led = self.robot.target_of(&source)?;
+            sample.led = self.robot.target_of(&source)?;
         }
-        for (axis, own) in self.transform.target.iter().zip(&mut look.own) {
+        for (axis, own) in self.transform.target.iter().zip(&mut sample.own) {
             *own = self.ahead.step(*axis);
         }
-        Ok(look)
+        Ok(sample)
     }
 
-    fn between(&self, before: &Look, next: &Look) -> IntervalVerdict {
+    fn between(&self, before: &JointSample, next: &JointSample) -> IntervalVerdict {
         let width = next.at - before.at;
         let mut verdict = IntervalVerdict::Kept;
         for index in 0..self.transform.target.len() {
@@ -336,7 +339,7 @@ impl StopAhead<'_> {
     }
 
     /// Judges an interval by its ends, if it is too short for another sample.
-    fn judge(&self, before: &Look, next: &Look) -> Result<(), MotionError> {
+    fn judge(&self, before: &JointSample, next: &JointSample) -> Result<(), MotionError> {
         let width = next.at - before.at;
         let mut verdict = Ok(());
         for index in 0..self.transform.target.len() {
@@ -354,17 +357,17 @@ impl StopAhead<'_> {
 
 /// A joint is faster, or was displaced further in an update, than its maximum speed permits.
 pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64, period: f64) -> bool {
-    now.velocity.abs() > speed * (1.0 + LOOK_ERROR_SHARE)
-        || (now.position - before.position).abs() > speed * period * (1.0 + LOOK_ERROR_SHARE) + JOINT_UNITS
+    now.velocity.abs() > speed * (1.0 + SAMPLE_ERROR_SHARE)
+        || (now.position - before.position).abs() > speed * period * (1.0 + SAMPLE_ERROR_SHARE) + JOINT_UNITS
 }
 
 /// Excess of a joint's speed over its Maximum Speed from which the source leads it no longer: the error between two samples of a
 /// stop.
-const LOOK_ERROR_SHARE: f64 = 0.02;
+const SAMPLE_ERROR_SHARE: f64 = 0.02;
 /// A joint with a larger displacement, in degrees, between two samples at the smallest distance turns at once.
 pub(super) const AT_ONCE_DEG: f64 = 10.0;
 /// Samples of a stop, evenly spaced in time.
-const LOOKS: u8 = 4;
+const SAMPLES: u8 = 4;
 /// Most additional samples between these.
 const CLOSER: u8 = 32;
 /// Nested intervals.

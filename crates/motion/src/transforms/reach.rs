@@ -166,7 +166,7 @@ impl Present<'_> {
         let mut heading = moved.heading;
         let mut source = |share: f64| self.source_on(system, transform, moved, share, &mut heading);
         let length = moved.path.length();
-        let (mut looks, mut extremes) = (LOOKS, EXTREMES);
+        let (mut samples, mut extremes) = (SAMPLES, EXTREMES);
         let mut joints = robot.begin(&source(0.0))?;
         self.verify_joints(transform, &joints, limits)?;
         let mut here = 0.0;
@@ -175,8 +175,8 @@ impl Present<'_> {
             let mut next = goal;
             while here < goal {
                 let there = robot.target_of(&source(next))?;
-                looks -= 1;
-                if looks > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
+                samples -= 1;
+                if samples > 0 && turns_far(&robot, &joints, &there, (next - here) * length) {
                     if next - here < ORIGIN_STEP_SHARE {
                         return Err(MotionError::TransformAtOrigin);
                     }
@@ -197,7 +197,7 @@ impl Present<'_> {
                 }
                 robot.follow_joints(&there);
                 (here, joints, next) = (next, there, goal);
-                if looks == 0 {
+                if samples == 0 {
                     return Ok(());
                 }
             }
@@ -273,7 +273,7 @@ fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool
 /// Steps of a path.
 const STEPS: u16 = 32;
 /// Samples of one path, including those of halved steps.
-const LOOKS: u16 = 400;
+const SAMPLES: u16 = 400;
 /// Reversals of joints that are searched for, and halvings of a step for one.
 const EXTREMES: u16 = 24;
 const HALVES: u16 = 18;

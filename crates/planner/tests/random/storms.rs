@@ -400,7 +400,7 @@ impl<'k> Storm<'k> {
 
 /// Storms that failed once.
 const FAILED: &[(&str, u64)] = &[
-    // A resume whose lead ends behind a joint of two lines with different rates.
+    // A resume whose removal phase ends behind a joint of two lines with different rates.
     ("deep changes of rates", 95),
     ("deep changes of rates", 198),
     // Two changes in one update raised the jerk.

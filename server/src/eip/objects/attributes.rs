@@ -4,7 +4,7 @@ use arcline_proto::cip::{self, AttributeListReader, AttributeListReply, CipStatu
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::object::{Object, ObjectContext, On};
-use crate::audit::What;
+use crate::audit::EventKind;
 
 /// Answers a request for a class (instance 0 or none) or for one of its instances.
 pub(crate) fn serve(object: &dyn Object, mut cx: ObjectContext<'_, '_>) -> Reply {
@@ -34,7 +34,7 @@ fn answer(object: &dyn Object, cx: &mut ObjectContext<'_, '_>) -> Result<Reply, 
                 instance => format!("{} of {} {instance}", own.name, object.name()),
             };
             let plant = &cx.device().plant;
-            plant.record(cx.context.principal, What::Config, what, "done");
+            plant.record(cx.context.principal, EventKind::Config, what, "done");
         }
         return Ok(reply);
     }

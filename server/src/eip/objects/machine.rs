@@ -151,13 +151,13 @@ fn step(cx: &mut ObjectContext<'_, '_>) -> Result<(), CipStatus> {
 
 /// Stores the identification that a client sends.
 fn identify(cx: &ObjectContext<'_, '_>) -> Result<(), CipStatus> {
-    let told = Identification::decode(&cx.request.data)?;
+    let identification = Identification::decode(&cx.request.data)?;
     if let Some(session) = cx.context.principal.session() {
-        let told = told.bounded();
+        let identification = identification.bounded();
         cx.device()
             .plant
             .guard()
-            .identify(session, |identity| identity.told = told);
+            .identify(session, |identity| identity.identification = identification);
     }
     Ok(())
 }

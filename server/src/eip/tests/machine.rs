@@ -120,24 +120,24 @@ async fn an_object_names_its_mover() {
     assert_eq!(codes(client.ask(&jog(A)).await.status), (0, 0));
     let shown = client.mover(0x0301, A, axis::MOVER).await;
     assert_eq!(
-        (&*shown.told.product, shown.address),
+        (&*shown.identification.product, shown.address),
         ("pylogix", PEER.to_string()),
         "by its vendor id and serial number"
     );
 
-    let told = Identification {
+    let identification = Identification {
         product: "arcline 0.2.0".into(),
         user: "jane".into(),
         program: "part.st".into(),
     };
-    let identified = client.ask(&service_of(own::IDENTIFY, &told.to_bytes())).await;
+    let identified = client.ask(&service_of(own::IDENTIFY, &identification.to_bytes())).await;
     assert_eq!(codes(identified.status), (0, 0));
     let moved = client
         .ask(&on(Mnemonic::Mclm, 1, &line("", &[100_000.0, 0.0, 0.0])))
         .await;
     assert_eq!(codes(moved.status), (0, 0), "{}", moved.status);
     let mover = Mover {
-        told: told.clone(),
+        identification: identification.clone(),
         ..plain.clone()
     };
     assert_eq!(client.mover(0x0302, 1, coordinate_system::MOVER).await, mover);
@@ -151,7 +151,9 @@ async fn an_object_names_its_mover() {
         format!("{PEER} (arcline 0.2.0, user jane, program part.st)")
     );
     assert_eq!(client.mover(0x0301, S, axis::MOVER).await, plain, "as it was then");
-    let cut = client.ask(&service_of(own::IDENTIFY, &told.to_bytes()[..5])).await;
+    let cut = client
+        .ask(&service_of(own::IDENTIFY, &identification.to_bytes()[..5]))
+        .await;
     assert_eq!(codes(cut.status), (0x13, 0));
     bench.device.plant.stop_all();
 }

@@ -22,7 +22,7 @@ use tracing::{error, warn};
 
 pub(super) use self::session::State;
 use self::session::{Session, Subject};
-use crate::audit::{What, sha256};
+use crate::audit::{EventKind, sha256};
 use crate::limits::Lockouts;
 use crate::plant::control::ViewerId;
 use crate::plant::{Plant, Principal};
@@ -153,7 +153,7 @@ impl Sessions {
             Some(user) => {
                 let secret = random_text().ok_or(LoginRefused::NoRandom)?;
                 if let Some(before) = before {
-                    self.end(plant, before, What::Logout, "replaced");
+                    self.end(plant, before, EventKind::Logout, "replaced");
                 }
                 let credential = user.password.text().to_owned();
                 self.begin(
@@ -180,7 +180,7 @@ impl Sessions {
                 plant.record_session(
                     peer.to_string(),
                     Role::Viewer,
-                    What::LoginRefused,
+                    EventKind::LoginRefused,
                     known.to_owned(),
                     "refused",
                 );
@@ -219,7 +219,7 @@ impl Sessions {
         }
         let now = Instant::now();
         let from = format!("{peer} {}", subject.name());
-        plant.record_session(from.clone(), role, What::Login, String::new(), "done");
+        plant.record_session(from.clone(), role, EventKind::Login, String::new(), "done");
         let session = Session {
             subject,
             role,
@@ -283,13 +283,13 @@ impl Sessions {
 
     /// Ends a session, for a person.
     pub(super) fn log_out(&self, plant: &Plant, key: &Key) {
-        self.end(plant, key, What::Logout, "done");
+        self.end(plant, key, EventKind::Logout, "done");
     }
 
-    fn end(&self, plant: &Plant, key: &Key, what: What, result: &'static str) {
+    fn end(&self, plant: &Plant, key: &Key, kind: EventKind, result: &'static str) {
         let session = self.known().remove(key);
         if let Some(session) = session {
-            session.end(plant, what, result);
+            session.end(plant, kind, result);
         }
     }
 
@@ -317,7 +317,7 @@ impl Sessions {
         let read = Users::read(file);
         let result = if read.is_ok() { "done" } else { "refused" };
         let what = "the users of the page".to_owned();
-        plant.record(Principal::Server, What::Reload, what, result);
+        plant.record(Principal::Server, EventKind::Reload, what, result);
         match read {
             Ok(users) => {
                 warn!("the users of the page were read again");
@@ -359,7 +359,7 @@ impl Sessions {
         }
         for (key, why) in ended {
             if let Some(session) = known.remove(&key) {
-                session.end(plant, What::Logout, why);
+                session.end(plant, EventKind::Logout, why);
             }
         }
     }
@@ -376,7 +376,7 @@ fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, Session>, is_one: impl Fn
         .min_by_key(|(_, session)| session.active)
         .map(|(key, _)| key.clone());
     if let Some(session) = oldest.and_then(|key| known.remove(&key)) {
-        session.end(plant, What::Logout, "too many sessions");
+        session.end(plant, EventKind::Logout, "too many sessions");
     }
 }
 

@@ -6,7 +6,7 @@ use arcline_config::Role;
 use tokio::sync::watch;
 use tokio::time::Instant;
 
-use crate::audit::What;
+use crate::audit::EventKind;
 use crate::guard::VIEWERS;
 use crate::plant::Plant;
 use crate::plant::control::ViewerId;
@@ -85,15 +85,15 @@ impl Session {
             // A locked page holds no jog button.
             plant.guard().lose(VIEWERS | viewer);
         }
-        plant.record_session(self.from.clone(), self.role, What::Locked, String::new(), "done");
+        plant.record_session(self.from.clone(), self.role, EventKind::Locked, String::new(), "done");
     }
 
-    pub(super) fn end(self, plant: &Plant, what: What, result: &'static str) {
+    pub(super) fn end(self, plant: &Plant, kind: EventKind, result: &'static str) {
         for viewer in self.viewers.keys() {
             // Its connection is closed at once, too.
             plant.roles().set(VIEWERS | viewer, Role::Viewer);
         }
-        plant.record_session(self.from, self.role, what, String::new(), result);
+        plant.record_session(self.from, self.role, kind, String::new(), result);
         self.state.send_replace(State::Ended);
     }
 }

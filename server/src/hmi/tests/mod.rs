@@ -106,7 +106,7 @@ struct Viewer {
     socket: Socket,
     next: u64,
     /// Answers that came while another one was waited for.
-    seen: Vec<Value>,
+    other_answers: Vec<Value>,
 }
 
 impl Viewer {
@@ -115,7 +115,7 @@ impl Viewer {
         let mut viewer = Viewer {
             socket,
             next: 1,
-            seen: Vec::new(),
+            other_answers: Vec::new(),
         };
         viewer.push("hello").await;
         viewer
@@ -162,8 +162,8 @@ impl Viewer {
     /// The whole answer to a request.
     async fn answer(&mut self, id: impl Into<Value>) -> Value {
         let id = id.into();
-        if let Some(place) = self.seen.iter().position(|answer| answer["id"] == id) {
-            return self.seen.swap_remove(place);
+        if let Some(place) = self.other_answers.iter().position(|answer| answer["id"] == id) {
+            return self.other_answers.swap_remove(place);
         }
         loop {
             let text = self.text().await.expect("it is open");
@@ -171,7 +171,7 @@ impl Viewer {
                 return text;
             }
             if text.get("id").is_some() {
-                self.seen.push(text);
+                self.other_answers.push(text);
             }
         }
     }

@@ -255,7 +255,11 @@ async fn previews_wait_for_each_other_and_nothing_waits_for_them() {
                 .is_some_and(|text| text.contains("wait already")),
             "{refused}"
         );
-        assert!(viewer.seen.is_empty(), "before the simulations: {:?}", viewer.seen);
+        assert!(
+            viewer.other_answers.is_empty(),
+            "before the simulations: {:?}",
+            viewer.other_answers
+        );
     }
     // The preview of a viewer that goes leaves the queue.
     viewers.pop();

@@ -46,7 +46,7 @@ pub(super) struct Page {
     /// Its IP address.
     pub(super) peer: IpAddr,
     /// The browser that shows it, as its product.
-    pub(super) told: Identification,
+    pub(super) identification: Identification,
     /// The role of its address.
     pub(super) role: arcline_config::Role,
     /// The session that it showed.
@@ -77,7 +77,7 @@ pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, pag
     let identity = ClientIdentity {
         address: name.clone(),
         ip: Some(page.peer),
-        told: page.told,
+        identification: page.identification,
     };
     let signs = shared.plant.enter(VIEWERS | number, identity, page.role, weak);
     let session = page.session.filter(|joined| {
@@ -205,14 +205,14 @@ impl Viewer {
         }
         let audited = audited(&request);
         let answer = self.answer(id, request, heard, simulations).await;
-        if let Some((what, object)) = audited {
+        if let Some((kind, object)) = audited {
             let result = if matches!(answer, Some(Err(_))) {
                 "refused"
             } else {
                 "done"
             };
             let by = Principal::Viewer(self.id);
-            self.shared.plant.record(by, what, object, result);
+            self.shared.plant.record(by, kind, object, result);
         }
         if moves && stopped() {
             // Its instruction may have been sent after the stop.

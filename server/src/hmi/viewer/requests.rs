@@ -1,6 +1,6 @@
 //! The rules of the page's requests: whether a request may move the machine, which right it needs, and its record in the audit.
 
-use crate::audit::{What, sha256};
+use crate::audit::{EventKind, sha256};
 use crate::hmi::protocol::{Request, Take};
 use crate::plant::Right;
 
@@ -47,14 +47,14 @@ pub(super) fn moves(request: &Request) -> bool {
 }
 
 /// The record in the audit of a request that is not a command of the plant.
-pub(super) fn audited(request: &Request) -> Option<(What, String)> {
+pub(super) fn audited(request: &Request) -> Option<(EventKind, String)> {
     Some(match request {
-        Request::Take(take) if take.force => (What::Take, format!("{} by force", take.object)),
-        Request::Take(take) => (What::Take, take.object.clone()),
-        Request::Release(release) => (What::Take, format!("{} given back", release.object)),
-        Request::Run(run) => (What::Program, format!("run, sha256 {}", sha256(&run.text))),
-        Request::Continue(_) => (What::Program, "continue".to_owned()),
-        Request::End(_) => (What::Program, "end".to_owned()),
+        Request::Take(take) if take.force => (EventKind::Take, format!("{} by force", take.object)),
+        Request::Take(take) => (EventKind::Take, take.object.clone()),
+        Request::Release(release) => (EventKind::Take, format!("{} given back", release.object)),
+        Request::Run(run) => (EventKind::Program, format!("run, sha256 {}", sha256(&run.text))),
+        Request::Continue(_) => (EventKind::Program, "continue".to_owned()),
+        Request::End(_) => (EventKind::Program, "end".to_owned()),
         _ => return None,
     })
 }

@@ -47,7 +47,7 @@ impl Ledger {
     /// Takes an event of the audit.
     pub(crate) fn event(&self, event: &Audited, record: &Record) {
         let is_done = event.result == "done";
-        let kind = match event.what.as_str() {
+        let kind = match event.kind.as_str() {
             "denied" => Kind::Denied,
             // A write that does not reach the file has changed the tag.
             "write" if is_done || event.result == "not kept" => {
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn events_are_at_least_those_answered_and_at_most_those_asked_for() {
         let event = Audited {
-            what: "write".to_owned(),
+            kind: "write".to_owned(),
             from: "10.0.1.6:1025".to_owned(),
             object: "D0".to_owned(),
             new: "01".to_owned(),
