@@ -125,13 +125,6 @@ impl Program {
         }
     }
 
-    /// What a distance may come to where a way is the bound. A planned contour brakes with all of the programmed rates but for the share that
-    /// the grid of its pace leaves.
-    fn at_most(&self, way: f64, from: KinematicState) -> f64 {
-        let share = if self.kind == Kind::Contours { 1.05 } else { 1.0 };
-        at_most(share * way, from)
-    }
-
     fn harder(&mut self, kind: usize, rate: f64) {
         self.hardest[kind] = self.hardest[kind].max(rate);
     }
@@ -207,7 +200,7 @@ impl Program {
         if merge != 0 && from.velocity > 0.0 {
             self.coasting = None;
             let most = match before {
-                Some(before) if !arc => self.at_most(before.way(from), from),
+                Some(before) if !arc => at_most(before.way(from), from),
                 // An arc bulges, and residuals behind another merge add up.
                 _ => f64::INFINITY,
             };
@@ -280,7 +273,7 @@ impl Program {
                     why: format!("{whole} of {before:?} at {from:?}"),
                     paused: active.map(|(tag, _)| tag.clone()),
                     gone: 0.0,
-                    most: self.at_most(before.way(from), from),
+                    most: at_most(before.way(from), from),
                 });
             }
         }
@@ -398,17 +391,21 @@ impl Program {
                 why: format!("{call} of {before:?} at {from:?}"),
                 paused: None,
                 gone: 0.0,
-                most: self.at_most(before.way(from).max(own), from),
+                most: at_most(before.way(from).max(own), from),
             });
     }
 
     fn stopping(&mut self, call: &str, before: Dynamics, from: KinematicState, rate: f64) {
+        // A contour that accelerates goes on further (docs/MOTION.md).
+        if self.kind == Kind::Contours {
+            return;
+        }
         let own = before.way_of_a_stop(from, rate, 100.0);
         self.coasting = Some(Coasting {
             why: format!("{call} of {before:?} at {from:?}"),
             paused: None,
             gone: 0.0,
-            most: self.at_most(before.way(from).max(own), from),
+            most: at_most(before.way(from).max(own), from),
         });
     }
 
