@@ -34,8 +34,14 @@ impl Random {
     }
 }
 
-/// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on where
-/// `ARCLINE_LONG` is set, as in `.ci/run campaigns`; one of 25 of them in a plain `cargo test`.
+/// `ARCLINE_LONG` is set, as in `.ci/run campaigns`: tests run all of their cases.
+#[must_use]
+pub fn is_long() -> bool {
+    std::env::var_os("ARCLINE_LONG").is_some()
+}
+
+/// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on in a long run
+/// ([`is_long`]); one of 25 of them in a plain `cargo test`.
 ///
 /// # Panics
 /// When a variable is no number.
@@ -46,11 +52,7 @@ pub fn seeds(long: u64) -> std::ops::Range<u64> {
             .ok()
             .map(|text| text.parse::<u64>().expect("a number"))
     };
-    let usual = if std::env::var_os("ARCLINE_LONG").is_some() {
-        long
-    } else {
-        long.div_ceil(25)
-    };
+    let usual = if is_long() { long } else { long.div_ceil(25) };
     let first = number("ARCLINE_SEED").unwrap_or(0);
     first..first + number("ARCLINE_CASES").unwrap_or(usual)
 }

@@ -31,5 +31,7 @@ pub(crate) const SAME_SHARE: f64 = 1e-9;
 pub(crate) const STEADY_SHARE: f64 = 0.01;
 /// The least speed for the stop of a contour, as a share of the speed limit, such that its rates along the curve stay finite.
 pub(crate) const CREEPING_SHARE: f64 = 1e-3;
+/// The least speed for ramps of the pace that suit the present state, as a share of the trajectory's highest speed.
+pub(crate) const LEAST_RAMP_SPEED_SHARE: f64 = 0.01;
 /// The least rate of an axis that does not move, position units/s² or /s³.
 pub(crate) const LEAST_RATE_UNITS: f64 = 1e-3;

@@ -3,6 +3,7 @@
 
 use arcline_instruction_set::{FaultKind, Flag};
 use arcline_tests::bench::{Bench, OK};
+use arcline_tests::random::is_long;
 
 /// Master units/s that contours are planned for.
 const NOMINAL: f64 = 50.0;
@@ -133,10 +134,9 @@ fn every_stop_of_an_s_curve_has_a_jerk_limit() {
     let ways = KINDS.iter().flat_map(|kind| [(*kind, false), (*kind, true)]);
     let rows = ways.flat_map(|way| stops.iter().map(move |stop| (way, stop)));
     let rows = rows.filter(|((_, driven), (_, _, needs_master))| *driven || !needs_master);
-    let long = std::env::var_os("ARCLINE_LONG").is_some();
     // Every stop of some way to travel, and every way with some stops; all of both where there is time.
     for (number, ((kind, driven), (why, calls, _))) in rows.enumerate() {
-        if !long && number % 4 != 0 {
+        if !is_long() && number % 4 != 0 {
             continue;
         }
         let row = format!("{why}, {kind:?}, driven {driven}");

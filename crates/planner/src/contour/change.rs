@@ -67,11 +67,12 @@ impl<T: Copy> ContourQueue<T> {
         run.changed = clock.now();
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
         let rates = run.trajectory.least_rates();
+        let (rate, jerk) = (rates.acceleration.min(rates.deceleration), rates.jerk);
         let wanted = Wanted {
             target,
-            rate: rates.acceleration.min(rates.deceleration) / speed,
-            jerk: rates.jerk.map(|jerk| jerk / speed),
-            near: Some((rates.acceleration.min(rates.deceleration), rates.jerk)),
+            rate: rate / speed,
+            jerk: jerk.map(|jerk| jerk / speed),
+            near: Some((rate, jerk)),
             extra: [0.0; 2],
         };
         run.pace.ask(wanted, &run.trajectory, clock);

@@ -9,7 +9,7 @@ use arcline_contour::{State, Trajectory};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
-use crate::tolerance::REACHED_PACE_SHARE;
+use crate::tolerance::{LEAST_RAMP_SPEED_SHARE, REACHED_PACE_SHARE};
 use crate::{Clock, Instant};
 
 /// A requested pace, and the highest rates of its ramp.
@@ -202,7 +202,7 @@ impl Pace {
 /// First and second derivative of the pace that take a share of a vector rate and of a jerk in a state of the trajectory: the speed takes
 /// `q' r'` of the rate, and `3 q'' r r' + q' r''` of the jerk.
 fn near_rates((rate, jerk): (f64, Option<f64>), share: f64, state: &State, peak: f64) -> (f64, Option<f64>) {
-    let speed = state.velocity.norm().max(LEAST_SPEED_SHARE * peak);
+    let speed = state.velocity.norm().max(LEAST_RAMP_SPEED_SHARE * peak);
     let first = jerk.map_or(f64::INFINITY, |jerk| jerk / (3.0 * state.acceleration.norm()));
     (share * first.min(rate / speed), jerk.map(|jerk| share * jerk / speed))
 }
@@ -225,8 +225,6 @@ const NONE: usize = usize::MAX;
 const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
 /// Shares of the rates and the jerk of ramps that suit the present state. Not all: the guard counts in what may lie between its points.
 const NEAR: [f64; 8] = [0.95, 0.75, 0.58, 0.45, 0.35, 0.26, 0.18, 0.12];
-/// The least speed that such ramps are made for, of the highest one.
-const LEAST_SPEED_SHARE: f64 = 0.01;
 /// Number of other ramps: the gentlest takes 2^13 times as long.
 const RAMPS: usize = 14 * REACHES.len();
 /// Ramps to try in a tick.

@@ -33,7 +33,7 @@ const MOST_RISE: f64 = 20.0;
 
 #[test]
 fn a_thousand_clients_read_ten_tags_each() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let long = std::env::var("ARCLINE_CROWD_SECONDS")
         .ok()
         .and_then(|text| text.parse().ok());

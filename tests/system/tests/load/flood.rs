@@ -31,7 +31,7 @@ const ADDRESSES: u8 = 8;
 
 #[test]
 fn silent_and_slow_strangers_disturb_nobody() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let asked = std::env::var("ARCLINE_FLOOD").ok().and_then(|text| text.parse().ok());
     let silent: usize = asked.unwrap_or(1600);
     if !descriptors_for(silent + silent / SILENT_PER_SLOW + 200) {
@@ -79,7 +79,7 @@ fn silent_and_slow_strangers_disturb_nobody() {
 /// Every descriptor of the server is taken: the client that works goes on, and a new one gets in as soon as there are some again.
 #[test]
 fn descriptors_run_out_and_come_back() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     // The shell becomes the server.
     let mut shell = Command::new("sh");
     shell

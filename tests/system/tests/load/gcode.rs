@@ -10,7 +10,7 @@ use arcline_system_tests::server::Server;
 
 #[test]
 fn a_million_lines_take_no_more_memory_than_ten_thousand() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let folder = tempfile::tempdir().expect("a folder");
     let (short, long) = (simulated(folder.path(), 10_000), simulated(folder.path(), 1_000_000));
     println!("{short:?}, {long:?}");
@@ -27,7 +27,7 @@ fn a_million_lines_take_no_more_memory_than_ten_thousand() {
 /// A planned contour keeps no move that is complete.
 #[test]
 fn a_dense_toolpath_takes_no_more_memory_with_ten_times_the_moves() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let folder = tempfile::tempdir().expect("a folder");
     let config = machine(folder.path());
     let of = |lines| simulated_on(Some(&config), &toolpath(folder.path(), lines));
@@ -40,7 +40,7 @@ fn a_dense_toolpath_takes_no_more_memory_with_ten_times_the_moves() {
 /// makes a server late, so one of three tries counts, and each is printed.
 #[test]
 fn a_dense_toolpath_takes_the_time_that_was_simulated() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let folder = tempfile::tempdir().expect("a folder");
     let (config, file) = (machine(folder.path()), toolpath(folder.path(), 4_000));
     let simulated = simulated_on(Some(&config), &file).seconds;

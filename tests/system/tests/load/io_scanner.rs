@@ -5,7 +5,6 @@
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcline_proto::cip::CipStatus;
@@ -99,16 +98,13 @@ fn opened(session: &mut Session, wanted: Wanted) -> Connection {
 }
 
 /// Exchanges data for a time on a connection of its own, and checks the interval of the datagrams. It repeats the exchange if the machine
-/// delayed the scanner or stalled the server, but not in a run of its own. One test at a time: their threads have priority over all
-/// others.
+/// delayed the scanner or stalled the server, but not in a run of its own.
 fn exchanged(
     session: &mut Session,
     wanted: Wanted,
     time: Duration,
     output: &[u8],
 ) -> Option<(Connection, Vec<Arrival>)> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut wrong = None;
     for _ in 0..TRIES {
         let mut connection = opened(session, wanted);
@@ -234,7 +230,7 @@ fn kept(arrivals: &[Arrival], bare: &Bare, time: Duration, rpi: u32) -> Result<(
 
 #[test]
 fn two_milliseconds_without_loss_and_nothing_malformed() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let server = server();
     let capture = Capture::with_io(server.address());
     let mut session = Session::connect(server.address());
@@ -293,7 +289,7 @@ fn two_milliseconds_without_loss_and_nothing_malformed() {
 
 #[test]
 fn one_millisecond_is_kept_on_an_absolute_schedule() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let server = server();
     let mut session = Session::connect(server.address());
     let time = Duration::from_secs(seconds());
@@ -302,7 +298,7 @@ fn one_millisecond_is_kept_on_an_absolute_schedule() {
 
 #[test]
 fn longer_intervals_are_kept_too() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let server = server();
     let mut session = Session::connect(server.address());
     // Long in comparison with the pauses of a stalled machine; a check of one in 100 needs many.
@@ -314,7 +310,7 @@ fn longer_intervals_are_kept_too() {
 
 #[test]
 fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let server = server();
     let mut session = Session::connect(server.address());
     let mut witness = opened(&mut session, input_only(1, 1000));
@@ -355,7 +351,7 @@ fn a_scanner_that_dies_is_timed_out_and_another_takes_over() {
 
 #[test]
 fn the_default_port_is_free_beside_another_tcp_port() {
-    let _machine = crate::alone();
+    let _machine = crate::take_machine();
     let server = Server::start();
     let mut session = Session::connect(server.address());
     let mut connection = opened(&mut session, input_only(1, 5000));

@@ -10,7 +10,7 @@ mod io_scanner;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The machine, for one test at a time.
-fn alone() -> MutexGuard<'static, ()> {
+fn take_machine() -> MutexGuard<'static, ()> {
     static MACHINE: Mutex<()> = Mutex::new(());
     MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -57,8 +57,7 @@ struct Program {
 
 /// The default machine with planned contours.
 fn on_contours() -> Bench {
-    let precise = "corner = \"precise\"\nname = \"XY\"";
-    Bench::with(&arcline_config::DEFAULT.replacen("name = \"XY\"", precise, 1))
+    Bench::replacing("name = \"XY\"", "name = \"XY\"\ncorner = \"precise\"")
 }
 
 impl Program {
