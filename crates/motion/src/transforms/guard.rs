@@ -57,7 +57,7 @@ impl JointSample {
 /// The verdict of two samples on the interval between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum IntervalVerdict {
-    Kept,
+    WithinLimits,
     /// Only a sample between them can decide.
     Unknown,
     Exceeded(MotionError),
@@ -277,7 +277,7 @@ impl StopAhead<'_> {
                     continue;
                 }
                 IntervalVerdict::Unknown => self.judge(&before, &next)?,
-                IntervalVerdict::Kept => {}
+                IntervalVerdict::WithinLimits => {}
             }
             if self.transform.source_moves {
                 self.robot.follow_joints(&next.led);
@@ -305,7 +305,7 @@ impl StopAhead<'_> {
 
     fn between(&self, before: &JointSample, next: &JointSample) -> IntervalVerdict {
         let width = next.at - before.at;
-        let mut verdict = IntervalVerdict::Kept;
+        let mut verdict = IntervalVerdict::WithinLimits;
         for index in 0..self.transform.target.len() {
             let bounds = &self.bounds[index];
             let (from, to) = (before.joint(index), next.joint(index));

@@ -95,7 +95,7 @@ impl<'a> Guard<'a> {
             }
             let segment = Segment::new(ramp, from, until - from);
             match self.allows_segment(&segment, &mut left) {
-                Verdict::Kept => {}
+                Verdict::WithinLimits => {}
                 Verdict::Exceeded => return false,
                 Verdict::AtTheEnd => return true,
             }
@@ -122,7 +122,7 @@ impl<'a> Guard<'a> {
                 return Verdict::Exceeded;
             }
         }
-        Verdict::Kept
+        Verdict::WithinLimits
     }
 
     /// The margin that a lower pace leaves everywhere on the trajectory suffices for a stretch of a ramp.
@@ -243,7 +243,7 @@ impl<'a> Guard<'a> {
 
 /// The verdict on a segment of a ramp.
 enum Verdict {
-    Kept,
+    WithinLimits,
     Exceeded,
     /// The trajectory ends within the segment.
     AtTheEnd,
