@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use arcline_controller::machine::{
-    Axis, AxisKind, AxisLimits, CoordinateSystem, Corner, Home, HomeMode, HomeSequence, Machine,
+    Axis, AxisKind, LimitPolicy, CoordinateSystem, Corner, Home, HomeMode, HomeSequence, Machine,
 };
 use arcline_instruction_set::SystemId;
 
@@ -133,7 +133,7 @@ fn write_system(out: &mut String, system: &CoordinateSystem, machine: &Machine) 
     if system.corner == Corner::Precise {
         write!(out, ", precise corners")?;
     }
-    if system.axis_limits == AxisLimits::Enforce {
+    if system.axis_limits == LimitPolicy::Enforce {
         write!(out, ", axis limits enforced")?;
     }
     writeln!(out)

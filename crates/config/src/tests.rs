@@ -2,7 +2,7 @@
 
 use arcline_controller::image::{Image, Writers};
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence,
+    AxisKind, LimitPolicy, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence,
     HomeSwitch, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start, Travel, Wrist,
 };
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemId};
@@ -86,7 +86,7 @@ fn the_default_is_what_the_contract_says() {
             (system.actual_tolerance, system.command_tolerance, system.queue_depth),
             (0.01, 0.5, 1)
         );
-        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, AxisLimits::Ignore));
+        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, LimitPolicy::Ignore));
         assert_eq!(system.deviation, Deviation::Corners);
     }
     let transforms: Vec<_> = machine
@@ -196,7 +196,7 @@ fn everything_can_be_said() {
     let system = &project.machine.systems[0];
     assert_eq!(
         (system.queue_depth, system.corner, system.deviation, system.axis_limits),
-        (1000, Corner::Precise, Deviation::Anywhere, AxisLimits::Enforce)
+        (1000, Corner::Precise, Deviation::Anywhere, LimitPolicy::Enforce)
     );
     assert_eq!(
         (

@@ -3,7 +3,7 @@
 
 use arcline_controller::image::{Access, Writers};
 use arcline_controller::machine::{
-    AxisKind, AxisLimits, Corner, Deviation, HomeDirection, HomeMode, HomeSequence, ProgrammedStopMode,
+    AxisKind, LimitPolicy, Corner, Deviation, HomeDirection, HomeMode, HomeSequence, ProgrammedStopMode,
 };
 use arcline_instruction_set::ExceptionAction;
 
@@ -49,7 +49,7 @@ pub(crate) const HOME_DIRECTIONS: Words<HomeDirection> = &[
 ];
 pub(crate) const CORNERS: Words<Corner> = &[("logix", Corner::Logix), ("precise", Corner::Precise)];
 pub(crate) const DEVIATIONS: Words<Deviation> = &[("corners", Deviation::Corners), ("anywhere", Deviation::Anywhere)];
-pub(crate) const LIMITS: Words<AxisLimits> = &[("ignore", AxisLimits::Ignore), ("enforce", AxisLimits::Enforce)];
+pub(crate) const LIMITS: Words<LimitPolicy> = &[("ignore", LimitPolicy::Ignore), ("enforce", LimitPolicy::Enforce)];
 pub(crate) const ACCESS: Words<Access> = &[("read_write", Access::ReadWrite), ("read_only", Access::ReadOnly)];
 pub(crate) const WRITERS: Words<Writers> = &[
     ("operator", Writers::Operators),

@@ -3,7 +3,7 @@
 use arcline_instruction_set::SystemId;
 use arcline_planner::Clock;
 
-use crate::machine::AxisLimits;
+use crate::machine::LimitPolicy;
 use crate::motion::Motion;
 use crate::system::{Activity, System};
 
@@ -21,8 +21,8 @@ impl Motion {
         {
             // Under enforced joint limits no move can be faster than programmed.
             let most = match system.description.joint_limits {
-                AxisLimits::Enforce => 1.0,
-                AxisLimits::Ignore => MAX_OVERRIDE,
+                LimitPolicy::Enforce => 1.0,
+                LimitPolicy::Ignore => MAX_OVERRIDE,
             };
             system.set_override(share.clamp(0.0, most), &clock);
         }

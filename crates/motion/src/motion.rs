@@ -26,7 +26,7 @@ use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event};
 use crate::events::ArrayWrite;
 use crate::execution::{Execution, Ticket};
-use crate::machine::MotionGroup;
+use crate::machine::{LimitPolicy, MotionGroup};
 use crate::masters::link_numbers::LinkNumbers;
 use crate::order::Order;
 use crate::output::Word;
@@ -280,7 +280,7 @@ fn enforced(machine: &MotionGroup, system: &crate::machine::CoordinateSystem) ->
         acceleration: unlimited,
         jerk: None,
     };
-    if system.axis_limits == crate::machine::AxisLimits::Ignore {
+    if system.axis_limits == LimitPolicy::Ignore {
         return limits;
     }
     let mut jerk = unlimited;

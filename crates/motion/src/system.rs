@@ -23,7 +23,7 @@ use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
 use crate::execution::Execution;
-use crate::machine::{AxisLimits as Kept, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
+use crate::machine::{LimitPolicy, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
@@ -191,7 +191,7 @@ impl System {
         period: f64,
         axis_limits: AxisLimits,
     ) -> Self {
-        let contours = description.corner == Corner::Precise || description.axis_limits == Kept::Enforce;
+        let contours = description.corner == Corner::Precise || description.axis_limits == LimitPolicy::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
         planner.set_bounds(description.dynamics_bits);
         let travel = if contours {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use arcline_controller::machine::{AxisLimits, Corner, Machine};
+use arcline_controller::machine::{LimitPolicy, Corner, Machine};
 use arcline_controller::{ContourRequest, PlannedContour, Trajectory};
 
 /// Requests under way at once.
@@ -39,7 +39,7 @@ pub struct Planning {
 /// Both ends, if the machine has a coordinate system with planned contours.
 pub(crate) fn link(machine: &Machine) -> Option<(Contours, Planning)> {
     let plans = |system: &arcline_controller::machine::CoordinateSystem| {
-        system.corner == Corner::Precise || system.axis_limits == AxisLimits::Enforce
+        system.corner == Corner::Precise || system.axis_limits == LimitPolicy::Enforce
     };
     if !machine.systems.iter().any(plans) {
         return None;

@@ -20,7 +20,7 @@ use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
 use crate::execution::Execution;
-use crate::machine::{AxisLimits, CoordinateSystem, Orientation};
+use crate::machine::{LimitPolicy, CoordinateSystem, Orientation};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::motion::operands::no_target;
@@ -229,7 +229,7 @@ fn termination(
             Err(MotionError::InvalidActualTolerance)
         }
         Some(TerminationType::ActualTolerance) => Ok((Termination::ActualTolerance, Ending::Stop)),
-        Some(TerminationType::CommandToleranceProgrammed) if system.joint_limits == AxisLimits::Enforce => {
+        Some(TerminationType::CommandToleranceProgrammed) if system.joint_limits == LimitPolicy::Enforce => {
             Err(MotionError::FeatureNotSupported)
         }
         Some(TerminationType::CommandToleranceProgrammed) => {

@@ -14,7 +14,7 @@ use super::programmed::{self, Programmed};
 use crate::dynamics::{Dynamics, Maxima, PathLimits};
 use crate::events::{Events, Fit};
 use crate::execution::Execution;
-use crate::machine::{AxisLimits, CoordinateSystem, Corner};
+use crate::machine::{LimitPolicy, CoordinateSystem, Corner};
 use crate::masters::links::MasterLink;
 use crate::motion::AcceptedMove;
 use crate::motion::Motion;
@@ -56,7 +56,7 @@ impl MoveOperands {
         let blended = matches!(ending, Ending::Blend { .. });
         let superposed = blended && system.corner == Corner::Logix;
         let (axes, joints) = (system.axis_limits, system.joint_limits);
-        if superposed && axes == AxisLimits::Enforce || blended && joints == AxisLimits::Enforce {
+        if superposed && axes == LimitPolicy::Enforce || blended && joints == LimitPolicy::Enforce {
             return Err(MotionError::FeatureNotSupported);
         }
         let settles = match self.termination_type {
@@ -97,7 +97,7 @@ pub(super) fn execute(
     let events = Events::of(&operands.events, Fit::AtLeast)?;
     let system = &motion.systems[index];
     // The master determines the motion of an axis over time, so the controller cannot enforce its limits.
-    if system.description.axis_limits == AxisLimits::Enforce && master.is_some() {
+    if system.description.axis_limits == LimitPolicy::Enforce && master.is_some() {
         return Err(MotionError::FeatureNotSupported);
     }
     verify::axes_ready(system, &motion.axes)?;
@@ -173,14 +173,14 @@ pub(super) fn path_limits(
 ) -> Result<PathLimits, MotionError> {
     let limits = motion.present().verify_reach(index, path, rotation, heading)?;
     Ok(match motion.systems[index].description.joint_limits {
-        AxisLimits::Enforce => limits,
-        AxisLimits::Ignore => PathLimits::UNLIMITED,
+        LimitPolicy::Enforce => limits,
+        LimitPolicy::Ignore => PathLimits::UNLIMITED,
     })
 }
 
 /// The limit that these robots put on the speed at the corner before a queued path.
 fn corner_speed(motion: &Motion, index: SystemId, merge: Merge, path: &Path, shift: &Point) -> f64 {
-    let enforced = motion.systems[index].description.joint_limits == AxisLimits::Enforce;
+    let enforced = motion.systems[index].description.joint_limits == LimitPolicy::Enforce;
     if merge == Merge::Disabled && enforced {
         motion.present().corner_speed(index, path, shift)
     } else {
@@ -304,7 +304,7 @@ fn start(
     )?;
     let system = &mut motion.systems[index];
     let base = system.time_base(&motion.clock);
-    let enforced = system.description.axis_limits == AxisLimits::Enforce;
+    let enforced = system.description.axis_limits == LimitPolicy::Enforce;
     let kept = enforced.then_some(&system.axis_limits);
     system.travel.merge(planned, *initial, residual, kept, &base);
     system.activity = Activity::Moving;

@@ -39,9 +39,9 @@ pub struct CoordinateSystem {
     /// The permitted side of the deviation of planned contours from the programmed path within the tolerance.
     pub deviation: Deviation,
     /// The axes' own limits lower the path speed, or do not.
-    pub axis_limits: AxisLimits,
+    pub axis_limits: LimitPolicy,
     /// The limits of the joints of robots that a transform leads lower the path speed, or do not.
-    pub joint_limits: AxisLimits,
+    pub joint_limits: LimitPolicy,
     /// The robot whose joints are the axes of the system; `None`: it is Cartesian.
     pub robot: Option<Robot>,
     /// Its axes are X, Y, Z, Rx, Ry, Rz, the last three in degrees: Coordinate Definition XYZRxRyRz. Never of a robot.
@@ -67,8 +67,8 @@ impl CoordinateSystem {
             queue_depth: 1,
             corner: Corner::default(),
             deviation: Deviation::default(),
-            axis_limits: AxisLimits::default(),
-            joint_limits: AxisLimits::default(),
+            axis_limits: LimitPolicy::default(),
+            joint_limits: LimitPolicy::default(),
             robot: None,
             orientation: None,
         }
@@ -139,12 +139,12 @@ pub enum Corner {
     Precise,
 }
 
-/// The treatment of the axes' own limits by coordinated moves.
+/// The treatment of the own limits of axes and joints by coordinated moves.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum AxisLimits {
+pub enum LimitPolicy {
     /// They have no effect, as in Logix: only the limits along the path apply.
     #[default]
     Ignore,
-    /// The path speed is lowered so that no axis exceeds its speed, acceleration or jerk.
+    /// The path speed is lowered so that no axis or joint exceeds its speed, acceleration or jerk.
     Enforce,
 }
