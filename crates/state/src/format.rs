@@ -26,7 +26,7 @@ pub const MAX_FILE: usize = 4 * MAX_RECORD;
 
 /// The contents of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
+pub struct FileContents {
     /// The state, with all changes.
     pub state: State,
     /// Bytes at the end that were cut off: an unfinished record, or the remains that a crash of the system left of records that were
@@ -79,7 +79,7 @@ pub(crate) fn fresh(state: &State) -> (Vec<u8>, Chain) {
 ///
 /// # Errors
 /// Anything else that is not as it was written.
-pub fn parse(bytes: &[u8]) -> Result<Kept, Damage> {
+pub fn parse(bytes: &[u8]) -> Result<FileContents, Damage> {
     if bytes.len() > MAX_FILE {
         return Err(Damage::TooLong { limit: MAX_FILE });
     }
@@ -130,7 +130,7 @@ pub fn parse(bytes: &[u8]) -> Result<Kept, Damage> {
     };
     match lost {
         Some(damage) => Err(damage),
-        None => Ok(Kept {
+        None => Ok(FileContents {
             state,
             cut_off: bytes.len() - end,
         }),

@@ -32,7 +32,7 @@ mod writer;
 pub use codec::Record;
 pub use damage::{Damage, Limit};
 pub use disk::{Disk, OpenError, System};
-pub use format::{FORMAT, Kept, MAX_FILE, parse};
+pub use format::{FORMAT, FileContents, MAX_FILE, parse};
 pub use locked_file::{LockedFile, ReadError};
 pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
 pub use writer::{Action, Ended, Failure, NotPersisted, Pace, Report, Task, Writer};

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::disk::{Disk, OpenError, System};
-use crate::{Damage, Kept, MAX_FILE, format};
+use crate::{Damage, FileContents, MAX_FILE, format};
 
 /// A file in which no other process keeps a state while this lives. It may not exist yet.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ impl<D: Disk> LockedFile<D> {
     ///
     /// # Errors
     /// See [`ReadError`]. After a [`Damage`] the file should be [set aside](LockedFile::set_aside).
-    pub fn read(&self) -> Result<Option<Kept>, ReadError> {
+    pub fn read(&self) -> Result<Option<FileContents>, ReadError> {
         match self.disk.read(&self.file, MAX_FILE) {
             Ok(None) => Ok(None),
             Ok(Some(bytes)) => Ok(Some(format::parse(&bytes)?)),

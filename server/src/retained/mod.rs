@@ -19,10 +19,10 @@ use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
-use arcline_state::{Axis, AxisState, Damage, Disk, Kept, LockedFile, OpenError, Pace, ReadError, State, Tag};
+use arcline_state::{Axis, AxisState, Damage, Disk, FileContents, LockedFile, OpenError, Pace, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
-pub(crate) use change_tracker::{ChangeTracker, Kept as WhenPersisted};
+pub(crate) use change_tracker::{ChangeTracker, FileContents as WhenPersisted};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
 
@@ -138,7 +138,7 @@ impl<D: Disk> Start<D> {
             Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
             Err(ReadError::Io(error)) => return Err(RetainError::Read { file, error }),
         };
-        let kept: Option<Kept> = match kept {
+        let kept: Option<FileContents> = match kept {
             Ok(kept) => kept,
             Err(damage) => {
                 match locked.set_aside() {

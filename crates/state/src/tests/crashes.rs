@@ -190,8 +190,8 @@ impl Scene {
                     let Some(content) = content else {
                         return assert_eq!(least, None, "{}: the file is gone", why());
                     };
-                    let kept = parse(content).unwrap_or_else(|damage| panic!("{}: {damage}", why()));
-                    let which = self.history.iter().position(|state| *state == kept.state);
+                    let contents = parse(content).unwrap_or_else(|damage| panic!("{}: {damage}", why()));
+                    let which = self.history.iter().position(|state| *state == contents.state);
                     let which = which.unwrap_or_else(|| panic!("{}: a state that never was", why()));
                     let least = least.unwrap_or(0);
                     assert!(
@@ -200,7 +200,7 @@ impl Scene {
                         why()
                     );
                     if number % 64 == 1 {
-                        goes_on(content, &kept.state);
+                        goes_on(content, &contents.state);
                     }
                 });
             }
@@ -217,7 +217,7 @@ fn goes_on(content: &[u8], state: &State) {
     assert_eq!(scene.answers.last().map(|answer| answer.2), Some(Ok(())));
     let read = LockedFile::lock_on(disk, file()).expect("a lock").read();
     assert_eq!(
-        read.expect("whole").map(|kept| kept.state),
+        read.expect("whole").map(|contents| contents.state),
         scene.history.last().cloned()
     );
 }

@@ -92,8 +92,8 @@ fn keep(writer: &mut Writer<System, ()>, record: Record) -> Result<(), NotPersis
 }
 
 fn read(file: &Path) -> Option<State> {
-    let kept = LockedFile::lock(file).expect("no other process has it").read();
-    kept.expect("whole").map(|kept| kept.state)
+    let contents = LockedFile::lock(file).expect("no other process has it").read();
+    contents.expect("whole").map(|contents| contents.state)
 }
 
 /// A file with the first state and every step, of which only the first state was synchronised.
@@ -170,9 +170,9 @@ fn a_file_cut_off_behind_its_horizon_is_a_state_that_there_was() {
     let mut seen = Vec::new();
     for length in 0..=bytes.len() {
         match parse(&bytes[..length]) {
-            Ok(kept) => {
-                let which = history.iter().position(|state| *state == kept.state);
-                let which = which.unwrap_or_else(|| panic!("cut at {length}: {:?} never was", kept.state));
+            Ok(contents) => {
+                let which = history.iter().position(|state| *state == contents.state);
+                let which = which.unwrap_or_else(|| panic!("cut at {length}: {:?} never was", contents.state));
                 seen.push(which);
             }
             Err(Damage::TooShort { length: told }) => {
@@ -196,7 +196,7 @@ fn a_file_cut_off_before_its_horizon_is_damaged() {
         let truncated = matches!(damage, Damage::Truncated { synchronised, .. } if synchronised == bytes.len() as u64);
         assert!(truncated, "cut at {length}: {damage}");
     }
-    assert_eq!(parse(&bytes).map(|kept| Some(kept.state)), Ok(history().pop()));
+    assert_eq!(parse(&bytes).map(|contents| Some(contents.state)), Ok(history().pop()));
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn a_bit_that_has_flipped_before_the_horizon_is_found() {
             let read = parse(&bytes);
             if (4096..8204).contains(&byte) {
                 assert_eq!(
-                    read.map(|kept| Some(kept.state)),
+                    read.map(|contents| Some(contents.state)),
                     Ok(last.clone()),
                     "a horizon, and the other is whole"
                 );
@@ -229,8 +229,8 @@ fn a_file_without_a_horizon_ends_where_only_zeros_follow() {
     for zeros in [1, 78, 4096] {
         let mut bytes = without.clone();
         bytes.resize(bytes.len() + zeros, 0);
-        let kept = parse(&bytes).unwrap_or_else(|damage| panic!("{zeros} zeros: {damage}"));
-        assert_eq!((&kept.state, kept.cut_off), (&last, zeros));
+        let contents = parse(&bytes).unwrap_or_else(|damage| panic!("{zeros} zeros: {damage}"));
+        assert_eq!((&contents.state, contents.cut_off), (&last, zeros));
     }
     let mut bytes = without.clone();
     bytes.extend_from_slice(&[0, 0, 0, 1, 0, 0, 0, 0, 0]);
@@ -260,12 +260,12 @@ fn a_file_of_format_2_is_read() {
         rest = &tail[4 + data.len() + 4..];
     }
     let last = history().pop().expect("there are steps");
-    let kept = parse(&bytes).expect("whole");
-    assert_eq!((&kept.state, kept.cut_off), (&last, 0));
+    let contents = parse(&bytes).expect("whole");
+    assert_eq!((&contents.state, contents.cut_off), (&last, 0));
     let synchronised = bytes.len();
     bytes.resize(synchronised + 78, 0);
-    let kept = parse(&bytes).expect("zeros of a crash");
-    assert_eq!((&kept.state, kept.cut_off), (&last, 78));
+    let contents = parse(&bytes).expect("zeros of a crash");
+    assert_eq!((&contents.state, contents.cut_off), (&last, 78));
     bytes[synchronised - 30] ^= 4;
     assert!(parse(&bytes).is_err());
 }
@@ -467,7 +467,7 @@ proptest! {
     #[test]
     fn any_state_is_read_as_it_was_written(state in any_state()) {
         let (bytes, _) = format::fresh(&state);
-        prop_assert_eq!(parse(&bytes).map(|kept| kept.state), Ok(state));
+        prop_assert_eq!(parse(&bytes).map(|contents| contents.state), Ok(state));
     }
 
     /// Any bytes in a file are read to a state or an error. The checksums are right, so that the reader decodes the
@@ -483,8 +483,8 @@ proptest! {
             bytes.extend_from_slice(part);
             bytes.extend_from_slice(&chain.to_le_bytes());
         }
-        if let Ok(kept) = parse(&bytes) {
-            prop_assert!(kept.state.check().is_ok());
+        if let Ok(contents) = parse(&bytes) {
+            prop_assert!(contents.state.check().is_ok());
         }
     }
 
