@@ -49,10 +49,10 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
             "--clock step: the tasks of a project follow real time; `simulate PROJECT.L5X` runs them on the virtual clock",
         ));
     }
-    let (retained, keeper) = match &args.state {
+    let (retained, state_writer) = match &args.state {
         Some(OrOff::On(file)) => {
             let retained = Retained::open(file, &mut project).map_err(|error| Failure::usage(error.to_string()))?;
-            (Some((retained.image, retained.watch)), Some(retained.keeper))
+            (Some((retained.image, retained.watch)), Some(retained.writer))
         }
         Some(OrOff::Off) | None => (None, None),
     };
@@ -75,10 +75,10 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
-    plant.keep_at_the_end();
+    plant.retain_axes_at_the_end();
     plant.record(Principal::Server, EventKind::Stop, String::new(), "done");
     plant.close_audit();
-    match keeper.map(StateWriter::close) {
+    match state_writer.map(StateWriter::close) {
         None | Some(Ok(())) => Ok(ExitCode::SUCCESS),
         Some(Err(error)) => Err(Failure::new(1, format!("the state could not be saved: {error}"))),
     }

@@ -23,7 +23,7 @@ pub use crate::eip::stepped::{Duplex, Held};
 use crate::hmi::stepped::SteppedPage;
 use crate::plant::Plant;
 use crate::plant::wall::Wall;
-use crate::retained::{Job, Keeper, SteppedState, Turn};
+use crate::retained::{Job, WriterWorker, SteppedState, Turn};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ pub struct Stepped<D: Disk> {
     controller: Controller,
     rings: Rings,
     planning: Option<Planning>,
-    keeper: Option<Keeper<D>>,
+    worker: Option<WriterWorker<D>>,
     face: SteppedFace,
     page: SteppedPage,
     audit: Receiver<Option<Event>>,
@@ -113,8 +113,8 @@ impl<D: Disk> Stepped<D> {
             }
             None => None,
         };
-        let (image, watch, keeper) = match state {
-            Some(SteppedState { image, watch, keeper }) => (image, Some(watch), Some(keeper)),
+        let (image, watch, worker) = match state {
+            Some(SteppedState { image, watch, worker }) => (image, Some(watch), Some(worker)),
             None => (project.image(), None, None),
         };
         let (rings, mut link) = arcline_realtime::link_with(&project.machine, conditions.room);
@@ -129,7 +129,7 @@ impl<D: Disk> Stepped<D> {
             controller: Controller::new(&project.machine).starting_at(conditions.first_tick),
             rings: rings.starting_at(conditions.first_tick),
             planning,
-            keeper,
+            worker,
             face,
             page,
             audit: events,
@@ -178,11 +178,11 @@ impl<D: Disk> Stepped<D> {
 
     /// Makes one turn of the writer of the retained state, at a time since the start, with the end of a synchronisation. Returns the next
     /// synchronisation, which takes as long as the caller likes.
-    pub fn keep(&mut self, ended: Option<Ended>, now: Duration) -> Option<Task<D>> {
-        let keeper = self.keeper.as_mut()?;
+    pub fn step_writer(&mut self, ended: Option<Ended>, now: Duration) -> Option<Task<D>> {
+        let worker = self.worker.as_mut()?;
         let turn = match ended {
-            Some(ended) => keeper.turn(Some(Job::Ended(ended)), now),
-            None => keeper.step(now),
+            Some(ended) => worker.turn(Some(Job::Ended(ended)), now),
+            None => worker.step(now),
         };
         match turn {
             Turn::Synchronise(task) => Some(task),

@@ -219,7 +219,7 @@ impl Router {
         let plant = &self.device.plant;
         if writes {
             let ((), pending) = plant.transact(principal, |transaction| work(&mut Memory::Write(transaction)));
-            plant.kept(pending).await
+            plant.complete(pending).await
         } else {
             plant.with_image(|image| work(&mut Memory::Read(image)));
             Ok(())

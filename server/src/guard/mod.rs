@@ -236,7 +236,7 @@ impl Guard {
 
     /// The jogs that are held by a button: session and axis.
     pub(crate) fn held(&self) -> Vec<(u64, AxisId)> {
-        self.table().kept()
+        self.table().held()
     }
 
     /// The button of a jog was released: the caller stops it, and the guard does so at full deceleration if it still moves after

@@ -109,10 +109,10 @@ impl Table {
     }
 
     /// The clients with a jog that needs confirmation, with its axis.
-    pub(super) fn kept(&self) -> Vec<(u64, AxisId)> {
+    pub(super) fn held(&self) -> Vec<(u64, AxisId)> {
         let jogs = self.clients.values().flat_map(|client| &client.jogs);
-        let kept = jogs.filter(|jog| jog.until.is_some());
-        kept.filter_map(|jog| Some((jog.owner.session()?, jog.axis))).collect()
+        let held = jogs.filter(|jog| jog.until.is_some());
+        held.filter_map(|jog| Some((jog.owner.session()?, jog.axis))).collect()
     }
 
     /// Takes out jogs that are to be stopped, at full deceleration from `from` on.
@@ -207,7 +207,7 @@ mod tests {
         assert!(table.keep(1, AxisId(0), ms(100), ms(250)));
         assert!(!table.keep(1, AxisId(1), ms(100), ms(250)), "another axis");
         assert!(!table.keep(2, AxisId(1), ms(100), ms(250)), "it need not be kept");
-        assert_eq!(table.kept(), [(1, AxisId(0))]);
+        assert_eq!(table.held(), [(1, AxisId(0))]);
         assert!(table.overdue(ms(249)).is_empty());
         assert_eq!(tickets(&table.overdue(ms(250))), [5]);
         assert!(!table.keep(1, AxisId(0), ms(251), ms(400)), "it is over");

@@ -90,7 +90,7 @@ pub(super) fn are_many(plant: &Plant, names: &[String]) -> bool {
 pub(super) async fn write(plant: &Plant, principal: Principal, name: &str, value: &Json) -> Result<Done, Refusal> {
     let path = path_of(name)?;
     let (done, pending) = plant.transact(principal, |transaction| put(transaction, &path, value));
-    let kept = plant.kept(pending).await;
+    let kept = plant.complete(pending).await;
     done?;
     kept.map_err(Refused::from)?;
     Ok(Done {})

@@ -21,7 +21,7 @@ use super::records::instance_of;
 use super::series::{LONGEST_SERIES, SeriesEnd};
 use super::state::State;
 use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Right, Shared, policy};
-use crate::retained::{NotPersisted, WhenPersisted};
+use crate::retained::{NotPersisted, PersistedReceiver};
 
 /// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all edges at the
 /// end.
@@ -50,7 +50,7 @@ pub struct Pending {
     /// The instructions that were sent.
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
     /// Is ready when the file of the retained state has all writes; `None`: no write belongs to the retained state.
-    kept: Option<WhenPersisted>,
+    persisted: Option<PersistedReceiver>,
     /// The ticks that are to pass behind them, in their order.
     steps: Vec<(u32, Option<TagPath>)>,
 }
@@ -90,7 +90,7 @@ impl Plant {
         }
     }
 
-    /// Runs commands and reads as one action. [`Plant::kept`] waits for the pending answers and writes; a caller that does not wait drops them.
+    /// Runs commands and reads as one action. [`Plant::complete`] waits for the pending answers and writes; a caller that does not wait drops them.
     pub fn transact<R>(&self, principal: Principal, work: impl FnOnce(&mut Transaction<'_>) -> R) -> (R, Pending) {
         let mut state = self.0.lock();
         state.refresh();
@@ -122,7 +122,7 @@ impl Plant {
     ///
     /// # Errors
     /// [`NotPersisted`]: the tags have the written values, but may not have them after a restart.
-    pub async fn kept(&self, pending: Pending) -> Result<(), NotPersisted> {
+    pub async fn complete(&self, pending: Pending) -> Result<(), NotPersisted> {
         match self.settle(pending).await {
             Err(Unsettled::NotPersisted) => Err(NotPersisted),
             Err(Unsettled::NoAnswer) => {
@@ -134,7 +134,11 @@ impl Plant {
     }
 
     pub(super) async fn settle(&self, pending: Pending) -> Result<(), Unsettled> {
-        let Pending { answers, kept, steps } = pending;
+        let Pending {
+            answers,
+            persisted,
+            steps,
+        } = pending;
         let (tickets, receivers): (Vec<Ticket>, Vec<_>) = answers.into_iter().unzip();
         let all = async {
             for receiver in receivers {
@@ -152,8 +156,8 @@ impl Plant {
         for (ticks, until) in steps {
             self.step(ticks, until).await;
         }
-        if let Some(kept) = kept
-            && !matches!(tokio::time::timeout(ANSWER_WITHIN, kept).await, Ok(Ok(Ok(()))))
+        if let Some(persisted) = persisted
+            && !matches!(tokio::time::timeout(ANSWER_WITHIN, persisted).await, Ok(Ok(Ok(()))))
         {
             return Err(Unsettled::NotPersisted);
         }
@@ -453,7 +457,7 @@ impl Transaction<'_> {
         self.send_edges();
         if self.retained {
             // Sent under the lock, so that the file has the writes in their order.
-            self.pending.kept = self.state.keep();
+            self.pending.persisted = self.state.send_writes();
         }
         self.pending
     }

@@ -326,7 +326,7 @@ impl Plant {
     }
 
     /// Sends the axes to the writer of the retained state after the real-time thread has stopped them.
-    pub(crate) fn keep_at_the_end(&self) {
+    pub(crate) fn retain_axes_at_the_end(&self) {
         let mut state = self.0.lock();
         state.refresh();
         let State { watch, link, .. } = &mut *state;

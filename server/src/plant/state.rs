@@ -29,7 +29,7 @@ use super::principal::Principal;
 use super::records::Executions;
 use super::wall::Wall;
 use crate::guard::Guard;
-use crate::retained::{ChangeTracker, WhenPersisted};
+use crate::retained::{ChangeTracker, PersistedReceiver};
 use crate::trace::Trace;
 use arcline_state::planted::is_planted;
 
@@ -199,7 +199,7 @@ impl State {
     }
 
     /// Sends new writes to the writer of the retained state.
-    pub(super) fn keep(&mut self) -> Option<WhenPersisted> {
+    pub(super) fn send_writes(&mut self) -> Option<PersistedReceiver> {
         let watch = self.watch.as_mut()?;
         watch.tags(&mut self.image)
     }

@@ -83,7 +83,7 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.kept(edges).await.expect("nothing is kept");
+    plant.complete(edges).await.expect("no tag is retained");
     assert_eq!(
         ["EN", "DN", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0; 3],
@@ -106,14 +106,14 @@ async fn what_is_refused_is_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     plant.roles().set(1, Role::Engineer);
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
-    plant.kept(speed).await.expect("nothing is kept");
+    plant.complete(speed).await.expect("no tag is retained");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move1.{name}"))),
         [1.0, 13.0, 4.0]
     );
 
     let target = write(&plant, &[("Move2.CoordinateSystem.LEN", 1.0), ("Move2.EnableIn", 1.0)]);
-    plant.kept(target).await.expect("nothing is kept");
+    plant.complete(target).await.expect("no tag is retained");
     assert_eq!(
         ["ER", "ERR", "EXERR"].map(|name| number(&plant, &format!("Move2.{name}"))),
         [1.0, 13.0, 0.0]
@@ -193,7 +193,7 @@ async fn an_override_holds_and_resumes() {
             ("Move1.EnableIn", 1.0),
         ],
     );
-    plant.kept(held).await.expect("nothing is kept");
+    plant.complete(held).await.expect("no tag is retained");
     assert_eq!(
         ["IP", "AC", "PC"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
         [1.0, 1.0, 0.0]
@@ -204,7 +204,7 @@ async fn an_override_holds_and_resumes() {
     }
     assert_eq!(number(&plant, "X.CommandPosition"), 0.0, "held");
     let resumed = write(&plant, &[("FeedOverride[0]", 100.0)]);
-    plant.kept(resumed).await.expect("nothing is kept");
+    plant.complete(resumed).await.expect("no tag is retained");
     wait(&plant, "Move1.PC").await;
     assert_eq!(number(&plant, "X.CommandPosition"), 20.0);
     handle.stop();
@@ -232,7 +232,7 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
                 }
                 Err(error) => panic!("{error}"),
             }
-            plant.kept(written).await.expect("nothing is kept");
+            plant.complete(written).await.expect("no tag is retained");
         }
     }
     // False rungs stand in the same ring.
@@ -295,7 +295,7 @@ async fn stop_inhibits_motion_until_it_is_released() {
     ];
     for way in ["the plant", "a command", "the tag"] {
         let began = write(&plant, &far);
-        plant.kept(began).await.expect("nothing is kept");
+        plant.complete(began).await.expect("no tag is retained");
         assert_eq!(number(&plant, "Move1.ER"), 0.0, "{way}");
         match way {
             "the plant" => plant.inhibit(),
@@ -307,7 +307,7 @@ async fn stop_inhibits_motion_until_it_is_released() {
         wait_while(&plant, "XY.MotionStatus").await;
         wait_while(&plant, "Move1.IP").await;
         let again = write(&plant, &[("Move1.EnableIn", 0.0), ("Move1.EnableIn", 1.0)]);
-        plant.kept(again).await.expect("nothing is kept");
+        plant.complete(again).await.expect("no tag is retained");
         assert_eq!(
             ["ER", "ERR", "IP"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
             [1.0, 53.0, 0.0],
@@ -360,7 +360,7 @@ async fn a_jog_button_is_refused_on_an_axis_that_another_principal_moves() {
         ("Move1.Position[1]", 0.0),
         ("Move1.EnableIn", 1.0),
     ];
-    plant.kept(write(&plant, &far)).await.expect("nothing is kept");
+    plant.complete(write(&plant, &far)).await.expect("no tag is retained");
     let mover = Mover {
         principal: CLIENT,
         client: Arc::default(),

@@ -17,7 +17,7 @@ use super::state_writer::{Job, NotPersisted};
 use super::tags_of;
 
 /// Reports that the disk has a change, or that it does not.
-pub(crate) type Kept = oneshot::Receiver<Result<(), NotPersisted>>;
+pub(crate) type PersistedReceiver = oneshot::Receiver<Result<(), NotPersisted>>;
 
 /// Detects changes and sends them to the state writer.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub(crate) struct ChangeTracker {
     /// The axes as they were last sent.
     axes: Vec<Axis>,
     /// The last message about axes, until the disk has it.
-    under_way: Option<Kept>,
+    under_way: Option<PersistedReceiver>,
     /// Ticks between two positions of an axis that moves.
     interval: u64,
     /// The tick at which positions are due again.
@@ -55,7 +55,7 @@ impl ChangeTracker {
     /// Sends the writes to the tags since the last call, as one change; `None`: there were none.
     ///
     /// When the tags themselves are others than before, it sends the whole state, which has the new tags and their bytes.
-    pub(crate) fn tags(&mut self, image: &mut Image) -> Option<Kept> {
+    pub(crate) fn tags(&mut self, image: &mut Image) -> Option<PersistedReceiver> {
         let written = image.take_written();
         if let Some(kept) = self.table(image) {
             return Some(kept);
@@ -77,7 +77,7 @@ impl ChangeTracker {
         self.send_changes(changes)
     }
 
-    fn table(&mut self, image: &Image) -> Option<Kept> {
+    fn table(&mut self, image: &Image) -> Option<PersistedReceiver> {
         if image.table_changes() == self.table {
             return None;
         }
@@ -139,14 +139,14 @@ impl ChangeTracker {
         .collect()
     }
 
-    fn send_changes(&self, changes: Vec<Change>) -> Option<Kept> {
+    fn send_changes(&self, changes: Vec<Change>) -> Option<PersistedReceiver> {
         (!changes.is_empty()).then(|| self.send(Record::Changes(changes)))
     }
 
-    fn send(&self, record: Record) -> Kept {
+    fn send(&self, record: Record) -> PersistedReceiver {
         let (sender, receiver) = oneshot::channel();
         // A state writer that has ended drops the sender, and so answers.
-        let _ = self.jobs.send(Job::Keep(record, sender));
+        let _ = self.jobs.send(Job::Write(record, sender));
         receiver
     }
 }

@@ -24,7 +24,7 @@ use arcline_tag::TagPath;
 
 pub(crate) use change_tracker::{ChangeTracker, FileContents as WhenPersisted};
 pub use state_writer::NotPersisted;
-pub(crate) use state_writer::{Job, Keeper, StateWriter, Turn};
+pub(crate) use state_writer::{Job, WriterWorker, StateWriter, Turn};
 
 /// A project's retained state, read from its file and stored again.
 pub(crate) struct Retained {
@@ -33,7 +33,7 @@ pub(crate) struct Retained {
     /// Detects changes.
     pub(crate) watch: ChangeTracker,
     /// Writes it.
-    pub(crate) keeper: StateWriter,
+    pub(crate) writer: StateWriter,
 }
 
 /// The reason for which a file cannot store the state.
@@ -110,10 +110,10 @@ impl Retained {
             tags,
         } = Start::from(locked, project)?;
         let axes = state.axes.clone();
-        let keeper =
+        let writer =
             StateWriter::start(locked, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
-        let watch = ChangeTracker::new(keeper.jobs(), axes, tags, project.machine.period_ns);
-        Ok(Retained { image, watch, keeper })
+        let watch = ChangeTracker::new(writer.jobs(), axes, tags, project.machine.period_ns);
+        Ok(Retained { image, watch, writer })
     }
 }
 
@@ -132,14 +132,14 @@ impl<D: Disk> Start<D> {
         let file = locked.file().to_owned();
         let at = |file: &Path| file.to_owned();
         let mut image = project.image();
-        let kept = match locked.read() {
-            Ok(Some(kept)) if is_foreign(&kept.state, project, &image) => Err(Unusable::Foreign),
-            Ok(kept) => Ok(kept),
+        let contents = match locked.read() {
+            Ok(Some(contents)) if is_foreign(&contents.state, project, &image) => Err(Unusable::Foreign),
+            Ok(contents) => Ok(contents),
             Err(ReadError::Damage(damage)) => Err(Unusable::Damage(damage)),
             Err(ReadError::Io(error)) => return Err(RetainError::Read { file, error }),
         };
-        let kept: Option<FileContents> = match kept {
-            Ok(kept) => kept,
+        let contents: Option<FileContents> = match contents {
+            Ok(contents) => contents,
             Err(damage) => {
                 match locked.set_aside() {
                     // Printed at every log level: the person who starts the server must see it.
@@ -153,15 +153,15 @@ impl<D: Disk> Start<D> {
                 None
             }
         };
-        if let Some(kept) = &kept {
-            if kept.cut_off > 0 {
+        if let Some(contents) = &contents {
+            if contents.cut_off > 0 {
                 tracing::warn!(
                     "{}: the last {} bytes were not whole and have been left out; the disk never had them when the last server ended",
                     file.display(),
-                    kept.cut_off
+                    contents.cut_off
                 );
             }
-            let taken = take_over(&kept.state, project, &mut image);
+            let taken = take_over(&contents.state, project, &mut image);
             taken.report(&file);
         }
         // Only later writes count as changes: the values that were taken over are not new.
@@ -187,7 +187,7 @@ pub(crate) struct SteppedState<D: Disk> {
     /// Detects changes.
     pub(crate) watch: ChangeTracker,
     /// Writes it.
-    pub(crate) keeper: Keeper<D>,
+    pub(crate) worker: WriterWorker<D>,
 }
 
 impl<D: Disk> SteppedState<D> {
@@ -204,8 +204,8 @@ impl<D: Disk> SteppedState<D> {
         } = Start::from(locked, project)?;
         let (jobs, next) = mpsc::channel();
         let watch = ChangeTracker::new(jobs, state.axes.clone(), tags, project.machine.period_ns);
-        let keeper = Keeper::start(locked, state, pace, Duration::ZERO, next);
-        Ok(SteppedState { image, watch, keeper })
+        let worker = WriterWorker::start(locked, state, pace, Duration::ZERO, next);
+        Ok(SteppedState { image, watch, worker })
     }
 }
 

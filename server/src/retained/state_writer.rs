@@ -3,7 +3,7 @@
 //! The first thread writes everything that waits in one write, and never waits for the disk itself: synchronisations run on the
 //! other. After a failure it answers everything with [`NotPersisted`], and tries to write the whole state to a new file every second.
 //!
-//! [`Keeper`] is one turn of the first thread; a simulation makes the turns itself (`stepped`).
+//! [`WriterWorker`] is one turn of the first thread; a simulation makes the turns itself (`stepped`).
 
 use std::io;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -15,13 +15,13 @@ use arcline_state::{Action, Disk, Ended, Failure, LockedFile, Pace, Record, Repo
 use tokio::sync::oneshot;
 
 /// Carries the answer: the disk has the record, or it does not.
-type WhenPersisted = oneshot::Sender<Result<(), NotPersisted>>;
+type PersistedSender = oneshot::Sender<Result<(), NotPersisted>>;
 
 /// A message to the thread that writes.
 #[derive(Debug)]
 pub(crate) enum Job {
-    /// Keep this record and answer.
-    Keep(Record, WhenPersisted),
+    /// Write this record and answer.
+    Write(Record, PersistedSender),
     /// A synchronisation has ended.
     Ended(Ended),
     /// Write everything once more and end.
@@ -54,10 +54,10 @@ impl StateWriter {
             }
         })?;
         let begun = Instant::now();
-        let keeper = Keeper::start(locked, state, Pace::default(), begun.elapsed(), next);
+        let worker = WriterWorker::start(locked, state, Pace::default(), begun.elapsed(), next);
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
-            .spawn(move || run(keeper, begun, &disk))?;
+            .spawn(move || run(worker, begun, &disk))?;
         Ok(StateWriter { jobs, thread })
     }
 
@@ -79,11 +79,11 @@ impl StateWriter {
     }
 }
 
-fn run(mut keeper: Keeper<System>, begun: Instant, disk: &mpsc::SyncSender<Task<System>>) -> io::Result<()> {
+fn run(mut worker: WriterWorker<System>, begun: Instant, disk: &mpsc::SyncSender<Task<System>>) -> io::Result<()> {
     loop {
-        let first = match keeper.due() {
-            Some(due) => keeper.jobs.recv_timeout(due.saturating_sub(begun.elapsed())),
-            None => keeper.jobs.recv().map_err(|_| RecvTimeoutError::Disconnected),
+        let first = match worker.due() {
+            Some(due) => worker.jobs.recv_timeout(due.saturating_sub(begun.elapsed())),
+            None => worker.jobs.recv().map_err(|_| RecvTimeoutError::Disconnected),
         };
         let first = match first {
             Ok(job) => Some(job),
@@ -91,7 +91,7 @@ fn run(mut keeper: Keeper<System>, begun: Instant, disk: &mpsc::SyncSender<Task<
             // The state writer was dropped, not closed.
             Err(RecvTimeoutError::Disconnected) => Some(Job::Close),
         };
-        match keeper.turn(first, begun.elapsed()) {
+        match worker.turn(first, begun.elapsed()) {
             Turn::Idle => {}
             // The thread that runs it is idle, so there is room.
             Turn::Synchronise(task) => drop(disk.try_send(task)),
@@ -102,8 +102,8 @@ fn run(mut keeper: Keeper<System>, begun: Instant, disk: &mpsc::SyncSender<Task<
 
 /// The writer and the jobs that wait for it.
 #[derive(Debug)]
-pub(crate) struct Keeper<D: Disk> {
-    writer: Writer<D, WhenPersisted>,
+pub(crate) struct WriterWorker<D: Disk> {
+    writer: Writer<D, PersistedSender>,
     jobs: mpsc::Receiver<Job>,
 }
 
@@ -118,7 +118,7 @@ pub(crate) enum Turn<D: Disk> {
     Closed(io::Result<()>),
 }
 
-impl<D: Disk> Keeper<D> {
+impl<D: Disk> WriterWorker<D> {
     /// Writes a state to its file.
     pub(crate) fn start(
         locked: LockedFile<D>,
@@ -129,7 +129,7 @@ impl<D: Disk> Keeper<D> {
     ) -> Self {
         let mut writer = Writer::start(locked, state, pace, now);
         carry_out(&mut writer);
-        Keeper { writer, jobs }
+        WriterWorker { writer, jobs }
     }
 
     /// When the next turn is due without a job.
@@ -143,7 +143,7 @@ impl<D: Disk> Keeper<D> {
         let mut close = false;
         while let Some(job) = next {
             match job {
-                Job::Keep(record, kept) => self.writer.keep(record, kept),
+                Job::Write(record, answer) => self.writer.keep(record, answer),
                 Job::Ended(ended) => self.writer.ended(ended, now),
                 Job::Close => close = true,
             }
@@ -160,14 +160,14 @@ impl<D: Disk> Keeper<D> {
         task.map_or(Turn::Idle, Turn::Synchronise)
     }
 
-    /// As [`Keeper::turn`] with the first job that waits, if one does.
+    /// As [`WriterWorker::turn`] with the first job that waits, if one does.
     pub(crate) fn step(&mut self, now: Duration) -> Turn<D> {
         let first = self.jobs.try_recv().ok();
         self.turn(first, now)
     }
 }
 
-fn carry_out<D: Disk>(writer: &mut Writer<D, WhenPersisted>) {
+fn carry_out<D: Disk>(writer: &mut Writer<D, PersistedSender>) {
     let file = writer.path().to_owned();
     let file = file.display();
     for action in writer.actions() {

@@ -182,13 +182,13 @@ fn show(watch: &mut ChangeTracker, tick: u64, axis: AxisSnapshot) {
 
 /// The axis in the sent message; the disk has it at once.
 fn sent(jobs: &mpsc::Receiver<Job>) -> Option<AxisState> {
-    let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
+    let Ok(Job::Write(Record::Changes(changes), answer)) = jobs.try_recv() else {
         return None;
     };
     let [Change::Axis { axis: 0, state }] = changes[..] else {
         panic!("{changes:?}")
     };
-    kept.send(Ok(())).expect("the watch waits for it");
+    answer.send(Ok(())).expect("the watch waits for it");
     Some(state)
 }
 
@@ -266,7 +266,7 @@ fn an_axis_at_rest_is_where_its_drive_holds_it() {
 fn a_slow_disk_makes_axes_come_less_often() {
     let (mut watch, jobs) = watch();
     show(&mut watch, 1, moving(0.5));
-    let Ok(Job::Keep(_, slow)) = jobs.try_recv() else {
+    let Ok(Job::Write(_, slow)) = jobs.try_recv() else {
         panic!("nothing was sent")
     };
     for tick in 2..1000 {
@@ -308,11 +308,11 @@ async fn a_write_is_answered_when_it_is_kept() {
         written.expect("writable");
         pending
     };
-    plant.kept(write("Move1.Speed")).await.expect("not kept, and not to be");
-    assert!(jobs.try_recv().is_err(), "operands of instructions are not kept");
+    plant.complete(write("Move1.Speed")).await.expect("an operand is not retained");
+    assert!(jobs.try_recv().is_err(), "operands of instructions are not retained");
     for answer in [Ok(()), Err(NotPersisted)] {
         let written = write("Recipe[1]");
-        let Ok(Job::Keep(Record::Changes(changes), kept)) = jobs.try_recv() else {
+        let Ok(Job::Write(Record::Changes(changes), sender)) = jobs.try_recv() else {
             panic!("nothing was sent")
         };
         let expected = Change::Tag {
@@ -321,16 +321,16 @@ async fn a_write_is_answered_when_it_is_kept() {
             bytes: 2.0_f32.to_le_bytes().to_vec(),
         };
         assert_eq!(changes, [expected]);
-        let answered = plant.kept(written);
+        let answered = plant.complete(written);
         tokio::pin!(answered);
         let early = tokio::time::timeout(std::time::Duration::from_millis(1), &mut answered).await;
-        assert!(early.is_err(), "not before it is kept");
-        kept.send(answer).expect("it is waited for");
+        assert!(early.is_err(), "not before the disk has it");
+        sender.send(answer).expect("it is waited for");
         assert_eq!(answered.await, answer);
     }
     drop(jobs);
     assert_eq!(
-        plant.kept(write("Count")).await,
+        plant.complete(write("Count")).await,
         Err(NotPersisted),
         "the state writer has ended"
     );
@@ -361,7 +361,7 @@ fn created_tags_are_there_again_after_a_restart_and_deleted_ones_are_not() {
         image.delete(gone).expect("a created tag");
         assert!(retained.watch.tags(image).is_some());
         assert!(retained.watch.tags(image).is_none(), "nothing is new");
-        retained.keeper.close().expect("it is written");
+        retained.writer.close().expect("it is written");
     }
     let mut again = project();
     let retained = Retained::open(&file, &mut again).expect("the same machine");
@@ -372,5 +372,5 @@ fn created_tags_are_there_again_after_a_restart_and_deleted_ones_are_not() {
     let fixed = image.find("Program:Main.Fixed").expect("it was created");
     assert_eq!(fixed.access, Access::ReadOnly);
     assert_eq!(image.find("Gone"), None);
-    retained.keeper.close().expect("it is written");
+    retained.writer.close().expect("it is written");
 }

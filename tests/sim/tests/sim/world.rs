@@ -371,7 +371,7 @@ impl World<'_> {
                 _ => self.common.record.sometimes("a synchronisation fails"),
             }
         }
-        if let Some(task) = running.server.keep(ended, now) {
+        if let Some(task) = running.server.step_writer(ended, now) {
             let due = self.now + 1 + self.draw.below(self.sync_takes + 1);
             running.task = Some((due, task, self.common.history.clock()));
         }
