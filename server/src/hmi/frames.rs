@@ -41,7 +41,7 @@ pub(super) async fn produce(shared: Arc<Shared>) {
             from = None;
             continue;
         }
-        let mut next = from.unwrap_or_else(|| trace.kept().next);
+        let mut next = from.unwrap_or_else(|| trace.stored_ticks().next);
         loop {
             let (first, rows, values) = trace.rows(next, &columns, ROWS);
             if rows == 0 {

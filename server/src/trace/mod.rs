@@ -44,13 +44,13 @@ struct Used {
 
 /// The ticks whose rows the store has.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Kept {
+pub struct StoredTicks {
     /// The oldest tick.
     pub first: u64,
     /// The tick behind the newest.
     pub next: u64,
-    /// Ticks at most.
-    pub most: u64,
+    /// The number of ticks that it can have.
+    pub capacity: u64,
     /// Ticks that were never recorded.
     pub missing: u64,
 }
@@ -143,14 +143,14 @@ impl Trace {
     }
 
     /// The ticks whose rows the store has.
-    pub fn kept(&self) -> Kept {
+    pub fn stored_ticks(&self) -> StoredTicks {
         let mut inner = lock(&self.0);
         inner.refresh();
         let store = &inner.store;
-        Kept {
+        StoredTicks {
             first: store.first().unwrap_or(0),
             next: store.next().unwrap_or(0),
-            most: store.most() as u64,
+            capacity: store.most() as u64,
             missing: store.missing(),
         }
     }

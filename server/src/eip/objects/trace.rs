@@ -90,14 +90,14 @@ impl Object for Traces {
         let plant = &cx.device().plant;
         let machine = plant.machine();
         let narrow = |wide: u64| u32::try_from(wide).unwrap_or(u32::MAX);
-        let kept = plant.trace().kept();
+        let stored = plant.trace().stored_ticks();
         match id {
             class_attribute::PERIOD => u32_value(narrow(machine.period_ns)),
             class_attribute::SIGNALS => u16_value(signals(plant)),
-            class_attribute::FIRST_TICK => u64_value(kept.first),
-            class_attribute::NEXT_TICK => u64_value(kept.next),
-            class_attribute::CAPACITY => u32_value(narrow(kept.most)),
-            class_attribute::MISSING => u32_value(narrow(kept.missing)),
+            class_attribute::FIRST_TICK => u64_value(stored.first),
+            class_attribute::NEXT_TICK => u64_value(stored.next),
+            class_attribute::CAPACITY => u32_value(narrow(stored.capacity)),
+            class_attribute::MISSING => u32_value(narrow(stored.missing)),
             _ => no_attribute(),
         }
     }

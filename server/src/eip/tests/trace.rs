@@ -167,7 +167,7 @@ async fn a_trigger_has_time_before_it() {
     let armed = client.rows(&mut connected, level, 0, 0).await;
     assert_eq!((armed.state, armed.count), (0, 0));
     // Wait until the store has rows from before the trace.
-    while bench.device.plant.trace().kept().next < 100 {
+    while bench.device.plant.trace().stored_ticks().next < 100 {
         tokio::task::yield_now().await;
     }
     move_to(&mut client, 20.0).await;

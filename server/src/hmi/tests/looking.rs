@@ -258,10 +258,10 @@ async fn a_new_viewer_is_told_the_past() {
     let status = viewer.status(|status| status["axes"][0]["command"] == 30.0).await;
     let tick = status["tick"].as_u64().expect("a tick");
     // The thread of the trace may be behind the state.
-    while bench.plant.trace().kept().next <= tick {
+    while bench.plant.trace().stored_ticks().next <= tick {
         tokio::task::yield_now().await;
     }
-    let now = bench.plant.trace().kept().next;
+    let now = bench.plant.trace().stored_ticks().next;
     let (mut before, mut rows) = (now, 0);
     let mut positions = Vec::new();
     loop {
@@ -295,7 +295,7 @@ async fn a_new_viewer_is_told_the_past() {
         positions.splice(0..0, values.iter().step_by(signals).copied());
         (before, rows) = (first, rows + count);
     }
-    assert_eq!(before, bench.plant.trace().kept().first);
+    assert_eq!(before, bench.plant.trace().stored_ticks().first);
     assert_eq!((positions.first(), positions.last()), (Some(&0.0), Some(&30.0)));
     assert!(positions.is_sorted(), "it went one way");
 }
