@@ -20,7 +20,7 @@ use crate::signals::{Columns, Signal, signal};
 use crate::values;
 
 /// The records of a run.
-struct Kept<'s> {
+struct RunRecords<'s> {
     trace: Option<Record>,
     events: Option<Record>,
     signals: &'s [Signal],
@@ -32,7 +32,7 @@ struct Kept<'s> {
     plant: Option<Shared>,
 }
 
-impl Observer for Kept<'_> {
+impl Observer for RunRecords<'_> {
     fn begin(&mut self, machine: &Machine) {
         if let Some(trace) = &mut self.trace {
             trace.header(machine);
@@ -111,7 +111,7 @@ pub(crate) fn simulate<'py>(
             .map_err(|error| PyOSError::new_err((error.raw_os_error(), error.to_string(), path.to_owned())))?;
         Ok(Some(Record::new(Box::new(file))))
     };
-    let mut kept = Kept {
+    let mut records = RunRecords {
         trace: create(trace_csv)?,
         events: create(events_jsonl)?,
         signals: &signals,
@@ -126,12 +126,12 @@ pub(crate) fn simulate<'py>(
         policy: policy(wait, keep_going),
     };
     let mut runner = Runner::of(simulation);
-    let end = py.detach(|| runner.run(Interpreter::new(program), options, &mut kept));
-    let failed = kept.plant.as_ref().and_then(Shared::take_error);
-    if let Some(error) = kept.interrupted.take().or(failed) {
+    let end = py.detach(|| runner.run(Interpreter::new(program), options, &mut records));
+    let failed = records.plant.as_ref().and_then(Shared::take_error);
+    if let Some(error) = records.interrupted.take().or(failed) {
         return Err(error);
     }
-    for record in [kept.trace.take(), kept.events.take()].into_iter().flatten() {
+    for record in [records.trace.take(), records.events.take()].into_iter().flatten() {
         record.finish()?;
     }
     let positions = PyDict::new(py);
@@ -140,15 +140,15 @@ pub(crate) fn simulate<'py>(
         positions.set_item(&axis.name, values[0])?;
     }
     let width = signals.len();
-    let rows = kept.rows.len() / width.max(1);
+    let rows = records.rows.len() / width.max(1);
     let trace = PyArray2::zeros(py, [rows, width], false);
     {
         use numpy::PyArrayMethods as _;
         let mut array = trace.try_readwrite()?;
         if let Ok(slice) = array.as_slice_mut() {
-            slice.copy_from_slice(&kept.rows);
+            slice.copy_from_slice(&records.rows);
         }
     }
     let error = errors::ended(py, &end).map(|error| error.into_value(py));
-    (error, simulation.time(), kept.tick, positions, trace).into_pyobject(py)
+    (error, simulation.time(), records.tick, positions, trace).into_pyobject(py)
 }

@@ -13,7 +13,7 @@ use arcline_motion::{CallData, Results};
 
 use super::calls::tag_and_offset;
 use super::cam_tags::{CAM, ElementRange, SEGMENT};
-use super::shared::Kept;
+use super::shared::Unshared;
 use super::{Image, TagId};
 
 /// The writes of an instruction to tags, which take place when it is done.
@@ -36,7 +36,7 @@ enum Written {
 pub(super) struct Profiles {
     calculated: Vec<ElementRange>,
     /// Profiles in use. An entry stays until it holds the last reference, so that the memory is freed here and not in the tick.
-    used: Kept<(ElementRange, Arc<Profile>)>,
+    used: Unshared<(ElementRange, Arc<Profile>)>,
 }
 
 impl Image {

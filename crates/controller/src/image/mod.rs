@@ -47,7 +47,7 @@ use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
-use shared::{Kept, Memory, Shared};
+use shared::{Unshared, Memory, Shared};
 
 pub use attributes::Progress;
 pub use cams::Staged;
@@ -96,7 +96,7 @@ pub struct Image {
     /// The number of times that instructions have named a motion control tag.
     uses: u64,
     /// The value of `uses` when each slot was last named; 0: never.
-    last_uses: Kept<u64>,
+    last_uses: Unshared<u64>,
     encoder: Shared<encode::Encoder>,
     /// The history of the table of tags.
     table: Shared<table::Table>,
@@ -140,7 +140,7 @@ impl Image {
             templates: Shared::default(),
             controls: Shared::default(),
             uses: 0,
-            last_uses: Kept::default(),
+            last_uses: Unshared::default(),
             encoder: Shared::new(encode::Encoder::new(machine)),
             table: Shared::default(),
             snapshot_tick: 0,

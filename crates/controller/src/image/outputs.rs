@@ -13,7 +13,7 @@ use arcline_tag::TagPath;
 use super::calls::tag_and_offset;
 use super::cam_tags::ElementRange;
 use super::cams::{Prepared, Refusal};
-use super::shared::Kept;
+use super::shared::Unshared;
 use super::structures::{dint, real, word};
 use super::{Image, TagId};
 
@@ -22,7 +22,7 @@ use super::{Image, TagId};
 pub(super) struct Outputs {
     /// With the tags of their output and their input. An entry stays until it holds the last reference, so that the memory is freed
     /// here and not in the tick.
-    used: Kept<([Option<TagAddress>; 2], Arc<OutputCam>)>,
+    used: Unshared<([Option<TagAddress>; 2], Arc<OutputCam>)>,
 }
 
 impl Image {

@@ -37,21 +37,21 @@ impl<T: Clone> DerefMut for Shared<T> {
 /// Data that the machine uses, which the image frees when it holds the last reference. Copies of the image are only read: they hold no such
 /// data, and so do not keep them from being freed.
 #[derive(Debug)]
-pub(super) struct Kept<T>(Vec<T>);
+pub(super) struct Unshared<T>(Vec<T>);
 
-impl<T> Default for Kept<T> {
+impl<T> Default for Unshared<T> {
     fn default() -> Self {
-        Kept(Vec::new())
+        Unshared(Vec::new())
     }
 }
 
-impl<T> Clone for Kept<T> {
+impl<T> Clone for Unshared<T> {
     fn clone(&self) -> Self {
-        Kept::default()
+        Unshared::default()
     }
 }
 
-impl<T> Deref for Kept<T> {
+impl<T> Deref for Unshared<T> {
     type Target = Vec<T>;
 
     fn deref(&self) -> &Vec<T> {
@@ -59,7 +59,7 @@ impl<T> Deref for Kept<T> {
     }
 }
 
-impl<T> DerefMut for Kept<T> {
+impl<T> DerefMut for Unshared<T> {
     fn deref_mut(&mut self) -> &mut Vec<T> {
         &mut self.0
     }

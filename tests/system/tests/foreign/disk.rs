@@ -108,7 +108,7 @@ async fn write(client: &Client, number: i64) -> Result<(), ClientError> {
 }
 
 /// Whether a write was refused because the file could not store it.
-fn is_not_kept(error: &ClientError) -> bool {
+fn is_not_persistent(error: &ClientError) -> bool {
     error.to_string().contains("could not save it")
 }
 
@@ -178,7 +178,7 @@ async fn a_full_file_system_recovers_when_there_is_room_again() {
     let shown = client.read_numbers("Table").await.expect("a tag");
     assert_eq!(shown, [number as f64; ELEMENTS]);
     let refused = write(&client, 100_000).await.expect_err("the disk is full");
-    assert!(is_not_kept(&refused), "{refused}");
+    assert!(is_not_persistent(&refused), "{refused}");
     std::fs::remove_file(&filler).expect("it was written");
     let until = Instant::now() + Duration::from_secs(20);
     while write(&client, 200_000).await.is_err() {

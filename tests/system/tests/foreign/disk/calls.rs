@@ -8,7 +8,7 @@ use arcline_system_tests::server::Server;
 use tokio::sync::Semaphore;
 use tokio::task::{JoinSet, spawn_blocking};
 
-use super::{CALLS, ELEMENTS, Files, connect, is_not_kept, strace_is_missing, write};
+use super::{CALLS, ELEMENTS, Files, connect, is_not_persistent, strace_is_missing, write};
 
 /// Up to which call. strace counts the calls of each kind, and those of each thread.
 fn last_call() -> u32 {
@@ -94,7 +94,7 @@ async fn a_disk_that_fails_is_an_answer_and_recovers() {
             number += 1;
             match write(&client, number).await {
                 Ok(()) => answered = number,
-                Err(error) if is_not_kept(&error) => refused += 1,
+                Err(error) if is_not_persistent(&error) => refused += 1,
                 Err(error) => panic!("{case}: {error}"),
             }
             tokio::time::sleep(Duration::from_millis(5)).await;
@@ -117,7 +117,7 @@ enum Met {
     /// The server reported that it cannot use the file, and did not start.
     Refused,
     /// The number of writes that were answered as not persistent, until the state was in a new file.
-    NotKept(u32),
+    NotPersistent(u32),
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -145,7 +145,7 @@ async fn an_error_at_any_call_loses_nothing_and_recovers() {
     while let Some(ended) = runs.join_next().await {
         match ended {
             Ok(Met::Refused) => at_start += 1,
-            Ok(Met::NotKept(writes)) => {
+            Ok(Met::NotPersistent(writes)) => {
                 met += u32::from(writes > 0);
                 refused += writes;
             }
@@ -189,7 +189,7 @@ async fn fail_once(error: &'static str, text: &'static str, call: u32, state: Ve
         sent += 1;
         match write(&client, sent).await {
             Ok(()) => answered = sent,
-            Err(error) if is_not_kept(&error) => {
+            Err(error) if is_not_persistent(&error) => {
                 // A kill at this instant would leave this file.
                 let kept = files.table(&why).unwrap_or_default();
                 assert!(
@@ -207,7 +207,7 @@ async fn fail_once(error: &'static str, text: &'static str, call: u32, state: Ve
     assert_eq!(files.table(&why), Some(answered), "{why}: {log}");
     assert_eq!(answered, sent, "{why}: {log}");
     assert_eq!(refused > 0, log.contains("is written again"), "{why}: {log}");
-    Met::NotKept(refused)
+    Met::NotPersistent(refused)
 }
 
 async fn kill(server: Server, client: Client) -> String {
