@@ -118,7 +118,7 @@ pub struct Rotation {
     /// The fixed angles at its ends, degrees.
     shown: [Point; 2],
     /// The rotation belongs to a move that keeps the orientation.
-    keeps: bool,
+    keeps_orientation: bool,
 }
 
 /// An orientation on the path, and its derivatives by the share of the path or by time.
@@ -147,7 +147,7 @@ impl Rotation {
             angle,
             spin: turns * core::f64::consts::TAU,
             shown: [Point::zeros(); 2],
-            keeps: false,
+            keeps_orientation: false,
         }
     }
 
@@ -162,15 +162,15 @@ impl Rotation {
     pub fn keeping(angles: &Point) -> Rotation {
         let at = rotation(angles);
         Rotation {
-            keeps: true,
+            keeps_orientation: true,
             ..Rotation::new(&at, &at, 0.0).showing([*angles; 2])
         }
     }
 
     /// The rotation belongs to a move that keeps the orientation.
     #[must_use]
-    pub fn keeps(&self) -> bool {
-        self.keeps
+    pub fn keeps_orientation(&self) -> bool {
+        self.keeps_orientation
     }
 
     /// Its end state, at rest.
@@ -194,7 +194,7 @@ impl Rotation {
     /// The orientation at a share of the path; exact at both ends, 0 and 1. Beyond the end the rotation continues. Real-time.
     #[must_use]
     pub fn at(&self, share: f64) -> RotationState {
-        if self.keeps {
+        if self.keeps_orientation {
             return self.ended();
         }
         let [first, last] = self.shown;

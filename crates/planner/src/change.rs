@@ -97,11 +97,11 @@ impl<T: Copy> Planner<T> {
         let from = running.trajectory.state(clock);
         running.removal = self.removal_at_change(ran, running.motion.limits.speed, running.trajectory.share());
         running.in_force = running.motion.limits;
-        running.kept = false;
+        running.has_other_limits = false;
         let paused = self.limits(&running).speed == 0.0;
         if paused && self.needs_more(&running, from, &ran.limits) {
             running.in_force = ran.limits;
-            running.kept = true;
+            running.has_other_limits = true;
         }
         let removal_phase = running.removal.phase(from, &self.limits(&running));
         let level = removal_phase.map_or(from, |phase| phase.end());
@@ -269,7 +269,7 @@ impl<T: Copy> Planner<T> {
         running.trajectory.profile = profile;
         running.trajectory.offset = 0.0;
         running.in_force = running.motion.limits;
-        running.kept = false;
+        running.has_other_limits = false;
         running.aim(&plan);
         self.active = Some(running);
         self.schedule(clock.now(), clock);
@@ -319,7 +319,7 @@ impl Ran {
         let programmed = raised(running.motion.limits.speed, rate);
         let ran = Ran::along(&trajectory.profile, trajectory.start.elapsed(clock), own, programmed);
         // The deceleration of a profile that began on an earlier move, with its rates, may also be too high.
-        let earlier = running.kept || trajectory.offset != 0.0;
+        let earlier = running.has_other_limits || trajectory.offset != 0.0;
         Ran {
             limits: running.in_force,
             forward: ran.forward.or(taking(&own).filter(|_| earlier)),
@@ -332,7 +332,7 @@ impl Ran {
         let programmed = raised(approach.limits.speed, rate);
         let ran = Ran::along(&approach.profile, elapsed, approach.limits, programmed);
         Ran {
-            forward: ran.forward.or(taking(&approach.limits).filter(|_| approach.kept)),
+            forward: ran.forward.or(taking(&approach.limits).filter(|_| approach.has_other_limits)),
             ..ran
         }
     }

@@ -31,7 +31,7 @@ impl<T: Copy> Planner<T> {
         }
         let between = junction(&last.motion, &next, last.blended);
         if last.joined > 0 {
-            let pauses = last.kept && next.limits.speed * self.queue.rate() == 0.0;
+            let pauses = last.has_other_limits && next.limits.speed * self.queue.rate() == 0.0;
             let trajectory = last.trajectory.onto(&next, between);
             if run_ends {
                 self.plan_on(next, trajectory, last.removal, at, clock);
@@ -57,8 +57,8 @@ impl<T: Copy> Planner<T> {
                     profile: last.trajectory.profile,
                     start: last.trajectory.start,
                     offset: last.trajectory.offset,
-                    limits: last.keeps(),
-                    kept: last.kept || last.trajectory.offset != 0.0,
+                    limits: last.profile_limits(),
+                    has_other_limits: last.has_other_limits || last.trajectory.offset != 0.0,
                 };
                 let blended = matches!(between, Junction::Overtake { .. });
                 self.run(next, passing(end), start, None, blended, clock);
@@ -139,10 +139,10 @@ impl<T: Copy> Planner<T> {
     /// Makes the next of several joined moves active on the same profile. A pause on older limits keeps them: the rates of the new move may
     /// not brake in time.
     fn go_on(&mut self, last: &Running<T>, next: Move<T>, trajectory: MoveTrajectory, at: Instant, clock: &Clock) {
-        let kept = last.kept && next.limits.speed * self.queue.rate() == 0.0;
+        let has_other_limits = last.has_other_limits && next.limits.speed * self.queue.rate() == 0.0;
         let in_force = Limits {
             speed: next.limits.speed,
-            ..if kept { last.in_force } else { next.limits }
+            ..if has_other_limits { last.in_force } else { next.limits }
         };
         let blended = trajectory.run_up.is_some();
         self.active = Some(Running {
@@ -152,7 +152,7 @@ impl<T: Copy> Planner<T> {
             blended,
             run_start: self.queue.relink(&next, blended),
             in_force,
-            kept,
+            has_other_limits,
             removal: last.removal,
             ..Running::new(next, trajectory)
         });

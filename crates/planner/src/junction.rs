@@ -67,7 +67,7 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
     let turns = [first.rotation, second.rotation]
         .iter()
         .flatten()
-        .any(|rotation| !rotation.keeps());
+        .any(|rotation| !rotation.keeps_orientation());
     let in_line = !turns && collinear(&first.path, &second.path);
     match first.ending {
         Ending::Blend { tolerance } if tolerance > 0.0 => {

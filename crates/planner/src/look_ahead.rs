@@ -122,7 +122,7 @@ impl<T: Copy> Planner<T> {
 
     /// The limits of the profile along the path.
     pub(crate) fn limits(&self, running: &Running<T>) -> Limits {
-        scaled_limits(&running.keeps(), self.queue.rate(), running.trajectory.share())
+        scaled_limits(&running.profile_limits(), self.queue.rate(), running.trajectory.share())
     }
 
     /// The profile of a plan.

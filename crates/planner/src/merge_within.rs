@@ -44,7 +44,7 @@ impl<T: Copy> Planner<T> {
             drift: Point::zeros(),
         };
         let at_rest = initial.velocity == Point::zeros() && initial.acceleration == Point::zeros();
-        if at_rest || kept(&motion.path, &initial) {
+        if at_rest || continues_along(&motion.path, &initial) {
             let from = KinematicState {
                 position: 0.0,
                 velocity: initial.velocity.norm(),
@@ -53,7 +53,7 @@ impl<T: Copy> Planner<T> {
             self.run_within(motion, from, clock.now(), None, whole, clock);
             return;
         }
-        let plan = beside(&motion, &initial, axes).unwrap_or_else(|| {
+        let plan = residual_beside(&motion, &initial, axes).unwrap_or_else(|| {
             let parts = ramped_out(&initial, &own, axes, &motion.path, 1.0);
             ResidualPlan {
                 wait: parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max),
@@ -118,7 +118,7 @@ impl<T: Copy> Planner<T> {
 }
 
 /// Path and residual at the same time, if that keeps the limits.
-fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<ResidualPlan> {
+fn residual_beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Option<ResidualPlan> {
     let own = &motion.limits;
     if motion.path.length() <= 0.0 {
         return None;
@@ -153,7 +153,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
     let whole = parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max);
     let most = within.most_tangent();
     let mut speed = 0.0_f64;
-    let kept = (0..=SAMPLES).all(|k| {
+    let is_within = (0..=SAMPLES).all(|k| {
         let t = whole * f64::from(k) / f64::from(SAMPLES);
         speed = speed.max(along.at((t + whole / f64::from(SAMPLES) - wait).max(0.0)).velocity);
         (0..3).all(|axis| {
@@ -166,7 +166,7 @@ fn beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimits) -> Op
             residual.abs().max(sum.abs()) <= axes.speed[axis] * (1.0 + ROUNDING_SHARE)
         })
     });
-    kept.then_some(ResidualPlan { parts, wait, within })
+    is_within.then_some(ResidualPlan { parts, wait, within })
 }
 
 /// The plan of a residual and a path.
@@ -178,7 +178,7 @@ struct ResidualPlan {
 }
 
 /// The velocity continues along a path, with a component across it below the 0.1 degree of other merges.
-fn kept(path: &Path, initial: &InitialMotion) -> bool {
+fn continues_along(path: &Path, initial: &InitialMotion) -> bool {
     let tangent = path.start_tangent();
     let along = tangent.dot(&initial.acceleration);
     let across = (initial.acceleration - tangent * along).norm();

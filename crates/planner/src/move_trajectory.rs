@@ -35,7 +35,7 @@ pub(crate) struct Approach {
     /// The programmed limits of its profile.
     pub(crate) limits: Limits,
     /// Its deceleration may stem from other limits.
-    pub(crate) kept: bool,
+    pub(crate) has_other_limits: bool,
 }
 
 /// Terminated motion that ramps out while its displacement is compensated in proportion to the distance covered on the path

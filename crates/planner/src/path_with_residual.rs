@@ -34,20 +34,20 @@ impl PathWithResidual<'_> {
         let free = Profile::after_removal(forward(from, limits, self.bound / self.most_way()), from, |from| {
             plan(from, limits)
         });
-        if self.keeps(&free) {
+        if self.is_within_bound(&free) {
             return Some(free);
         }
         let held = |wait| held(from, limits, removal, wait, &plan);
         let mut longest = self.until();
         let mut best = held(longest);
-        if !self.keeps(&best) {
+        if !self.is_within_bound(&best) {
             return None;
         }
         let mut shortest = 0.0;
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (shortest + longest);
             let tried = held(middle);
-            if self.keeps(&tried) {
+            if self.is_within_bound(&tried) {
                 (best, longest) = (tried, middle);
             } else {
                 shortest = middle;
@@ -90,7 +90,7 @@ impl PathWithResidual<'_> {
 
     /// The sum keeps the bound until the residual has ramped out: at the joints of all profiles, between them, and at the vertices of the
     /// parabolas through three samples.
-    fn keeps(&self, along: &Profile) -> bool {
+    fn is_within_bound(&self, along: &Profile) -> bool {
         let until = self.until();
         let mut times = [until; MOST_JOINTS];
         let mut count = 0;

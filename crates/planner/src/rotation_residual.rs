@@ -212,7 +212,7 @@ impl<T: Copy> Planner<T> {
 impl<T> Running<T> {
     /// The limits of its rotation, radians and seconds.
     pub(crate) fn turn_limits(&self) -> Option<Limits> {
-        let rotation = self.motion.rotation.filter(|rotation| !rotation.keeps())?;
+        let rotation = self.motion.rotation.filter(|rotation| !rotation.keeps_orientation())?;
         let length = self.motion.path.length();
         let ratio = if length > 0.0 {
             rotation.angle().to_radians() / length

@@ -78,8 +78,8 @@ pub struct Running<T> {
     pub(crate) stopped: bool,
     /// The programmed limits of its profile: not those of the move if a pause is shorter with others.
     pub(crate) in_force: Limits,
-    /// They are not those of the move.
-    pub(crate) kept: bool,
+    /// The limits in force are not those of the move.
+    pub(crate) has_other_limits: bool,
     /// The removal of an acceleration at the beginning of its profile.
     pub(crate) removal: AccelerationRemoval,
 }
@@ -132,23 +132,23 @@ impl<T: Copy> Running<T> {
             run_start: 0.0,
             stopped: false,
             in_force: motion.limits,
-            kept: false,
+            has_other_limits: false,
             removal: AccelerationRemoval::NONE,
         }
     }
 
     /// The programmed limits of its profile, at the programmed speed.
-    pub(crate) fn keeps(&self) -> Limits {
+    pub(crate) fn profile_limits(&self) -> Limits {
         Limits {
             speed: self.motion.limits.speed,
-            ..if self.kept { self.in_force } else { self.motion.limits }
+            ..if self.has_other_limits { self.in_force } else { self.motion.limits }
         }
     }
 
     /// The removal of a deceleration that this move leaves to the next one, which must not pass through rest.
     pub(crate) fn removal_of_the_next(&self) -> AccelerationRemoval {
-        let kept = self.in_force.jerk.filter(|_| self.kept).map(|jerk| jerk.deceleration);
-        match self.removal.forward.or(kept) {
+        let other = self.in_force.jerk.filter(|_| self.has_other_limits).map(|jerk| jerk.deceleration);
+        match self.removal.forward.or(other) {
             Some(jerk) => AccelerationRemoval {
                 forward: Some(jerk),
                 ..AccelerationRemoval::FORWARD

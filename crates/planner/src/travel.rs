@@ -194,17 +194,17 @@ impl<T: Copy> Travel<T> {
         }
     }
 
-    /// Begins a move from a motion, and from a rotation that ramps out beside it. `kept`: limits of the axes that it keeps.
+    /// Begins a move from a motion, and from a rotation that ramps out beside it. `axis_limits`: limits of the axes that both observe.
     pub fn merge(
         &mut self,
         motion: Move<T>,
         initial: InitialMotion,
         residual: Option<RotationResidual>,
-        kept: Option<&AxisLimits>,
+        axis_limits: Option<&AxisLimits>,
         base: &TimeBase,
     ) {
         let clock = base.clock();
-        match kept {
+        match axis_limits {
             Some(limits) => {
                 // Also after the merge, no override exceeds the limits of the axes.
                 self.planner.set_rate(self.rate, &clock);

@@ -24,13 +24,13 @@ impl Axis {
             from.acceleration = 0.0;
         }
         let before = generator.in_force.filter(|_| generator.follower.is_none());
-        let kept = stopping(limits, before.as_ref());
+        let limits_of_stop = stopping(limits, before.as_ref());
         let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
         generator.jerk = generator.highest_jerk();
         // A stop is a function of time, even if the motion that it stops is a function of a master.
         generator.follower = None;
         generator.follow(stop, now);
-        generator.keeps(&kept);
+        generator.set_limits_in_force(&limits_of_stop);
         generator.execution = execution;
         generator.program = None;
         generator.stopping = true;
@@ -72,7 +72,7 @@ impl Axis {
         let before = self.sum.in_force(|_| true);
         let profile = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
         let mut stop = Generator::planned(profile, now);
-        stop.keeps(&stopping(limits, before.as_ref()));
+        stop.set_limits_in_force(&stopping(limits, before.as_ref()));
         stop.execution = execution;
         stop.stopping = true;
         stop.brake = Some(*limits);

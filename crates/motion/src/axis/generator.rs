@@ -127,7 +127,7 @@ impl Generator {
     }
 
     /// Records the limits of its profile.
-    pub(crate) fn keeps(&mut self, limits: &Limits) {
+    pub(crate) fn set_limits_in_force(&mut self, limits: &Limits) {
         let top = match &self.equation {
             Equation::Planned { profile, .. } => profile.top_speed(0.0),
             _ => 0.0,

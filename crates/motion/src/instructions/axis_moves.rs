@@ -103,7 +103,7 @@ impl AxisMove {
         let start = follower.map_or(motion.clock, |follower| follower.clock()).now();
         let mut generator = Generator::planned(profile, start);
         generator.follower = follower;
-        generator.keeps(&limits);
+        generator.set_limits_in_force(&limits);
         generator.execution = Some(execution);
         generator.s_curve = dynamics.is_s_curve();
         generator.program = Some(ProgrammedMotion { dynamics, goal });

@@ -97,7 +97,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Goal::Velocity(velocity) => Profile::to_velocity(from, velocity, &limits),
     });
     generator.follow(profile, generator.clock(&clock).now());
-    generator.keeps(&limits);
+    generator.set_limits_in_force(&limits);
     generator.program = Some(ProgrammedMotion { dynamics, goal });
     // The next update calculates the Calculated Data again.
     let calculated = generator.events.as_mut().and_then(|events| {

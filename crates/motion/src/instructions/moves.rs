@@ -305,8 +305,8 @@ fn start(
     let system = &mut motion.systems[index];
     let base = system.time_base(&motion.clock);
     let enforced = system.description.axis_limits == LimitPolicy::Enforce;
-    let kept = enforced.then_some(&system.axis_limits);
-    system.travel.merge(planned, *initial, residual, kept, &base);
+    let axis_limits = enforced.then_some(&system.axis_limits);
+    system.travel.merge(planned, *initial, residual, axis_limits, &base);
     system.activity = Activity::Moving;
     system.shown.has_moved = system.follower.is_none() && !system.travel.is_paused() && planned.path.length() > 0.0;
     system.stale = true;

@@ -77,8 +77,8 @@ impl<T: Copy> ContourQueue<T> {
             }
             Some(run) => Some(self.extension(run, clock, time)?),
         };
-        let kept = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
-        self.take_moves(kept, take);
+        let as_planned = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
+        self.take_moves(as_planned, take);
         self.asked = Some(match extends {
             None => Asked::Contour,
             Some(Extension { passed, anew: None, .. }) => Asked::Extension { passed },
@@ -166,9 +166,9 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// Passes the moves to a plan. `kept`: the moves on the trajectory stay as they were planned.
-    fn take_moves(&self, kept: bool, mut take: impl FnMut(ContourMove)) {
-        let running = self.run.as_ref().filter(|_| kept);
+    /// Passes the moves to a plan. `as_planned`: the moves on the trajectory stay as they were planned.
+    fn take_moves(&self, as_planned: bool, mut take: impl FnMut(ContourMove)) {
+        let running = self.run.as_ref().filter(|_| as_planned);
         // New moves behind moves that wait to be planned anew get the same share of their speed.
         let like = running.filter(|run| run.stale).and_then(|run| {
             let last = self.moves.get(self.planned().checked_sub(1)?)?;
