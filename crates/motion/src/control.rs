@@ -61,8 +61,8 @@ struct Control {
     word: MotionControl,
     /// FLAGS when the present execution began or was last reported.
     reported: u32,
-    /// Bits among them that count as set again if they are still set: EN alone survives an edge.
-    kept: u32,
+    /// The reported bits that survived since: EN alone survives the edge of a new execution. The others count as set anew.
+    survivors: u32,
     changed: bool,
     /// SEGMENT differs from the last report.
     moved: bool,
@@ -112,7 +112,7 @@ impl Controls {
             mnemonic: Mnemonic::Mcs,
             word: MotionControl::default(),
             reported: 0,
-            kept: u32::MAX,
+            survivors: u32::MAX,
             changed: false,
             moved: false,
             cause: Cause::Itself,
@@ -159,7 +159,7 @@ impl Controls {
             mnemonic: execution.mnemonic,
             word: MotionControl::default(),
             reported: control.word.flags,
-            kept: Flag::En.mask(),
+            survivors: Flag::En.mask(),
             changed: control.changed,
             moved: false,
             cause: Cause::Itself,
@@ -335,7 +335,7 @@ impl Controls {
             control: slot,
             owner: true,
             mnemonic: control.mnemonic,
-            set: now & !(control.reported & control.kept),
+            set: now & !(control.reported & control.survivors),
             clear: control.reported & !now,
             err: control.word.err,
             exerr: control.word.exerr,
@@ -343,7 +343,7 @@ impl Controls {
             cause: std::mem::take(&mut control.cause),
         };
         control.reported = now;
-        control.kept = u32::MAX;
+        control.survivors = u32::MAX;
         control.changed = false;
         let moved = std::mem::take(&mut control.moved);
         if event.set | event.clear != 0 || moved {

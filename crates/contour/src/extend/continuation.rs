@@ -245,12 +245,12 @@ fn before(running: &Trajectory, instant: f64) -> f64 {
     knot.time.min(latest)
 }
 
-/// The running trajectory between two instants, with the ends of its first `kept` moves from `passed` on.
-pub(crate) fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, kept: usize) -> Trajectory {
+/// The running trajectory between two instants, with the ends of its first `moves` moves from `passed` on.
+pub(crate) fn cut(running: &Trajectory, now: f64, until: f64, passed: usize, moves: usize) -> Trajectory {
     let first = running.knots.partition_point(|knot| knot.time <= now).saturating_sub(1);
     let behind = running.knots.partition_point(|knot| knot.time < until);
     Trajectory {
-        move_ends: running.move_ends[passed..passed + kept].to_vec(),
+        move_ends: running.move_ends[passed..passed + moves].to_vec(),
         end: running.end,
         splice: until,
         ..Trajectory::of(running.knots[first..behind.max(first)].to_vec())

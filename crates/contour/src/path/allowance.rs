@@ -111,7 +111,7 @@ impl Allowance {
     /// With a share of the tolerance for the straight part, and one of the length of a rounding.
     fn within(&self, reference: &ReferencePath, piece: usize, s: f64, [straight, share]: [f64; 2]) -> f64 {
         let tolerance = self.tolerance(reference, piece, s);
-        if !self.keeps(reference, piece, tolerance) {
+        if !self.keeps_close(reference, piece, tolerance) {
             return tolerance;
         }
         let (from, to) = (s - reference.starts[piece], reference.starts[piece + 1] - s);
@@ -130,18 +130,18 @@ impl Allowance {
     }
 
     /// The curve must keep close to a piece between the roundings of its corners, for this tolerance.
-    fn keeps(&self, reference: &ReferencePath, piece: usize, tolerance: f64) -> bool {
+    fn keeps_close(&self, reference: &ReferencePath, piece: usize, tolerance: f64) -> bool {
         !self.anywhere[piece] && reference.pieces[piece].length() > LONG * tolerance
     }
 
     /// The curve must keep close to some piece.
-    pub(crate) fn keeps_any(&self) -> bool {
+    pub(crate) fn keeps_close_anywhere(&self) -> bool {
         self.anywhere.iter().any(|&anywhere| !anywhere)
     }
 
     /// The curve must keep close to a piece on this side of its middle.
-    pub(crate) fn keeps_at(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
-        self.keeps(reference, piece, self.tolerance(reference, piece, s))
+    pub(crate) fn keeps_close_at(&self, reference: &ReferencePath, piece: usize, s: f64) -> bool {
+        self.keeps_close(reference, piece, self.tolerance(reference, piece, s))
     }
 
     /// A point of a piece is near the rounding of one of its corners, or on an arc.
@@ -175,9 +175,9 @@ impl Allowance {
     /// The permitted deviation at a joint if the curve keeps close to one of its pieces; otherwise `None`.
     pub(crate) fn at_joint(&self, reference: &ReferencePath, joint: usize) -> Option<f64> {
         let tolerance = self.tolerances[joint - 1];
-        let kept = self.keeps(reference, joint - 1, tolerance) || self.keeps(reference, joint, tolerance);
+        let is_close = self.keeps_close(reference, joint - 1, tolerance) || self.keeps_close(reference, joint, tolerance);
         let s = reference.starts[joint];
-        kept.then(|| self.aim(reference, joint - 1, s).min(self.aim(reference, joint, s)))
+        is_close.then(|| self.aim(reference, joint - 1, s).min(self.aim(reference, joint, s)))
     }
 
     /// Points at which the corridor stops narrowing or jumps, each with its piece, ascending: the outer ends of roundings on pieces
@@ -190,13 +190,13 @@ impl Allowance {
             let behind = self.reach_behind(piece, self.tolerance(reference, piece, from));
             let middle = 0.5 * (from + to);
             let beside = middle - BESIDE_SHARE * (to - from);
-            if self.keeps_at(reference, piece, from) && behind > 0.0 {
+            if self.keeps_close_at(reference, piece, from) && behind > 0.0 {
                 edges.push((piece, from + behind));
             }
             if self.tolerance(reference, piece, beside) != self.tolerance(reference, piece, middle) {
                 edges.extend([(piece, beside), (piece, middle)]);
             }
-            if self.keeps_at(reference, piece, to) && self.reaches[piece] > 0.0 {
+            if self.keeps_close_at(reference, piece, to) && self.reaches[piece] > 0.0 {
                 edges.push((piece, to - self.reaches[piece]));
             }
         }
@@ -206,8 +206,8 @@ impl Allowance {
     /// Half the largest length of a curve that rounds the corner at the end of a piece.
     pub(crate) fn room(&self, reference: &ReferencePath, piece: usize) -> f64 {
         let tolerance = self.tolerances[piece];
-        let kept = self.keeps(reference, piece, tolerance) || self.keeps(reference, piece + 1, tolerance);
-        if kept { self.reaches[piece] } else { f64::INFINITY }
+        let is_close = self.keeps_close(reference, piece, tolerance) || self.keeps_close(reference, piece + 1, tolerance);
+        if is_close { self.reaches[piece] } else { f64::INFINITY }
     }
 
     /// The length of the rounding of the corner at the end of a piece to either side: at most half a piece.
@@ -233,7 +233,7 @@ impl Allowance {
             return 0.0;
         }
         let near = piece.saturating_sub(NEIGHBOURS)..=(piece + NEIGHBOURS).min(reference.pieces.len() - 1);
-        if !near.clone().any(|near| self.keeps(reference, near, tolerance)) {
+        if !near.clone().any(|near| self.keeps_close(reference, near, tolerance)) {
             return off / tolerance;
         }
         near.map(|near| {

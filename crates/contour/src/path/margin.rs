@@ -106,7 +106,7 @@ fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64)
         *quotient = used(from + step * part as f64);
         most = most.max(*quotient);
     }
-    if most > TUNING.margin.close && allowance.keeps_any() {
+    if most > TUNING.margin.close && allowance.keeps_close_anywhere() {
         parts[PARTS] = used(until);
         most = most.max(used(from + step * peak(&parts)));
     }
@@ -163,7 +163,7 @@ fn peak(values: &[f64; PARTS + 1]) -> f64 {
 
 /// The least factor of one narrowing.
 fn least_factor(allowance: &Allowance) -> f64 {
-    if allowance.keeps_any() {
+    if allowance.keeps_close_anywhere() {
         TUNING.margin.least_factor
     } else {
         0.0

@@ -25,7 +25,7 @@ pub(crate) fn smooth(
     control: &mut ControlPoints,
 ) {
     let count = control.points.len();
-    let given = control.kept.max(TUNING.smooth.held_ends);
+    let given = control.kept_nodes.max(TUNING.smooth.held_ends);
     if count < given + 2 * TUNING.smooth.held_ends {
         return;
     }

@@ -32,7 +32,7 @@ pub(crate) struct Problem<'a> {
     /// It continues a running motion: the first nodes and spans are given.
     pub(crate) continues: bool,
     /// The number of nodes close to the running motion.
-    pub(crate) kept: usize,
+    pub(crate) kept_nodes: usize,
     /// The part that is slowed down if the start is outside the limits.
     pub(crate) slow_down: SlowDown,
     /// The shares of the reciprocal limits of speed, acceleration and jerk, by node from -1 on, for a start outside of them; empty: the full

@@ -44,7 +44,7 @@ impl Problem<'_> {
                 *factor = speed.max(acceleration.sqrt()).max(libm::cbrt(jerk));
             }
         });
-        let behind = &mut factors[self.kept..];
+        let behind = &mut factors[self.kept_nodes..];
         let count = behind.len();
         let outside = |most: f64| behind.iter().filter(|&&factor| factor > most).count();
         let slow = |factor: f64| factor / TUNING.relax.feasible;
@@ -67,7 +67,7 @@ impl Problem<'_> {
             let most = behind.iter().copied().fold(0.0, f64::max);
             behind.fill(slow(most));
         }
-        for (k, (span, factor)) in self.spans[self.kept..].iter_mut().zip(behind).enumerate() {
+        for (k, (span, factor)) in self.spans[self.kept_nodes..].iter_mut().zip(behind).enumerate() {
             let u = (k as f64 / TUNING.relax.ramp_nodes).min(1.0);
             *span *= 1.0 + (*factor - 1.0) * u * u * (3.0 - 2.0 * u);
         }

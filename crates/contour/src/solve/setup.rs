@@ -43,7 +43,7 @@ impl<'a> Conditions<'a> {
             spans: control.spans.iter().map(|h| h / span).collect(),
             lateral: 0,
             continues: control.initial.is_some(),
-            kept: control.kept,
+            kept_nodes: control.kept_nodes,
             slow_down: self.slow_down,
             relaxed: Vec::new(),
         };
@@ -75,7 +75,7 @@ impl<'a> Conditions<'a> {
     fn limits_by_node(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<Limits> {
         let (count, span) = (pieces.len(), control.spans[0]);
         let of_node = |i: usize| {
-            let bounds = if i < control.kept {
+            let bounds = if i < control.kept_nodes {
                 self.kept_limits
             } else {
                 self.limits
@@ -141,7 +141,7 @@ impl<'a> Conditions<'a> {
         let first = if control.initial.is_some() { GIVEN + 1 } else { 0 };
         for i in (first..pieces.len()).filter(|&i| !is_fixed(radii[i])) {
             let (piece, s) = (pieces[i], control.progress[i]);
-            let exact = allowance.keeps_at(reference, piece, s);
+            let exact = allowance.keeps_close_at(reference, piece, s);
             let row = if exact { CorridorRow::exact } else { CorridorRow::new };
             rows.push(row(i, 0.0, piece, radii[i]));
             if is_fixed(radii[i + 1]) {

@@ -15,7 +15,7 @@ pub(crate) struct ControlPoints {
     /// The state of the running motion that it continues, at the knot of node 1. It determines the first three nodes and spans.
     pub(crate) initial: Option<State>,
     /// The number of nodes close to the running motion, which keep their knots from run to run.
-    pub(crate) kept: usize,
+    pub(crate) kept_nodes: usize,
 }
 
 /// Nodes and spans that a running motion determines.
@@ -31,7 +31,7 @@ impl ControlPoints {
             spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
             initial: Some(initial),
             // The end of the followed part may become faster.
-            kept: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
+            kept_nodes: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
         }
     }
 

@@ -54,7 +54,7 @@ pub(crate) fn first_guess(
         progress: Vec::with_capacity(grid.len()),
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         initial: None,
-        kept: 0,
+        kept_nodes: 0,
     };
     let mut on_arc = Vec::with_capacity(grid.len());
     let mut i = 0;

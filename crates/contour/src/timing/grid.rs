@@ -75,10 +75,10 @@ pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
     times
 }
 
-/// Knots of a continuation after the `kept` ones (at least `GIVEN + 1`, ascending) until `whole`, close in busy stretches. The last span is
+/// Knots of a continuation after the given `knots` (at least `GIVEN + 1`, ascending) until `whole`, close in busy stretches. The last span is
 /// left out: in it the motion comes to rest.
-pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
-    let from = kept[kept.len() - 1];
+pub(crate) fn continued_grid(mut knots: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
+    let from = knots[knots.len() - 1];
     let mut busy = vec![(0.0, density.node_s)];
     let later = density.busy.iter().filter(|(_, to)| *to > from);
     busy.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
@@ -90,7 +90,7 @@ pub(crate) fn continued_grid(mut kept: Vec<f64>, whole: f64, density: &Density) 
         node_s: density.node_s,
     };
     let behind = grid(whole - from, &ahead).into_iter().skip(1);
-    kept.extend(behind.map(|time| time + from));
-    kept.pop();
-    kept
+    knots.extend(behind.map(|time| time + from));
+    knots.pop();
+    knots
 }

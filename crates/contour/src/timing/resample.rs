@@ -82,7 +82,7 @@ pub(crate) fn resample(
         progress,
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         initial: None,
-        kept: 0,
+        kept_nodes: 0,
     }
 }
 
@@ -94,15 +94,15 @@ fn resample_continued(
     density: &Density,
     warp: &Warp,
 ) -> ControlPoints {
-    let kept = control.kept;
+    let kept_nodes = control.kept_nodes;
     let mut fresh = control.clone();
     let whole = warp.stretched(trajectory.duration());
-    let grid = continued_grid(times[..=kept].to_vec(), whole, density);
+    let grid = continued_grid(times[..=kept_nodes].to_vec(), whole, density);
     fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    fresh.points.truncate(kept);
-    fresh.progress.truncate(kept);
+    fresh.points.truncate(kept_nodes);
+    fresh.progress.truncate(kept_nodes);
     let mut i = 0;
-    for k in kept..grid.len() {
+    for k in kept_nodes..grid.len() {
         let time = warp.nominal(grid[k]);
         let before = time - warp.nominal(grid[k - 1]);
         let behind = grid.get(k + 1).map_or(whole, |&next| warp.nominal(next)) - time;

@@ -36,9 +36,9 @@ impl Smoothed {
         let mut motion = control.spline(&control.spans);
         motion.arc_lengths = motion.measure_arc_lengths();
         let mut followed = knots(section, running);
-        followed.truncate(control.kept - 1);
+        followed.truncate(control.kept_nodes - 1);
         let straight = motion.knots.len().checked_sub(1 + LAST_KNOTS)?;
-        (straight > control.kept && motion.duration().is_finite()).then(|| Smoothed {
+        (straight > control.kept_nodes && motion.duration().is_finite()).then(|| Smoothed {
             straight: motion.arc_lengths[straight],
             times: control.times(&motion),
             progress: control.progress,

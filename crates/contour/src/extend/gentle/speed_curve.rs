@@ -80,7 +80,7 @@ impl<'a> SpeedCurve<'a> {
             .iter()
             .map(|stretch| {
                 let piece = reference.piece_at(0.5 * (stretch.from + stretch.to));
-                let is_kept = section.allowance.keeps_at(reference, piece, stretch.from);
+                let keeps_close = section.allowance.keeps_close_at(reference, piece, stretch.from);
                 let is_rounding = matches!(stretch.shape, Shape::Bezier(..));
                 let measured = if is_rounding { TUNING.gentle.rounding_samples } else { 1 };
                 let step = (stretch.to - stretch.from) / f64::from(measured);
@@ -91,7 +91,7 @@ impl<'a> SpeedCurve<'a> {
                     speed: most_speed(&section.bounds[piece], sites, step),
                     is_straight: !is_rounding && !stretch.is_arc(reference),
                     nodes: if is_rounding {
-                        TUNING.gentle.rounding_nodes[usize::from(is_kept)]
+                        TUNING.gentle.rounding_nodes[usize::from(keeps_close)]
                     } else {
                         0.0
                     },
