@@ -9,7 +9,7 @@ use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::{DynamicsBits, Machine, Start};
-use arcline_controller::{ArrayWrite, Event, FaultChange, Snapshot, Written};
+use arcline_controller::{TagWrite, Event, FaultChange, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, TagAddress, WrittenArray, bind,
@@ -343,13 +343,13 @@ impl Observer for Seen<'_> {
         }
     }
 
-    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
+    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
         let own = self.arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
         match (&write.values, own) {
-            (Written::Numbers(numbers), Some(name)) => {
+            (WrittenValues::Numbers(numbers), Some(name)) => {
                 drop(self.written.insert(name.clone(), numbers.as_slice().to_vec()));
             }
-            _ => image.apply_array_write(write),
+            _ => image.apply_tag_write(write),
         }
     }
 

@@ -7,7 +7,7 @@ use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Object, SystemId,
 };
 use arcline_motion::{
-    AcceptedMove, ArrayWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
+    AcceptedMove, TagWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;
@@ -107,8 +107,8 @@ pub trait Port {
     fn event(&mut self, event: &Event);
     /// The faults of an axis changed.
     fn fault_change(&mut self, change: &FaultChange);
-    /// An instruction wrote to an array.
-    fn array_write(&mut self, write: &ArrayWrite);
+    /// An instruction wrote to a tag.
+    fn tag_write(&mut self, write: &TagWrite);
     /// A coordinated move was accepted.
     fn accepted(&mut self, accepted: &AcceptedMove);
     /// The memory for the state at the end of this tick; `None` if no snapshot is wanted.
@@ -239,7 +239,7 @@ impl Controller {
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.take_fault_changes(|change| port.fault_change(change));
         self.end_tick(|event| port.event(event));
-        self.take_array_writes(|write| port.array_write(write));
+        self.take_tag_writes(|write| port.tag_write(write));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
@@ -408,9 +408,9 @@ impl Controller {
         self.motion.take_fault_changes(report);
     }
 
-    /// Reports the writes of instructions to arrays in the tick that ended. Real-time as far as `report` is.
-    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
-        self.motion.take_array_writes(report);
+    /// Reports the writes of instructions to tags in the tick that ended. Real-time as far as `report` is.
+    pub fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
+        self.motion.take_tag_writes(report);
     }
 
     /// The queue of the coordinate system has room for the instruction.

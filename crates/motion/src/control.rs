@@ -8,7 +8,7 @@ use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, Motion
 use arcline_planner::profile::Phase;
 
 use crate::cause::Cause;
-use crate::events::{ArrayWrite, Events};
+use crate::events::{TagWrite, Events};
 use crate::execution::{Execution, Ticket};
 
 /// Slots for motion control tags, the unnamed one included.
@@ -81,8 +81,8 @@ pub(crate) struct Controls {
     cause: Cause,
     /// The present tick.
     tick: u64,
-    /// The arrays that instructions wrote in this tick.
-    array_writes: Vec<ArrayWrite>,
+    /// The writes of instructions to tags in this tick.
+    tag_writes: Vec<TagWrite>,
 }
 
 /// FLAGS bits of an execution under way: its end clears them.
@@ -92,8 +92,8 @@ const UNDER_WAY: u32 =
 /// Events that one tick can hold.
 const EVENTS: usize = 2 * CONTROL_SLOTS;
 
-/// Arrays written in one tick; further ones are lost.
-const ARRAY_WRITES: usize = 1024;
+/// Most writes to tags in one tick; further ones are lost.
+const TAG_WRITES: usize = 1024;
 
 /// The FLAGS bits to set and to clear such that ACCEL and DECEL show the phase.
 pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
@@ -124,7 +124,7 @@ impl Controls {
             lost: 0,
             cause: Cause::Itself,
             tick: 0,
-            array_writes: Vec::with_capacity(ARRAY_WRITES),
+            tag_writes: Vec::with_capacity(TAG_WRITES),
         }
     }
 
@@ -257,26 +257,26 @@ impl Controls {
 
     /// Writes Calculated Data and sets the bit that announces it.
     pub(crate) fn give(&mut self, execution: Execution, events: &Events) {
-        self.write_array(events.write(self.tick));
+        self.write_to_tag(events.write(self.tick));
         self.write(execution, Flag::CalculatedDataAvailable.mask(), 0);
     }
 
-    /// The tick has room for another write to an array.
-    pub(crate) fn has_room_for_array(&self) -> bool {
-        self.array_writes.len() < ARRAY_WRITES
+    /// The tick has room for another write to a tag.
+    pub(crate) fn has_room_for_tag_write(&self) -> bool {
+        self.tag_writes.len() < TAG_WRITES
     }
 
-    /// Notes a write to an array, if there is room for it.
-    pub(crate) fn write_array(&mut self, write: ArrayWrite) {
-        if self.has_room_for_array() {
-            self.array_writes.push(write);
+    /// Notes a write to a tag, if there is room for it.
+    pub(crate) fn write_to_tag(&mut self, write: TagWrite) {
+        if self.has_room_for_tag_write() {
+            self.tag_writes.push(write);
         }
     }
 
-    /// Reports every write to an array since the last call, in order.
-    pub(crate) fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
-        self.array_writes.iter().for_each(report);
-        self.array_writes.clear();
+    /// Reports every write to a tag since the last call, in order.
+    pub(crate) fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
+        self.tag_writes.iter().for_each(report);
+        self.tag_writes.clear();
     }
 
     /// The number of events lost for lack of room since the start.

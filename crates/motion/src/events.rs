@@ -11,18 +11,18 @@ use arcline_planner::{Clock, EventTime, Instant};
 
 /// A write of an instruction to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArrayWrite {
+pub struct TagWrite {
     /// The tick.
     pub tick: u64,
     /// The tag, by its address in the directory.
     pub tag: TagAddress,
     /// The values.
-    pub values: Written,
+    pub values: WrittenValues,
 }
 
 /// Numbers of an array, or bits of a word.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Written {
+pub enum WrittenValues {
     /// The first elements of a REAL array.
     Numbers(RealArray),
     /// Bits of a DINT.
@@ -102,11 +102,11 @@ impl Events {
     }
 
     /// The write of the present answers.
-    pub(crate) fn write(&self, tick: u64) -> ArrayWrite {
-        ArrayWrite {
+    pub(crate) fn write(&self, tick: u64) -> TagWrite {
+        TagWrite {
             tick,
             tag: self.into,
-            values: Written::Numbers(RealArray::from_slice(&self.answers[..self.distances.as_slice().len()])),
+            values: WrittenValues::Numbers(RealArray::from_slice(&self.answers[..self.distances.as_slice().len()])),
         }
     }
 }
@@ -166,7 +166,7 @@ mod tests {
         };
         let first = |distance: f64| EventTime::At(100.0 - distance);
         assert!(events.answer(first));
-        let numbers = |numbers: [f64; 3]| Written::Numbers(RealArray::from_slice(&numbers));
+        let numbers = |numbers: [f64; 3]| WrittenValues::Numbers(RealArray::from_slice(&numbers));
         assert_eq!(events.write(5).values, numbers([100.0, -1.0, 60.0]));
         let later = |distance: f64| {
             if distance > 0.0 {

@@ -24,7 +24,7 @@ use crate::axes::Axes;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event};
-use crate::events::ArrayWrite;
+use crate::events::TagWrite;
 use crate::execution::{Execution, Ticket};
 use crate::machine::{LimitPolicy, MotionGroup};
 use crate::masters::link_numbers::LinkNumbers;
@@ -138,10 +138,10 @@ impl Motion {
         self.controls.drain(report);
     }
 
-    /// The arrays that instructions wrote in this tick, in order; to be called once a tick, after [`Motion::finish`]. Real-time as
+    /// The writes of instructions to tags in this tick, in order; to be called once a tick, after [`Motion::finish`]. Real-time as
     /// far as `report` is.
-    pub fn take_array_writes(&mut self, report: impl FnMut(&ArrayWrite)) {
-        self.controls.take_array_writes(report);
+    pub fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
+        self.controls.take_tag_writes(report);
     }
 
     /// The changes of faults in this tick, axis after axis; to be called once a tick, before or after [`Motion::finish`].

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use arcline_controller::{
-    AcceptedMove, ArrayWrite, Command, ContourRequest, Controller, Event, FaultChange, Overtaking, PlannedContour,
+    AcceptedMove, TagWrite, Command, ContourRequest, Controller, Event, FaultChange, Overtaking, PlannedContour,
     Port, Snapshot, StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
@@ -70,8 +70,8 @@ impl Port for Tap<'_> {
         self.rings.fault_change(change);
     }
 
-    fn array_write(&mut self, write: &ArrayWrite) {
-        self.rings.array_write(write);
+    fn tag_write(&mut self, write: &TagWrite) {
+        self.rings.tag_write(write);
     }
 
     fn accepted(&mut self, accepted: &AcceptedMove) {

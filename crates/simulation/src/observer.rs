@@ -2,7 +2,7 @@
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_controller::{ArrayWrite, Controller, Event, FaultChange, Ticket};
+use arcline_controller::{TagWrite, Controller, Event, FaultChange, Ticket};
 use arcline_instruction_set::Call;
 
 /// Observes a simulation, tick by tick. In a tick, its methods are called in the order of their definition.
@@ -19,9 +19,9 @@ pub trait Observer {
     fn fault(&mut self, change: &FaultChange, time: f64, machine: &Machine) {
         let _ = (change, time, machine);
     }
-    /// A write of an instruction to an array: stores it in the tag memory.
-    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
-        image.apply_array_write(write);
+    /// A write of an instruction to a tag: stores it in the tag memory.
+    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
+        image.apply_tag_write(write);
     }
     /// A change of an instruction's status, s after the beginning.
     fn event(&mut self, event: &Event, time: f64, image: &Image) {

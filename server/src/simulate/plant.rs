@@ -2,7 +2,7 @@
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
-use arcline_controller::{ArrayWrite, Event, FaultChange, Ticket};
+use arcline_controller::{TagWrite, Event, FaultChange, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Host, Loaded};
@@ -135,8 +135,8 @@ impl<O: Observer> Observer for Shown<'_, O> {
         self.observer.fault(change, time, machine);
     }
 
-    fn array_written(&mut self, write: &ArrayWrite, image: &mut Image) {
-        take_array(image, self.places, self.cell.memory_mut(), write);
+    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
+        take_tag_write(image, self.places, self.cell.memory_mut(), write);
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
@@ -154,8 +154,8 @@ enum Direction {
     ToProject,
 }
 
-/// Takes the values that an instruction wrote to an array.
-fn take_array(image: &mut Image, places: &Places, memory: &mut [u8], write: &ArrayWrite) {
+/// Takes the values that an instruction wrote to a tag.
+fn take_tag_write(image: &mut Image, places: &Places, memory: &mut [u8], write: &TagWrite) {
     let id = TagId(write.tag.tag());
     let tag = places.tag(id);
     if let Some(Placed { from, to, .. }) = tag
@@ -163,7 +163,7 @@ fn take_array(image: &mut Image, places: &Places, memory: &mut [u8], write: &Arr
     {
         image.store(id, bytes);
     }
-    image.apply_array_write(write);
+    image.apply_tag_write(write);
     if let Some(Placed { from, to, .. }) = tag
         && let Some(bytes) = memory.get_mut(from..to)
         && image.bytes(id).len() == bytes.len()

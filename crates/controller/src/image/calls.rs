@@ -6,7 +6,7 @@ use arcline_instruction_set::{
 use arcline_tag::{DataType, Elementary};
 
 use super::{Image, TagId, TagKind};
-use crate::{ArrayWrite, Written};
+use crate::{TagWrite, WrittenValues};
 
 impl Image {
     /// The instruction of an instruction tag, with its present target and operands. A target that does not exist gives a call without a target,
@@ -27,10 +27,10 @@ impl Image {
     }
 
     /// Takes over a write of an instruction to a tag. A tag that no longer exists is ignored; a restart does not retain the values.
-    pub fn apply_array_write(&mut self, write: &ArrayWrite) {
+    pub fn apply_tag_write(&mut self, write: &TagWrite) {
         match write.values {
-            Written::Numbers(numbers) => self.apply_numbers(write.tag, numbers.as_slice()),
-            Written::Bits { mask, bits } => self.apply_bits(write.tag, mask, bits),
+            WrittenValues::Numbers(numbers) => self.apply_numbers(write.tag, numbers.as_slice()),
+            WrittenValues::Bits { mask, bits } => self.apply_bits(write.tag, mask, bits),
         }
     }
 

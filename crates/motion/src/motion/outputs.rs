@@ -5,7 +5,7 @@
 use arcline_instruction_set::{AxisId, Flag};
 
 use super::{Motion, WORDS};
-use crate::events::{ArrayWrite, Written};
+use crate::events::{TagWrite, WrittenValues};
 use crate::output::Word;
 
 impl Motion {
@@ -60,11 +60,11 @@ impl Motion {
     /// Writes bits to a tag.
     pub(crate) fn write_word(&mut self, word: Option<Word>) {
         let Some(word) = word else { return };
-        if self.controls.has_room_for_array() && self.words.len() < WORDS {
-            self.controls.write_array(ArrayWrite {
+        if self.controls.has_room_for_tag_write() && self.words.len() < WORDS {
+            self.controls.write_to_tag(TagWrite {
                 tick: self.clock.tick,
                 tag: word.tag,
-                values: Written::Bits {
+                values: WrittenValues::Bits {
                     mask: word.mask,
                     bits: word.bits,
                 },
