@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arcline_config::Project;
-use arcline_controller::image::{Image, Staged};
+use arcline_controller::image::{Image, StagedWrites};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{
     Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, SystemId, TagAddress, WrittenArray,
@@ -167,7 +167,7 @@ struct Outer {
     link: Link,
     image: Image,
     /// Writes of instructions to tags at their end, by ticket.
-    staged: BTreeMap<u64, Staged>,
+    staged: BTreeMap<u64, StagedWrites>,
     /// Mnemonic of every ticket so far.
     sent: Vec<Mnemonic>,
     /// Instructions that were accepted at least once.

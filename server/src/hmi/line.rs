@@ -26,7 +26,7 @@ pub(super) fn line(plant: &Plant, mnemonic: &str, values: &Map<String, Value>) -
             .find(|(name, _)| name.eq_ignore_ascii_case(&operand.member()))
             .map(|(_, value)| value)
             .filter(|value| !value.is_null());
-        let Written { text, may_be_left_out } = write(instruction, operand, given).map_err(|text| Refusal {
+        let OperandText { text, may_be_left_out } = write(instruction, operand, given).map_err(|text| Refusal {
             member: Some(operand.member().into()),
             ..Refusal::new(text)
         })?;
@@ -76,14 +76,14 @@ fn not_bound(error: &BindError, mnemonic: Mnemonic) -> Refusal {
 }
 
 /// An operand as it stands in a line.
-struct Written {
+struct OperandText {
     text: String,
     /// The text is the value of an omitted operand.
     may_be_left_out: bool,
 }
 
-fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) -> Result<Written, String> {
-    let needed = |text: String| Written {
+fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) -> Result<OperandText, String> {
+    let needed = |text: String| OperandText {
         text,
         may_be_left_out: false,
     };
@@ -105,7 +105,7 @@ fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) ->
             };
             let word = value.and_then(|value| words.word(value));
             let word = word.ok_or_else(|| format!("expected one of {}", words.choices()))?;
-            Ok(Written {
+            Ok(OperandText {
                 text: word.keyword(),
                 may_be_left_out: f64::from(word.value) == Operand::OMITTED,
             })
@@ -115,7 +115,7 @@ fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) ->
                 None => operand.initial.to_string(),
                 Some(value) => number(value)?,
             };
-            Ok(Written {
+            Ok(OperandText {
                 may_be_left_out: text.parse() == Ok(Operand::OMITTED),
                 text,
             })
@@ -132,8 +132,8 @@ fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) ->
     }
 }
 
-fn or_none(text: Option<String>) -> Written {
-    Written {
+fn or_none(text: Option<String>) -> OperandText {
+    OperandText {
         may_be_left_out: text.is_none(),
         text: text.unwrap_or_else(|| "0".to_owned()),
     }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
-use arcline_controller::image::{Edge, Image, Staged, TagKind};
+use arcline_controller::image::{Edge, Image, StagedWrites, TagKind};
 use arcline_controller::machine::{DynamicsBits, Machine};
 use arcline_controller::{ContourRests, Ticket};
 use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
@@ -78,7 +78,7 @@ pub(super) struct State {
     /// Whether the tags show that motion is inhibited.
     inhibited: bool,
     /// Writes to tags that instructions make when they are done.
-    staged: BTreeMap<Ticket, Staged>,
+    staged: BTreeMap<Ticket, StagedWrites>,
     /// The overrides that the controller has been sent, percent.
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.

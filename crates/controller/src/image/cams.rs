@@ -19,10 +19,10 @@ use super::{Image, TagId};
 /// The writes of an instruction to tags, which take place when it is done.
 #[derive(Clone, Debug)]
 #[must_use = "a profile stays \"being calculated\" until it is settled"]
-pub struct Staged(Written);
+pub struct StagedWrites(Writes);
 
 #[derive(Clone, Debug)]
-enum Written {
+enum Writes {
     Profile(ElementRange, Profile),
     Numbers(Vec<(TagAddress, f64)>),
     /// Results of the tick, for an array.
@@ -42,7 +42,7 @@ pub(super) struct Profiles {
 impl Image {
     /// The data of a call that stand in tags, and the writes that it stages: those are for [`Image::settle`] after the execution of the
     /// instruction.
-    pub fn prepare(&mut self, call: &Call) -> (Option<CallData>, Option<Staged>) {
+    pub fn prepare(&mut self, call: &Call) -> (Option<CallData>, Option<StagedWrites>) {
         let prepared = match call.mnemonic {
             Mnemonic::Mccp => self.calculate_profile(call),
             Mnemonic::Mcsv => self.calculate_values(call),
@@ -73,10 +73,10 @@ impl Image {
     }
 
     /// Writes the staged results of an instruction, if it is done.
-    pub fn settle(&mut self, staged: Staged, control: &MotionControl) {
+    pub fn settle(&mut self, staged: StagedWrites, control: &MotionControl) {
         let done = control.has(Flag::Dn) && !control.has(Flag::Er);
         match staged.0 {
-            Written::Profile(range, profile) => {
+            Writes::Profile(range, profile) => {
                 self.profiles.calculated.retain(|other| *other != range);
                 if done {
                     self.write_profile(range, &profile);
@@ -86,12 +86,12 @@ impl Image {
                     self.set_status(range, status);
                 }
             }
-            Written::Results(array, results) => {
+            Writes::Results(array, results) => {
                 for (index, number) in results.numbers().enumerate().filter(|_| done) {
                     self.write_element(array, index, number);
                 }
             }
-            Written::Pose([position, configuration, turns], results) => {
+            Writes::Pose([position, configuration, turns], results) => {
                 for (index, number) in results.numbers().enumerate().filter(|_| done) {
                     match index {
                         0..=5 => self.write_element(position, index, number),
@@ -100,7 +100,7 @@ impl Image {
                     }
                 }
             }
-            Written::Numbers(numbers) => {
+            Writes::Numbers(numbers) => {
                 for (tag, number) in numbers.into_iter().filter(|_| done) {
                     self.write_number(tag, number);
                 }
@@ -124,14 +124,14 @@ impl Image {
     }
 
     /// The results that the tick calculates, if the operand refers to an array for them.
-    fn expect_results(array: Option<WrittenArray>) -> (Option<CallData>, Option<Staged>) {
+    fn expect_results(array: Option<WrittenArray>) -> (Option<CallData>, Option<StagedWrites>) {
         let Some(array) = array else {
             return (None, None);
         };
         let results = Arc::new(Results::new(usize::from(array.elements)));
         (
             Some(CallData::Results(results.clone())),
-            Some(Staged(Written::Results(array.tag, results))),
+            Some(StagedWrites(Writes::Results(array.tag, results))),
         )
     }
 
@@ -146,7 +146,7 @@ impl Image {
         let staged = match tags {
             (Some(position), Some(configuration), Some(turns)) => {
                 let tags = [position.tag, configuration, turns];
-                Some(Staged(Written::Pose(tags, calculation.results.clone())))
+                Some(StagedWrites(Writes::Pose(tags, calculation.results.clone())))
             }
             _ => None,
         };
@@ -198,7 +198,7 @@ impl Image {
         })?;
         self.profiles.calculated.push(range);
         self.set_status(range, BEING_CALCULATED);
-        Ok((CallData::Done, Some(Staged(Written::Profile(range, profile)))))
+        Ok((CallData::Done, Some(StagedWrites(Writes::Profile(range, profile)))))
     }
 
     fn calculate_values(&mut self, call: &Call) -> Prepared {
@@ -222,7 +222,7 @@ impl Image {
         let numbers = results
             .into_iter()
             .filter_map(|(array, number)| Some((array.as_ref()?.tag, number)));
-        Ok((CallData::Done, Some(Staged(Written::Numbers(numbers.collect())))))
+        Ok((CallData::Done, Some(StagedWrites(Writes::Numbers(numbers.collect())))))
     }
 
     fn use_profile(&mut self, cam_profile: &OperandValue<Option<TagAddress>>) -> Prepared {
@@ -278,7 +278,7 @@ impl Image {
     }
 }
 
-pub(super) type Prepared = Result<(CallData, Option<Staged>), Refusal>;
+pub(super) type Prepared = Result<(CallData, Option<StagedWrites>), Refusal>;
 
 /// The error of an instruction, and the element at fault.
 pub(super) struct Refusal {

@@ -50,7 +50,7 @@ use crate::{Event, Snapshot, UNNAMED};
 use shared::{Unshared, Memory, Shared};
 
 pub use attributes::Progress;
-pub use cams::Staged;
+pub use cams::StagedWrites;
 pub use clock_step::{CLOCK_STEP_TAG, MOST_STEPS};
 pub use contour_rests::CONTOUR_RESTS_TAG;
 pub use error::{ControlError, ReadError, WriteError};
@@ -62,7 +62,7 @@ pub use program::{ChangedPart, ForeignChanges};
 pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
 pub use write_rule::{NumberRange, WriteRule, Writers};
-pub use written::Written;
+pub use written::WrittenPart;
 
 /// The number of instructions for which the controller has room: a write to `EnableIn` beyond that is refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -104,7 +104,7 @@ pub struct Image {
     /// The last override of each coordinate system that was not 0, percent.
     before_hold: Vec<f32>,
     /// Written parts of plain tags; `None`: they are not recorded.
-    written: Option<Vec<Written>>,
+    written: Option<Vec<WrittenPart>>,
     /// The causes that can be injected into each axis.
     possible_faults: Vec<FaultSet>,
     /// The number of instructions for which the controller has room.

@@ -539,7 +539,7 @@ fn only_written_parts_of_plain_tags_are_remembered() {
     assert!(image.write_value(&path("Recipe[99]"), one).is_err(), "refused");
     let [recipe, count, axis] = ["Recipe", "Count", "X"].map(|name| image.find(name).expect("it is there").id);
     let expected = [(recipe, 12, 4), (count, 1, 1), (count, 0, 2)];
-    let expected = expected.map(|(id, offset, length)| Written { id, offset, length });
+    let expected = expected.map(|(id, offset, length)| WrittenPart { id, offset, length });
     assert_eq!(image.take_written(), expected);
     image.restore(count, &[8, 0]);
     image.restore(count, &[9, 0, 0]);

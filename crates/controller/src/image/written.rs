@@ -4,7 +4,7 @@ use super::{Image, TagId, TagKind};
 
 /// A written part of a plain tag.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Written {
+pub struct WrittenPart {
     /// The tag.
     pub id: TagId,
     /// The first byte.
@@ -28,7 +28,7 @@ impl Image {
     }
 
     /// The parts of plain tags written since the last call, in order.
-    pub fn take_written(&mut self) -> Vec<Written> {
+    pub fn take_written(&mut self) -> Vec<WrittenPart> {
         self.written.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
@@ -51,7 +51,7 @@ impl Image {
         }
         let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
         if let Some(written) = self.written.as_mut().filter(|_| plain && length > 0) {
-            written.push(Written { id, offset, length });
+            written.push(WrittenPart { id, offset, length });
         }
     }
 }

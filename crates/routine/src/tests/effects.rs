@@ -8,15 +8,15 @@ use crate::source::{MemberSource, Project, TaskSource, Trigger, TypeSource};
 use crate::table::{Form, ROWS, Row};
 
 /// Mnemonic, tags, the call, the destination before, and after a true rung.
-type Written = (&'static str, &'static str, &'static str, &'static str, &'static str);
+type WriteCase = (&'static str, &'static str, &'static str, &'static str, &'static str);
 /// Mnemonic, tags, the call, tags for a true condition, and for a false one.
-type Asked = (&'static str, &'static str, &'static str, &'static str, &'static str);
+type ConditionCase = (&'static str, &'static str, &'static str, &'static str, &'static str);
 /// Mnemonic, tags, rungs or text, and a script whose lines begin with the effect that they show.
-type Shown = (&'static str, &'static str, &'static str, &'static str);
+type EffectCase = (&'static str, &'static str, &'static str, &'static str);
 
 /// Instructions that write to their destination in each scan with a true rung, and do nothing else.
 #[rustfmt::skip]
-const WRITTEN: &[Written] = &[
+const WRITTEN: &[WriteCase] = &[
     ("OTL", "D BOOL", "OTL(D)", "D=0", "D=1"),
     ("OTU", "D BOOL 1", "OTU(D)", "D=1", "D=0"),
     ("CPT", "D DINT 9", "CPT(D,2+3)", "D=9", "D=5"),
@@ -73,7 +73,7 @@ const WRITTEN: &[Written] = &[
 
 /// Conditions, which evaluate nothing and pass nothing on with a false rung.
 #[rustfmt::skip]
-const ASKED: &[Asked] = &[
+const ASKED: &[ConditionCase] = &[
     ("XIC", "B BOOL", "XIC(B)", "B=1", "B=0"),
     ("XIO", "B BOOL", "XIO(B)", "B=0", "B=1"),
     ("EQU", "N DINT", "EQU(N,5)", "N=5", "N=4"),
@@ -90,7 +90,7 @@ const ASKED: &[Asked] = &[
 
 /// All others, each with lines for its effects.
 #[rustfmt::skip]
-const SHOWN: &[Shown] = &[
+const SHOWN: &[EffectCase] = &[
     ("OTE", "I BOOL, D BOOL 1", "XIC(I)OTE(D);", "pre:D=0\nfalse D:D=0\ntrue I:D=1\nagain D=0:D=1"),
     ("AFI", "I BOOL, D BOOL 1", "XIC(I)AFI()OTE(D);", "pre:D=0\nfalse D:D=0\ntrue I,D:D=0\nagain D:D=0"),
     ("ONS", "I BOOL, S BOOL, D BOOL", "XIC(I)ONS(S)OTE(D);", "pre:S=1;D=0\nfalse :S=0;D=0\ntrue I:S=1;D=1\nagain :S=1;D=0"),
@@ -264,7 +264,7 @@ fn needed(row: &Row) -> &'static [&'static str] {
     }
 }
 
-fn run(rows: &[Shown]) {
+fn run(rows: &[EffectCase]) {
     each(rows, |(why, tags, rungs, lines)| {
         script(why, &project(tags, &[("Main", rungs)]), lines);
     });
@@ -283,7 +283,7 @@ fn each<T: std::panic::RefUnwindSafe>(rows: &[T], run: impl Fn(&T) + std::panic:
 #[test]
 fn values_at_their_ends() {
     #[rustfmt::skip]
-    let rows: &[Shown] = &[
+    let rows: &[EffectCase] = &[
         ("ACC of TON stays at its end", "I BOOL, T TIMER 2147483647", "XIC(I)TON(T,?,?);", "I:T.ACC=0\nT.ACC=2147483640:T.ACC=2147483647;T.DN=1\n:T.ACC=2147483647"),
         ("ACC of RTO too", "I BOOL, T TIMER 2147483647", "XIC(I)RTO(T,?,?);", "I:T.ACC=0\nT.ACC=2147483640:T.ACC=2147483647;T.DN=1"),
         ("ACC of TOF too", "I BOOL, T TIMER 2147483647", "XIC(I)TOF(T,?,?);", "I:T.DN=1\nI=0:T.TT=1\nT.ACC=2147483640:T.ACC=2147483647;T.DN=0"),
@@ -318,7 +318,7 @@ fn values_at_their_ends() {
 #[test]
 fn moves_and_sums_of_every_type() {
     #[rustfmt::skip]
-    let rows: &[Shown] = &[
+    let rows: &[EffectCase] = &[
         ("MOV into SINT keeps the low byte", "D SINT, V BOOL, N BOOL", "MOV(200,D);\nXIC(S:V)OTE(V);\nXIC(S:N)OTE(N);", ":D=-56;V=1;N=1"),
         ("MOV into INT", "D INT, V BOOL", "MOV(70000,D);\nXIC(S:V)OTE(V);", ":D=4464;V=1"),
         ("MOV into DINT from LINT", "S LINT 4294967301, D DINT, V BOOL", "MOV(S,D);\nXIC(S:V)OTE(V);", ":D=5;V=1"),

@@ -31,7 +31,7 @@ struct Write {
     /// `u64::MAX`: there was no answer.
     answered: u64,
     /// The server has answered that the file has the value.
-    kept: bool,
+    persistent: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -43,11 +43,11 @@ struct Read {
 
 /// The answer to a write.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Written {
+pub(crate) enum WriteAnswer {
     /// Success.
-    Kept,
+    Persistent,
     /// 0x19: the tag has the value, and a restart may lose it.
-    NotKept,
+    NotPersistent,
     /// Another error: nothing has changed.
     Refused,
 }
@@ -75,22 +75,22 @@ impl History {
         let write = Write {
             asked,
             answered: u64::MAX,
-            kept: false,
+            persistent: false,
         };
         self.lock().writes.entry(tag).or_default().insert(value, write);
     }
 
     /// Whether the write has an answer.
-    pub(crate) fn has(&self, tag: &'static str, value: i32, answer: Written) {
+    pub(crate) fn has(&self, tag: &'static str, value: i32, answer: WriteAnswer) {
         let answered = self.clock();
         let mut inner = self.lock();
         let writes = inner.writes.entry(tag).or_default();
-        if answer == Written::Refused {
+        if answer == WriteAnswer::Refused {
             writes.remove(&value);
             inner.refused.insert(value);
         } else if let Some(write) = writes.get_mut(&value) {
             write.answered = answered;
-            write.kept = answer == Written::Kept;
+            write.persistent = answer == WriteAnswer::Persistent;
         }
     }
 
@@ -171,7 +171,7 @@ impl Inner {
         let newest = found.values().map(|(asked, _)| *asked).max().unwrap_or_default();
         for (tag, (_, answered)) in &found {
             for (value, write) in self.writes.get(tag).into_iter().flatten() {
-                let is_later = write.kept && *answered < write.asked;
+                let is_later = write.persistent && *answered < write.asked;
                 if is_later && write.answered <= durable {
                     wrong.push(format!("W2: {tag} lost {value}, which was answered and had to survive"));
                 } else if is_later && write.answered < newest {
@@ -265,7 +265,7 @@ mod tests {
         let start = |value, durable, wrote| history.start(&[("T", value)], durable, wrote);
         assert_eq!(start(0, 0, Wrote::Anew), Vec::<String>::new());
         history.asks("T", 1);
-        history.has("T", 1, Written::Kept);
+        history.has("T", 1, WriteAnswer::Persistent);
         // A kill: the system has the write, the disk does not, and the start cannot write it anew.
         assert_eq!(start(1, u64::MAX, Wrote::Nothing), Vec::<String>::new());
         // A loss of power brings back the values on the disk; values that are written anew then stay.
@@ -278,7 +278,7 @@ mod tests {
         let write = |asked, answered| Write {
             asked,
             answered,
-            kept: true,
+            persistent: true,
         };
         let read = |value, asked, answered| Read { value, asked, answered };
         #[rustfmt::skip]

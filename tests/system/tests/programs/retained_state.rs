@@ -134,7 +134,7 @@ fn table(number: i64) -> WriteValue {
 
 /// The newest sent and the newest acknowledged value of a writer.
 #[derive(Clone, Copy, Default)]
-struct Written {
+struct WriterProgress {
     sent: i64,
     acknowledged: i64,
 }
@@ -155,7 +155,7 @@ fn put<T, R>(shared: &Shared<T>, change: impl FnOnce(&mut T) -> R) -> R {
 }
 
 /// Writes ever larger numbers until the server is gone.
-async fn write(address: String, tag: String, written: Shared<Written>) -> Result<(), ClientError> {
+async fn write(address: String, tag: String, written: Shared<WriterProgress>) -> Result<(), ClientError> {
     let client = Client::connect(&address).await?;
     loop {
         let number = put(&written, |written| {
@@ -319,10 +319,10 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
 
         let address = server.address().to_string();
         let mut tasks = tokio::task::JoinSet::new();
-        let written: Vec<Shared<Written>> = (before.tags.iter())
+        let written: Vec<Shared<WriterProgress>> = (before.tags.iter())
             .map(|tag| {
                 let last = elements(&tag.bytes).next().map_or(0, i64::from);
-                let written = Written {
+                let written = WriterProgress {
                     sent: last,
                     acknowledged: last,
                 };
@@ -369,7 +369,7 @@ async fn a_kill_at_any_instant_leaves_a_state_that_there_was() {
         longest = longest.max(std::fs::metadata(&files.state).expect("it is there").len());
         for (((tag, written), name), first) in kept.tags.iter().zip(&written).zip(&names).zip(first) {
             let found: Vec<i64> = elements(&tag.bytes).map(i64::from).collect();
-            let Written {
+            let WriterProgress {
                 sent,
                 acknowledged: last,
             } = put(written, |written| *written);

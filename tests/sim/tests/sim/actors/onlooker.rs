@@ -7,7 +7,7 @@ use arcline_proto::cip::CipStatus;
 use super::Stage;
 use super::tags::TAGS;
 use crate::client::{Answer, BOOL, Client, DINT, REAL, instruction, machine_service, read, value, write};
-use crate::history::Written;
+use crate::history::WriteAnswer;
 use crate::ledger::Kind;
 
 /// Values that no other client writes.
@@ -55,7 +55,7 @@ async fn try_all(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answ
         let reply = client.ask(&request).await?;
         stage.answered(Kind::Denied);
         if what == "a write" {
-            stage.common.history.has(tag, *next, Written::Refused);
+            stage.common.history.has(tag, *next, WriteAnswer::Refused);
         }
         if reply.status != CipStatus::PRIVILEGE_VIOLATION {
             let why = format!("{what} of a client that may only look: {}", reply.status);

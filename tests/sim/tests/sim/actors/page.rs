@@ -9,7 +9,7 @@ use super::motion::LATE;
 use super::tags::TAGS;
 use super::{Order, Stage};
 use crate::client::{Answer, NoAnswer, PATIENCE_MS};
-use crate::history::Written;
+use crate::history::WriteAnswer;
 use crate::motion::Deadline;
 use crate::page::Page;
 
@@ -172,7 +172,7 @@ async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
         }
         stage.note(&refused);
         for value in written {
-            history.has(PROGRAM_TAG, value, Written::Refused);
+            history.has(PROGRAM_TAG, value, WriteAnswer::Refused);
         }
         return Ok(());
     }
@@ -192,7 +192,7 @@ async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
     if shown.text == text && shown.state == "ended" {
         stage.sometimes("a program of the page is complete");
         for value in written {
-            history.has(PROGRAM_TAG, value, Written::NotKept);
+            history.has(PROGRAM_TAG, value, WriteAnswer::NotPersistent);
         }
     }
     read(stage, page, PROGRAM_TAG).await

@@ -7,7 +7,7 @@ use arcline_proto::epath::{Epath, Segment};
 
 use super::Stage;
 use crate::client::{Answer, Client, Connected, DINT, REAL, dint, packet, read, value, write};
-use crate::history::Written;
+use crate::history::WriteAnswer;
 use crate::ledger::Kind;
 use crate::world::wall;
 
@@ -62,18 +62,18 @@ async fn write_for_a_while(stage: &mut Stage, client: &mut Client, next: &mut i3
 }
 
 /// The outcome of a write that was asked for at a time.
-fn written(stage: &Stage, asked: u64, reply: &Reply) -> Written {
+fn written(stage: &Stage, asked: u64, reply: &Reply) -> WriteAnswer {
     match reply.status.general() {
-        0 => Written::Kept,
+        0 => WriteAnswer::Persistent,
         0x19 => {
             stage.sometimes("a write that is not kept");
             if asked >= stage.common.quiet_from + RECOVERY {
                 let why = format!("{}: a write is not kept though the disk works again", stage.name);
                 stage.common.record.violated("W2", &why);
             }
-            Written::NotKept
+            WriteAnswer::NotPersistent
         }
-        _ => Written::Refused,
+        _ => WriteAnswer::Refused,
     }
 }
 
@@ -87,12 +87,12 @@ async fn write_one(stage: &mut Stage, client: &mut Client, next: &mut i32) -> An
     let reply = client.ask(&write(tag, DINT, 1, &value.to_le_bytes())).await?;
     stage.in_time(asked);
     let answer = written(stage, asked, &reply);
-    if answer == Written::Refused {
+    if answer == WriteAnswer::Refused {
         let why = format!("{}: a write of {tag} was refused: {}", stage.name, reply.status);
         stage.common.record.violated("N1", &why);
     }
     stage.common.history.has(tag, value, answer);
-    if answer != Written::Refused {
+    if answer != WriteAnswer::Refused {
         stage.answered(Kind::Write(tag));
     }
     stage.common.record.saw(stage.name, &reply.to_bytes());
@@ -119,7 +119,7 @@ async fn write_pair(stage: &mut Stage, client: &mut Client, next: &mut i32) -> A
     for (index, reply) in order.into_iter().zip(&replies) {
         let answer = written(stage, asked, reply);
         stage.common.history.has(PAIR[index], value, answer);
-        if answer != Written::Refused {
+        if answer != WriteAnswer::Refused {
             stage.answered(Kind::Write(PAIR[index]));
         }
         stage.common.record.saw(stage.name, &reply.to_bytes());
@@ -147,7 +147,7 @@ async fn write_refused(stage: &mut Stage, client: &mut Client, next: &mut i32) -
             .violated("W3", "a write that does not fit its tag succeeded");
     }
     stage.sometimes("a refused write");
-    stage.common.history.has(tag, value, Written::Refused);
+    stage.common.history.has(tag, value, WriteAnswer::Refused);
     stage.common.record.saw(stage.name, &reply.to_bytes());
     Ok(())
 }
