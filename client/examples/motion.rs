@@ -17,7 +17,7 @@ pub(crate) async fn run(server: &str) -> Result<f64, ClientError> {
     let operands = Operands::full_speed(Mnemonic::Mclm)
         .with("Position", vec![20.0, 10.0, 0.0])?
         .with("Speed", 100.0)?;
-    let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.given()).await?;
+    let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.as_slice()).await?;
     // PC: the process is complete, the axes have their position.
     client.wait_for(&execution, Flag::Pc, Duration::from_secs(60)).await?;
     let position = client.read_numbers("X.CommandPosition").await?[0];

@@ -31,7 +31,7 @@
 //! let operands = Operands::full_speed(Mnemonic::Mclm)
 //!     .with("Position", vec![100.0, 50.0, 0.0])?
 //!     .with("Speed", 50.0)?;
-//! let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.given()).await?;
+//! let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.as_slice()).await?;
 //! client.wait_for(&execution, Flag::Pc, Duration::from_secs(60)).await?;
 //! # Ok(())
 //! # }
@@ -77,7 +77,7 @@ mod trace;
 mod write;
 
 pub use arcline_instruction_set::{
-    ATTRIBUTES, Attribute, FaultKind, FaultSet, Flag, Given, Mnemonic, MotionControl, Object,
+    ATTRIBUTES, Attribute, FaultKind, FaultSet, Flag, Mnemonic, MotionControl, Object, UnboundOperand,
 };
 pub use arcline_proto::arcline::machine::{CommandCount, ControllerMode, Identification};
 pub use arcline_proto::arcline::motion::{Mover, MoverKind};

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bytes::{Bytes, BytesMut};
 use tokio::time::Instant;
 
-use arcline_instruction_set::{BindError, Flag, Given, Kind, Mnemonic, MotionControl, Operand, OperandIndex};
+use arcline_instruction_set::{BindError, Flag, Kind, Mnemonic, MotionControl, Operand, OperandIndex, UnboundOperand};
 use arcline_proto::arcline::{execution, motion::Accepted};
 use arcline_proto::cip::{CipStatus, Reply, Request, service};
 use arcline_proto::epath::Epath;
@@ -44,7 +44,7 @@ impl Execution {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Operands {
     mnemonic: Mnemonic,
-    given: Vec<Given>,
+    operands: Vec<UnboundOperand>,
 }
 
 impl Operands {
@@ -54,21 +54,23 @@ impl Operands {
     /// use arcline_client::{Mnemonic, Operands};
     ///
     /// let operands = Operands::full_speed(Mnemonic::Mclm).with("Position", vec![10.0, 0.0, 0.0])?.with("Speed", 50.0)?;
-    /// assert_eq!(operands.given().len(), 20);
+    /// assert_eq!(operands.as_slice().len(), 20);
     /// # Ok::<(), arcline_client::ClientError>(())
     /// ```
     pub fn full_speed(mnemonic: Mnemonic) -> Self {
         let instruction = mnemonic.instruction();
         let operands = instruction
-            .given_operands()
+            .operands_behind_control()
             .filter_map(|index| instruction.operands.get(index));
-        let given = operands.map(|operand| match operand.kind {
-            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => Given::Missing,
-            _ => Given::Number(operand.initial.into()),
+        let operands = operands.map(|operand| match operand.kind {
+            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
+                UnboundOperand::Missing
+            }
+            _ => UnboundOperand::Number(operand.initial.into()),
         });
         Self {
             mnemonic,
-            given: given.collect(),
+            operands: operands.collect(),
         }
     }
 
@@ -76,7 +78,7 @@ impl Operands {
     ///
     /// # Errors
     /// [`ClientError::UnknownOperand`].
-    pub fn with(mut self, name: &str, value: impl Into<Given>) -> Result<Self, ClientError> {
+    pub fn with(mut self, name: &str, value: impl Into<UnboundOperand>) -> Result<Self, ClientError> {
         let instruction = self.mnemonic.instruction();
         let unknown = || ClientError::UnknownOperand {
             mnemonic: self.mnemonic,
@@ -85,10 +87,10 @@ impl Operands {
         };
         let index = instruction.operand(name).ok_or_else(unknown)?;
         let index = instruction
-            .given_operands()
-            .position(|given| given == index)
+            .operands_behind_control()
+            .position(|place| place == index)
             .ok_or_else(unknown)?;
-        if let Some(slot) = self.given.get_mut(index) {
+        if let Some(slot) = self.operands.get_mut(index) {
             *slot = value.into();
         }
         Ok(self)
@@ -100,14 +102,14 @@ impl Operands {
     }
 
     /// In faceplate order, for [`Client::execute`].
-    pub fn given(&self) -> &[Given] {
-        &self.given
+    pub fn as_slice(&self) -> &[UnboundOperand] {
+        &self.operands
     }
 }
 
 impl Client {
     /// Executes an instruction on the group, axis or coordinate system `target`, under the motion control tag `control`
-    /// (made on first use; empty: none). `given` are the operands behind target and motion control in faceplate order,
+    /// (made on first use; empty: none). `operands` are the operands behind target and motion control in faceplate order,
     /// trailing ones may be missing; numbers travel as LREAL.
     ///
     /// The answer comes when DN or ER is set, of homing when it is in process: its DN is its end.
@@ -119,10 +121,10 @@ impl Client {
     ///
     /// ```no_run
     /// # async fn example(client: arcline_client::Client) -> Result<(), arcline_client::ClientError> {
-    /// use arcline_client::{Given, Mnemonic};
+    /// use arcline_client::{UnboundOperand, Mnemonic};
     ///
     /// client.execute(Mnemonic::Mso, "X", "", &[]).await?;
-    /// client.execute(Mnemonic::Mcs, "CS1", "Stop1", &[Given::Word("All".into())]).await?;
+    /// client.execute(Mnemonic::Mcs, "CS1", "Stop1", &[UnboundOperand::Word("All".into())]).await?;
     /// # Ok(())
     /// # }
     /// ```
@@ -131,19 +133,19 @@ impl Client {
         mnemonic: Mnemonic,
         target: &str,
         control: &str,
-        given: &[Given],
+        operands: &[UnboundOperand],
     ) -> Result<Execution, ClientError> {
         self.check_target(mnemonic, target).await?;
-        let reply = self.request(request_of(mnemonic, target, control, given)?).await?;
+        let reply = self.request(request_of(mnemonic, target, control, operands)?).await?;
         if !reply.status.is_success() {
             let refusal = self.refusal(mnemonic, target, &reply).await;
-            return Err(not_given(refusal, mnemonic, given));
+            return Err(name_missing_operand(refusal, mnemonic, operands));
         }
         let accepted = Accepted::decode(&reply.data).ok_or(ClientError::Malformed {
             what: "the answer to an instruction is cut",
         })?;
         let status = MotionControl::from_bytes(accepted.control);
-        check(&status, Some(mnemonic)).map_err(|error| not_given(error, mnemonic, given))?;
+        check(&status, Some(mnemonic)).map_err(|error| name_missing_operand(error, mnemonic, operands))?;
         let (target, tag) = (target.to_owned(), control.to_owned());
         Ok(Execution {
             mnemonic,
@@ -257,11 +259,11 @@ pub(crate) fn outcome(
 }
 
 /// Says so where the operand at fault was left out.
-pub(crate) fn not_given(error: ClientError, mnemonic: Mnemonic, given: &[Given]) -> ClientError {
+pub(crate) fn name_missing_operand(error: ClientError, mnemonic: Mnemonic, operands: &[UnboundOperand]) -> ClientError {
     let Some((err, exerr)) = error.motion() else {
         return error;
     };
-    match mnemonic.instruction().left_out(err, exerr, given) {
+    match mnemonic.instruction().left_out(err, exerr, operands) {
         Some(operand) => ClientError::MissingOperand {
             mnemonic,
             operand,
@@ -290,76 +292,78 @@ pub(crate) fn request_of(
     mnemonic: Mnemonic,
     target: &str,
     control: &str,
-    given: &[Given],
+    operands: &[UnboundOperand],
 ) -> Result<Request, ClientError> {
     let (_, service) = mnemonic.instruction().service();
-    let data = encode(mnemonic, control, given)?;
+    let data = encode(mnemonic, control, operands)?;
     Ok(Request::new(service, Epath::symbol(target), data))
 }
 
 /// The request data of an instruction.
-fn encode(mnemonic: Mnemonic, control: &str, given: &[Given]) -> Result<BytesMut, ClientError> {
+fn encode(mnemonic: Mnemonic, control: &str, operands: &[UnboundOperand]) -> Result<BytesMut, ClientError> {
     let instruction = mnemonic.instruction();
-    let indices: Vec<usize> = instruction.given_operands().collect();
-    let used = given
+    let indices: Vec<usize> = instruction.operands_behind_control().collect();
+    let used = operands
         .iter()
-        .rposition(|operand| *operand != Given::Missing)
+        .rposition(|operand| *operand != UnboundOperand::Missing)
         .map_or(0, |last| last + 1);
-    let given = given.get(..used).unwrap_or_default();
-    if given.len() > indices.len() {
+    let operands = operands.get(..used).unwrap_or_default();
+    if operands.len() > indices.len() {
         return Err(BindError::TooMany {
             mnemonic,
-            given: given.len(),
+            count: operands.len(),
             most: indices.len(),
         }
         .into());
     }
-    let mut operands = vec![Typed::ShortString(control.to_owned())];
-    for (value, index) in given.iter().zip(indices) {
+    let mut typed_operands = vec![Typed::ShortString(control.to_owned())];
+    for (value, index) in operands.iter().zip(indices) {
         let kind = instruction
             .operands
             .get(index)
             .map_or(&Kind::MotionControl, |operand| &operand.kind);
-        operands.push(typed(value, kind).ok_or_else(|| {
+        typed_operands.push(typed(value, kind).ok_or_else(|| {
             let operand = OperandIndex(u8::try_from(index).unwrap_or(u8::MAX));
             match (value, kind) {
-                (Given::Word(word) | Given::Name(word), Kind::Word(_)) => BindError::UnknownWord {
+                (UnboundOperand::Word(word) | UnboundOperand::Name(word), Kind::Word(_)) => BindError::UnknownWord {
                     mnemonic,
                     operand,
                     word: word.chars().take(60).collect(),
                 },
-                (given, _) => BindError::WrongType {
+                (value, _) => BindError::WrongType {
                     mnemonic,
                     operand,
-                    given: given.clone(),
+                    value: value.clone(),
                     expected: "a number",
                 },
             }
         })?);
     }
     let mut data = BytesMut::new();
-    encode_operands(&operands, &mut data);
+    encode_operands(&typed_operands, &mut data);
     Ok(data)
 }
 
 /// An operand as it travels; `None` when the operand cannot take it.
-fn typed(given: &Given, kind: &Kind) -> Option<Typed> {
+fn typed(operand: &UnboundOperand, kind: &Kind) -> Option<Typed> {
     let number = |number| Typed::Numbers(Elementary::Lreal, vec![Value::Lreal(number)]);
     let integer = |integer| match i32::try_from(integer) {
         Ok(small) => Typed::Numbers(Elementary::Dint, vec![Value::Dint(small)]),
         Err(_) => Typed::Numbers(Elementary::Lint, vec![Value::Lint(integer)]),
     };
-    Some(match (given, kind) {
-        (Given::Missing, _) => integer(0),
-        (Given::Number(value), _) => number(*value),
-        (Given::Integer(value), _) => integer(*value),
-        (Given::Array(values), _) if values.is_empty() => return None,
-        (Given::Array(values), _) => {
+    Some(match (operand, kind) {
+        (UnboundOperand::Missing, _) => integer(0),
+        (UnboundOperand::Number(value), _) => number(*value),
+        (UnboundOperand::Integer(value), _) => integer(*value),
+        (UnboundOperand::Array(values), _) if values.is_empty() => return None,
+        (UnboundOperand::Array(values), _) => {
             Typed::Numbers(Elementary::Lreal, values.iter().copied().map(Value::Lreal).collect())
         }
-        (Given::Word(word) | Given::Name(word), Kind::Word(words)) => integer(words.parse_word(word)?.into()),
+        (UnboundOperand::Word(word) | UnboundOperand::Name(word), Kind::Word(words)) => {
+            integer(words.parse_word(word)?.into())
+        }
         (
-            Given::Word(name) | Given::Name(name),
+            UnboundOperand::Word(name) | UnboundOperand::Name(name),
             Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) | Kind::WrittenArray(_),
         ) => {
             if name.eq_ignore_ascii_case("none") {
@@ -368,8 +372,8 @@ fn typed(given: &Given, kind: &Kind) -> Option<Typed> {
                 Typed::ShortString(name.clone())
             }
         }
-        (Given::Word(name), Kind::ArrayOrNone) if name.eq_ignore_ascii_case("none") => integer(0),
-        (Given::Word(_) | Given::Name(_), _) => return None,
+        (UnboundOperand::Word(name), Kind::ArrayOrNone) if name.eq_ignore_ascii_case("none") => integer(0),
+        (UnboundOperand::Word(_) | UnboundOperand::Name(_), _) => return None,
     })
 }
 
@@ -380,14 +384,14 @@ mod tests {
 
     #[test]
     fn operands_travel_by_kind() {
-        let given = [
-            Given::Word("Absolute".into()),
-            Given::Array(vec![1.0, 2.5]),
-            Given::Number(50.0),
-            Given::Word("Unitspersec".into()),
-            Given::Missing,
+        let operands = [
+            UnboundOperand::Word("Absolute".into()),
+            UnboundOperand::Array(vec![1.0, 2.5]),
+            UnboundOperand::Number(50.0),
+            UnboundOperand::Word("Unitspersec".into()),
+            UnboundOperand::Missing,
         ];
-        let data = encode(Mnemonic::Mclm, "Move1", &given).expect("encodes");
+        let data = encode(Mnemonic::Mclm, "Move1", &operands).expect("encodes");
         let dint = |number| Typed::Numbers(Elementary::Dint, vec![Value::Dint(number)]);
         let lreals =
             |numbers: &[f64]| Typed::Numbers(Elementary::Lreal, numbers.iter().copied().map(Value::Lreal).collect());
@@ -408,17 +412,17 @@ mod tests {
     #[test]
     fn wrong_operands_are_named() {
         #[rustfmt::skip]
-        let cases: &[(&str, &[Given], &str)] = &[
-            ("an unknown word", &[Given::Word("Relative".into())],
+        let cases: &[(&str, &[UnboundOperand], &str)] = &[
+            ("an unknown word", &[UnboundOperand::Word("Relative".into())],
              "MCLM: operand 2 (Move Type) is \"Relative\", expected one of Absolute (0), Incremental (1)"),
-            ("a name for a number", &[0.0.into(), vec![1.0].into(), Given::Name("Fast".into())],
+            ("a name for a number", &[0.0.into(), vec![1.0].into(), UnboundOperand::Name("Fast".into())],
              "MCLM: operand 4 (Speed) is \"Fast\", expected a number"),
         ];
-        for (why, given, expected) in cases {
-            let error = encode(Mnemonic::Mclm, "", given).expect_err(why);
+        for (why, operands, expected) in cases {
+            let error = encode(Mnemonic::Mclm, "", operands).expect_err(why);
             assert_eq!(error.to_string(), *expected, "{why}");
         }
-        let many = vec![Given::Integer(0); 30];
+        let many = vec![UnboundOperand::Integer(0); 30];
         assert!(encode(Mnemonic::Mso, "", &many).is_err(), "too many");
     }
 

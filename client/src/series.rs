@@ -5,9 +5,9 @@ use arcline_proto::arcline::machine::{CLASS, INSTANCE, SeriesReply, service::EXE
 use arcline_proto::cip::{CipStatus, Request, join_multiple};
 use arcline_proto::client as session;
 use arcline_proto::epath::Epath;
-use arcline_structured_text::{BoundCall, Moves, MovesEnd};
+use arcline_structured_text::{EvaluatedCall, Moves, MovesEnd};
 
-use crate::motion::{not_given, request_of};
+use crate::motion::{name_missing_operand, request_of};
 use crate::{Client, ClientError, Execution};
 
 /// Bytes of a request in front of the moves: service, path and number of the moves.
@@ -23,7 +23,7 @@ impl Client {
     /// The errors of the connection; after a timeout the caller does not know which moves have been executed.
     pub(crate) async fn execute_series(
         &self,
-        moves: &[BoundCall],
+        moves: &[EvaluatedCall],
     ) -> Result<Option<Moves<Execution, ClientError>>, ClientError> {
         let failed = |error| {
             Ok(Some(Moves {
@@ -68,7 +68,7 @@ impl Client {
         let end = match (reply.failed, moves.get(reply.accepted.len())) {
             (Some(failed), Some(call)) => {
                 let refusal = self.refusal(call.mnemonic, &call.target, &failed).await;
-                MovesEnd::Failed(not_given(refusal, call.mnemonic, &call.given))
+                MovesEnd::Failed(name_missing_operand(refusal, call.mnemonic, &call.operands))
             }
             _ => match reply.full {
                 Some(depth) => MovesEnd::NoRoom { depth: depth.into() },
@@ -90,12 +90,16 @@ impl Client {
     }
 
     /// The request of a move; `before`: the move in front of it.
-    async fn request_of_series(&self, call: &BoundCall, before: Option<&BoundCall>) -> Result<Request, ClientError> {
+    async fn request_of_series(
+        &self,
+        call: &EvaluatedCall,
+        before: Option<&EvaluatedCall>,
+    ) -> Result<Request, ClientError> {
         let is_known = before.is_some_and(|before| (before.mnemonic, &before.target) == (call.mnemonic, &call.target));
         if !is_known {
             self.check_target(call.mnemonic, &call.target).await?;
         }
         let control = call.control.as_deref().unwrap_or_default();
-        request_of(call.mnemonic, &call.target, control, &call.given)
+        request_of(call.mnemonic, &call.target, control, &call.operands)
     }
 }

@@ -18,14 +18,14 @@ pub struct Instance {
     runner: Runner,
     /// `None`: the initialization is not over.
     program: Option<ProgramId>,
-    given: Given,
+    input_model: InputModel,
     /// Time at tick 0, s.
     start: f64,
 }
 
 /// The positions of axes from the inputs.
 #[derive(Clone, Debug, Default)]
-struct Given(Arc<Mutex<Inputs>>);
+struct InputModel(Arc<Mutex<Inputs>>);
 
 #[derive(Debug, Default)]
 struct Inputs {
@@ -35,13 +35,13 @@ struct Inputs {
     positions: Vec<(AxisId, f64)>,
 }
 
-impl Given {
+impl InputModel {
     fn inputs(&self) -> MutexGuard<'_, Inputs> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl MechanicalModel for Given {
+impl MechanicalModel for InputModel {
     fn tick(&mut self, _: &[SetPoint], axes: &mut [ModelledAxis]) -> Result<(), ModelFailed> {
         let inputs = self.inputs();
         for (axis, position) in inputs.positions.iter().filter(|_| inputs.used) {
@@ -56,22 +56,22 @@ impl MechanicalModel for Given {
 impl Instance {
     /// A machine before its first tick.
     pub fn new(description: Description) -> Self {
-        let given = Given::default();
+        let input_model = InputModel::default();
         let mut axes = Vec::new();
         for variable in &description.variables {
             if let Kind::Feedback(axis) = variable.kind {
                 axes.push(axis);
             }
         }
-        given.inputs().positions = axes.iter().map(|axis| (*axis, 0.0)).collect();
+        input_model.inputs().positions = axes.iter().map(|axis| (*axis, 0.0)).collect();
         let machine = Arc::new(description.project.machine.clone());
-        let model = Box::new(given.clone());
+        let model = Box::new(input_model.clone());
         let simulation = Simulation::with_model(machine, description.project.image(), model, &axes);
         Instance {
             description,
             runner: Runner::of(simulation),
             program: None,
-            given,
+            input_model,
             start: 0.0,
         }
     }
@@ -147,9 +147,9 @@ impl Instance {
         let kind = variable.map(|variable| variable.kind.clone());
         let signal = match kind.ok_or_else(|| format!("{reference} is no variable of type {of:?}"))? {
             Kind::Time => return Ok(self.time()),
-            Kind::Plant => return Ok(f64::from(u8::from(self.given.inputs().used))),
+            Kind::Plant => return Ok(f64::from(u8::from(self.input_model.inputs().used))),
             Kind::Feedback(axis) => {
-                let inputs = self.given.inputs();
+                let inputs = self.input_model.inputs();
                 let found = inputs.positions.iter().find(|(known, _)| *known == axis);
                 return Ok(found.map_or(0.0, |(_, position)| *position));
             }
@@ -185,13 +185,13 @@ impl Instance {
             return Err(format!("{reference} is no variable of type {of:?}"));
         };
         match variable.kind {
-            Kind::Plant if self.program.is_none() => self.given.inputs().used = value != 0.0,
+            Kind::Plant if self.program.is_none() => self.input_model.inputs().used = value != 0.0,
             Kind::Plant => return Err("external_plant is fixed behind the initialization".to_owned()),
             Kind::Feedback(axis) => {
                 if !value.is_finite() {
                     return Err(format!("{} is {value}", variable.name));
                 }
-                let mut inputs = self.given.inputs();
+                let mut inputs = self.input_model.inputs();
                 let found = inputs.positions.iter_mut().find(|(known, _)| *known == axis);
                 if let Some((_, position)) = found {
                     *position = value;

@@ -23,7 +23,7 @@ pub use crate::eip::stepped::{Duplex, Held};
 use crate::hmi::stepped::SteppedPage;
 use crate::plant::Plant;
 use crate::plant::wall::Wall;
-use crate::retained::{Job, WriterWorker, SteppedState, Turn};
+use crate::retained::{Job, SteppedState, Turn, WriterWorker};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
 #[derive(Debug)]

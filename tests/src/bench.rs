@@ -9,10 +9,11 @@ use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Edge, Image};
 use arcline_controller::machine::{DynamicsBits, Machine, Start};
-use arcline_controller::{TagWrite, Event, FaultChange, Snapshot, WrittenValues};
+use arcline_controller::{Event, FaultChange, Snapshot, TagWrite, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
-    ControlSlot, Directory, FaultKind, FaultSet, Flag, Given, MotionControl, Object, TagAddress, WrittenArray, bind,
+    ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, TagAddress, UnboundOperand, WrittenArray,
+    bind,
 };
 use arcline_simulation::{Observer, Origin, Simulation};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -106,8 +107,8 @@ impl Bench {
             panic!("{text}: operands of a bench are literals, not {request:?}");
         };
         let name = call.control.unwrap_or_default();
-        for operand in &call.given {
-            if let Given::Name(name) | Given::Word(name) = operand
+        for operand in &call.operands {
+            if let UnboundOperand::Name(name) | UnboundOperand::Word(name) = operand
                 && !self.arrays.contains(name)
             {
                 self.arrays.push(name.clone());
@@ -117,7 +118,8 @@ impl Bench {
         let control = *self.controls.entry(name).or_insert(free);
         let object = call.mnemonic.instruction().object;
         let target = self.object(object, &call.target);
-        let bound = bind(call.mnemonic, target, control, &call.given, self).unwrap_or_else(|error| panic!("{error}"));
+        let bound =
+            bind(call.mnemonic, target, control, &call.operands, self).unwrap_or_else(|error| panic!("{error}"));
         self.simulation.execute(&bound, Origin::default()).1
     }
 

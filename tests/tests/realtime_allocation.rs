@@ -12,8 +12,8 @@ use arcline_config::Project;
 use arcline_controller::image::{Image, StagedWrites};
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{
-    Call, ControlSlot, Directory, Flag, Given, Mnemonic, MotionControl, Object, SystemId, TagAddress, WrittenArray,
-    bind,
+    Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, SystemId, TagAddress, UnboundOperand,
+    WrittenArray, bind,
 };
 use arcline_realtime::{Link, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -147,7 +147,7 @@ fn call(project: &Project, text: &str) -> Call {
         .control
         .and_then(|name| name[1..].parse().ok())
         .expect("tags are M1, M2 …");
-    bind(call.mnemonic, target, ControlSlot(slot), &call.given, &names)
+    bind(call.mnemonic, target, ControlSlot(slot), &call.operands, &names)
         .unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
@@ -155,7 +155,7 @@ fn call(project: &Project, text: &str) -> Call {
 fn zeros(project: &Project) -> Vec<Call> {
     let bound = Mnemonic::ALL.iter().filter_map(|mnemonic| {
         (0..=arcline_instruction_set::MAX_OPERANDS).rev().find_map(|count| {
-            let given = vec![Given::Number(0.0); count];
+            let given = vec![UnboundOperand::Number(0.0); count];
             bind(*mnemonic, Some(0), ControlSlot(40), &given, &Names(project)).ok()
         })
     });

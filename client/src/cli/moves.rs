@@ -1,6 +1,6 @@
 //! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executes them, waits for their end and prints it.
 
-use arcline_client::{Client, ClientError, Execution, Flag, Given, Mnemonic, Object, Operands};
+use arcline_client::{Client, ClientError, Execution, Flag, Mnemonic, Object, Operands, UnboundOperand};
 
 use super::args::{Arc, Change, Home, Jog, Motion, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
@@ -81,7 +81,7 @@ pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Resul
 pub(crate) async fn change(client: &Client, command: Change, output: &Output) -> Result<(), Failure> {
     let operands = operands::change(&command)?;
     let execution = client
-        .execute(Mnemonic::Mccd, &command.system.name, "", operands.given())
+        .execute(Mnemonic::Mccd, &command.system.name, "", operands.as_slice())
         .await?;
     output.execution(&execution, &execution.control);
     Ok(())
@@ -122,11 +122,11 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         StopType::Move => 2,
         StopType::Transform => 3,
     };
-    let operands = Operands::full_speed(Mnemonic::Mcs).with("Stop Type", Given::Integer(kind))?;
+    let operands = Operands::full_speed(Mnemonic::Mcs).with("Stop Type", UnboundOperand::Integer(kind))?;
     // All of them begin to stop before the first wait.
     let mut executions = Vec::new();
     for system in &systems {
-        executions.push(client.execute(Mnemonic::Mcs, system, "", operands.given()).await);
+        executions.push(client.execute(Mnemonic::Mcs, system, "", operands.as_slice()).await);
     }
     if !systems.is_empty() {
         executions.extend(stop_others(client, &axes, command.kind).await?);
@@ -141,9 +141,9 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
                 )));
             }
         };
-        let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", Given::Integer(kind))?;
+        let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", UnboundOperand::Integer(kind))?;
         for axis in &axes {
-            executions.push(client.execute(Mnemonic::Mas, axis, "", operands.given()).await);
+            executions.push(client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await);
         }
     }
     let wait = async |execution: &Execution| {
@@ -170,8 +170,8 @@ async fn stop_others(
         let reading = reading?;
         for (member, kind) in SINGLE_AXIS {
             if reading.flag(member) && (what == StopType::All || *kind == MOVE) {
-                let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", Given::Integer(*kind))?;
-                executions.push(client.execute(Mnemonic::Mas, axis, "", operands.given()).await);
+                let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", UnboundOperand::Integer(*kind))?;
+                executions.push(client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await);
             }
         }
     }
@@ -278,7 +278,7 @@ async fn execute(
 ) -> Result<(), Failure> {
     let tag = motion.tag.as_deref().unwrap_or_default();
     let execution = client
-        .execute(operands.mnemonic(), target, tag, operands.given())
+        .execute(operands.mnemonic(), target, tag, operands.as_slice())
         .await?;
     let completed = if motion.waiting.no_wait {
         execution.control.into()

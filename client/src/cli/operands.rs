@@ -1,6 +1,6 @@
 //! Options become operands, by their faceplate names. The other operands have the values of a full-speed S-curve.
 
-use arcline_client::{ClientError, Given, Mnemonic, Operands};
+use arcline_client::{ClientError, Mnemonic, Operands, UnboundOperand};
 
 use super::args::{Arc, AxisMotion, Change, Circle, Direction, Dynamics, Jog, Motion, MoveAxis, Point, Ramps, Rate};
 
@@ -39,9 +39,9 @@ pub(super) fn arc(command: &Arc) -> Result<Operands, ClientError> {
     let direction = i64::from(*ccw || *longest) + if *full { 2 } else { 0 };
     let operands = Operands::full_speed(Mnemonic::Mccm)
         .with("Position", position.0.clone())?
-        .with("Circle Type", Given::Integer(circle_type))?
+        .with("Circle Type", UnboundOperand::Integer(circle_type))?
         .with("Via/Center/Radius", point)?
-        .with("Direction", Given::Integer(direction))?;
+        .with("Direction", UnboundOperand::Integer(direction))?;
     with_dynamics(operands, dynamics)
 }
 
@@ -53,12 +53,12 @@ fn with_dynamics(mut operands: Operands, dynamics: &Dynamics) -> Result<Operands
         termination,
         merge,
     } = dynamics;
-    operands = operands.with("Move Type", Given::Integer(i64::from(*relative)))?;
+    operands = operands.with("Move Type", UnboundOperand::Integer(i64::from(*relative)))?;
     operands = with_rate(operands, "Speed", "Speed Units", speed.speed)?;
     operands = with_profile(operands, motion)?;
     for (name, value) in [("Termination Type", termination), ("Merge", merge)] {
         if let Some(value) = value {
-            operands = operands.with(name, Given::Integer(i64::from(*value)))?;
+            operands = operands.with(name, UnboundOperand::Integer(i64::from(*value)))?;
         }
     }
     Ok(operands)
@@ -79,7 +79,7 @@ pub(super) fn axis(command: &MoveAxis) -> Result<Operands, ClientError> {
     let ways = [*relative, *shortest, *positive, *negative];
     let kind = ways.iter().position(|way| *way).map_or(0, |index| index as i64 + 1);
     let operands = Operands::full_speed(Mnemonic::Mam)
-        .with("Move Type", Given::Integer(kind))?
+        .with("Move Type", UnboundOperand::Integer(kind))?
         .with("Position", *position)?;
     let operands = with_rate(operands, "Speed", "Speed Units", speed.speed)?;
     with_motion(operands, motion)
@@ -91,14 +91,15 @@ pub(super) fn jog(command: &Jog) -> Result<Operands, ClientError> {
         Rate::Units(speed) => (speed < 0.0, Rate::Units(speed.abs())),
         Rate::Percent(speed) => (speed < 0.0, Rate::Percent(speed.abs())),
     };
-    let operands = Operands::full_speed(Mnemonic::Maj).with("Direction", Given::Integer(i64::from(reverse)))?;
+    let operands =
+        Operands::full_speed(Mnemonic::Maj).with("Direction", UnboundOperand::Integer(i64::from(reverse)))?;
     let operands = with_rate(operands, "Speed", "Speed Units", Some(speed))?;
     with_motion(operands, &command.motion)
 }
 
 fn with_motion(operands: Operands, motion: &AxisMotion) -> Result<Operands, ClientError> {
     let operands = with_profile(operands, &motion.motion)?;
-    operands.with("Merge", Given::Integer(i64::from(motion.merge)))
+    operands.with("Merge", UnboundOperand::Integer(i64::from(motion.merge)))
 }
 
 fn with_profile(operands: Operands, motion: &Motion) -> Result<Operands, ClientError> {
@@ -106,7 +107,7 @@ fn with_profile(operands: Operands, motion: &Motion) -> Result<Operands, ClientE
     let operands = with_rate(operands, "Accel Rate", "Accel Units", accel)?;
     let operands = with_rate(operands, "Decel Rate", "Decel Units", decel)?;
     if motion.trapezoid {
-        operands.with("Profile", Given::Integer(0))
+        operands.with("Profile", UnboundOperand::Integer(0))
     } else {
         Ok(operands)
     }
@@ -117,13 +118,14 @@ pub(super) fn change(command: &Change) -> Result<Operands, ClientError> {
     let Change {
         speed, ramps, pending, ..
     } = command;
-    let mut operands = Operands::full_speed(Mnemonic::Mccd).with("Scope", Given::Integer(i64::from(*pending)))?;
+    let mut operands =
+        Operands::full_speed(Mnemonic::Mccd).with("Scope", UnboundOperand::Integer(i64::from(*pending)))?;
     for (flag, name, units, rate) in [
         ("Change Speed", "Speed", "Speed Units", speed.speed),
         ("Change Accel", "Accel Rate", "Accel Units", ramps.accel),
         ("Change Decel", "Decel Rate", "Decel Units", ramps.decel),
     ] {
-        operands = operands.with(flag, Given::Integer(i64::from(rate.is_some())))?;
+        operands = operands.with(flag, UnboundOperand::Integer(i64::from(rate.is_some())))?;
         operands = with_rate(operands, name, units, rate)?;
     }
     Ok(operands)
@@ -132,8 +134,10 @@ pub(super) fn change(command: &Change) -> Result<Operands, ClientError> {
 fn with_rate(operands: Operands, name: &str, units: &str, rate: Option<Rate>) -> Result<Operands, ClientError> {
     match rate {
         None => Ok(operands),
-        Some(Rate::Units(value)) => operands.with(name, value)?.with(units, Given::Integer(UNITS)),
-        Some(Rate::Percent(value)) => operands.with(name, value)?.with(units, Given::Integer(PERCENT)),
+        Some(Rate::Units(value)) => operands.with(name, value)?.with(units, UnboundOperand::Integer(UNITS)),
+        Some(Rate::Percent(value)) => operands
+            .with(name, value)?
+            .with(units, UnboundOperand::Integer(PERCENT)),
     }
 }
 
@@ -147,20 +151,20 @@ mod tests {
     use super::*;
     use crate::cli::args::{Axis, Speed, System};
 
-    fn operand(operands: &Operands, name: &str) -> Given {
+    fn operand(operands: &Operands, name: &str) -> UnboundOperand {
         let instruction = operands.mnemonic().instruction();
         let index = instruction.operand(name).expect("an operand");
         let index = instruction
-            .given_operands()
-            .position(|given| given == index)
-            .expect("a given operand");
-        operands.given()[index].clone()
+            .operands_behind_control()
+            .position(|place| place == index)
+            .expect("an operand behind the control");
+        operands.as_slice()[index].clone()
     }
 
     fn number(operands: &Operands, name: &str) -> f64 {
         match operand(operands, name) {
-            Given::Number(number) => number,
-            Given::Integer(number) => number as f64,
+            UnboundOperand::Number(number) => number,
+            UnboundOperand::Integer(number) => number as f64,
             other => panic!("{name} is {other}"),
         }
     }
@@ -168,7 +172,7 @@ mod tests {
     #[test]
     fn a_plain_move_is_a_full_speed_s_curve() {
         let operands = line(&Point(vec![1.0, 2.0]), &Dynamics::default()).expect("operands");
-        assert_eq!(operand(&operands, "Position"), Given::Array(vec![1.0, 2.0]));
+        assert_eq!(operand(&operands, "Position"), UnboundOperand::Array(vec![1.0, 2.0]));
         for (name, value) in [
             ("Move Type", 0.0),
             ("Speed", 100.0),

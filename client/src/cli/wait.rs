@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use arcline_client::{Client, ClientError, Ended, Execution, Flag, Given, Mnemonic, MotionControl, Object, Operands};
+use arcline_client::{
+    Client, ClientError, Ended, Execution, Flag, Mnemonic, MotionControl, Object, Operands, UnboundOperand,
+};
 use arcline_instruction_set::Ending;
 
 use super::{Failure, Output};
@@ -99,8 +101,8 @@ impl StopCommand {
     /// Executes the stop; the motion ends later.
     pub(crate) async fn begin(&self, client: &Client) -> Result<Execution, ClientError> {
         let StopCommand { mnemonic, kind, target } = self;
-        let operands = Operands::full_speed(*mnemonic).with("Stop Type", Given::Integer(*kind))?;
-        client.execute(*mnemonic, target, "", operands.given()).await
+        let operands = Operands::full_speed(*mnemonic).with("Stop Type", UnboundOperand::Integer(*kind))?;
+        client.execute(*mnemonic, target, "", operands.as_slice()).await
     }
 }
 

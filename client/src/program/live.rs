@@ -5,7 +5,7 @@ use std::time::Duration;
 use arcline_instruction_set::{Flag, MotionControl};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
-    BoundCall, Called, Calls, Driver, Moves, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped,
+    Called, Calls, Driver, EvaluatedCall, Moves, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped,
     pause_of_queue, unmade_control,
 };
 use arcline_tag::{PathSegment, TagPath, Value};
@@ -88,7 +88,7 @@ impl Driver for Live<'_> {
         self.client.set_attribute(of.attribute, &of.name, value).await
     }
 
-    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, ClientError> {
+    async fn has_room(&mut self, call: &EvaluatedCall) -> Result<bool, ClientError> {
         let full = format!("{}.MovePendingQueueFullStatus", call.target);
         match self.client.read(&full).await {
             Ok(reading) => Ok(!reading.as_bool().unwrap_or_default()),
@@ -102,7 +102,7 @@ impl Driver for Live<'_> {
         if *self.has_series { LONGEST_SERIES } else { 1 }
     }
 
-    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Execution, ClientError>, ClientError> {
+    async fn moves(&mut self, series: &[EvaluatedCall]) -> Result<Moves<Execution, ClientError>, ClientError> {
         if *self.has_series
             && let Some(moves) = self.client.execute_series(series).await?
         {
@@ -118,9 +118,11 @@ impl Driver for Live<'_> {
         self.first_move(series).await
     }
 
-    async fn call(&mut self, call: &BoundCall) -> Result<Execution, ClientError> {
+    async fn call(&mut self, call: &EvaluatedCall) -> Result<Execution, ClientError> {
         let control = call.control.as_deref().unwrap_or_default();
-        let executed = self.client.execute(call.mnemonic, &call.target, control, &call.given);
+        let executed = self
+            .client
+            .execute(call.mnemonic, &call.target, control, &call.operands);
         let execution = executed.await?;
         (self.on_event)(Event::Executed {
             line: call.line,

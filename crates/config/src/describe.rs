@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use arcline_controller::machine::{
-    Axis, AxisKind, LimitPolicy, CoordinateSystem, Corner, Home, HomeMode, HomeSequence, Machine,
+    Axis, AxisKind, CoordinateSystem, Corner, Home, HomeMode, HomeSequence, LimitPolicy, Machine,
 };
 use arcline_instruction_set::SystemId;
 

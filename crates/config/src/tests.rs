@@ -2,8 +2,8 @@
 
 use arcline_controller::image::{Image, Writers};
 use arcline_controller::machine::{
-    AxisKind, LimitPolicy, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence,
-    HomeSwitch, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start, Travel, Wrist,
+    AxisKind, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch,
+    LimitPolicy, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start, Travel, Wrist,
 };
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemId};
 
@@ -86,7 +86,10 @@ fn the_default_is_what_the_contract_says() {
             (system.actual_tolerance, system.command_tolerance, system.queue_depth),
             (0.01, 0.5, 1)
         );
-        assert_eq!((system.corner, system.axis_limits), (Corner::Logix, LimitPolicy::Ignore));
+        assert_eq!(
+            (system.corner, system.axis_limits),
+            (Corner::Logix, LimitPolicy::Ignore)
+        );
         assert_eq!(system.deviation, Deviation::Corners);
     }
     let transforms: Vec<_> = machine

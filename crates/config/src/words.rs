@@ -3,7 +3,7 @@
 
 use arcline_controller::image::{Access, Writers};
 use arcline_controller::machine::{
-    AxisKind, LimitPolicy, Corner, Deviation, HomeDirection, HomeMode, HomeSequence, ProgrammedStopMode,
+    AxisKind, Corner, Deviation, HomeDirection, HomeMode, HomeSequence, LimitPolicy, ProgrammedStopMode,
 };
 use arcline_instruction_set::ExceptionAction;
 

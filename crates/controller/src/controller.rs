@@ -7,7 +7,7 @@ use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Object, SystemId,
 };
 use arcline_motion::{
-    AcceptedMove, TagWrite, CallData, ContourRequest, Event, FaultChange, Input, Motion, Ticket, Trajectory,
+    AcceptedMove, CallData, ContourRequest, Event, FaultChange, Input, Motion, TagWrite, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;

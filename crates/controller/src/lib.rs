@@ -16,8 +16,8 @@ mod snapshot;
 
 pub use arcline_drive as drive;
 pub use arcline_motion::{
-    AcceptedMove, TagWrite, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, ContourRests, Event,
-    FaultChange, Input, Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, WrittenValues,
+    AcceptedMove, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, ContourRests, Event, FaultChange,
+    Input, Path, Point, RefusedCommand, SystemSnapshot, TagWrite, Ticket, Trajectory, UNNAMED, WrittenValues,
 };
 pub use controller::{
     Command, Controller, MAX_COMMANDS_PER_TICK, Overtaking, PlannedContour, Port, Series, StopRequest,

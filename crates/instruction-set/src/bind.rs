@@ -1,11 +1,11 @@
-//! From given operands to a [`Call`]: Structured Text, CIP services, instruction tags and the command
+//! From unbound operands to a [`Call`]: Structured Text, CIP services, instruction tags and the command
 //! line all come through here, so the same cause gives the same error.
 //!
 //! Binding checks types, words and names. The execution checks ranges
 //! ([`crate::Instruction::verify`]), because a value out of range is a motion error with ERR and EXERR.
 
 mod error;
-mod given;
+mod unbound;
 
 use crate::instruction::{Kind, Object};
 use crate::{
@@ -14,9 +14,9 @@ use crate::{
 };
 
 pub use error::BindError;
-pub use given::Given;
+pub use unbound::UnboundOperand;
 
-use given::{is_none, short};
+use unbound::{is_none, short};
 
 /// Knows the names of the machine.
 pub trait Directory {
@@ -33,7 +33,7 @@ pub trait Directory {
     }
 }
 
-/// Makes a call of an instruction. `given` are the operands behind target and motion control, in faceplate
+/// Makes a call of an instruction. `operands` are the operands behind target and motion control, in faceplate
 /// order; trailing ones may be missing.
 ///
 /// A number for an array is an array of one element, an array of one element is a number, and the number 0
@@ -47,40 +47,44 @@ pub fn bind(
     mnemonic: Mnemonic,
     target: Option<u16>,
     control: ControlSlot,
-    given: &[Given],
+    operands: &[UnboundOperand],
     directory: &dyn Directory,
 ) -> Result<Call, BindError> {
     let instruction = mnemonic.instruction();
-    let most = instruction.given_operands().count();
+    let most = instruction.operands_behind_control().count();
     let ignored = instruction
         .ignored_operand()
-        .filter(|_| given.len() == most + 1)
-        .and_then(|ignored| instruction.given_operands().position(|operand| operand == ignored));
-    if given.len() > most && ignored.is_none() {
+        .filter(|_| operands.len() == most + 1)
+        .and_then(|ignored| {
+            instruction
+                .operands_behind_control()
+                .position(|operand| operand == ignored)
+        });
+    if operands.len() > most && ignored.is_none() {
         return Err(BindError::TooMany {
             mnemonic,
-            given: given.len(),
+            count: operands.len(),
             most,
         });
     }
-    let mut values = given
+    let mut values = operands
         .iter()
         .enumerate()
         .filter(|(k, _)| Some(*k) != ignored)
         .map(|(_, value)| value)
         .peekable();
     let mut arguments = [Argument::None; MAX_OPERANDS];
-    for place in instruction.given_operands() {
+    for place in instruction.operands_behind_control() {
         let binder = Binder {
             mnemonic,
             operand: OperandIndex(place as u8),
             directory,
         };
-        let value = values.next().unwrap_or(&Given::Missing);
+        let value = values.next().unwrap_or(&UnboundOperand::Missing);
         let kind = &instruction.operands[place].kind;
         // An array of one number arrives as that number. A REAL 0 is such an array if the call has an array for the results of it.
         let is_array = matches!(kind, Kind::ArrayOrNone)
-            && *value == Given::Number(0.0)
+            && *value == UnboundOperand::Number(0.0)
             && values.peek().is_some_and(|next| !is_none(next));
         arguments[place] = if is_array {
             binder.array(value)?
@@ -103,35 +107,35 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn argument(&self, kind: &Kind, given: &Given) -> Result<Argument, BindError> {
+    fn argument(&self, kind: &Kind, value: &UnboundOperand) -> Result<Argument, BindError> {
         match kind {
             Kind::Target(_) | Kind::MotionControl => Ok(Argument::None),
-            Kind::Word(words) => match given {
-                Given::Word(text) | Given::Name(text) => match words.parse_word(text) {
+            Kind::Word(words) => match value {
+                UnboundOperand::Word(text) | UnboundOperand::Name(text) => match words.parse_word(text) {
                     Some(value) => Ok(Argument::Number(f64::from(value))),
                     None => Err(self.unknown_word(text)),
                 },
-                _ => self.number(given, "a word or its number"),
+                _ => self.number(value, "a word or its number"),
             },
-            Kind::Number(_) => self.number(given, "a number"),
-            Kind::Integer(_) => self.number(given, "a whole number"),
-            Kind::Array(_) => match given {
-                Given::Missing => Ok(Argument::Array(RealArray::default())),
-                _ => self.array(given),
+            Kind::Number(_) => self.number(value, "a number"),
+            Kind::Integer(_) => self.number(value, "a whole number"),
+            Kind::Array(_) => match value {
+                UnboundOperand::Missing => Ok(Argument::Array(RealArray::default())),
+                _ => self.array(value),
             },
-            Kind::ArrayOrNone => match given {
-                _ if is_none(given) => Ok(Argument::None),
-                Given::Array(numbers) if numbers.len() > MAX_ELEMENTS => Err(BindError::TooLong {
+            Kind::ArrayOrNone => match value {
+                _ if is_none(value) => Ok(Argument::None),
+                UnboundOperand::Array(numbers) if numbers.len() > MAX_ELEMENTS => Err(BindError::TooLong {
                     mnemonic: self.mnemonic,
                     operand: self.operand,
-                    given: numbers.len(),
+                    count: numbers.len(),
                     most: MAX_ELEMENTS,
                 }),
-                _ => self.array(given),
+                _ => self.array(value),
             },
-            Kind::WrittenArray(_) => match given {
-                _ if is_none(given) => Ok(Argument::None),
-                Given::Word(name) | Given::Name(name) => match self.directory.real_array(name) {
+            Kind::WrittenArray(_) => match value {
+                _ if is_none(value) => Ok(Argument::None),
+                UnboundOperand::Word(name) | UnboundOperand::Name(name) => match self.directory.real_array(name) {
                     Some(array) => Ok(Argument::Written(array)),
                     None => Err(BindError::UnknownArray {
                         mnemonic: self.mnemonic,
@@ -139,10 +143,10 @@ impl Binder<'_> {
                         name: short(name),
                     }),
                 },
-                _ => Err(self.wrong_type(given, "the name of a REAL array tag, or 0")),
+                _ => Err(self.wrong_type(value, "the name of a REAL array tag, or 0")),
             },
-            Kind::Reference(object) => match given {
-                Given::Word(name) | Given::Name(name) => match self.directory.object(*object, name) {
+            Kind::Reference(object) => match value {
+                UnboundOperand::Word(name) | UnboundOperand::Name(name) => match self.directory.object(*object, name) {
                     Some(index) => Ok(Argument::Object(index)),
                     None => Err(BindError::UnknownObject {
                         mnemonic: self.mnemonic,
@@ -151,42 +155,44 @@ impl Binder<'_> {
                         name: short(name),
                     }),
                 },
-                Given::Missing => Err(self.missing()),
-                _ => Err(self.wrong_type(given, "the name of a motion object")),
+                UnboundOperand::Missing => Err(self.missing()),
+                _ => Err(self.wrong_type(value, "the name of a motion object")),
             },
-            Kind::StructureOrNone(_) if is_none(given) => Ok(Argument::None),
-            Kind::Structure(type_name) | Kind::StructureOrNone(type_name) => match given {
-                Given::Word(name) | Given::Name(name) => match self.directory.structure(type_name, name) {
-                    Some(tag) => Ok(Argument::Tag(tag)),
-                    None => Err(BindError::UnknownTag {
-                        mnemonic: self.mnemonic,
-                        operand: self.operand,
-                        type_name,
-                        name: short(name),
-                    }),
-                },
-                Given::Missing => Err(self.missing()),
-                _ => Err(self.wrong_type(given, "the name of a tag")),
+            Kind::StructureOrNone(_) if is_none(value) => Ok(Argument::None),
+            Kind::Structure(type_name) | Kind::StructureOrNone(type_name) => match value {
+                UnboundOperand::Word(name) | UnboundOperand::Name(name) => {
+                    match self.directory.structure(type_name, name) {
+                        Some(tag) => Ok(Argument::Tag(tag)),
+                        None => Err(BindError::UnknownTag {
+                            mnemonic: self.mnemonic,
+                            operand: self.operand,
+                            type_name,
+                            name: short(name),
+                        }),
+                    }
+                }
+                UnboundOperand::Missing => Err(self.missing()),
+                _ => Err(self.wrong_type(value, "the name of a tag")),
             },
         }
     }
 
-    fn number(&self, given: &Given, expected: &'static str) -> Result<Argument, BindError> {
-        match given {
-            Given::Missing => Ok(Argument::Number(crate::Operand::OMITTED)),
-            Given::Number(number) => Ok(Argument::Number(*number)),
-            Given::Integer(number) => Ok(Argument::Number(*number as f64)),
-            Given::Array(numbers) if numbers.len() == 1 => Ok(Argument::Number(numbers[0])),
-            _ => Err(self.wrong_type(given, expected)),
+    fn number(&self, value: &UnboundOperand, expected: &'static str) -> Result<Argument, BindError> {
+        match value {
+            UnboundOperand::Missing => Ok(Argument::Number(crate::Operand::OMITTED)),
+            UnboundOperand::Number(number) => Ok(Argument::Number(*number)),
+            UnboundOperand::Integer(number) => Ok(Argument::Number(*number as f64)),
+            UnboundOperand::Array(numbers) if numbers.len() == 1 => Ok(Argument::Number(numbers[0])),
+            _ => Err(self.wrong_type(value, expected)),
         }
     }
 
-    fn array(&self, given: &Given) -> Result<Argument, BindError> {
-        match given {
-            Given::Array(numbers) => Ok(Argument::Array(RealArray::from_slice(numbers))),
-            Given::Number(number) => Ok(Argument::Array(RealArray::from_slice(&[*number]))),
-            Given::Integer(number) => Ok(Argument::Array(RealArray::from_slice(&[*number as f64]))),
-            _ => Err(self.wrong_type(given, "an array of numbers")),
+    fn array(&self, value: &UnboundOperand) -> Result<Argument, BindError> {
+        match value {
+            UnboundOperand::Array(numbers) => Ok(Argument::Array(RealArray::from_slice(numbers))),
+            UnboundOperand::Number(number) => Ok(Argument::Array(RealArray::from_slice(&[*number]))),
+            UnboundOperand::Integer(number) => Ok(Argument::Array(RealArray::from_slice(&[*number as f64]))),
+            _ => Err(self.wrong_type(value, "an array of numbers")),
         }
     }
 
@@ -197,11 +203,11 @@ impl Binder<'_> {
         }
     }
 
-    fn wrong_type(&self, given: &Given, expected: &'static str) -> BindError {
+    fn wrong_type(&self, value: &UnboundOperand, expected: &'static str) -> BindError {
         BindError::WrongType {
             mnemonic: self.mnemonic,
             operand: self.operand,
-            given: given.clone(),
+            value: value.clone(),
             expected,
         }
     }

@@ -112,13 +112,13 @@ impl Instruction {
             .unwrap_or(1)
     }
 
-    /// Faceplate positions of the operands that are given behind target and motion control, in order.
-    pub fn given_operands(&self) -> impl Iterator<Item = usize> + '_ {
-        let given = |kind: &Kind| !matches!(kind, Kind::Target(_) | Kind::MotionControl);
+    /// Faceplate positions of the operands behind target and motion control, in order.
+    pub fn operands_behind_control(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_behind = |kind: &Kind| !matches!(kind, Kind::Target(_) | Kind::MotionControl);
         self.operands
             .iter()
             .enumerate()
-            .filter(move |(_, operand)| given(&operand.kind))
+            .filter(move |(_, operand)| is_behind(&operand.kind))
             .map(|(k, _)| k)
     }
 
@@ -138,14 +138,16 @@ impl Instruction {
             .position(|operand| crate::normalized(operand.name).replace('/', "") == name)
     }
 
-    /// The name of the operand that a motion error blames, where it is none of those that were given.
-    pub fn left_out(&self, err: i16, exerr: i8, given: &[crate::Given]) -> Option<&'static str> {
+    /// The name of the operand that a motion error blames, where the call left it out.
+    pub fn left_out(&self, err: i16, exerr: i8, operands: &[crate::UnboundOperand]) -> Option<&'static str> {
         let crate::MotionError::ParameterOutOfRange(place) = crate::MotionError::from_codes(err, exerr)? else {
             return None;
         };
         let place = usize::from(place.0);
-        let index = self.given_operands().position(|own| own == place)?;
-        let missing = given.get(index).is_none_or(|given| *given == crate::Given::Missing);
+        let index = self.operands_behind_control().position(|own| own == place)?;
+        let missing = operands
+            .get(index)
+            .is_none_or(|operand| *operand == crate::UnboundOperand::Missing);
         missing
             .then(|| self.operands.get(place).map(|operand| operand.name))
             .flatten()

@@ -11,7 +11,7 @@ use arcline_tag::{
 };
 
 use crate::instruction::{ArrayRule, Kind};
-use crate::{Given, Instruction, MAX_ELEMENTS, Mnemonic, Operand, predefined};
+use crate::{Instruction, MAX_ELEMENTS, Mnemonic, Operand, UnboundOperand, predefined};
 
 /// Template instance of the first instruction's tag type; the others follow in the order of [`Mnemonic::ALL`].
 const FIRST_INSTANCE: u16 = 0x100;
@@ -61,7 +61,10 @@ pub fn instruction_tag_defaults(mnemonic: Mnemonic) -> Vec<u8> {
     let instruction = mnemonic.instruction();
     let template = instruction_tag_template(mnemonic);
     let mut bytes = vec![0; template.size as usize];
-    for operand in instruction.given_operands().map(|place| &instruction.operands[place]) {
+    for operand in instruction
+        .operands_behind_control()
+        .map(|place| &instruction.operands[place])
+    {
         let Some(member) = member_of(&template, operand) else {
             continue;
         };
@@ -92,33 +95,37 @@ pub fn set_instruction_tag_target(mnemonic: Mnemonic, bytes: &mut [u8], target: 
 ///
 /// An array for results, such as `CalculatedData`, is named as the tag's own member. An `EventDistance`
 /// of zeros only is "none", and then the instruction calculates no result. Missing bytes read as 0.
-pub fn instruction_tag_given(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> Vec<Given> {
+pub fn instruction_tag_operands(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> Vec<UnboundOperand> {
     let instruction = mnemonic.instruction();
     let template = instruction_tag_template(mnemonic);
     let mut events = true;
-    let operands = instruction.given_operands().map(|place| &instruction.operands[place]);
+    let operands = instruction
+        .operands_behind_control()
+        .map(|place| &instruction.operands[place]);
     operands
         .map(|operand| {
             let Some(member) = member_of(&template, operand) else {
-                return Given::Missing;
+                return UnboundOperand::Missing;
             };
             match operand.kind {
-                Kind::Target(_) | Kind::MotionControl => Given::Missing,
-                Kind::Word(_) | Kind::Integer(_) | Kind::Number(_) => Given::Number(number_at(bytes, member, 0)),
-                Kind::Array(_) => Given::Array(numbers_at(bytes, member)),
+                Kind::Target(_) | Kind::MotionControl => UnboundOperand::Missing,
+                Kind::Word(_) | Kind::Integer(_) | Kind::Number(_) => {
+                    UnboundOperand::Number(number_at(bytes, member, 0))
+                }
+                Kind::Array(_) => UnboundOperand::Array(numbers_at(bytes, member)),
                 Kind::ArrayOrNone => {
                     let numbers = numbers_at(bytes, member);
                     events = numbers.iter().any(|number| *number != 0.0);
                     if events {
-                        Given::Array(numbers)
+                        UnboundOperand::Array(numbers)
                     } else {
-                        Given::Integer(0)
+                        UnboundOperand::Integer(0)
                     }
                 }
-                Kind::WrittenArray(_) if events => Given::Name(format!("{tag}.{}", member.name)),
-                Kind::WrittenArray(_) => Given::Integer(0),
+                Kind::WrittenArray(_) if events => UnboundOperand::Name(format!("{tag}.{}", member.name)),
+                Kind::WrittenArray(_) => UnboundOperand::Integer(0),
                 Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
-                    Given::Name(text_at(bytes, member))
+                    UnboundOperand::Name(text_at(bytes, member))
                 }
             }
         })
@@ -136,7 +143,10 @@ fn build(instruction: &Instruction) -> Arc<Template> {
         builder = builder.member(instruction.object.member(), string_template());
     }
     builder = builder.member(MOTION_CONTROL, predefined::motion_instruction());
-    for operand in instruction.given_operands().map(|place| &instruction.operands[place]) {
+    for operand in instruction
+        .operands_behind_control()
+        .map(|place| &instruction.operands[place])
+    {
         let name = operand.member();
         builder = match operand.kind {
             Kind::Target(_) | Kind::MotionControl => builder,
@@ -286,13 +296,13 @@ mod tests {
         assert_eq!(instruction_tag_target(Mnemonic::Mclm, &bytes), "");
         set_instruction_tag_target(Mnemonic::Mclm, &mut bytes, "CS1").expect("it fits");
         assert_eq!(instruction_tag_target(Mnemonic::Mclm, &bytes), "CS1");
-        let given = instruction_tag_given(Mnemonic::Mclm, "Move1", &bytes);
-        assert_eq!(given.len(), 20);
-        assert_eq!(given[1], Given::Array(vec![0.0; 9]));
-        assert_eq!(given[2], Given::Number(100.0));
+        let operands = instruction_tag_operands(Mnemonic::Mclm, "Move1", &bytes);
+        assert_eq!(operands.len(), 20);
+        assert_eq!(operands[1], UnboundOperand::Array(vec![0.0; 9]));
+        assert_eq!(operands[2], UnboundOperand::Number(100.0));
         assert_eq!(
-            given[18..],
-            [Given::Integer(0), Given::Integer(0)],
+            operands[18..],
+            [UnboundOperand::Integer(0), UnboundOperand::Integer(0)],
             "no events, nothing calculated"
         );
 
@@ -301,17 +311,17 @@ mod tests {
             .expect("member")
             .offset as usize;
         bytes[event..event + 4].copy_from_slice(&5.0f32.to_le_bytes());
-        let given = instruction_tag_given(Mnemonic::Mclm, "Move1", &bytes);
-        assert_eq!(given[18], Given::Array(vec![5.0, 0.0, 0.0, 0.0]));
-        assert_eq!(given[19], Given::Name("Move1.CalculatedData".to_owned()));
+        let operands = instruction_tag_operands(Mnemonic::Mclm, "Move1", &bytes);
+        assert_eq!(operands[18], UnboundOperand::Array(vec![5.0, 0.0, 0.0, 0.0]));
+        assert_eq!(operands[19], UnboundOperand::Name("Move1.CalculatedData".to_owned()));
     }
 
     proptest! {
         #[test]
         fn any_bytes_give_operands(index in 0..Mnemonic::ALL.len(), bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
             let mnemonic = Mnemonic::ALL[index];
-            let given = instruction_tag_given(mnemonic, "T", &bytes);
-            prop_assert_eq!(given.len(), mnemonic.instruction().given_operands().count());
+            let operands = instruction_tag_operands(mnemonic, "T", &bytes);
+            prop_assert_eq!(operands.len(), mnemonic.instruction().operands_behind_control().count());
             let _ = instruction_tag_target(mnemonic, &bytes);
         }
     }

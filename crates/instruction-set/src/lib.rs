@@ -28,7 +28,7 @@ mod verify;
 mod words;
 
 pub use attribute::{ATTRIBUTES, Attribute, DYNAMICS_CONFIGURATION_BITS, Quantity};
-pub use bind::{BindError, Directory, Given, bind};
+pub use bind::{BindError, Directory, UnboundOperand, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, TagAddress, WrittenArray};
 pub use control::{Flag, MotionControl};
 pub use ending::{Ending, JogEnd};
@@ -40,7 +40,7 @@ pub use instruction::{
     ArrayRule, Axes, Condition, FIRST_SERVICE, Instruction, Kind, Object, Operand, Range, Timing, by_service, services,
 };
 pub use instruction_tag::{
-    instruction_tag_defaults, instruction_tag_given, instruction_tag_target, instruction_tag_template, locate,
+    instruction_tag_defaults, instruction_tag_operands, instruction_tag_target, instruction_tag_template, locate,
     set_instruction_tag_target,
 };
 pub use mnemonic::{Mnemonic, UnknownMnemonic};

@@ -8,7 +8,7 @@ use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, Motion
 use arcline_planner::profile::Phase;
 
 use crate::cause::Cause;
-use crate::events::{TagWrite, Events};
+use crate::events::{Events, TagWrite};
 use crate::execution::{Execution, Ticket};
 
 /// Slots for motion control tags, the unnamed one included.

@@ -22,7 +22,7 @@ pub use limits::{
     MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEM_AXES, MAX_SYSTEMS, MAX_TRANSFORMS,
     default_jerk,
 };
-pub use system::{LimitPolicy, Build, CoordinateSystem, Corner, Orientation, Robot};
+pub use system::{Build, CoordinateSystem, Corner, LimitPolicy, Orientation, Robot};
 
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
 pub use arcline_planner::precise::Deviation;

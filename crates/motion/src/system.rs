@@ -23,7 +23,7 @@ use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
 use crate::execution::Execution;
-use crate::machine::{LimitPolicy, Build, CoordinateSystem, Corner, MAX_SYSTEM_AXES, three};
+use crate::machine::{Build, CoordinateSystem, Corner, LimitPolicy, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};

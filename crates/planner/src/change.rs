@@ -332,7 +332,9 @@ impl Ran {
         let programmed = raised(approach.limits.speed, rate);
         let ran = Ran::along(&approach.profile, elapsed, approach.limits, programmed);
         Ran {
-            forward: ran.forward.or(taking(&approach.limits).filter(|_| approach.has_other_limits)),
+            forward: ran
+                .forward
+                .or(taking(&approach.limits).filter(|_| approach.has_other_limits)),
             ..ran
         }
     }

@@ -141,13 +141,21 @@ impl<T: Copy> Running<T> {
     pub(crate) fn profile_limits(&self) -> Limits {
         Limits {
             speed: self.motion.limits.speed,
-            ..if self.has_other_limits { self.in_force } else { self.motion.limits }
+            ..if self.has_other_limits {
+                self.in_force
+            } else {
+                self.motion.limits
+            }
         }
     }
 
     /// The removal of a deceleration that this move leaves to the next one, which must not pass through rest.
     pub(crate) fn removal_of_the_next(&self) -> AccelerationRemoval {
-        let other = self.in_force.jerk.filter(|_| self.has_other_limits).map(|jerk| jerk.deceleration);
+        let other = self
+            .in_force
+            .jerk
+            .filter(|_| self.has_other_limits)
+            .map(|jerk| jerk.deceleration);
         match self.removal.forward.or(other) {
             Some(jerk) => AccelerationRemoval {
                 forward: Some(jerk),

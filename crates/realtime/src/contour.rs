@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use arcline_controller::machine::{LimitPolicy, Corner, Machine};
+use arcline_controller::machine::{Corner, LimitPolicy, Machine};
 use arcline_controller::{ContourRequest, PlannedContour, Trajectory};
 
 /// Requests under way at once.

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, TagWrite, Command, ContourRequest, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot,
-    StopRequest, Ticket, Trajectory,
+    AcceptedMove, Command, ContourRequest, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot, StopRequest,
+    TagWrite, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use arcline_controller::{
-    AcceptedMove, TagWrite, Command, ContourRequest, Controller, Event, FaultChange, Overtaking, PlannedContour,
-    Port, Snapshot, StopRequest, Ticket, Trajectory,
+    AcceptedMove, Command, ContourRequest, Controller, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot,
+    StopRequest, TagWrite, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 

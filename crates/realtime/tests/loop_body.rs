@@ -15,7 +15,7 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 fn line(control: ControlSlot, to: [f64; 2]) -> Call {
     let mut arguments = [Argument::None; MAX_OPERANDS];
     let instruction = Mnemonic::Mclm.instruction();
-    for place in instruction.given_operands() {
+    for place in instruction.operands_behind_control() {
         arguments[place] = Argument::Number(0.0);
     }
     let operands = [

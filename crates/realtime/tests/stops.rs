@@ -18,7 +18,7 @@ const Y: u16 = 1;
 fn call(mnemonic: Mnemonic, control: u32, operands: &[(&str, f64)]) -> Call {
     let mut arguments = [Argument::None; MAX_OPERANDS];
     let instruction = mnemonic.instruction();
-    for place in instruction.given_operands() {
+    for place in instruction.operands_behind_control() {
         arguments[place] = Argument::Number(0.0);
     }
     for (name, number) in operands {

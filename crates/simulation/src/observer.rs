@@ -2,7 +2,7 @@
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_controller::{TagWrite, Controller, Event, FaultChange, Ticket};
+use arcline_controller::{Controller, Event, FaultChange, TagWrite, Ticket};
 use arcline_instruction_set::Call;
 
 /// Observes a simulation, tick by tick. In a tick, its methods are called in the order of their definition.

@@ -14,8 +14,8 @@ use arcline_controller::image::TagKind;
 use arcline_controller::{Ticket, UNNAMED};
 use arcline_instruction_set::{Call, ControlSlot, Directory as _, Flag, MotionControl, bind};
 use arcline_structured_text::{
-    BoundCall, Called, Calls, Driver, ObjectAttribute, OnError, Outcome, Pause, Policy, ProgramRun, Progress, Reading,
-    RunError, Stopped, unmade_control,
+    Called, Calls, Driver, EvaluatedCall, ObjectAttribute, OnError, Outcome, Pause, Policy, ProgramRun, Progress,
+    Reading, RunError, Stopped, unmade_control,
 };
 use arcline_tag::{TagPath, Value};
 
@@ -265,14 +265,14 @@ fn read(simulation: &mut Simulation, wait: &mut Wait, path: &TagPath) -> Result<
     })
 }
 
-fn bound(simulation: &mut Simulation, call: &BoundCall) -> Result<Call, Refused> {
+fn bound(simulation: &mut Simulation, call: &EvaluatedCall) -> Result<Call, Refused> {
     let image = simulation.image_mut();
     let target = image.object(call.mnemonic.instruction().object, &call.target);
     let control = match &call.control {
         Some(name) => image.control_slot(name)?,
         None => UNNAMED,
     };
-    Ok(bind(call.mnemonic, target, control, &call.given, image)?)
+    Ok(bind(call.mnemonic, target, control, &call.operands, image)?)
 }
 
 impl Driver for Seat {
@@ -320,22 +320,22 @@ impl Driver for Seat {
         })
     }
 
-    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Refused> {
+    async fn has_room(&mut self, call: &EvaluatedCall) -> Result<bool, Refused> {
         self.with(|simulation| {
             let call = bound(simulation, call)?;
             Ok(simulation.controller().has_room(&call))
         })
     }
 
-    async fn call(&mut self, given: &BoundCall) -> Result<Ticket, Refused> {
+    async fn call(&mut self, request: &EvaluatedCall) -> Result<Ticket, Refused> {
         let mut stage = self.stage.lock();
         let simulation = &mut stage.simulation;
-        let call = bound(simulation, given)?;
+        let call = bound(simulation, request)?;
         let (ticket, control) = simulation.execute(&call, self.origin());
         let erred = simulation.calls_mut().erred_mut(self.id);
-        if let Some(erred) = erred.filter(|erred| erred.line == given.line) {
-            let instruction = given.mnemonic.instruction();
-            erred.left_out = instruction.left_out(erred.err, erred.exerr, &given.given);
+        if let Some(erred) = erred.filter(|erred| erred.line == request.line) {
+            let instruction = request.mnemonic.instruction();
+            erred.left_out = instruction.left_out(erred.err, erred.exerr, &request.operands);
         }
         stage.note_execution();
         if control.has(Flag::Er) {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use arcline_instruction_set::{Ending, Mnemonic};
 
-use crate::BoundCall;
+use crate::EvaluatedCall;
 
 /// Executions that a program remembers: as many as have instances of class 0x0303.
 const REMEMBERED: usize = 4096;
@@ -25,7 +25,7 @@ pub struct Called<X> {
 }
 
 impl<X> Called<X> {
-    pub(crate) fn new(call: &BoundCall, execution: Option<X>) -> Self {
+    pub(crate) fn new(call: &EvaluatedCall, execution: Option<X>) -> Self {
         Self {
             line: call.line,
             mnemonic: call.mnemonic,

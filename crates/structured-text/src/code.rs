@@ -36,16 +36,16 @@ pub(crate) enum Op {
     /// Pops seconds and asks for that delay.
     Delay,
     /// Pops a number: the next operand of the call.
-    GiveNumber,
+    OperandNumber,
     /// The next operand of the call is an enumeration word.
-    GiveWord(u32),
+    OperandWord(u32),
     /// Pops the path's computed indices; the next operand of the call is the path as a name.
-    GiveName(u32),
+    OperandName(u32),
     /// Pops this number of numbers: the next operand of the call is the array of them.
-    GiveArray(u32),
+    OperandArray(u32),
     /// Pops the path's computed indices; the next operand of the call is the array from that element on.
-    GiveRead(u32),
-    /// Calls with the operands given.
+    OperandRead(u32),
+    /// Calls with these operands.
     Call(u32),
     /// Pushes the value of an attribute.
     GetAttribute(u32),

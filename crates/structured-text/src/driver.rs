@@ -9,7 +9,7 @@ use arcline_instruction_set::{Ending, Flag, Mnemonic, MotionControl, MotionError
 use arcline_tag::{TagPath, Value};
 
 use crate::calls::{Called, Calls};
-use crate::{BoundCall, Hopeless, ObjectAttribute, RuntimeError};
+use crate::{EvaluatedCall, Hopeless, ObjectAttribute, RuntimeError};
 
 /// The reaction of a coordinated move to a full queue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -76,7 +76,7 @@ pub enum Pause<'p> {
     /// The next tick in which the condition of a WAIT may have changed.
     Condition,
     /// The next tick in which there may be room for a move.
-    Room(&'p BoundCall),
+    Room(&'p EvaluatedCall),
     /// A part of the time in which moves of a full queue end.
     Queue {
         /// Moves that can wait in it.
@@ -212,19 +212,22 @@ pub trait Driver {
     async fn set_attribute(&mut self, of: &ObjectAttribute, value: f64) -> Result<(), Self::Error>;
 
     /// Whether the queue of the coordinate system has room for a move that takes a place in it.
-    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Self::Error>;
+    async fn has_room(&mut self, call: &EvaluatedCall) -> Result<bool, Self::Error>;
 
     /// Executes an instruction.
-    async fn call(&mut self, call: &BoundCall) -> Result<Self::Execution, Self::Error>;
+    async fn call(&mut self, call: &EvaluatedCall) -> Result<Self::Execution, Self::Error>;
 
     /// Executes the first moves of a series in their order, one at least, up to the first that fails or finds no room in its queue. A move
     /// that is not executed leaves no trace.
-    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
+    async fn moves(&mut self, series: &[EvaluatedCall]) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
         self.first_move(series).await
     }
 
     /// [`Driver::moves`] by [`Driver::has_room`] and [`Driver::call`]: the first move alone.
-    async fn first_move(&mut self, series: &[BoundCall]) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
+    async fn first_move(
+        &mut self,
+        series: &[EvaluatedCall],
+    ) -> Result<Moves<Self::Execution, Self::Error>, Self::Error> {
         let mut moves = Moves {
             executed: Vec::new(),
             end: MovesEnd::Sent,

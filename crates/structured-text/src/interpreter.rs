@@ -1,6 +1,6 @@
 //! Runs a program, one request at a time. No clock, no tag and no network: its driver answers.
 
-use arcline_instruction_set::{Given, Mnemonic};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_tag::{PathSegment, TagPath, Value};
 
 use crate::code::{Binary, Op, Part};
@@ -29,7 +29,7 @@ pub enum Request {
     Write(TagPath, Value),
     /// An instruction is to be executed in this tick, as a false-to-true transition of its rung; answered
     /// with [`Answer::Done`], erred or not, or with [`Answer::QueueFull`].
-    Call(BoundCall),
+    Call(EvaluatedCall),
     /// The value of an attribute, answered with [`Answer::Value`].
     GetAttribute(ObjectAttribute),
     /// An attribute is to be set, answered with [`Answer::Done`].
@@ -61,7 +61,7 @@ pub enum Answer {
 
 /// A call with the operands that it has at this moment.
 #[derive(Clone, PartialEq, Debug)]
-pub struct BoundCall {
+pub struct EvaluatedCall {
     /// The instruction.
     pub mnemonic: Mnemonic,
     /// Name of the object it acts on.
@@ -69,7 +69,7 @@ pub struct BoundCall {
     /// The motion control tag; `None`: an unnamed one.
     pub control: Option<String>,
     /// The operands behind target and motion control, in faceplate order; trailing ones may be missing.
-    pub given: Vec<Given>,
+    pub operands: Vec<UnboundOperand>,
     /// Line of the call, from 1.
     pub line: usize,
 }
@@ -85,7 +85,7 @@ pub struct Interpreter {
     program: Program,
     at: usize,
     stack: Vec<Entry>,
-    given: Vec<Given>,
+    operands: Vec<UnboundOperand>,
     variables: Vec<Cell>,
     line: u32,
     budget: Budget,
@@ -127,9 +127,9 @@ enum Pending {
     Array,
     Write,
     Time,
-    Call(BoundCall),
+    Call(EvaluatedCall),
     /// The queue was full: the call comes again when the tick has passed.
-    Again(BoundCall),
+    Again(EvaluatedCall),
     Ended,
 }
 
@@ -156,7 +156,7 @@ impl Interpreter {
             program,
             at: 0,
             stack: Vec::new(),
-            given: Vec::new(),
+            operands: Vec::new(),
             variables,
             line: 1,
             budget: Budget::TICK,
@@ -222,7 +222,7 @@ impl Interpreter {
                 Ok(None)
             }
             (Pending::Array, Answer::Array(numbers)) => {
-                self.given.push(Given::Array(numbers));
+                self.operands.push(UnboundOperand::Array(numbers));
                 Ok(None)
             }
             (Pending::Time, Answer::Done) => {
@@ -336,40 +336,42 @@ impl Interpreter {
                     }
                     return Ok(self.ask(Pending::Time, Request::Delay(seconds)));
                 }
-                Op::GiveNumber => {
+                Op::OperandNumber => {
                     let number = self.pop_number()?;
-                    self.given.push(Given::Number(number));
+                    self.operands.push(UnboundOperand::Number(number));
                 }
-                Op::GiveWord(word) => self.given.push(Given::Word(self.program.words[word as usize].clone())),
-                Op::GiveName(path) => {
+                Op::OperandWord(word) => self
+                    .operands
+                    .push(UnboundOperand::Word(self.program.words[word as usize].clone())),
+                Op::OperandName(path) => {
                     let path = self.path(path)?;
-                    self.given.push(Given::Name(path.to_string()));
+                    self.operands.push(UnboundOperand::Name(path.to_string()));
                 }
-                Op::GiveArray(count) => {
+                Op::OperandArray(count) => {
                     let mut numbers = Vec::with_capacity(count as usize);
                     for _ in 0..count {
                         numbers.push(self.pop_number()?);
                     }
                     numbers.reverse();
-                    self.given.push(Given::Array(numbers));
+                    self.operands.push(UnboundOperand::Array(numbers));
                 }
-                Op::GiveRead(path) => {
+                Op::OperandRead(path) => {
                     if let Some(variable) = self.variable_of(path) {
                         let number = self.variables[variable].number()?;
-                        self.given.push(Given::Number(number));
+                        self.operands.push(UnboundOperand::Number(number));
                     } else {
                         let path = self.path(path)?;
                         return Ok(self.ask(Pending::Array, Request::ReadArray(path)));
                     }
                 }
                 Op::Call(call) => {
-                    let given = std::mem::take(&mut self.given);
+                    let operands = std::mem::take(&mut self.operands);
                     let statement = &self.program.calls[call as usize];
-                    let call = BoundCall {
+                    let call = EvaluatedCall {
                         mnemonic: statement.mnemonic,
                         target: statement.target.clone(),
                         control: statement.control.clone(),
-                        given,
+                        operands,
                         line: statement.line,
                     };
                     return Ok(self.ask(Pending::Call(call.clone()), Request::Call(call)));

@@ -33,7 +33,7 @@ pub struct CallStatement {
     pub target: String,
     /// The motion control tag, as written; `None` when it was left out.
     pub control: Option<String>,
-    /// All operands that were given, target and motion control included, in faceplate order.
+    /// All operands of the call, target and motion control included, in faceplate order.
     pub operands: Vec<OperandText>,
     /// Line of the mnemonic, from 1.
     pub line: usize,

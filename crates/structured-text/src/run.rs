@@ -15,7 +15,7 @@ use crate::calls::{Called, Calls, State};
 use crate::driver::{
     Driver, Moves, MovesEnd, OnError, Outcome, Pause, Policy, Progress, QueueFull, Reading, RunError, Stopped,
 };
-use crate::{Answer, BoundCall, Hopeless, Interpreter, Request, RuntimeError};
+use crate::{Answer, EvaluatedCall, Hopeless, Interpreter, Request, RuntimeError};
 
 /// A program under way.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub struct ProgramRun<X> {
     /// Lines of the pieces that ran before this one.
     lines_before: usize,
     /// Moves that the program has called and that are executed together before its next request.
-    series: Vec<BoundCall>,
+    series: Vec<EvaluatedCall>,
 }
 
 impl<X: Clone> ProgramRun<X> {
@@ -165,7 +165,7 @@ impl<X: Clone> ProgramRun<X> {
         let Request::Call(call) = request else { return false };
         self.policy.queue_full == QueueFull::Wait
             && driver.longest_series() > 1
-            && call.mnemonic.instruction().joins_series(&call.given)
+            && call.mnemonic.instruction().joins_series(&call.operands)
     }
 
     /// Executes the moves that the program has called; waits where a queue has no room.
@@ -209,7 +209,7 @@ impl<X: Clone> ProgramRun<X> {
     fn erred<D: Driver<Execution = X>>(
         &mut self,
         driver: &mut D,
-        call: &BoundCall,
+        call: &EvaluatedCall,
         error: D::Error,
     ) -> Result<(), D::Error> {
         if D::err(&error).is_none() {
@@ -224,10 +224,14 @@ impl<X: Clone> ProgramRun<X> {
         }
     }
 
-    async fn call<D: Driver<Execution = X>>(&mut self, driver: &mut D, call: &BoundCall) -> Result<Answer, D::Error> {
+    async fn call<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        call: &EvaluatedCall,
+    ) -> Result<Answer, D::Error> {
         let waits = self.policy.queue_full == QueueFull::Wait;
         // The test comes before the call, so that a move that waits leaves no error in its tag.
-        let takes_place = call.mnemonic.instruction().takes_place(&call.given);
+        let takes_place = call.mnemonic.instruction().takes_place(&call.operands);
         if waits && takes_place && !driver.has_room(call).await? {
             return Ok(Answer::QueueFull);
         }

@@ -1,11 +1,11 @@
 //! Series: the moves that a program executes together, and its reaction to one that fails or finds no room.
 
-use arcline_instruction_set::{Given, MotionError};
+use arcline_instruction_set::{MotionError, UnboundOperand};
 use arcline_tag::{TagPath, Value};
 
 use crate::calls::{Called, Calls};
 use crate::{
-    BoundCall, Driver, Interpreter, Moves, MovesEnd, ObjectAttribute, OnError, Outcome, Pause, Policy, Program,
+    Driver, EvaluatedCall, Interpreter, Moves, MovesEnd, ObjectAttribute, OnError, Outcome, Pause, Policy, Program,
     ProgramRun, Progress, QueueFull, Reading, RunError, Stopped, immediately,
 };
 
@@ -40,7 +40,7 @@ impl Default for Machine {
 const FAILED: i16 = 13;
 
 impl Machine {
-    fn take(&mut self, call: &BoundCall) -> Result<usize, i16> {
+    fn take(&mut self, call: &EvaluatedCall) -> Result<usize, i16> {
         if self.room == 0 {
             return Err(MotionError::CoordinateSystemQueueFull.err());
         }
@@ -74,7 +74,7 @@ impl Driver for Machine {
         self.longest
     }
 
-    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<usize, i16>, i16> {
+    async fn moves(&mut self, series: &[EvaluatedCall]) -> Result<Moves<usize, i16>, i16> {
         let mut moves = Moves {
             executed: Vec::new(),
             end: MovesEnd::Sent,
@@ -94,11 +94,11 @@ impl Driver for Machine {
         Ok(moves)
     }
 
-    async fn has_room(&mut self, _call: &BoundCall) -> Result<bool, i16> {
+    async fn has_room(&mut self, _call: &EvaluatedCall) -> Result<bool, i16> {
         Ok(self.room > 0)
     }
 
-    async fn call(&mut self, call: &BoundCall) -> Result<usize, i16> {
+    async fn call(&mut self, call: &EvaluatedCall) -> Result<usize, i16> {
         self.log.push(format!("{} {}", call.mnemonic, call.line));
         self.take(call)
     }
@@ -285,11 +285,11 @@ fn a_pause_of_the_program_comes_behind_the_moves_before_it() {
 /// A driver without a service for series: the first move of each by itself.
 #[test]
 fn a_series_can_be_executed_move_by_move() {
-    let call = |line| BoundCall {
+    let call = |line| EvaluatedCall {
         mnemonic: arcline_instruction_set::Mnemonic::Mclm,
         target: "CS1".into(),
         control: None,
-        given: vec![Given::Number(0.0)],
+        operands: vec![UnboundOperand::Number(0.0)],
         line,
     };
     let series = [call(1), call(2)];

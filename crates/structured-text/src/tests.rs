@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use arcline_instruction_set::{Given, Object, predefined};
+use arcline_instruction_set::{Object, UnboundOperand, predefined};
 use arcline_tag::{PathError, TagPath, TagType, Value};
 
 use crate::{Answer, Interpreter, Names, OPERATIONS_PER_TICK, Program, Request, RuntimeProblem, STATEMENTS_PER_TICK};
@@ -93,14 +93,14 @@ fn trace(text: &str, tags: &[(&str, f64)], limit: usize) -> String {
                 Answer::Done
             }
             Request::Call(call) => {
-                let given: Vec<String> = call.given.iter().map(ToString::to_string).collect();
+                let operands: Vec<String> = call.operands.iter().map(ToString::to_string).collect();
                 let control = call.control.unwrap_or_default();
                 let _ = writeln!(
                     out,
                     "{} {} {control}: {} @{}",
                     call.mnemonic,
                     call.target,
-                    given.join(" "),
+                    operands.join(" "),
                     call.line
                 );
                 Answer::Done
@@ -358,7 +358,7 @@ fn a_full_queue_repeats_the_call() {
     let Request::Call(call) = &first else {
         panic!("a call, not {first:?}")
     };
-    assert_eq!(call.given[1], Given::Array(vec![5.0, 0.0, 0.0]));
+    assert_eq!(call.operands[1], UnboundOperand::Array(vec![5.0, 0.0, 0.0]));
     assert_eq!(interpreter.resume(Answer::QueueFull), Ok(Request::NextTick));
     assert_eq!(interpreter.resume(Answer::Done), Ok(first.clone()));
     assert_eq!(interpreter.resume(Answer::QueueFull), Ok(Request::NextTick));
@@ -428,23 +428,23 @@ fn the_seeds_lines() {
     program.check(&Anything).unwrap_or_else(|error| panic!("{error}"));
     let mut interpreter = Interpreter::new(program);
     let mut answer = Answer::Start;
-    let mut given = Vec::new();
+    let mut operands = Vec::new();
     loop {
         answer = match interpreter.resume(answer).expect("a request") {
             Request::Read(_) => Answer::Value(Value::Real(2.0)),
             Request::ReadArray(_) => Answer::Array(vec![1.0, 2.0]),
             Request::Call(call) => {
-                given.push(call.given);
+                operands.push(call.operands);
                 Answer::Done
             }
             Request::End => break,
             other => panic!("unexpected {other:?}"),
         };
     }
-    assert_eq!(given.iter().map(Vec::len).collect::<Vec<_>>(), [23, 16, 7]);
-    assert_eq!(given[0][1], Given::Array(vec![1.0, 2.0]));
-    assert_eq!(given[0][14], Given::Word("%ofTime".to_owned()));
-    assert_eq!(given[2][6], Given::Word("%ofTime".to_owned()));
+    assert_eq!(operands.iter().map(Vec::len).collect::<Vec<_>>(), [23, 16, 7]);
+    assert_eq!(operands[0][1], UnboundOperand::Array(vec![1.0, 2.0]));
+    assert_eq!(operands[0][14], UnboundOperand::Word("%ofTime".to_owned()));
+    assert_eq!(operands[2][6], UnboundOperand::Word("%ofTime".to_owned()));
 }
 
 #[test]
@@ -586,11 +586,11 @@ impl crate::Driver for Ended {
     async fn set_attribute(&mut self, _of: &crate::ObjectAttribute, _value: f64) -> Result<(), &'static str> {
         Ok(())
     }
-    async fn has_room(&mut self, _call: &crate::BoundCall) -> Result<bool, &'static str> {
+    async fn has_room(&mut self, _call: &crate::EvaluatedCall) -> Result<bool, &'static str> {
         self.room += 1;
         Ok(self.room.is_multiple_of(2))
     }
-    async fn call(&mut self, call: &crate::BoundCall) -> Result<(), &'static str> {
+    async fn call(&mut self, call: &crate::EvaluatedCall) -> Result<(), &'static str> {
         self.calls.push((call.line, call.target.clone()));
         if call.target == "Y" { Err("erred") } else { Ok(()) }
     }

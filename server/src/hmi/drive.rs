@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use arcline_instruction_set::{AxisId, Directory as _, Flag, Given, Mnemonic, SystemId};
-use arcline_structured_text::{Answer, BoundCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
+use arcline_instruction_set::{AxisId, Directory as _, Flag, Mnemonic, SystemId, UnboundOperand};
+use arcline_structured_text::{Answer, EvaluatedCall, Interpreter, ObjectAttribute, Program, Request, unmade_control};
 use arcline_tag::{TagPath, Value};
 
 use super::Shared;
@@ -110,7 +110,7 @@ pub(super) async fn execute(
 }
 
 /// The first call, with the operands as they are now; `None`: a statement in front of it does more than to read.
-pub(super) fn first_call(plant: &Plant, interpreter: &mut Interpreter) -> Result<Option<BoundCall>, Refusal> {
+pub(super) fn first_call(plant: &Plant, interpreter: &mut Interpreter) -> Result<Option<EvaluatedCall>, Refusal> {
     let mut answer = Answer::Start;
     loop {
         let request = interpreter
@@ -132,7 +132,7 @@ pub(super) fn first_call(plant: &Plant, interpreter: &mut Interpreter) -> Result
 pub(super) async fn call(
     plant: &Plant,
     principal: Principal,
-    call: &BoundCall,
+    call: &EvaluatedCall,
     text: Option<&str>,
 ) -> Result<Accepted, Refusal> {
     let mnemonic = call.mnemonic;
@@ -152,13 +152,13 @@ pub(super) async fn call(
 }
 
 /// A call as the plant takes it; `text`: its Structured Text, for the events.
-pub(super) fn command_of<'c>(plant: &Plant, call: &'c BoundCall, text: Option<&str>) -> Call<'c> {
+pub(super) fn command_of<'c>(plant: &Plant, call: &'c EvaluatedCall, text: Option<&str>) -> Call<'c> {
     let object = call.mnemonic.instruction().object;
     Call {
         mnemonic: call.mnemonic,
         target: plant.with_published(|image| image.object(object, &call.target)),
         control: call.control.as_deref(),
-        given: &call.given,
+        operands: &call.operands,
         text: text.map(Arc::from),
     }
 }
@@ -229,18 +229,18 @@ fn system_of(plant: &Plant, name: &str) -> Result<SystemId, Refusal> {
 }
 
 /// A call of an instruction on an object, by the names of operands that are not at their omitted value.
-pub(super) fn instruction(mnemonic: Mnemonic, target: &str, operands: &[(&str, f64)]) -> BoundCall {
+pub(super) fn instruction(mnemonic: Mnemonic, target: &str, operands: &[(&str, f64)]) -> EvaluatedCall {
     let instruction = mnemonic.instruction();
     let value = |place: usize| {
         let name = instruction.operands[place].name;
         let given = operands.iter().find(|(operand, _)| *operand == name);
-        given.map_or(Given::Missing, |(_, value)| Given::Number(*value))
+        given.map_or(UnboundOperand::Missing, |(_, value)| UnboundOperand::Number(*value))
     };
-    BoundCall {
+    EvaluatedCall {
         mnemonic,
         target: target.to_owned(),
         control: None,
-        given: instruction.given_operands().map(value).collect(),
+        operands: instruction.operands_behind_control().map(value).collect(),
         line: 1,
     }
 }

@@ -117,12 +117,12 @@ async fn stop_jog(plant: &Plant, viewer: ViewerId, axis: AxisId, decel: Option<f
     let operands = [
         ("Stop Type", JOG), ("Change Decel", change), ("Decel Rate", rate), ("Decel Units", units),
     ];
-    let given = instruction(Mnemonic::Mas, name, &operands).given;
+    let stop = instruction(Mnemonic::Mas, name, &operands).operands;
     let command = Command::Call(Call {
         mnemonic: Mnemonic::Mas,
         target: Some(axis.0),
         control: None,
-        given: &given,
+        operands: &stop,
         text: None,
     });
     match plant.apply(Principal::Button(viewer), command).await {

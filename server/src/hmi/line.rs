@@ -1,7 +1,7 @@
 //! The way from a filled form to its line of Structured Text.
 
 use arcline_instruction_set::{BindError, Instruction, Kind, Mnemonic, MotionError, Object, Operand, bind};
-use arcline_structured_text::BoundCall;
+use arcline_structured_text::EvaluatedCall;
 use serde_json::{Map, Value};
 
 use super::drive::{first_call, interpreter_of};
@@ -50,13 +50,13 @@ fn verify(plant: &Plant, text: &str) -> Result<(), Refusal> {
     }
 }
 
-fn verify_call(plant: &Plant, call: &BoundCall) -> Result<(), Refusal> {
+fn verify_call(plant: &Plant, call: &EvaluatedCall) -> Result<(), Refusal> {
     let mnemonic = call.mnemonic;
     let instruction = mnemonic.instruction();
     let target =
         plant.with_image(|image| arcline_instruction_set::Directory::object(image, instruction.object, &call.target));
     let bound = plant
-        .with_image(|image| bind(mnemonic, target, arcline_controller::UNNAMED, &call.given, image))
+        .with_image(|image| bind(mnemonic, target, arcline_controller::UNNAMED, &call.operands, image))
         .map_err(|error| not_bound(&error, mnemonic))?;
     let systems = &plant.machine().systems;
     let axes = match (instruction.object, target) {

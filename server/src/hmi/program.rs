@@ -7,8 +7,8 @@ use std::time::Duration;
 use arcline_controller::image::TagKind;
 use arcline_instruction_set::predefined::coordinate_motion_status;
 use arcline_structured_text::{
-    BoundCall, Called, Calls, Driver, Interpreter, Moves, MovesEnd, ObjectAttribute, Outcome, Pause, Policy, Program,
-    ProgramRun, Progress, Reading, RunError, Stopped, pause_of_queue,
+    Called, Calls, Driver, EvaluatedCall, Interpreter, Moves, MovesEnd, ObjectAttribute, Outcome, Pause, Policy,
+    Program, ProgramRun, Progress, Reading, RunError, Stopped, pause_of_queue,
 };
 use arcline_tag::{TagPath, Value};
 use tokio::sync::watch;
@@ -323,8 +323,8 @@ impl Driver for Live<'_> {
         }
     }
 
-    async fn moves(&mut self, series: &[BoundCall]) -> Result<Moves<Accepted, Break>, Break> {
-        let principal = |call: &BoundCall| self.principal_of(call.line);
+    async fn moves(&mut self, series: &[EvaluatedCall]) -> Result<Moves<Accepted, Break>, Break> {
+        let principal = |call: &EvaluatedCall| self.principal_of(call.line);
         let calls: Vec<_> = series
             .iter()
             .map(|call| (principal(call), drive::command_of(self.plant, call, None)))
@@ -394,7 +394,7 @@ impl Driver for Live<'_> {
         Ok(set_attribute(self.plant, self.principal(), of, value).await?)
     }
 
-    async fn has_room(&mut self, call: &BoundCall) -> Result<bool, Break> {
+    async fn has_room(&mut self, call: &EvaluatedCall) -> Result<bool, Break> {
         let Some(index) = self.plant.machine().system(&call.target).map(usize::from) else {
             return Ok(true);
         };
@@ -406,7 +406,7 @@ impl Driver for Live<'_> {
         Ok(!is_full)
     }
 
-    async fn call(&mut self, call: &BoundCall) -> Result<Accepted, Break> {
+    async fn call(&mut self, call: &EvaluatedCall) -> Result<Accepted, Break> {
         Ok(drive::call(self.plant, self.principal(), call, None).await?)
     }
 

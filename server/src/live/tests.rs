@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use arcline_config::Role;
 use arcline_controller::Controller;
-use arcline_instruction_set::{Given, Mnemonic};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_realtime::Rings;
 use arcline_tag::Value;
 
@@ -610,26 +610,26 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
                 bench.write("Move1.EnableIn", 1.0);
             }
             "service" => {
-                let given = [
-                    Given::Number(0.0),
-                    Given::Array(vec![50.0, 25.0, 0.0]),
-                    Given::Number(80.0),
-                    Given::Number(0.0),
-                    Given::Number(1500.0),
-                    Given::Number(0.0),
-                    Given::Number(1200.0),
-                    Given::Number(0.0),
-                    Given::Number(1.0),
-                    Given::Number(100.0),
-                    Given::Number(100.0),
-                    Given::Number(2.0),
-                    Given::Number(1.0),
+                let operands = [
+                    UnboundOperand::Number(0.0),
+                    UnboundOperand::Array(vec![50.0, 25.0, 0.0]),
+                    UnboundOperand::Number(80.0),
+                    UnboundOperand::Number(0.0),
+                    UnboundOperand::Number(1500.0),
+                    UnboundOperand::Number(0.0),
+                    UnboundOperand::Number(1200.0),
+                    UnboundOperand::Number(0.0),
+                    UnboundOperand::Number(1.0),
+                    UnboundOperand::Number(100.0),
+                    UnboundOperand::Number(100.0),
+                    UnboundOperand::Number(2.0),
+                    UnboundOperand::Number(1.0),
                 ];
                 let call = crate::plant::Call {
                     mnemonic: Mnemonic::Mclm,
                     target: Some(0),
                     control: Some("M"),
-                    given: &given,
+                    operands: &operands,
                     text: None,
                 };
                 bench.apply(CLIENT, Command::Call(call)).expect("it is accepted");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
-use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Given, Mnemonic, SystemId};
+use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Mnemonic, SystemId, UnboundOperand};
 use arcline_tag::TagPath;
 
 use super::{CallRefused, Executed, Force, ForceError, Lost, Mode, Mover, Principal, Right};
@@ -129,7 +129,7 @@ pub struct Call<'a> {
     /// Its motion control tag, made if it is not there; `None`: none.
     pub control: Option<&'a str>,
     /// The operands behind target and motion control.
-    pub given: &'a [Given],
+    pub operands: &'a [UnboundOperand],
     /// Its Structured Text, for the events.
     pub text: Option<Arc<str>>,
 }

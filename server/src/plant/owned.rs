@@ -9,7 +9,7 @@ use arcline_config::ConnectionLoss;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Snapshot, Ticket, UNNAMED};
 use arcline_instruction_set::predefined::{coordinate_motion_status, motion_status};
-use arcline_instruction_set::{AxisId, Call, Given, JogEnd, Mnemonic, SystemId, bind};
+use arcline_instruction_set::{AxisId, Call, JogEnd, Mnemonic, SystemId, UnboundOperand, bind};
 
 use super::policy::{COORDINATED_MOVE, stop_of};
 use super::principal::Principal;
@@ -151,7 +151,7 @@ impl State {
     /// Stops motion of a lost owner at the full deceleration of its axis or coordinate system; where that cannot be sent, everything
     /// is stopped.
     fn stop_lost(&mut self, mnemonic: Mnemonic, what: &str, target: u16, ticket: Ticket) {
-        let given = [Given::Word(what.to_owned())];
+        let given = [UnboundOperand::Word(what.to_owned())];
         match bind(mnemonic, Some(target), UNNAMED, &given, self.image()) {
             // Its answer is not waited for.
             Ok(call) if self.has_room(mnemonic) => drop(self.send(Principal::Server, None, call, None)),

@@ -7,7 +7,9 @@
 use arcline_config::Role;
 use arcline_controller::image::{Image, TagId, TagKind};
 use arcline_controller::machine::Machine;
-use arcline_instruction_set::{AxisId, Directory as _, Given, Mnemonic, Object, SystemId, instruction_tag_target};
+use arcline_instruction_set::{
+    AxisId, Directory as _, Mnemonic, Object, SystemId, UnboundOperand, instruction_tag_target,
+};
 
 use super::command::{Call, Command, Refused, Systems};
 use super::control::{Control, MotionObject};
@@ -133,11 +135,11 @@ fn called(call: &Call<'_>, image: &Image) -> Vec<MotionObject> {
     let target = call.target.map(|index| MotionObject::of(object, index));
     let moves_another = matches!(call.mnemonic, Mnemonic::Mct | Mnemonic::Mcto);
     let others = call
-        .given
+        .operands
         .iter()
         .filter(|_| moves_another)
-        .filter_map(|given| match given {
-            Given::Name(name) | Given::Word(name) => image.object(Object::CoordinateSystem, name),
+        .filter_map(|operand| match operand {
+            UnboundOperand::Name(name) | UnboundOperand::Word(name) => image.object(Object::CoordinateSystem, name),
             _ => None,
         });
     target

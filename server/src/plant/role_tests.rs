@@ -2,7 +2,7 @@
 
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::PlainTag;
-use arcline_instruction_set::{Attribute, AxisId, Given, Mnemonic, Object as MotionObject, SystemId};
+use arcline_instruction_set::{Attribute, AxisId, Mnemonic, Object as MotionObject, SystemId, UnboundOperand};
 
 use super::*;
 use crate::guard::VIEWERS;
@@ -24,12 +24,12 @@ fn write<'a>(plant: &Plant, path: &str, data: &'a [u8]) -> Command<'a> {
     }
 }
 
-fn call(mnemonic: Mnemonic, given: &[Given]) -> Command<'_> {
+fn call(mnemonic: Mnemonic, operands: &[UnboundOperand]) -> Command<'_> {
     Command::Call(Call {
         mnemonic,
         target: Some(0),
         control: None,
-        given,
+        operands,
         text: None,
     })
 }
@@ -65,7 +65,7 @@ async fn every_command_for_every_role_of_every_principal() {
     let (plant, handle) = Plant::start(&ruled).expect("a thread");
     let fresh = plain_tag();
     let (half, double, zero) = (50_f32.to_le_bytes(), 150_f32.to_le_bytes(), [0; 4]);
-    let stop_all = [Given::Word("All".into())];
+    let stop_all = [UnboundOperand::Word("All".into())];
     #[rustfmt::skip]
     let mut cases = vec![
         ("a plain tag",              Right::WriteTag,      write(&plant, "Move1.Speed", &half)),

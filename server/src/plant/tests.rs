@@ -6,7 +6,7 @@ use arcline_instruction_set::Flag;
 
 use super::records::{Executions, Origin, RECORDS};
 use super::*;
-use arcline_instruction_set::{Given, Mnemonic};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 
 pub(super) fn project() -> Project {
     arcline_config::load(arcline_config::DEFAULT, "default").expect("the default is valid")
@@ -38,12 +38,17 @@ fn write(plant: &Plant, values: &[(&str, f64)]) -> Pending {
     pending
 }
 
-async fn call(plant: &Plant, mnemonic: Mnemonic, control: Option<&str>, given: &[Given]) -> Result<Executed, Refused> {
+async fn call(
+    plant: &Plant,
+    mnemonic: Mnemonic,
+    control: Option<&str>,
+    operands: &[UnboundOperand],
+) -> Result<Executed, Refused> {
     let call = Call {
         mnemonic,
         target: Some(0),
         control,
-        given,
+        operands,
         text: None,
     };
     match plant.apply(CLIENT, Command::Call(call)).await? {
@@ -128,7 +133,7 @@ async fn what_is_refused_is_shown() {
         matches!(wrong, Err(Refused::Call(CallRefused::Control(_)))),
         "{wrong:?}"
     );
-    let many = call(&plant, Mnemonic::Mso, Some("Fresh"), &[Given::Integer(1)]).await;
+    let many = call(&plant, Mnemonic::Mso, Some("Fresh"), &[UnboundOperand::Integer(1)]).await;
     assert!(matches!(many, Err(Refused::Call(CallRefused::Bind(_)))), "{many:?}");
     assert!(
         plant.with_image(|image| image.find("Fresh").is_none()),
@@ -247,7 +252,7 @@ async fn what_finds_no_room_is_refused_and_changes_nothing() {
     );
     // The plant sends it, and the controller does not answer.
     assert_eq!(
-        call(&plant, Mnemonic::Mgs, None, &[Given::Number(0.0)]).await,
+        call(&plant, Mnemonic::Mgs, None, &[UnboundOperand::Number(0.0)]).await,
         Err(CallRefused::NoAnswer.into())
     );
     plant.stop_all();
@@ -313,7 +318,7 @@ async fn stop_inhibits_motion_until_it_is_released() {
             [1.0, 53.0, 0.0],
             "{way}: EnableIn"
         );
-        let jog = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+        let jog = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(UnboundOperand::Number);
         let jogged = call(&plant, Mnemonic::Maj, None, &jog).await.expect("it binds");
         assert_eq!(jogged.control.err, 53, "{way}: a service");
         let stopped = call(&plant, Mnemonic::Mcs, None, &[]).await.expect("it binds");
@@ -344,13 +349,13 @@ async fn a_jog_button_is_refused_on_an_axis_that_another_principal_moves() {
         .control()
         .take(plant.machine(), 7, control::MotionObject::Group, false);
     assert_eq!(taken, Ok(()));
-    let jog = [0.0, 1.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+    let jog = [0.0, 1.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(UnboundOperand::Number);
     let press = || {
         let call = Call {
             mnemonic: Mnemonic::Maj,
             target: Some(0),
             control: None,
-            given: &jog,
+            operands: &jog,
             text: None,
         };
         plant.apply(Principal::Button(7), Command::Call(call))

@@ -24,7 +24,7 @@ use arcline_tag::TagPath;
 
 pub(crate) use change_tracker::{ChangeTracker, FileContents as WhenPersisted};
 pub use state_writer::NotPersisted;
-pub(crate) use state_writer::{Job, WriterWorker, StateWriter, Turn};
+pub(crate) use state_writer::{Job, StateWriter, Turn, WriterWorker};
 
 /// A project's retained state, read from its file and stored again.
 pub(crate) struct Retained {

@@ -308,7 +308,10 @@ async fn a_write_is_answered_when_it_is_kept() {
         written.expect("writable");
         pending
     };
-    plant.complete(write("Move1.Speed")).await.expect("an operand is not retained");
+    plant
+        .complete(write("Move1.Speed"))
+        .await
+        .expect("an operand is not retained");
     assert!(jobs.try_recv().is_err(), "operands of instructions are not retained");
     for answer in [Ok(()), Err(NotPersisted)] {
         let written = write("Recipe[1]");

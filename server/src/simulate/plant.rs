@@ -2,7 +2,7 @@
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
-use arcline_controller::{TagWrite, Event, FaultChange, Ticket};
+use arcline_controller::{Event, FaultChange, TagWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Host, Loaded};

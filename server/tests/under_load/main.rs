@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use arcline_instruction_set::{Given, Mnemonic};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::cpf::Packet;
 use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
@@ -127,12 +127,12 @@ impl Server {
 
     fn jog(&self) {
         self.until("it stands", |speed| speed == 0.0);
-        let given = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(Given::Number);
+        let operands = [0.0, 50.0, 0.0, 5000.0, 0.0, 5000.0, 0.0].map(UnboundOperand::Number);
         let call = Call {
             mnemonic: Mnemonic::Maj,
             target: Some(S),
             control: None,
-            given: &given,
+            operands: &operands,
             text: None,
         };
         let began = Instant::now();

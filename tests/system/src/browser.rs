@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use arcline_client::{Client, ClientError, Given, Identification, Mnemonic, Operands};
+use arcline_client::{Client, ClientError, Identification, Mnemonic, Operands, UnboundOperand};
 
 use crate::foreign::Store;
 use crate::node::Node;
@@ -118,8 +118,8 @@ async fn jog(server: &str) -> Result<Client, ClientError> {
     for axis in ["X", "Y"] {
         client.execute(Mnemonic::Mso, axis, "", &[]).await?;
     }
-    let slow = Operands::full_speed(Mnemonic::Maj).with("Speed", Given::Number(1.0))?;
-    client.execute(Mnemonic::Maj, "X", "Jog", slow.given()).await?;
+    let slow = Operands::full_speed(Mnemonic::Maj).with("Speed", UnboundOperand::Number(1.0))?;
+    client.execute(Mnemonic::Maj, "X", "Jog", slow.as_slice()).await?;
     Ok(client)
 }
 

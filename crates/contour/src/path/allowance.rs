@@ -175,7 +175,8 @@ impl Allowance {
     /// The permitted deviation at a joint if the curve keeps close to one of its pieces; otherwise `None`.
     pub(crate) fn at_joint(&self, reference: &ReferencePath, joint: usize) -> Option<f64> {
         let tolerance = self.tolerances[joint - 1];
-        let is_close = self.keeps_close(reference, joint - 1, tolerance) || self.keeps_close(reference, joint, tolerance);
+        let is_close =
+            self.keeps_close(reference, joint - 1, tolerance) || self.keeps_close(reference, joint, tolerance);
         let s = reference.starts[joint];
         is_close.then(|| self.aim(reference, joint - 1, s).min(self.aim(reference, joint, s)))
     }
@@ -206,7 +207,8 @@ impl Allowance {
     /// Half the largest length of a curve that rounds the corner at the end of a piece.
     pub(crate) fn room(&self, reference: &ReferencePath, piece: usize) -> f64 {
         let tolerance = self.tolerances[piece];
-        let is_close = self.keeps_close(reference, piece, tolerance) || self.keeps_close(reference, piece + 1, tolerance);
+        let is_close =
+            self.keeps_close(reference, piece, tolerance) || self.keeps_close(reference, piece + 1, tolerance);
         if is_close { self.reaches[piece] } else { f64::INFINITY }
     }
 

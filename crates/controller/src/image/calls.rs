@@ -1,7 +1,8 @@
 //! Names for instructions: objects and arrays among the tags, and the call of an instruction tag.
 
 use arcline_instruction_set::{
-    BindError, Call, Directory, Object, TagAddress, WrittenArray, bind, instruction_tag_given, instruction_tag_target,
+    BindError, Call, Directory, Object, TagAddress, WrittenArray, bind, instruction_tag_operands,
+    instruction_tag_target,
 };
 use arcline_tag::{DataType, Elementary};
 
@@ -22,8 +23,8 @@ impl Image {
         let bytes = self.bytes(id);
         let target = instruction_tag_target(kind.mnemonic, bytes);
         let target = self.object(kind.mnemonic.instruction().object, &target);
-        let given = instruction_tag_given(kind.mnemonic, &tag.name, bytes);
-        Some(bind(kind.mnemonic, target, kind.control, &given, self))
+        let operands = instruction_tag_operands(kind.mnemonic, &tag.name, bytes);
+        Some(bind(kind.mnemonic, target, kind.control, &operands, self))
     }
 
     /// Takes over a write of an instruction to a tag. A tag that no longer exists is ignored; a restart does not retain the values.

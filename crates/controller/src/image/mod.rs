@@ -47,7 +47,7 @@ use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 use crate::machine::Machine;
 use crate::{Event, Snapshot, UNNAMED};
 
-use shared::{Unshared, Memory, Shared};
+use shared::{Memory, Shared, Unshared};
 
 pub use attributes::Progress;
 pub use cams::StagedWrites;

@@ -2,7 +2,7 @@
 
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_instruction_set::{
-    Argument, AxisId, Directory, FaultKind, Flag, Given, Mnemonic, MotionControl, MotionError, bind,
+    Argument, AxisId, Directory, FaultKind, Flag, Mnemonic, MotionControl, MotionError, UnboundOperand, bind,
 };
 use arcline_motion::{CallData, Cause, ContourRests};
 use arcline_tag::{Elementary, TagPath, Value};
@@ -559,15 +559,15 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     let mut image = Image::new(&machine(), &[], &tags);
     let wrote = image.write_value(&path("Cam[1].Master"), Value::Real(5.0));
     assert_eq!(wrote, Ok(None));
-    let name = |name: &str| Given::Name(name.to_owned());
-    let given = [
+    let name = |name: &str| UnboundOperand::Name(name.to_owned());
+    let operands = [
         name("Cam"),
-        Given::Integer(2),
-        Given::Integer(0),
-        Given::Integer(0),
+        UnboundOperand::Integer(2),
+        UnboundOperand::Integer(0),
+        UnboundOperand::Integer(0),
         name("Curve"),
     ];
-    let call = bind(Mnemonic::Mccp, None, UNNAMED, &given, &image).expect("it binds");
+    let call = bind(Mnemonic::Mccp, None, UNNAMED, &operands, &image).expect("it binds");
     let status = |image: &Image| number(image, "Curve[0].Status");
 
     let (data, staged) = image.prepare(&call);
@@ -602,14 +602,14 @@ fn a_profile_is_being_calculated_until_it_is_settled() {
     assert_eq!(status(&image), 2.0, "not done: what was there is there still");
 
     // Two cams use the profile; when their owners free it, it is unused.
-    let given = [
+    let operands = [
         name("V"),
-        Given::Integer(0),
+        UnboundOperand::Integer(0),
         name("Curve"),
-        Given::Integer(1),
-        Given::Integer(1),
+        UnboundOperand::Integer(1),
+        UnboundOperand::Integer(1),
     ];
-    let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &given, &image).expect("it binds");
+    let call = bind(Mnemonic::Mapc, Some(0), UNNAMED, &operands, &image).expect("it binds");
     let cams = [image.prepare(&call).0, image.prepare(&call).0];
     // A copy for readers does not count as a use.
     let published = image.clone();

@@ -1,8 +1,8 @@
-//! The reason for which a call could not be bound: the operand, the given value, and the expected value.
+//! The reason for which a call could not be bound: the operand, its value, and the expected value.
 
 use std::fmt;
 
-use super::Given;
+use super::UnboundOperand;
 use crate::instruction::{Kind, Object};
 use crate::{Mnemonic, OperandIndex};
 
@@ -18,37 +18,37 @@ pub enum BindError {
         operand: OperandIndex,
     },
     /// More operands than the faceplate has.
-    #[error("{mnemonic}: {given} operands behind target and motion control, expected at most {most}")]
+    #[error("{mnemonic}: {count} operands behind target and motion control, expected at most {most}")]
     TooMany {
         /// The instruction.
         mnemonic: Mnemonic,
-        /// Operands given.
-        given: usize,
-        /// Operands of the faceplate behind target and motion control.
+        /// The number of operands.
+        count: usize,
+        /// The number of operands of the faceplate behind target and motion control.
         most: usize,
     },
     /// The value does not have the type of the operand.
-    #[error("{mnemonic}: {} is {given}, expected {expected}", NamedOperand(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} is {value}, expected {expected}", NamedOperand(*mnemonic, *operand))]
     WrongType {
         /// The instruction.
         mnemonic: Mnemonic,
         /// The operand.
         operand: OperandIndex,
-        /// The given value.
-        given: Given,
+        /// The value.
+        value: UnboundOperand,
         /// The expected value.
         expected: &'static str,
     },
     /// An array longer than any instruction uses, where the length has a meaning.
-    #[error("{mnemonic}: {} has {given} elements, at most {most} are possible", NamedOperand(*mnemonic, *operand))]
+    #[error("{mnemonic}: {} has {count} elements, at most {most} are possible", NamedOperand(*mnemonic, *operand))]
     TooLong {
         /// The instruction.
         mnemonic: Mnemonic,
         /// The operand.
         operand: OperandIndex,
-        /// Elements given.
-        given: usize,
-        /// Elements possible.
+        /// The number of elements.
+        count: usize,
+        /// The number of possible elements.
         most: usize,
     },
     /// A word that the enumeration does not have.

@@ -29,7 +29,7 @@ impl Directory for Machine {
 }
 
 /// Reads operands as a test writes them: numbers, `[arrays]`, words; `_` is left out.
-fn given(text: &str) -> Vec<Given> {
+fn unbound(text: &str) -> Vec<UnboundOperand> {
     let mut operands = Vec::new();
     let mut rest = text.trim();
     while !rest.is_empty() {
@@ -39,17 +39,17 @@ fn given(text: &str) -> Vec<Given> {
         };
         let operand = rest[..end].trim();
         operands.push(match operand.parse::<f64>() {
-            Ok(number) => Given::Number(number),
-            Err(_) if operand == "_" => Given::Missing,
+            Ok(number) => UnboundOperand::Number(number),
+            Err(_) if operand == "_" => UnboundOperand::Missing,
             Err(_) => match operand.strip_prefix('[') {
-                Some(inside) => Given::Array(
+                Some(inside) => UnboundOperand::Array(
                     inside
                         .trim_end_matches(']')
                         .split(',')
                         .filter_map(|number| number.trim().parse().ok())
                         .collect(),
                 ),
-                None => Given::Word(operand.to_owned()),
+                None => UnboundOperand::Word(operand.to_owned()),
             },
         });
         rest = rest[end..].trim_start_matches(',').trim();
@@ -60,7 +60,7 @@ fn given(text: &str) -> Vec<Given> {
 /// Binds and verifies: `ok`, the operand out of range, or the message of the operand that cannot be bound.
 fn outcome(name: &str, axes: usize, operands: &str) -> String {
     let mnemonic: Mnemonic = name.parse().expect("a mnemonic");
-    match bind(mnemonic, Some(0), ControlSlot(0), &given(operands), &Machine) {
+    match bind(mnemonic, Some(0), ControlSlot(0), &unbound(operands), &Machine) {
         Err(error) => error.to_string(),
         Ok(call) => match mnemonic.instruction().verify(&call, axes) {
             Ok(()) => "ok".to_owned(),
@@ -82,7 +82,7 @@ const MAG: &str = "Master, 0, 1, 1, 1, 0, 0, 0, 100, 1";
 /// `base` with the operands at some faceplate positions replaced.
 fn with(name: &str, base: &str, changes: &[(usize, &str)]) -> String {
     let mnemonic: Mnemonic = name.parse().expect("a mnemonic");
-    let places: Vec<_> = mnemonic.instruction().given_operands().collect();
+    let places: Vec<_> = mnemonic.instruction().operands_behind_control().collect();
     let mut operands: Vec<String> = Vec::new();
     let mut depth = false;
     for part in base.split(',') {
@@ -96,7 +96,7 @@ fn with(name: &str, base: &str, changes: &[(usize, &str)]) -> String {
         let k = places
             .iter()
             .position(|p| p == place)
-            .expect("an operand that is given");
+            .expect("an operand behind the control");
         operands[k] = (*value).to_owned();
     }
     operands.join(", ")
@@ -305,7 +305,7 @@ fn what_cannot_be_bound_is_told() {
     for (name, operands, expected) in cases {
         assert_eq!(outcome(name, 3, operands), expected, "{name}({operands})");
     }
-    let events = given(&with("MCLM", MCLM, &[(20, "[1,2,3,4,5,6,7,8,9,10]")]));
+    let events = unbound(&with("MCLM", MCLM, &[(20, "[1,2,3,4,5,6,7,8,9,10]")]));
     let error = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &events, &Machine).expect_err("too long");
     assert_eq!(error.operand(), Some(OperandIndex(20)));
 }
@@ -314,7 +314,7 @@ fn what_cannot_be_bound_is_told() {
 fn the_call_of_the_seed_binds() {
     let operands = "0, [10,0], 2, 5, 0, 10, Unitspersec, 5, Unitspersec2, 5, Unitspersec2, Trapezoidal, 100.0, \
                     100.0, %ofTime, 0, CoordinatedMotion, Programmed, 0, 0, None, 0, 0";
-    let call = bind(Mnemonic::Mccm, Some(4), ControlSlot(9), &given(operands), &Machine).expect("binds");
+    let call = bind(Mnemonic::Mccm, Some(4), ControlSlot(9), &unbound(operands), &Machine).expect("binds");
     assert_eq!((call.target, call.control), (Some(4), ControlSlot(9)));
     assert_eq!((call.number(7), call.word(16), call.word(18)), (10.0, 2, 1));
     assert_eq!((call.array(3), call.array(5)), (&[10.0, 0.0][..], &[5.0][..]));
@@ -328,12 +328,12 @@ fn names_become_objects_and_tags() {
         Mnemonic::Mdcc,
         Some(0),
         ControlSlot(0),
-        &given("MASTER, 1, 50"),
+        &unbound("MASTER, 1, 50"),
         &Machine,
     )
     .expect("binds");
     assert_eq!((call.object(1), call.word(3), call.number(4)), (Some(3), 1, 50.0));
-    let operands = given(&with("MCLM", MCLM, &[(20, "[5,1]"), (21, "Results")]));
+    let operands = unbound(&with("MCLM", MCLM, &[(20, "[5,1]"), (21, "Results")]));
     let call = bind(Mnemonic::Mclm, Some(0), ControlSlot(0), &operands, &Machine).expect("binds");
     assert_eq!(
         (call.written(21), call.array(20)),
@@ -349,20 +349,20 @@ fn names_become_objects_and_tags() {
 
 #[test]
 fn an_event_distance_of_one_number_is_an_array_where_its_answer_has_a_place() {
-    let (zero, one) = (Given::Number(0.0), Given::Array(vec![0.0]));
-    let name = |text: &str| Given::Name(text.to_owned());
+    let (zero, one) = (UnboundOperand::Number(0.0), UnboundOperand::Array(vec![0.0]));
+    let name = |text: &str| UnboundOperand::Name(text.to_owned());
     #[rustfmt::skip]
-    let cases: &[(&str, Given, Given, &[f64])] = &[
+    let cases: &[(&str, UnboundOperand, UnboundOperand, &[f64])] = &[
         ("an array",               one,                name("Results"),  &[0.0]),
         ("as it arrives",          zero.clone(),       name("Results"),  &[0.0]),
         ("nothing to calculate",   zero.clone(),       name("None"),     &[]),
-        ("no place",               zero,               Given::Integer(0), &[]),
-        ("the literal 0",          Given::Integer(0),  name("Results"),  &[]),
-        ("left out",               Given::Missing,     name("Results"),  &[]),
-        ("another number",         Given::Number(5.0), name("Results"),  &[5.0]),
+        ("no place",               zero,               UnboundOperand::Integer(0), &[]),
+        ("the literal 0",          UnboundOperand::Integer(0),  name("Results"),  &[]),
+        ("left out",               UnboundOperand::Missing,     name("Results"),  &[]),
+        ("another number",         UnboundOperand::Number(5.0), name("Results"),  &[5.0]),
     ];
     for (why, distance, answer, expected) in cases {
-        let mut operands = given(&with("MCLM", MCLM, &[(20, "_"), (21, "_")]));
+        let mut operands = unbound(&with("MCLM", MCLM, &[(20, "_"), (21, "_")]));
         let places = operands.len();
         operands[places - 2] = distance.clone();
         operands[places - 1] = answer.clone();
@@ -371,16 +371,16 @@ fn an_event_distance_of_one_number_is_an_array_where_its_answer_has_a_place() {
     }
 }
 
-fn any_given() -> impl Strategy<Value = Given> {
+fn any_operand() -> impl Strategy<Value = UnboundOperand> {
     prop_oneof![
-        Just(Given::Missing),
-        any::<f64>().prop_map(Given::Number),
-        (-2i64..8).prop_map(Given::Integer),
-        any::<i64>().prop_map(Given::Integer),
+        Just(UnboundOperand::Missing),
+        any::<f64>().prop_map(UnboundOperand::Number),
+        (-2i64..8).prop_map(UnboundOperand::Integer),
+        any::<i64>().prop_map(UnboundOperand::Integer),
         prop::sample::select(vec!["Master", "CS2", "None", "Yes", "S-curve", "%ofTime", "Results"])
-            .prop_map(|word| Given::Word(word.to_owned())),
-        ".{0,80}".prop_map(Given::Name),
-        proptest::collection::vec(any::<f64>(), 0..20).prop_map(Given::Array),
+            .prop_map(|word| UnboundOperand::Word(word.to_owned())),
+        ".{0,80}".prop_map(UnboundOperand::Name),
+        proptest::collection::vec(any::<f64>(), 0..20).prop_map(UnboundOperand::Array),
     ]
 }
 
@@ -389,7 +389,7 @@ proptest! {
     fn anything_binds_or_is_refused(
         index in 0usize..31,
         axes in 0usize..10,
-        operands in proptest::collection::vec(any_given(), 0..26),
+        operands in proptest::collection::vec(any_operand(), 0..26),
     ) {
         let mnemonic = Mnemonic::ALL[index];
         match bind(mnemonic, None, ControlSlot(0), &operands, &Machine) {

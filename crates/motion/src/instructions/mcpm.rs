@@ -20,7 +20,7 @@ use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
 use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
 use crate::execution::Execution;
-use crate::machine::{LimitPolicy, CoordinateSystem, Orientation};
+use crate::machine::{CoordinateSystem, LimitPolicy, Orientation};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::motion::operands::no_target;

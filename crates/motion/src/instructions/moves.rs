@@ -14,7 +14,7 @@ use super::programmed::{self, Programmed};
 use crate::dynamics::{Dynamics, Maxima, PathLimits};
 use crate::events::{Events, Fit};
 use crate::execution::Execution;
-use crate::machine::{LimitPolicy, CoordinateSystem, Corner};
+use crate::machine::{CoordinateSystem, Corner, LimitPolicy};
 use crate::masters::links::MasterLink;
 use crate::motion::AcceptedMove;
 use crate::motion::Motion;

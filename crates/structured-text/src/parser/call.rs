@@ -120,10 +120,10 @@ impl<'t> Parser<'t> {
             let word = place_of(self.program.words.len());
             self.program.words.push(self.peek.text.to_owned());
             self.advance()?;
-            self.emit(Op::GiveWord(word));
+            self.emit(Op::OperandWord(word));
         } else {
             self.expression()?;
-            self.emit(Op::GiveNumber);
+            self.emit(Op::OperandNumber);
         }
         Ok(())
     }
@@ -136,7 +136,7 @@ impl<'t> Parser<'t> {
                 self.advance()?;
                 self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
                 let path = self.add_path(vec![Part::Fixed(PathSegment::Symbol(token.text.to_owned()))], token);
-                self.emit(Op::GiveName(path));
+                self.emit(Op::OperandName(path));
                 return Ok(());
             }
             OperandKind::Array(_) | OperandKind::ArrayOrNone if self.peek.is("[") => {
@@ -147,7 +147,7 @@ impl<'t> Parser<'t> {
             {
                 self.advance()?;
                 self.emit(Op::Number(0.0));
-                self.emit(Op::GiveNumber);
+                self.emit(Op::OperandNumber);
                 return Ok(());
             }
             _ => {}
@@ -155,7 +155,7 @@ impl<'t> Parser<'t> {
         let start = self.peek;
         let shape = self.expression()?;
         let op = match (kind, shape) {
-            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::GiveRead(path),
+            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::OperandRead(path),
             (
                 OperandKind::WrittenArray(_) | OperandKind::Structure(_) | OperandKind::StructureOrNone(_),
                 Shape::Path(path),
@@ -163,10 +163,10 @@ impl<'t> Parser<'t> {
                 // The instruction writes or keeps the tag itself: a variable of the program does not do.
                 self.program.uses.pop();
                 self.uses(start.offset, Meaning::Written(path));
-                Op::GiveName(path)
+                Op::OperandName(path)
             }
             _ => {
-                self.emit(Op::GiveNumber);
+                self.emit(Op::OperandNumber);
                 return Ok(());
             }
         };
@@ -190,7 +190,7 @@ impl<'t> Parser<'t> {
                 break;
             }
         }
-        self.emit(Op::GiveArray(count));
+        self.emit(Op::OperandArray(count));
         Ok(())
     }
 
@@ -222,7 +222,7 @@ impl<'t> Parser<'t> {
             }
             let word = place_of(self.program.words.len());
             self.program.words.push(text);
-            self.emit(Op::GiveWord(word));
+            self.emit(Op::OperandWord(word));
             return Ok(());
         }
         if start.is("%") {
@@ -231,7 +231,7 @@ impl<'t> Parser<'t> {
         self.word = named.then_some(context);
         self.expression()?;
         self.word = None;
-        self.emit(Op::GiveNumber);
+        self.emit(Op::OperandNumber);
         Ok(())
     }
 }

@@ -1,10 +1,10 @@
 //! Motion services: an instruction as a CIP service of its object (spec/contract.md §4).
 //!
 //! A request addresses the object by class and instance, or by its name as a symbolic segment. The catalogue gives the operands their
-//! meaning; this module turns bytes into [`Given`], and results into statuses.
+//! meaning; this module turns bytes into [`UnboundOperand`], and results into statuses.
 
 use arcline_controller::image::{Image, TagKind};
-use arcline_instruction_set::{Flag, Given, Mnemonic, MotionControl, Object, by_service};
+use arcline_instruction_set::{Flag, Mnemonic, MotionControl, Object, UnboundOperand, by_service};
 use arcline_proto::arcline::motion::Accepted;
 use arcline_proto::cip::{CipStatus, Reply, Request, is_stray_route};
 use arcline_proto::epath::Target;
@@ -28,7 +28,7 @@ pub(crate) struct MotionRequest {
     target: u16,
     /// Empty: unnamed.
     control: String,
-    given: Vec<Given>,
+    operands: Vec<UnboundOperand>,
 }
 
 /// Reads a motion service's request.
@@ -52,13 +52,13 @@ pub(crate) fn parse(
         Some(Typed::Numbers(..)) => return Err(CipStatus::INVALID_PARAMETER),
         None => return Err(CipStatus::NOT_ENOUGH_DATA),
     };
-    let given = operands.map(given).collect();
+    let operands = operands.map(unbound).collect();
     Ok(MotionRequest {
         service: request.service,
         mnemonic,
         target: index,
         control,
-        given,
+        operands,
     })
 }
 
@@ -86,7 +86,7 @@ impl MotionRequest {
             mnemonic: self.mnemonic,
             target: Some(self.target),
             control: (!self.control.is_empty()).then_some(self.control.as_str()),
-            given: &self.given,
+            operands: &self.operands,
             text: None,
         }
     }
@@ -156,13 +156,15 @@ fn operands(data: &[u8], transport: Transport) -> Result<Vec<Typed>, TypedError>
     stripped.map_or(whole, Ok)
 }
 
-fn given(operand: Typed) -> Given {
+fn unbound(operand: Typed) -> UnboundOperand {
     match operand {
-        Typed::ShortString(name) => Given::Name(name),
+        Typed::ShortString(name) => UnboundOperand::Name(name),
         Typed::Numbers(kind, values) => match values.as_slice() {
-            [value] if kind.is_real() => Given::Number(value.as_f64()),
-            [value] => value.to_integer().map_or(Given::Number(value.as_f64()), Given::Integer),
-            values => Given::Array(values.iter().copied().map(Value::as_f64).collect()),
+            [value] if kind.is_real() => UnboundOperand::Number(value.as_f64()),
+            [value] => value
+                .to_integer()
+                .map_or(UnboundOperand::Number(value.as_f64()), UnboundOperand::Integer),
+            values => UnboundOperand::Array(values.iter().copied().map(Value::as_f64).collect()),
         },
     }
 }

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use arcline_config::IoLoss;
 use arcline_controller::Snapshot;
-use arcline_instruction_set::{Given, Mnemonic};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_proto::connection::{ConnectionType, Count};
 use arcline_proto::cpf::Item;
 use arcline_proto::epath::Segment;
@@ -250,10 +250,10 @@ impl Bench {
     /// CS1 sets out on a way of ten minutes along X, and the axis C jogs.
     async fn set_out(&self) {
         let plant = &self.device.plant;
-        let number = Given::Number;
+        let number = UnboundOperand::Number;
         let line = [
             number(0.0),
-            Given::Array(vec![60_000.0, 0.0, 0.0]),
+            UnboundOperand::Array(vec![60_000.0, 0.0, 0.0]),
             number(100.0),
             number(0.0),
             number(5000.0),
@@ -266,7 +266,7 @@ impl Bench {
             mnemonic: Mnemonic::Mclm,
             target: Some(0),
             control: Some("Line"),
-            given: &line,
+            operands: &line,
             text: None,
         };
         let done = plant.apply(Principal::Server, PlantCommand::Call(call)).await;

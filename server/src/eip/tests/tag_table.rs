@@ -378,7 +378,7 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
         mnemonic: Mnemonic::Mcs,
         target: Some(0),
         control: Some("M1"),
-        given: &[],
+        operands: &[],
         text: None,
     };
     let called = plant.apply(Principal::Server, Command::Call(call)).await;

@@ -92,7 +92,7 @@ async fn a_wait_that_cannot_come_true_ends_it_with_the_reason() {
         mnemonic: arcline_instruction_set::Mnemonic::Mcs,
         target: Some(0),
         control: Some("Halt"),
-        given: &[],
+        operands: &[],
         text: None,
     };
     let stopped = bench

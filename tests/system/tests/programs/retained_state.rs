@@ -191,7 +191,7 @@ async fn travel(
         };
         put(&legs, |legs| legs.push(leg));
         let operands = Operands::full_speed(Mnemonic::Mclm).with("Position", to.to_vec())?;
-        let execution = client.execute(Mnemonic::Mclm, system, "", operands.given()).await?;
+        let execution = client.execute(Mnemonic::Mclm, system, "", operands.as_slice()).await?;
         put(&legs, |legs| {
             legs.last_mut().expect("pushed").answered = Some(Instant::now())
         });
@@ -441,7 +441,7 @@ async fn a_controlled_stop_saves_where_it_stopped() {
     client.write("Label", "kept").await.expect("writable");
     let operands = Operands::full_speed(Mnemonic::Mclm).with("Position", vec![1000.0, -500.0, 0.25]);
     let operands = operands.expect("an operand of it");
-    let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.given()).await;
+    let execution = client.execute(Mnemonic::Mclm, "CS1", "", operands.as_slice()).await;
     execution.expect("it can be executed");
     while axis(&client, "X").await.number("ActualPosition") < 1.0 {}
     let (status, log) = server.terminate();
@@ -482,7 +482,7 @@ async fn a_fault_comes_back_until_it_is_reset() {
         assert_eq!(shown.flag("ControllerInitiatedFault"), faulted, "{name}");
     }
     let operands = Operands::full_speed(Mnemonic::Mafr);
-    let reset = client.execute(Mnemonic::Mafr, "X", "", operands.given()).await;
+    let reset = client.execute(Mnemonic::Mafr, "X", "", operands.as_slice()).await;
     reset.expect("it can be executed");
     while axis(&client, "X").await.flag("PhysicalAxisFault") {}
     let (status, log) = again.terminate();

@@ -55,7 +55,7 @@ impl Drives for AtSetPoints {
 fn call(mnemonic: Mnemonic, target: u16, control: u32, operands: &[(&str, Argument)]) -> Call {
     let instruction = mnemonic.instruction();
     let mut arguments = [Argument::None; MAX_OPERANDS];
-    for index in instruction.given_operands() {
+    for index in instruction.operands_behind_control() {
         arguments[index] = Argument::Number(0.0);
     }
     for name in ["Event Distance", "Calculated Data"] {

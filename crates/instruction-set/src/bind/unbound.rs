@@ -1,10 +1,10 @@
-//! An operand as a program or client gave it, before binding.
+//! An operand as a program or client wrote it, before binding.
 
 use std::fmt;
 
 /// The value of an operand in a call, before binding.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Given {
+pub enum UnboundOperand {
     /// Left out: 0, None, Disabled, Programmed.
     Missing,
     /// A number.
@@ -19,7 +19,7 @@ pub enum Given {
     Name(String),
 }
 
-impl fmt::Display for Given {
+impl fmt::Display for UnboundOperand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Missing => f.write_str("missing"),
@@ -31,32 +31,32 @@ impl fmt::Display for Given {
     }
 }
 
-impl From<f64> for Given {
+impl From<f64> for UnboundOperand {
     fn from(number: f64) -> Self {
         Self::Number(number)
     }
 }
 
-impl From<i64> for Given {
+impl From<i64> for UnboundOperand {
     fn from(number: i64) -> Self {
         Self::Integer(number)
     }
 }
 
-impl From<Vec<f64>> for Given {
+impl From<Vec<f64>> for UnboundOperand {
     fn from(numbers: Vec<f64>) -> Self {
         Self::Array(numbers)
     }
 }
 
 /// 0, `None`, or left out.
-pub(super) fn is_none(given: &Given) -> bool {
-    match given {
-        Given::Missing => true,
-        Given::Number(number) => *number == 0.0,
-        Given::Integer(number) => *number == 0,
-        Given::Word(text) | Given::Name(text) => text.is_empty() || text.eq_ignore_ascii_case("none"),
-        Given::Array(numbers) => numbers.is_empty(),
+pub(super) fn is_none(operand: &UnboundOperand) -> bool {
+    match operand {
+        UnboundOperand::Missing => true,
+        UnboundOperand::Number(number) => *number == 0.0,
+        UnboundOperand::Integer(number) => *number == 0,
+        UnboundOperand::Word(text) | UnboundOperand::Name(text) => text.is_empty() || text.eq_ignore_ascii_case("none"),
+        UnboundOperand::Array(numbers) => numbers.is_empty(),
     }
 }
 
