@@ -406,10 +406,10 @@ impl Transaction<'_> {
             mnemonic,
             target,
             control,
-            given,
+            operands,
             text,
         } = call;
-        if self.series.is_some() && !mnemonic.instruction().joins_series(given) {
+        if self.series.is_some() && !mnemonic.instruction().joins_series(operands) {
             return Err(CallRefused::NotOfSeries { mnemonic }.into());
         }
         // The edges of earlier writes go first.
@@ -418,7 +418,7 @@ impl Transaction<'_> {
             return Err(CallRefused::Busy.into());
         }
         // Bound before the tag is made: a refused call makes no tag.
-        let mut call = bind(mnemonic, target, UNNAMED, given, self.state.image()).map_err(CallRefused::from)?;
+        let mut call = bind(mnemonic, target, UNNAMED, operands, self.state.image()).map_err(CallRefused::from)?;
         if let Some(name) = control {
             call.control = self.state.image_mut().control_slot(name).map_err(CallRefused::from)?;
         }

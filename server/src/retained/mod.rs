@@ -22,7 +22,7 @@ use arcline_instruction_set::FaultSet;
 use arcline_state::{Axis, AxisState, Damage, Disk, FileContents, LockedFile, OpenError, Pace, ReadError, State, Tag};
 use arcline_tag::TagPath;
 
-pub(crate) use change_tracker::{ChangeTracker, FileContents as WhenPersisted};
+pub(crate) use change_tracker::{ChangeTracker, PersistedReceiver};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, StateWriter, Turn, WriterWorker};
 
