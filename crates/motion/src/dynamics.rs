@@ -279,6 +279,6 @@ pub(crate) fn jerk_in_units(value: f64, units: JerkUnits, maximum: f64) -> JerkR
 }
 
 /// The speed that replaces a programmed speed of 0 in a jerk in percent of time.
-pub(crate) fn reference_speed(speed: f64, maximum: f64) -> f64 {
+pub(crate) fn speed_for_jerk(speed: f64, maximum: f64) -> f64 {
     if speed > 0.0 { speed } else { maximum }
 }

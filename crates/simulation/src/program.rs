@@ -29,24 +29,24 @@ pub struct ProgramId(pub(crate) u32);
 
 /// A simulation and the pauses of its programs.
 #[derive(Debug)]
-pub(crate) struct Stage {
+pub(crate) struct SimulationWithWaits {
     pub(crate) simulation: Simulation,
     pub(crate) waits: BTreeMap<ProgramId, Wait>,
 }
 
-/// The stage, shared by the runner and the programs. Only one of them works at a time, so the lock is always free.
+/// The same, shared by the runner and the programs. Only one of them works at a time, so the lock is always free.
 #[derive(Clone, Debug)]
-pub(crate) struct SharedStage(Arc<Mutex<Stage>>);
+pub(crate) struct SharedSimulation(Arc<Mutex<SimulationWithWaits>>);
 
-impl SharedStage {
+impl SharedSimulation {
     pub(crate) fn new(simulation: Simulation) -> Self {
-        SharedStage(Arc::new(Mutex::new(Stage {
+        SharedSimulation(Arc::new(Mutex::new(SimulationWithWaits {
             simulation,
             waits: BTreeMap::new(),
         })))
     }
 
-    pub(crate) fn lock(&self) -> MutexGuard<'_, Stage> {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, SimulationWithWaits> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -134,7 +134,7 @@ impl Wait {
     }
 }
 
-impl Stage {
+impl SimulationWithWaits {
     /// Records an execution: a machine at rest may move again.
     fn note_execution(&mut self) {
         for wait in self.waits.values_mut() {
@@ -156,11 +156,11 @@ impl fmt::Debug for Task {
 }
 
 impl Task {
-    /// A program before its next statement. The stage has its [`Wait`].
-    pub(crate) fn new(stage: SharedStage, id: ProgramId, mut run: ProgramRun<Ticket>) -> Self {
+    /// A program before its next statement. The shared simulation has its [`Wait`].
+    pub(crate) fn new(shared: SharedSimulation, id: ProgramId, mut run: ProgramRun<Ticket>) -> Self {
         Task(Box::pin(async move {
-            let mut seat = Seat { stage, id, line: 1 };
-            let end = run.run(&mut seat).await;
+            let mut driver = ProgramDriver { shared, id, line: 1 };
+            let end = run.run(&mut driver).await;
             (run, end)
         }))
     }
@@ -175,14 +175,14 @@ impl Task {
 }
 
 /// The access of the program to the simulation.
-struct Seat {
-    stage: SharedStage,
+struct ProgramDriver {
+    shared: SharedSimulation,
     id: ProgramId,
     /// Line of the statement in execution.
     line: usize,
 }
 
-impl Seat {
+impl ProgramDriver {
     fn origin(&self) -> Origin {
         Origin {
             program: Some(self.id),
@@ -192,13 +192,13 @@ impl Seat {
 
     /// Calls `work` with the simulation.
     fn with<R>(&self, work: impl FnOnce(&mut Simulation) -> R) -> R {
-        work(&mut self.stage.lock().simulation)
+        work(&mut self.shared.lock().simulation)
     }
 
     /// Calls `work` with the simulation and the pause of this program.
     fn with_wait<R>(&self, work: impl FnOnce(&mut Simulation, &mut Wait) -> R) -> R {
-        let mut stage = self.stage.lock();
-        let Stage { simulation, waits } = &mut *stage;
+        let mut shared = self.shared.lock();
+        let SimulationWithWaits { simulation, waits } = &mut *shared;
         let wait = waits.entry(self.id).or_insert_with(|| Wait::new(Policy::default()));
         work(simulation, wait)
     }
@@ -208,14 +208,14 @@ impl Seat {
         &self,
         write: impl FnOnce(&mut Simulation) -> Result<Option<arcline_controller::image::Edge>, Refused>,
     ) -> Result<(), Refused> {
-        let mut stage = self.stage.lock();
-        let edge = write(&mut stage.simulation)?;
+        let mut shared = self.shared.lock();
+        let edge = write(&mut shared.simulation)?;
         if let Some(edge) = edge
-            && stage.simulation.apply(edge, self.origin())?.is_some()
+            && shared.simulation.apply(edge, self.origin())?.is_some()
         {
-            stage.note_execution();
+            shared.note_execution();
         }
-        let Stage { simulation, waits } = &*stage;
+        let SimulationWithWaits { simulation, waits } = &*shared;
         match waits.get(&self.id).and_then(|wait| wait.error(self.id, simulation)) {
             Some(error) => Err(error),
             None => Ok(()),
@@ -275,7 +275,7 @@ fn bound(simulation: &mut Simulation, call: &EvaluatedCall) -> Result<Call, Refu
     Ok(bind(call.mnemonic, target, control, &call.operands, image)?)
 }
 
-impl Driver for Seat {
+impl Driver for ProgramDriver {
     type Error = Refused;
     type Execution = Ticket;
 
@@ -328,8 +328,8 @@ impl Driver for Seat {
     }
 
     async fn call(&mut self, request: &EvaluatedCall) -> Result<Ticket, Refused> {
-        let mut stage = self.stage.lock();
-        let simulation = &mut stage.simulation;
+        let mut shared = self.shared.lock();
+        let simulation = &mut shared.simulation;
         let call = bound(simulation, request)?;
         let (ticket, control) = simulation.execute(&call, self.origin());
         let erred = simulation.calls_mut().erred_mut(self.id);
@@ -337,7 +337,7 @@ impl Driver for Seat {
             let instruction = request.mnemonic.instruction();
             erred.left_out = instruction.left_out(erred.err, erred.exerr, &request.operands);
         }
-        stage.note_execution();
+        shared.note_execution();
         if control.has(Flag::Er) {
             return Err(Refused::Erred { err: control.err });
         }

@@ -11,7 +11,7 @@ use arcline_structured_text::{Interpreter, OnError, Policy, ProgramRun, RunError
 
 use crate::end::{End, Erred, Refused};
 use crate::observer::Observer;
-use crate::program::{Ended, ProgramId, SharedStage, Stage, Task, Wait};
+use crate::program::{Ended, ProgramId, SharedSimulation, SimulationWithWaits, Task, Wait};
 use crate::simulation::Simulation;
 
 /// The options for running a program to its end.
@@ -57,7 +57,7 @@ pub enum Passed {
 /// A machine on a virtual clock, and its programs.
 #[derive(Debug)]
 pub struct Runner {
-    stage: SharedStage,
+    shared: SharedSimulation,
     tasks: BTreeMap<ProgramId, Program>,
     programs: u32,
 }
@@ -71,7 +71,7 @@ enum Program {
 
 /// Access to the simulation of a [`Runner`]. Not held while ticks are executed.
 #[derive(Debug)]
-pub struct Locked<'r>(MutexGuard<'r, Stage>);
+pub struct Locked<'r>(MutexGuard<'r, SimulationWithWaits>);
 
 impl Deref for Locked<'_> {
     type Target = Simulation;
@@ -96,7 +96,7 @@ impl Runner {
     /// A simulation without programs.
     pub fn of(simulation: Simulation) -> Self {
         Runner {
-            stage: SharedStage::new(simulation),
+            shared: SharedSimulation::new(simulation),
             tasks: BTreeMap::new(),
             programs: 0,
         }
@@ -104,7 +104,7 @@ impl Runner {
 
     /// The simulation.
     pub fn simulation(&self) -> Locked<'_> {
-        Locked(self.stage.lock())
+        Locked(self.shared.lock())
     }
 
     /// Starts a program: it runs until it waits. The present tick must be open.
@@ -143,9 +143,9 @@ impl Runner {
     /// Ends a program and removes it. Motion that it began continues.
     pub fn remove(&mut self, program: ProgramId) {
         self.tasks.remove(&program);
-        let mut stage = self.stage.lock();
-        stage.waits.remove(&program);
-        stage.simulation.calls_mut().take_erred(program);
+        let mut shared = self.shared.lock();
+        shared.waits.remove(&program);
+        shared.simulation.calls_mut().take_erred(program);
     }
 
     /// Runs a program from tick 0 until it and all motion have ended.
@@ -233,13 +233,13 @@ impl Runner {
 
     /// Executes ticks until a program has work, all motion has ended or the time is up.
     fn pass(&self, limits: Limits, observer: &mut impl Observer) -> Passed {
-        let mut stage = self.stage.lock();
+        let mut shared = self.shared.lock();
         let mut left = limits.ticks;
         while left > 0 {
-            if stage.simulation.is_open() && !stage.simulation.end(observer) {
+            if shared.simulation.is_open() && !shared.simulation.end(observer) {
                 return Passed::Left;
             }
-            let Stage { simulation, waits } = &mut *stage;
+            let SimulationWithWaits { simulation, waits } = &mut *shared;
             if wake(waits, |id, wait| wait.error(id, simulation).map(Err)) {
                 return Passed::Due;
             }
@@ -260,8 +260,8 @@ impl Runner {
 
     /// Executes ticks until all motion has ended.
     fn come_to_rest(&self, until: f64, observer: &mut impl Observer) -> Result<(), End> {
-        let mut stage = self.stage.lock();
-        let simulation = &mut stage.simulation;
+        let mut shared = self.shared.lock();
+        let simulation = &mut shared.simulation;
         loop {
             if simulation.is_open() && !simulation.end(observer) {
                 return Err(End::Left);
@@ -284,8 +284,8 @@ impl Runner {
         options: Options,
         observer: &mut impl Observer,
     ) -> Result<Ended, End> {
-        self.stage.lock().waits.insert(id, Wait::new(options.policy));
-        let mut task = Task::new(self.stage.clone(), id, run);
+        self.shared.lock().waits.insert(id, Wait::new(options.policy));
+        let mut task = Task::new(self.shared.clone(), id, run);
         let limits = Limits {
             ticks: u64::MAX,
             until: options.until,
@@ -300,14 +300,14 @@ impl Runner {
                 Passed::Left => break Err(End::Left),
             }
         };
-        self.stage.lock().waits.remove(&id);
+        self.shared.lock().waits.remove(&id);
         ended
     }
 
     /// Runs a program until it waits.
     fn continue_with(&mut self, id: ProgramId, run: ProgramRun<Ticket>, policy: Policy) {
-        self.stage.lock().waits.insert(id, Wait::new(policy));
-        let task = Task::new(self.stage.clone(), id, run);
+        self.shared.lock().waits.insert(id, Wait::new(policy));
+        let task = Task::new(self.shared.clone(), id, run);
         self.tasks.insert(id, Program::Runs(task));
         self.poll_one(id);
     }
@@ -325,7 +325,7 @@ impl Runner {
         let Program::Runs(task) = program else { return };
         if let Some((_, ended)) = task.poll() {
             *program = Program::Ended(ended);
-            self.stage.lock().waits.remove(&id);
+            self.shared.lock().waits.remove(&id);
         }
     }
 

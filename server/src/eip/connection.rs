@@ -24,7 +24,7 @@ use tokio_rustls::server::TlsStream;
 use tracing::{debug, warn};
 
 use super::device::Device;
-use super::limiter::{ClientSlot, Stage};
+use super::limiter::{ClientProgress, ClientSlot};
 use super::router::Router;
 use super::session_host::SessionHost;
 use super::turns::{SHORT, Share};
@@ -383,7 +383,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
             if let Some(slot) = &mut self.slot
                 && self.session.is_registered()
             {
-                slot.reach(Stage::Registered);
+                slot.reach(ClientProgress::Registered);
             }
             // The session stops behind each request.
             if !self.apply_events().await? {
@@ -408,7 +408,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
                     transport,
                 } => {
                     if let Some(slot) = &mut self.slot {
-                        slot.reach(Stage::Asking);
+                        slot.reach(ClientProgress::Asking);
                     }
                     let reply = if self.is_within_rate(&request) {
                         self.answer(&request, reply_budget, transport).await?

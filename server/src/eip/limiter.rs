@@ -41,13 +41,13 @@ struct State {
 #[derive(Debug)]
 struct Client {
     peer: IpAddr,
-    stage: Stage,
+    progress: ClientProgress,
     close: CancellationToken,
 }
 
-/// The progress of a client. Of two clients, the one at the earlier stage loses its place first.
+/// The progress of a client. Of two clients, the one with the lesser progress loses its place first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(crate) enum Stage {
+pub(crate) enum ClientProgress {
     /// No session.
     Silent,
     /// A session without a request.
@@ -68,7 +68,7 @@ struct Address {
 pub(crate) struct ClientSlot {
     limiter: Arc<ClientLimiter>,
     number: u64,
-    stage: Stage,
+    progress: ClientProgress,
     close: CancellationToken,
 }
 
@@ -85,7 +85,8 @@ impl ClientLimiter {
         let peer = counted(peer);
         let mut state = self.lock();
         let own = state.clients_of(peer);
-        if own >= self.limits.clients_of_one && !state.close_oldest(Stage::Registered, |_, client| client.peer == peer)
+        if own >= self.limits.clients_of_one
+            && !state.close_oldest(ClientProgress::Registered, |_, client| client.peer == peer)
         {
             return None;
         }
@@ -97,7 +98,7 @@ impl ClientLimiter {
         let close = CancellationToken::new();
         let client = Client {
             peer,
-            stage: Stage::Silent,
+            progress: ClientProgress::Silent,
             close: close.clone(),
         };
         state.clients.insert(number, client);
@@ -105,7 +106,7 @@ impl ClientLimiter {
         Some(ClientSlot {
             limiter: self.clone(),
             number,
-            stage: Stage::Silent,
+            progress: ClientProgress::Silent,
             close,
         })
     }
@@ -117,7 +118,7 @@ impl ClientLimiter {
 
     /// Closes the oldest client without a session: the system has no more sockets.
     pub(crate) fn make_room(&self) {
-        self.lock().close_oldest(Stage::Registered, |_, _| true);
+        self.lock().close_oldest(ClientProgress::Registered, |_, _| true);
     }
 
     /// Counts one more class 3 connection of an address if the limit allows it. Returns whether the limit allows it.
@@ -156,7 +157,7 @@ impl State {
         let own = self.clients_of(peer);
         // A new client of an address does not close the clients of addresses that have fewer.
         let may = |state: &Self, client: &Client| client.peer == peer || state.clients_of(client.peer) > own;
-        if self.close_oldest(Stage::Asking, may) {
+        if self.close_oldest(ClientProgress::Asking, may) {
             return true;
         }
         let largest = self.addresses.iter().max_by_key(|(_, address)| address.clients);
@@ -170,12 +171,14 @@ impl State {
         }
     }
 
-    /// Closes the oldest client of the earliest stage before `before`.
-    fn close_oldest(&mut self, before: Stage, which: impl Fn(&Self, &Client) -> bool) -> bool {
+    /// Closes the oldest client of the least progress before `before`.
+    fn close_oldest(&mut self, before: ClientProgress, which: impl Fn(&Self, &Client) -> bool) -> bool {
         let clients = self.clients.iter();
-        let early = clients.filter(|(_, client)| client.stage < before && which(self, client));
-        // Of clients at the same stage the first, which is the oldest.
-        let oldest = early.min_by_key(|(_, client)| client.stage).map(|(number, _)| *number);
+        let early = clients.filter(|(_, client)| client.progress < before && which(self, client));
+        // Of clients of the same progress the first, which is the oldest.
+        let oldest = early
+            .min_by_key(|(_, client)| client.progress)
+            .map(|(number, _)| *number);
         oldest.is_some_and(|number| self.close(number))
     }
 
@@ -207,13 +210,13 @@ impl State {
 
 impl ClientSlot {
     /// The client has come so far.
-    pub(crate) fn reach(&mut self, stage: Stage) {
-        if self.stage >= stage {
+    pub(crate) fn reach(&mut self, progress: ClientProgress) {
+        if self.progress >= progress {
             return;
         }
-        self.stage = stage;
+        self.progress = progress;
         if let Some(client) = self.limiter.lock().clients.get_mut(&self.number) {
-            client.stage = stage;
+            client.progress = progress;
         }
     }
 
@@ -225,7 +228,7 @@ impl ClientSlot {
 
 impl Drop for ClientSlot {
     fn drop(&mut self) {
-        if is_planted("slot of a client without a session") && self.stage == Stage::Silent {
+        if is_planted("slot of a client without a session") && self.progress == ClientProgress::Silent {
             return;
         }
         self.limiter.lock().remove(self.number);
@@ -250,19 +253,19 @@ mod tests {
             connections_of_one: 2,
         });
         let mut first = limiter.enter(peer(1)).expect("room");
-        first.reach(Stage::Asking);
+        first.reach(ClientProgress::Asking);
         let silent = limiter.enter(peer(1)).expect("room");
         let third = limiter.enter(peer(1)).expect("the silent one goes");
         drop(silent);
         assert_eq!(limiter.lock().clients.len(), 2);
         let mut third = third;
-        third.reach(Stage::Asking);
+        third.reach(ClientProgress::Asking);
         assert!(limiter.enter(peer(1)).is_none(), "two clients from there ask");
         let mut other = limiter.enter(peer(2)).expect("another address");
-        other.reach(Stage::Asking);
+        other.reach(ClientProgress::Asking);
         let mut fourth = limiter.enter(peer(3)).expect("the oldest of the address with two");
         assert!(first.close().is_cancelled() && !third.close().is_cancelled());
-        fourth.reach(Stage::Asking);
+        fourth.reach(ClientProgress::Asking);
         assert!(limiter.enter(peer(4)).is_none(), "every address has one");
         drop(first);
         drop((third, other, fourth));
@@ -276,16 +279,16 @@ mod tests {
             clients_of_one: 2_048,
             connections_of_one: 1,
         });
-        for stage in [Stage::Registered, Stage::Asking] {
+        for progress in [ClientProgress::Registered, ClientProgress::Asking] {
             let mut stranger: Vec<ClientSlot> = (0..2_048).map(|_| limiter.enter(peer(1)).expect("room")).collect();
-            stranger.iter_mut().for_each(|slot| slot.reach(stage));
+            stranger.iter_mut().for_each(|slot| slot.reach(progress));
             let newcomers: Vec<_> = (2..12).map(|last| limiter.enter(peer(last))).collect();
-            assert!(newcomers.iter().all(Option::is_some), "{stage:?}");
+            assert!(newcomers.iter().all(Option::is_some), "{progress:?}");
             let same = limiter.enter(peer(1)).is_some();
             assert_eq!(
                 same,
-                stage == Stage::Registered,
-                "{stage:?}: a newcomer of the same address"
+                progress == ClientProgress::Registered,
+                "{progress:?}: a newcomer of the same address"
             );
         }
     }

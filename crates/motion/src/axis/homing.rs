@@ -30,14 +30,14 @@ pub(crate) struct Homing {
     pub(crate) active: bool,
     /// It moves the axis, and ends with its generator.
     driven: bool,
-    stage: Stage,
+    step: HomingStep,
     /// Machine position of the home point, once known.
     event: Option<f64>,
 }
 
-/// The stage of a sequence.
+/// The step of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Stage {
+enum HomingStep {
     /// The earlier motion of the axis brakes; an Immediate sequence waits for the next update.
     Clearing,
     /// The axis moves until a latch closes.
@@ -81,7 +81,7 @@ impl Axis {
             execution,
             active,
             driven,
-            stage: Stage::Clearing,
+            step: HomingStep::Clearing,
             event: None,
         };
         if waits {
@@ -91,7 +91,7 @@ impl Axis {
             } else {
                 self.link.arm(Trigger::SwitchOn, before_marker)
             };
-            homing.stage = Stage::Waiting { latch };
+            homing.step = HomingStep::Waiting { latch };
         }
         self.homing = Some(homing);
         if driven {
@@ -164,9 +164,9 @@ impl Axis {
 
     /// The latch that the sequence waits for.
     pub(crate) fn home_latch(&self) -> Option<ArmLatch> {
-        match self.homing()?.stage {
-            Stage::Seeking { latch, .. } | Stage::Waiting { latch } => Some(latch),
-            Stage::Clearing | Stage::Turning | Stage::Braking | Stage::Returning => None,
+        match self.homing()?.step {
+            HomingStep::Seeking { latch, .. } | HomingStep::Waiting { latch } => Some(latch),
+            HomingStep::Clearing | HomingStep::Turning | HomingStep::Braking | HomingStep::Returning => None,
         }
     }
 
@@ -175,7 +175,7 @@ impl Axis {
         let Some(homing) = &self.homing else {
             return false;
         };
-        if !matches!(homing.stage, Stage::Waiting { .. }) {
+        if !matches!(homing.step, HomingStep::Waiting { .. }) {
             self.take_home_position();
             return true;
         }
@@ -204,13 +204,13 @@ impl Axis {
             return true;
         };
         let direction = self.home.direction;
-        match homing.stage {
-            Stage::Clearing if self.home.sequence == HomeSequence::Immediate => {
+        match homing.step {
+            HomingStep::Clearing if self.home.sequence == HomeSequence::Immediate => {
                 self.end(GeneratorKind::Home);
                 self.take_home_position();
                 true
             }
-            Stage::Clearing => {
+            HomingStep::Clearing => {
                 let has_switch = self.home.sequence != HomeSequence::Marker;
                 if self.home.sequence.is_of_torque() {
                     self.seek(Sought::Stop, direction.sign(), self.home.speed, instant);
@@ -223,11 +223,11 @@ impl Axis {
                 }
                 false
             }
-            Stage::Turning => {
+            HomingStep::Turning => {
                 self.seek(Sought::Release, -direction.sign(), self.home.return_speed, instant);
                 false
             }
-            Stage::Braking => {
+            HomingStep::Braking => {
                 if let Some(home_point) = homing.event {
                     self.align(home_point);
                 }
@@ -240,20 +240,20 @@ impl Axis {
                 }
                 !direction.is_bidirectional()
             }
-            Stage::Seeking { .. } | Stage::Returning | Stage::Waiting { .. } => true,
+            HomingStep::Seeking { .. } | HomingStep::Returning | HomingStep::Waiting { .. } => true,
         }
     }
 
     /// Handles the event that the axis seeks, at a machine position.
     fn sought_is_reached(&mut self, position: f64, instant: Instant) {
-        let Some(Stage::Seeking { sought, direction, .. }) = self.homing.map(|homing| homing.stage) else {
+        let Some(HomingStep::Seeking { sought, direction, .. }) = self.homing.map(|homing| homing.step) else {
             return;
         };
         let returns = self.home.direction.is_bidirectional();
         if sought == Sought::Stop && self.home.sequence == HomeSequence::TorqueMarker {
             self.seek(Sought::Marker, -direction, self.home.return_speed, instant);
         } else if sought == Sought::Switch && returns {
-            self.brake_as(Stage::Turning, instant);
+            self.brake_as(HomingStep::Turning, instant);
         } else {
             self.home_event = true;
             if let Some(homing) = &mut self.homing {
@@ -261,7 +261,7 @@ impl Axis {
             }
             match self.unwind {
                 Some(turn) if !returns => self.go_on_home(position, turn, direction, instant),
-                _ => self.brake_as(Stage::Braking, instant),
+                _ => self.brake_as(HomingStep::Braking, instant),
             }
         }
     }
@@ -279,7 +279,7 @@ impl Axis {
         let of_switch = matches!(sought, Sought::Switch | Sought::Release);
         let then_marker = self.home.sequence == HomeSequence::SwitchMarker && of_switch && !turns;
         let latch = self.link.arm(trigger, then_marker);
-        self.enter(Stage::Seeking {
+        self.enter(HomingStep::Seeking {
             sought,
             direction,
             latch,
@@ -291,10 +291,10 @@ impl Axis {
         );
     }
 
-    fn brake_as(&mut self, stage: Stage, instant: Instant) {
+    fn brake_as(&mut self, step: HomingStep, instant: Instant) {
         let limits = self.home_limits(self.home.speed);
         self.leg(Profile::stop(self.present(), &limits), instant);
-        self.enter(stage);
+        self.enter(step);
     }
 
     /// Continues in the same direction, to the first Home Position at which the axis can stop.
@@ -313,7 +313,7 @@ impl Axis {
         let limits = self.home_limits(self.home.return_speed);
         let profile = Profile::to_position(self.present(), self.home.position, 0.0, &limits);
         self.leg(profile, instant);
-        self.enter(Stage::Returning);
+        self.enter(HomingStep::Returning);
     }
 
     /// Redefines the positions such that the home point lies at a machine position.
@@ -344,9 +344,9 @@ impl Axis {
         }
     }
 
-    fn enter(&mut self, stage: Stage) {
+    fn enter(&mut self, step: HomingStep) {
         if let Some(homing) = &mut self.homing {
-            homing.stage = stage;
+            homing.step = step;
         }
     }
 

@@ -8,7 +8,7 @@ use arcline_planner::profile::{Jerk, Limits};
 use super::axis_moves::{stoppable, switched_on};
 use super::programmed::{positive, stop_change};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::dynamics::{Maxima, resolve, speed_for_jerk};
 use crate::execution::Execution;
 use crate::motion::Motion;
 
@@ -22,7 +22,7 @@ fn limits(operands: &StopOperands, own: &Maxima, speed: f64, s_curve: bool) -> R
     }
     positive(limits.deceleration, operands.decel_rate.index)?;
     if let Some(programmed) = changed.jerk.filter(|_| s_curve) {
-        let jerk = resolve(programmed, reference_speed(speed, own.speed), limits.deceleration);
+        let jerk = resolve(programmed, speed_for_jerk(speed, own.speed), limits.deceleration);
         positive(jerk, operands.decel_jerk.index)?;
         limits.jerk = Some(Jerk {
             acceleration: jerk,

@@ -18,7 +18,7 @@ use super::moves::{self, JointLimits, Verified};
 use super::{points, programmed};
 use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
-use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, reference_speed};
+use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, speed_for_jerk};
 use crate::execution::Execution;
 use crate::machine::{CoordinateSystem, LimitPolicy, Orientation};
 use crate::masters::links::MasterLink;
@@ -273,7 +273,7 @@ fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: 
             acceleration: in_units(acceleration, maxima[1]) / (nominal * nominal),
             deceleration: in_units(deceleration, maxima[2]) / (nominal * nominal),
             shape,
-            last_speed: reference_speed(speed, maxima[0] / nominal),
+            last_speed: speed_for_jerk(speed, maxima[0] / nominal),
         }
     };
     [

@@ -6,7 +6,7 @@ use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::profile::{Jerk, Limits};
 
 use super::programmed::{positive, stop_change};
-use crate::dynamics::{Maxima, reference_speed, resolve};
+use crate::dynamics::{Maxima, resolve, speed_for_jerk};
 use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
@@ -131,7 +131,7 @@ fn rates(motion: &Motion, index: SystemId, operands: &StopOperands) -> Result<St
         let speed = sample.map_or(0.0, |(sample, _)| sample.along.velocity.abs());
         release.jerk = Some(resolve(
             programmed,
-            reference_speed(speed, description.max_speed),
+            speed_for_jerk(speed, description.max_speed),
             deceleration,
         ));
     }

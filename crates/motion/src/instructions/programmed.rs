@@ -8,7 +8,7 @@ use arcline_instruction_set::{MotionError, OperandIndex};
 use arcline_planner::MasterRate;
 use arcline_planner::profile::{Limits, stop_distance};
 
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, reference_speed};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, speed_for_jerk};
 use crate::masters::displacement::Sense;
 use crate::masters::follower::DrivenBy;
 use crate::masters::follower::{LockTo, MasterFollower};
@@ -127,7 +127,7 @@ impl Programmed {
             acceleration: rates.acceleration(maxima),
             deceleration: rates.deceleration(maxima),
             shape: self.shape(rates.jerks(maxima)),
-            last_speed: reference_speed(speed, maxima.speed),
+            last_speed: speed_for_jerk(speed, maxima.speed),
         };
         rates.verify(&dynamics)?;
         Ok(dynamics)

@@ -29,7 +29,7 @@ use crate::record::{Record, lock};
 /// An actor: its name and its function.
 pub(crate) struct Actor {
     pub(crate) name: &'static str,
-    pub(crate) act: fn(Stage) -> Acting,
+    pub(crate) act: fn(Environment) -> Acting,
 }
 
 pub(crate) type Acting = Pin<Box<dyn Future<Output = ()> + Send>>;
@@ -38,7 +38,7 @@ macro_rules! actor {
     ($name:literal, $act:path) => {
         Actor {
             name: $name,
-            act: |stage| Box::pin($act(stage)),
+            act: |env| Box::pin($act(env)),
         }
     };
 }
@@ -138,7 +138,7 @@ impl Drop for Alive {
 }
 
 /// The environment of an actor.
-pub(crate) struct Stage {
+pub(crate) struct Environment {
     pub(crate) name: &'static str,
     pub(crate) common: Common,
     pub(crate) random: Random,
@@ -147,7 +147,7 @@ pub(crate) struct Stage {
     port: u16,
 }
 
-impl Stage {
+impl Environment {
     pub(crate) fn new(name: &'static str, number: u8, common: Common, mut random: Random) -> Self {
         let weather = Weather {
             delay: *random.one_of(&[0, 0, 0, 3, 30]),
@@ -159,7 +159,7 @@ impl Stage {
         if weather.delay > 0 {
             common.record.sometimes("a slow network");
         }
-        Stage {
+        Environment {
             name,
             common,
             random,

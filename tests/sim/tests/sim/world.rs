@@ -25,7 +25,7 @@ use tokio::time::Instant;
 
 use crate::actors::page::PROGRAM_TAG;
 use crate::actors::tags::{PAIR, TAGS};
-use crate::actors::{ACTORS, Common, Order, Port, Stage};
+use crate::actors::{ACTORS, Common, Environment, Order, Port};
 use crate::history::Wrote;
 use crate::motion::Watch;
 use crate::plan::{Fault, Scenario};
@@ -210,9 +210,9 @@ impl World<'_> {
         for (number, actor) in (1..).zip(ACTORS) {
             if names.contains(&actor.name) {
                 let random = self.scenario.random(actor.name);
-                let stage = Stage::new(actor.name, number, self.common.clone(), random);
+                let env = Environment::new(actor.name, number, self.common.clone(), random);
                 let _guard = clients.enter();
-                drop(clients.spawn((actor.act)(stage)));
+                drop(clients.spawn((actor.act)(env)));
             }
         }
         let mut faults: VecDeque<(u64, Fault)> = self.scenario.faults().into();

@@ -6,7 +6,7 @@ use arcline_planner::Clock;
 use arcline_planner::profile::Profile;
 use arcline_profile::KinematicState;
 
-use super::{Sought, Stage};
+use super::{HomingStep, Sought};
 use crate::axis::Axis;
 use crate::axis::generator::Equation;
 use crate::axis::generator_kind::GeneratorKind;
@@ -72,14 +72,14 @@ impl Axis {
     }
 
     fn seeks(&self) -> bool {
-        matches!(self.homing.map(|homing| homing.stage), Some(Stage::Seeking { .. }))
+        matches!(self.homing.map(|homing| homing.step), Some(HomingStep::Seeking { .. }))
     }
 
     fn seeks_stop(&self) -> bool {
-        let stage = self.homing.map(|homing| homing.stage);
+        let step = self.homing.map(|homing| homing.step);
         matches!(
-            stage,
-            Some(Stage::Seeking {
+            step,
+            Some(HomingStep::Seeking {
                 sought: Sought::Stop,
                 ..
             })

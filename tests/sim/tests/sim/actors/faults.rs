@@ -1,6 +1,6 @@
 //! A client that injects faults of axes, and takes them away again (docs/FAULTS.md).
 
-use super::Stage;
+use super::Environment;
 use crate::client::{Answer, Client, DINT, dint, read, write};
 
 /// The axes whose faults are injected: S and P, which are servos, and A, B and C, which are virtual. Lines of X, Y and Z are held to their path.
@@ -8,46 +8,46 @@ const AXES: [u32; 5] = [3, 4, 5, 6, 7];
 /// Bits of causes: soft travel, position error, the drive, overcurrent, a limit switch, feedback, a command limit, communication.
 const CAUSES: [i32; 8] = [0, 2, 3, 4, 6, 8, 9, 10];
 
-pub(crate) async fn faults(mut stage: Stage) {
+pub(crate) async fn faults(mut env: Environment) {
     // The cause that the server may still have, by axis.
     let mut there = None;
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.client().await {
-            Ok(mut client) => match inject(&mut stage, &mut client, &mut there).await {
-                Err(error) => stage.judge(asked, &error),
+    while !env.is_over() {
+        let asked = env.now();
+        match env.client().await {
+            Ok(mut client) => match inject(&mut env, &mut client, &mut there).await {
+                Err(error) => env.judge(asked, &error),
                 Ok(()) => client.leave().await,
             },
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
-        stage.pause(2000).await;
+        env.pause(2000).await;
     }
 }
 
-async fn inject(stage: &mut Stage, client: &mut Client, there: &mut Option<u32>) -> Answer<()> {
+async fn inject(env: &mut Environment, client: &mut Client, there: &mut Option<u32>) -> Answer<()> {
     if let Some(axis) = *there {
         set(client, axis, 0).await?;
         *there = None;
     }
-    if stage.now() >= stage.common.quiet_from {
+    if env.now() >= env.common.quiet_from {
         return Ok(());
     }
-    let (axis, cause) = (*stage.random.one_of(&AXES), *stage.random.one_of(&CAUSES));
+    let (axis, cause) = (*env.random.one_of(&AXES), *env.random.one_of(&CAUSES));
     *there = Some(axis);
-    let (lives, bits) = (stage.lives(), 1 << cause);
+    let (lives, bits) = (env.lives(), 1 << cause);
     if !set(client, axis, bits).await? {
         // A virtual axis has but some of them.
-        stage.note(&format!("bit {cause} of axis {axis} is refused"));
+        env.note(&format!("bit {cause} of axis {axis} is refused"));
         *there = None;
         return Ok(());
     }
-    stage.sometimes("a fault is injected");
-    stage.pause(300).await;
+    env.sometimes("a fault is injected");
+    env.pause(300).await;
     let shown = client.ask(&read(&format!("FaultInject[{axis}]"), 1)).await?;
-    stage.common.record.saw(stage.name, &shown.to_bytes());
-    if dint(&shown) != Some(bits) && stage.lives() == lives {
+    env.common.record.saw(env.name, &shown.to_bytes());
+    if dint(&shown) != Some(bits) && env.lives() == lives {
         let why = format!("FaultInject[{axis}] was set to {bits} and shows {:?}", dint(&shown));
-        stage.common.record.violated("W1", &why);
+        env.common.record.violated("W1", &why);
     }
     set(client, axis, 0).await?;
     *there = None;

@@ -4,7 +4,7 @@ use arcline_instruction_set::Mnemonic;
 use arcline_proto::arcline::machine::service as machine;
 use arcline_proto::cip::CipStatus;
 
-use super::Stage;
+use super::Environment;
 use super::tags::TAGS;
 use crate::client::{Answer, BOOL, Client, DINT, REAL, instruction, machine_service, read, value, write};
 use crate::history::WriteAnswer;
@@ -13,31 +13,31 @@ use crate::ledger::Kind;
 /// Values that no other client writes.
 const FIRST: i32 = 3_000_000;
 
-pub(crate) async fn onlooker(mut stage: Stage) {
+pub(crate) async fn onlooker(mut env: Environment) {
     let mut next = FIRST;
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.client().await {
-            Ok(mut client) => match try_all(&mut stage, &mut client, &mut next).await {
-                Err(error) => stage.judge(asked, &error),
+    while !env.is_over() {
+        let asked = env.now();
+        match env.client().await {
+            Ok(mut client) => match try_all(&mut env, &mut client, &mut next).await {
+                Err(error) => env.judge(asked, &error),
                 Ok(()) => client.leave().await,
             },
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
-        stage.pause(800).await;
+        env.pause(800).await;
     }
 }
 
-async fn try_all(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answer<()> {
-    for _ in 0..1 + stage.random.below(8) {
-        let tag = *stage.random.one_of(&TAGS);
+async fn try_all(env: &mut Environment, client: &mut Client, next: &mut i32) -> Answer<()> {
+    for _ in 0..1 + env.random.below(8) {
+        let tag = *env.random.one_of(&TAGS);
         let shown = client.ask(&read(tag, 1)).await?;
         if value(&shown).is_none() {
             let why = format!("a client that may look cannot read {tag}: {}", shown.status);
-            stage.common.record.violated("U1", &why);
+            env.common.record.violated("U1", &why);
         }
         *next += 1;
-        let (what, request) = match stage.random.below(6) {
+        let (what, request) = match env.random.below(6) {
             0 => ("a write of a bit", write("StepA.EnableIn", BOOL, 1, &[1])),
             1 => (
                 "a write of an operand",
@@ -47,23 +47,23 @@ async fn try_all(stage: &mut Stage, client: &mut Client, next: &mut i32) -> Answ
             3 => ("the release of STOP", machine_service(machine::RELEASE)),
             4 => ("the release of STOP", write("MotionInhibit", BOOL, 1, &[0])),
             _ => {
-                stage.common.history.asks(tag, *next);
+                env.common.history.asks(tag, *next);
                 ("a write", write(tag, DINT, 1, &next.to_le_bytes()))
             }
         };
-        stage.asks(Kind::Denied);
+        env.asks(Kind::Denied);
         let reply = client.ask(&request).await?;
-        stage.answered(Kind::Denied);
+        env.answered(Kind::Denied);
         if what == "a write" {
-            stage.common.history.has(tag, *next, WriteAnswer::Refused);
+            env.common.history.has(tag, *next, WriteAnswer::Refused);
         }
         if reply.status != CipStatus::PRIVILEGE_VIOLATION {
             let why = format!("{what} of a client that may only look: {}", reply.status);
-            stage.common.record.violated("U1", &why);
+            env.common.record.violated("U1", &why);
         }
-        stage.sometimes("a client without the right is refused");
-        stage.common.record.saw(stage.name, &reply.to_bytes());
-        stage.pause(60).await;
+        env.sometimes("a client without the right is refused");
+        env.common.record.saw(env.name, &reply.to_bytes());
+        env.pause(60).await;
     }
     Ok(())
 }

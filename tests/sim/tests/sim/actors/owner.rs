@@ -10,7 +10,7 @@ use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::io::{Datagram, IO_PORT};
 use bytes::BytesMut;
 
-use super::{Order, Stage};
+use super::{Environment, Order};
 use crate::client::{Answer, Client, instruction};
 use crate::datagrams::Mailbox;
 use crate::motion::Deadline;
@@ -28,21 +28,21 @@ const CONFIGURATION: u32 = 151;
 const RUN: u32 = 1;
 
 /// Owns the outputs again and again.
-pub(crate) async fn owner(mut stage: Stage) {
+pub(crate) async fn owner(mut env: Environment) {
     let mut serial = 0;
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.client().await {
+    while !env.is_over() {
+        let asked = env.now();
+        match env.client().await {
             Ok(mut client) => {
                 serial += 1;
-                match own(&mut stage, &mut client, serial).await {
-                    Err(error) => stage.judge(asked, &error),
+                match own(&mut env, &mut client, serial).await {
+                    Err(error) => env.judge(asked, &error),
                     Ok(()) => client.leave().await,
                 }
             }
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
-        stage.pause(600).await;
+        env.pause(600).await;
     }
 }
 
@@ -84,105 +84,105 @@ impl Owned {
     }
 
     /// Takes the arrived datagrams.
-    fn consume(&mut self, stage: &Stage) {
+    fn consume(&mut self, env: &Environment) {
         while let Some((sent, bytes)) = self.mailbox.receive() {
             self.sent = sent;
-            stage.common.record.saw(stage.name, &bytes[..12]);
+            env.common.record.saw(env.name, &bytes[..12]);
         }
     }
 }
 
-async fn own(stage: &mut Stage, client: &mut Client, serial: u16) -> Answer<()> {
-    let interval = *stage.random.one_of(&[5, 10, 20]);
-    let multiplier = *stage.random.one_of(&[2, 3]);
-    let lives = stage.lives();
+async fn own(env: &mut Environment, client: &mut Client, serial: u16) -> Answer<()> {
+    let interval = *env.random.one_of(&[5, 10, 20]);
+    let multiplier = *env.random.one_of(&[2, 3]);
+    let lives = env.lives();
     let key = ConnectionKey {
         serial,
         vendor: 0x1337,
         originator: 43,
     };
     let open = forward_open(key, interval, multiplier);
-    let address = SocketAddr::new(stage.ip().into(), IO_PORT);
-    let random = arcline_tests::random::Random(stage.random.bits());
-    let mailbox = stage.common.post.open(address, stage.weather, random);
+    let address = SocketAddr::new(env.ip().into(), IO_PORT);
+    let random = arcline_tests::random::Random(env.random.bits());
+    let mailbox = env.common.post.open(address, env.weather, random);
     // Send it before the connection is open: its time-out does not wait for many answers.
     client.ask(&instruction(Mnemonic::Mafr, C, "", &[])).await?;
     let Some(opened) = client.open_io(&open, IO_PORT).await? else {
-        stage.note("the outputs have another owner still");
+        env.note("the outputs have another owner still");
         return Ok(());
     };
     let ForwardOpenReply {
         o_to_t_id, o_to_t_api, ..
     } = opened;
-    let _io = stage.alive(o_to_t_id.0);
+    let _io = env.alive(o_to_t_id.0);
     let mut owned = Owned {
         id: o_to_t_id,
         mailbox,
         // The 16 bits of the data and the 32 bits of the datagram are over soon.
-        sequence: if stage.common.near_end { u32::MAX - 20 } else { 0 },
+        sequence: if env.common.near_end { u32::MAX - 20 } else { 0 },
         interval,
         timeout: u64::from(o_to_t_api) / 1000 * (4 << multiplier),
         heard: None,
         sent: 0,
     };
-    stage.sometimes("the outputs have an owner");
+    env.sometimes("the outputs have an owner");
     owned.produce();
     client.ask(&instruction(Mnemonic::Mso, C, "", &[])).await?;
-    stage.order(Order::Moves(C as usize - 1));
+    env.order(Order::Moves(C as usize - 1));
     // 200 units at 20 units/s: longer than the owner lives.
     let far = [1.0, 200.0, 20.0, 0.0, 1000.0, 0.0, 1000.0, 0.0];
     client.ask(&instruction(Mnemonic::Mam, C, "FarC", &far)).await?;
-    for _ in 0..stage.random.below(80) {
+    for _ in 0..env.random.below(80) {
         owned.produce();
         tokio::time::sleep(Duration::from_millis(owned.interval)).await;
-        owned.consume(stage);
+        owned.consume(env);
     }
     // A partition may have ended it before the move began.
-    if !owned.is_open(stage.now()) {
-        stage.note("the connection of the outputs has ended");
+    if !owned.is_open(env.now()) {
+        env.note("the connection of the outputs has ended");
         // Or no datagram has arrived: then the server waits for the first one.
         return client.forward_close(key).await;
     }
-    if stage.chance(30) || stage.is_over() {
-        stage.sometimes("the owner of the outputs closes its connection");
+    if env.chance(30) || env.is_over() {
+        env.sometimes("the owner of the outputs closes its connection");
         // The newest outputs arrive first.
-        tokio::time::sleep(Duration::from_millis(stage.weather.delay + 2)).await;
+        tokio::time::sleep(Duration::from_millis(env.weather.delay + 2)).await;
         client.forward_close(key).await?;
-        let at = stage.now() + owned.interval + super::motion::LATE;
-        stage.order(rest(at, "the owner of the outputs has closed its connection"));
+        let at = env.now() + owned.interval + super::motion::LATE;
+        env.order(rest(at, "the owner of the outputs has closed its connection"));
     } else {
-        fall_silent(stage, &mut owned, lives).await;
+        fall_silent(env, &mut owned, lives).await;
     }
     Ok(())
 }
 
 /// The server ends the connection after its time-out, never before, and stops its motion (L2).
-async fn fall_silent(stage: &mut Stage, owned: &mut Owned, lives: u64) {
+async fn fall_silent(env: &mut Environment, owned: &mut Owned, lives: u64) {
     let Some(heard) = owned.heard else { return };
-    stage.sometimes("the owner of the outputs falls silent");
+    env.sometimes("the owner of the outputs falls silent");
     let ends = heard + owned.timeout;
-    stage.order(rest(
+    env.order(rest(
         ends + owned.interval + super::motion::LATE,
         "the owner of the outputs is lost",
     ));
-    while stage.now() < ends + 3 * owned.interval {
+    while env.now() < ends + 3 * owned.interval {
         tokio::time::sleep(Duration::from_millis(1)).await;
-        owned.consume(stage);
+        owned.consume(env);
     }
     // The connection may have ended with the server, or the datagrams of either were lost on the way.
-    let disturbed_until = stage.common.post.held_until().max(stage.stalled_until());
-    let is_disturbed = stage.lives() != lives || disturbed_until + owned.timeout >= heard;
+    let disturbed_until = env.common.post.held_until().max(env.stalled_until());
+    let is_disturbed = env.lives() != lives || disturbed_until + owned.timeout >= heard;
     if is_disturbed || owned.sent == 0 {
         return;
     }
-    stage.sometimes("a silent owner is judged");
+    env.sometimes("a silent owner is judged");
     let (first, last) = (ends.saturating_sub(owned.interval + 2), ends + owned.interval + 2);
     if !(first..=last).contains(&owned.sent) {
         let why = format!(
             "its connection, heard last at {heard} with a time-out of {} ms, was last sent inputs at {}",
             owned.timeout, owned.sent
         );
-        stage.common.record.violated("L2", &why);
+        env.common.record.violated("L2", &why);
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::motion::LATE;
 use super::tags::TAGS;
-use super::{Order, Stage};
+use super::{Environment, Order};
 use crate::client::{Answer, NoAnswer, PATIENCE_MS};
 use crate::history::WriteAnswer;
 use crate::motion::Deadline;
@@ -20,7 +20,7 @@ const BUTTON: u64 = 160;
 /// The tag that programs write.
 pub(crate) const PROGRAM_TAG: &str = "PageRun";
 
-impl Stage {
+impl Environment {
     /// A page of its own connection.
     async fn page(&mut self) -> Answer<Page> {
         Page::open(self.browse()).await
@@ -28,122 +28,122 @@ impl Stage {
 }
 
 /// Jogs axis S by the button, and then releases it, hangs, vanishes, or closes the page.
-pub(crate) async fn page_jogger(mut stage: Stage) {
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.page().await {
+pub(crate) async fn page_jogger(mut env: Environment) {
+    while !env.is_over() {
+        let asked = env.now();
+        match env.page().await {
             Ok(page) => {
-                if let Err(error) = jog(&mut stage, page).await {
-                    stage.judge(asked, &error);
+                if let Err(error) = jog(&mut env, page).await {
+                    env.judge(asked, &error);
                 }
             }
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
         // Longer than any of its stops takes.
         tokio::time::sleep(Duration::from_millis(1500)).await;
     }
 }
 
-async fn jog(stage: &mut Stage, mut page: Page) -> Answer<()> {
+async fn jog(env: &mut Environment, mut page: Page) -> Answer<()> {
     let taken = page.ask(json!({"do": "take", "object": "S"})).await?;
     if let Err(refused) = taken {
         // The viewer before it has vanished, and is not noticed yet.
-        stage.note(&refused);
+        env.note(&refused);
         page.leave().await;
         return Ok(());
     }
     let reset = page.ask(json!({"do": "execute", "text": "MAFR(S, PageS)"})).await?;
     let on = page.ask(json!({"do": "execute", "text": "MSO(S, PageS)"})).await?;
-    stage.note(&format!("{reset:?}, {on:?}"));
-    stage.order(Order::Moves(S));
+    env.note(&format!("{reset:?}, {on:?}"));
+    env.order(Order::Moves(S));
     let jog = json!({"do": "jog", "axis": "S", "speed": 20.0, "accel": 1000.0, "decel": 1000.0});
     if let Err(refused) = page.ask(jog).await? {
-        stage.note(&refused);
+        env.note(&refused);
         page.leave().await;
         return Ok(());
     }
-    stage.sometimes("a jog of the page");
-    for _ in 0..stage.random.below(12) {
+    env.sometimes("a jog of the page");
+    for _ in 0..env.random.below(12) {
         // The server has ended it, where a sign came too late.
         if page.ask(json!({"do": "keep", "axis": "S"})).await?.is_err() {
-            stage.sometimes("a sign of a jog's button comes too late");
+            env.sometimes("a sign of a jog's button comes too late");
             break;
         }
-        stage.pause(90).await;
+        env.pause(90).await;
     }
     let rest = |at, why| Order::Rest(Deadline { axis: S, at, why });
-    let heard = page.end().arrives_by().max(stage.now());
-    match stage.random.below(4) {
+    let heard = page.end().arrives_by().max(env.now());
+    match env.random.below(4) {
         0 => {
-            stage.sometimes("the button of a page is released");
+            env.sometimes("the button of a page is released");
             page.ask(json!({"do": "jog_end", "axis": "S"}))
                 .await?
                 .map_err(NoAnswer::Wrong)?;
             // A stop from 20 units/s at 1,000 units/s², or by the guard.
-            stage.order(rest(stage.now() + 50 + LATE, "its button is released"));
+            env.order(rest(env.now() + 50 + LATE, "its button is released"));
             page.leave().await;
         }
         1 => {
-            stage.sometimes("a page hangs");
-            stage.order(rest(heard + BUTTON + LATE, "its page hangs"));
+            env.sometimes("a page hangs");
+            env.order(rest(heard + BUTTON + LATE, "its page hangs"));
             tokio::time::sleep(Duration::from_millis(1000)).await;
             page.leave().await;
         }
         2 => {
-            stage.sometimes("a page vanishes");
-            stage.order(rest(heard + BUTTON + LATE, "its page has vanished"));
-            page.into_end().vanish(stage.now() + 4000);
+            env.sometimes("a page vanishes");
+            env.order(rest(heard + BUTTON + LATE, "its page has vanished"));
+            page.into_end().vanish(env.now() + 4000);
         }
         _ => {
-            stage.sometimes("a page is closed while it jogs");
-            stage.order(rest(heard + BUTTON + LATE, "its page is closed"));
+            env.sometimes("a page is closed while it jogs");
+            env.order(rest(heard + BUTTON + LATE, "its page is closed"));
             page.leave().await;
         }
     }
     Ok(())
 }
 
-pub(crate) async fn page_program_1(stage: Stage) {
-    programs(stage, 5_000_000).await;
+pub(crate) async fn page_program_1(env: Environment) {
+    programs(env, 5_000_000).await;
 }
 
-pub(crate) async fn page_program_2(stage: Stage) {
-    programs(stage, 6_000_000).await;
+pub(crate) async fn page_program_2(env: Environment) {
+    programs(env, 6_000_000).await;
 }
 
 /// Wants control of axis P and to run programs that move it, in turn with another page.
-async fn programs(mut stage: Stage, first: i32) {
+async fn programs(mut env: Environment, first: i32) {
     let mut next = first;
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.page().await {
+    while !env.is_over() {
+        let asked = env.now();
+        match env.page().await {
             Ok(page) => {
-                if let Err(error) = run_some(&mut stage, page, &mut next).await {
-                    stage.judge(asked, &error);
+                if let Err(error) = run_some(&mut env, page, &mut next).await {
+                    env.judge(asked, &error);
                 }
             }
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
-        stage.pause(1500).await;
+        env.pause(1500).await;
     }
 }
 
-async fn run_some(stage: &mut Stage, mut page: Page, next: &mut i32) -> Answer<()> {
+async fn run_some(env: &mut Environment, mut page: Page, next: &mut i32) -> Answer<()> {
     if let Err(refused) = page.ask(json!({"do": "take", "object": "P"})).await? {
-        stage.note(&refused);
-        stage.sometimes("another page has control");
+        env.note(&refused);
+        env.sometimes("another page has control");
     }
-    for _ in 0..1 + stage.random.below(4) {
-        if stage.is_over() {
+    for _ in 0..1 + env.random.below(4) {
+        if env.is_over() {
             break;
         }
         *next += 1;
-        run_one(stage, &mut page, *next).await?;
-        stage.pause(200).await;
+        run_one(env, &mut page, *next).await?;
+        env.pause(200).await;
     }
-    if stage.chance(25) && !stage.is_over() {
-        stage.sometimes("a page with control vanishes");
-        page.into_end().vanish(stage.now() + 3000);
+    if env.chance(25) && !env.is_over() {
+        env.sometimes("a page with control vanishes");
+        page.into_end().vanish(env.now() + 3000);
     } else {
         page.leave().await;
     }
@@ -151,8 +151,8 @@ async fn run_some(stage: &mut Stage, mut page: Page, next: &mut i32) -> Answer<(
 }
 
 /// Runs a program that writes a value of its own and moves.
-async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
-    let distance = stage.random.between(0.5, 4.0);
+async fn run_one(env: &mut Environment, page: &mut Page, value: i32) -> Answer<()> {
+    let distance = env.random.between(0.5, 4.0);
     let text = format!(
         "MAFR(P, PageOn);\n\
          MSO(P, PageOn);\n\
@@ -161,86 +161,86 @@ async fn run_one(stage: &mut Stage, page: &mut Page, value: i32) -> Answer<()> {
          WHILE PageMove.IP DO DELAY(0.01); END_WHILE;\n\
          {PROGRAM_TAG} := -{value};"
     );
-    let (history, sent) = (stage.common.history.clone(), stage.now());
+    let (history, sent) = (env.common.history.clone(), env.now());
     let written = [value, -value];
     for value in written {
         history.asks(PROGRAM_TAG, value);
     }
     if let Err(refused) = page.ask(json!({"do": "run", "text": text})).await? {
         if refused.contains("runs already") {
-            stage.sometimes("a second program is refused");
+            env.sometimes("a second program is refused");
         }
-        stage.note(&refused);
+        env.note(&refused);
         for value in written {
             history.has(PROGRAM_TAG, value, WriteAnswer::Refused);
         }
         return Ok(());
     }
-    stage.in_time(sent);
-    stage.sometimes("a program of the page");
+    env.in_time(sent);
+    env.sometimes("a program of the page");
     // Its end is shown, however it ends.
     let shown = loop {
         match tokio::time::timeout(Duration::from_secs(1), page.end_of(&text)).await {
             Ok(shown) => break shown?,
             // The program waits for a lost change.
-            Err(_) if stage.has_lost() => return Ok(()),
-            Err(_) if stage.now() - sent > PATIENCE_MS => return Err(NoAnswer::Late),
+            Err(_) if env.has_lost() => return Ok(()),
+            Err(_) if env.now() - sent > PATIENCE_MS => return Err(NoAnswer::Late),
             Err(_) => {}
         }
     };
-    stage.note(&format!("the program of {value}: {}", shown.state));
+    env.note(&format!("the program of {value}: {}", shown.state));
     if shown.text == text && shown.state == "ended" {
-        stage.sometimes("a program of the page is complete");
+        env.sometimes("a program of the page is complete");
         for value in written {
             history.has(PROGRAM_TAG, value, WriteAnswer::NotPersistent);
         }
     }
-    read(stage, page, PROGRAM_TAG).await
+    read(env, page, PROGRAM_TAG).await
 }
 
 /// Reads the tags that others write.
-pub(crate) async fn page_reader(mut stage: Stage) {
-    while !stage.is_over() {
-        let asked = stage.now();
-        match stage.page().await {
+pub(crate) async fn page_reader(mut env: Environment) {
+    while !env.is_over() {
+        let asked = env.now();
+        match env.page().await {
             Ok(page) => {
-                if let Err(error) = look(&mut stage, page).await {
-                    stage.judge(asked, &error);
+                if let Err(error) = look(&mut env, page).await {
+                    env.judge(asked, &error);
                 }
             }
-            Err(error) => stage.judge(asked, &error),
+            Err(error) => env.judge(asked, &error),
         }
-        stage.pause(800).await;
+        env.pause(800).await;
     }
 }
 
-async fn look(stage: &mut Stage, mut page: Page) -> Answer<()> {
-    for _ in 0..5 + stage.random.below(30) {
-        if stage.is_over() {
+async fn look(env: &mut Environment, mut page: Page) -> Answer<()> {
+    for _ in 0..5 + env.random.below(30) {
+        if env.is_over() {
             break;
         }
-        let tag = *stage.random.one_of(&TAGS);
-        read(stage, &mut page, tag).await?;
-        stage.pause(60).await;
+        let tag = *env.random.one_of(&TAGS);
+        read(env, &mut page, tag).await?;
+        env.pause(60).await;
     }
     page.leave().await;
     Ok(())
 }
 
 /// Reads a tag whose writes are in the history.
-async fn read(stage: &Stage, page: &mut Page, tag: &'static str) -> Answer<()> {
-    let (asked, sent) = (stage.common.history.clock(), stage.now());
+async fn read(env: &Environment, page: &mut Page, tag: &'static str) -> Answer<()> {
+    let (asked, sent) = (env.common.history.clock(), env.now());
     let read = page.ask(json!({"do": "read", "names": [tag]})).await?;
-    stage.in_time(sent);
+    env.in_time(sent);
     match read.ok().and_then(|read| read["values"][tag].as_i64()) {
         Some(value) => {
-            stage.sometimes("the page reads a tag");
-            stage.common.history.read(tag, value as i32, asked);
-            stage.common.record.saw(stage.name, &value.to_le_bytes());
+            env.sometimes("the page reads a tag");
+            env.common.history.read(tag, value as i32, asked);
+            env.common.record.saw(env.name, &value.to_le_bytes());
         }
         None => {
             let why = format!("the page cannot read {tag}");
-            stage.common.record.violated("N1", &why);
+            env.common.record.violated("N1", &why);
         }
     }
     Ok(())
