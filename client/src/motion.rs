@@ -63,7 +63,7 @@ impl Operands {
             .operands_behind_control()
             .filter_map(|index| instruction.operands.get(index));
         let operands = operands.map(|operand| match operand.kind {
-            Kind::Array(_) | Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
+            Kind::Array(_) | Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
                 UnboundOperand::Missing
             }
             _ => UnboundOperand::Number(operand.initial.into()),
@@ -364,7 +364,7 @@ fn typed(operand: &UnboundOperand, kind: &Kind) -> Option<Typed> {
         }
         (
             UnboundOperand::Word(name) | UnboundOperand::Name(name),
-            Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) | Kind::WrittenArray(_),
+            Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) | Kind::WrittenArray(_),
         ) => {
             if name.eq_ignore_ascii_case("none") {
                 integer(0)

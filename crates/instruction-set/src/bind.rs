@@ -145,7 +145,7 @@ impl Binder<'_> {
                 },
                 _ => Err(self.wrong_type(value, "the name of a REAL array tag, or 0")),
             },
-            Kind::Reference(object) => match value {
+            Kind::Object(object) => match value {
                 UnboundOperand::Word(name) | UnboundOperand::Name(name) => match self.directory.object(*object, name) {
                     Some(index) => Ok(Argument::Object(index)),
                     None => Err(BindError::UnknownObject {

@@ -98,7 +98,7 @@ pub fn syntax(instruction: &Instruction) -> String {
 /// The type of an operand, in words.
 pub fn operand_type(kind: &Kind) -> String {
     match kind {
-        Kind::Target(object) | Kind::Reference(object) => format!("{object}"),
+        Kind::Target(object) | Kind::Object(object) => format!("{object}"),
         Kind::MotionControl => "MOTION_INSTRUCTION".to_owned(),
         Kind::Word(_) => "word or number".to_owned(),
         Kind::Number(_) => "number".to_owned(),

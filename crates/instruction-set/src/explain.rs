@@ -77,7 +77,7 @@ fn axis(index: i8, mnemonic: Option<Mnemonic>) -> String {
     let instruction = mnemonic.map(Mnemonic::instruction);
     match instruction {
         Some(instruction) if instruction.object == Object::Axis => {
-            let references = |kind: &Kind| matches!(kind, Kind::Reference(Object::Axis));
+            let references = |kind: &Kind| matches!(kind, Kind::Object(Object::Axis));
             if instruction.operands.iter().any(|operand| references(&operand.kind)) {
                 let which = if index == 0 { "slave" } else { "master" };
                 format!("It is about the {which} axis.")

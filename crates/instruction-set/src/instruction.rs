@@ -223,7 +223,7 @@ pub enum Kind {
     /// The MOTION_INSTRUCTION tag.
     MotionControl,
     /// Names another object: master axis, target system.
-    Reference(Object),
+    Object(Object),
     /// An enumeration.
     Word(&'static Words),
     /// A magnitude, any numeric type.

@@ -124,7 +124,7 @@ pub fn instruction_tag_operands(mnemonic: Mnemonic, tag: &str, bytes: &[u8]) -> 
                 }
                 Kind::WrittenArray(_) if events => UnboundOperand::Name(format!("{tag}.{}", member.name)),
                 Kind::WrittenArray(_) => UnboundOperand::Integer(0),
-                Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
+                Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
                     UnboundOperand::Name(text_at(bytes, member))
                 }
             }
@@ -158,7 +158,7 @@ fn build(instruction: &Instruction) -> Arc<Template> {
             Kind::Array(ArrayRule::AtLeast(least)) => builder.array(name, Elementary::Real, u16::from(least)),
             Kind::ArrayOrNone => builder.array(name, Elementary::Real, EVENT_ELEMENTS),
             Kind::WrittenArray(elements) => builder.array(name, Elementary::Real, elements),
-            Kind::Reference(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
+            Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
                 builder.member(name, string_template())
             }
         };

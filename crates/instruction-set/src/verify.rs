@@ -42,7 +42,7 @@ impl Operand {
             // Names were resolved when the call was bound.
             Kind::Target(_)
             | Kind::MotionControl
-            | Kind::Reference(_)
+            | Kind::Object(_)
             | Kind::Structure(_)
             | Kind::StructureOrNone(_) => true,
             Kind::Word(words) => match as_dint(call.number(place)) {

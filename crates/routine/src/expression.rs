@@ -17,7 +17,7 @@ pub enum Expression {
     /// A text in quotes, its bytes.
     Text(Vec<u8>),
     /// A tag or a part of one.
-    Reference(Reference),
+    Reference(TagReference),
     /// An operator before its operand.
     Unary(Unary, Box<Expression>),
     /// An operator between its operands.
@@ -28,7 +28,7 @@ pub enum Expression {
 
 /// A tag or a part of one.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Reference {
+pub struct TagReference {
     /// The program, of a parameter of another program (`\Program.Name`).
     pub program: Option<String>,
     /// The tag's name, with the colons of a module's tag.
@@ -173,7 +173,7 @@ impl Expression {
     ///
     /// # Errors
     /// The error, with its byte in the text.
-    pub fn parse_reference(text: &str) -> Result<Reference, SyntaxError> {
+    pub fn parse_reference(text: &str) -> Result<TagReference, SyntaxError> {
         match Self::parse(text)? {
             Self::Reference(reference) => Ok(reference),
             _ => Err(SyntaxError::Unexpected {
@@ -213,7 +213,7 @@ impl fmt::Display for Expression {
     }
 }
 
-impl fmt::Display for Reference {
+impl fmt::Display for TagReference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(program) = &self.program {
             write!(f, "\\{program}.")?;
@@ -420,7 +420,7 @@ impl<'t> Parser<'_, 't> {
         }
     }
 
-    pub(crate) fn reference(&mut self) -> Result<Reference, SyntaxError> {
+    pub(crate) fn reference(&mut self) -> Result<TagReference, SyntaxError> {
         let at = self.at();
         let mut program = None;
         if self.take("\\") {
@@ -451,7 +451,7 @@ impl<'t> Parser<'_, 't> {
                     steps.push(Step::Member(self.name("a member or a bit")?.to_owned()));
                 }
             } else {
-                return Ok(Reference {
+                return Ok(TagReference {
                     program,
                     name,
                     steps,

@@ -30,7 +30,7 @@ pub use cell::{Cell, Condition, Loaded, Names, Writes, load};
 pub use compile::Directory;
 pub use docs::ladder_page;
 pub use error::{Finding, FindingKind, Line, SyntaxError};
-pub use expression::{Binary, Expression, MAX_DEPTH, MAX_TEXT, Reference, Step, Unary};
+pub use expression::{Binary, Expression, MAX_DEPTH, MAX_TEXT, TagReference, Step, Unary};
 pub use listing::{Language, ListedElement, ListedLine, ListedOperand, ListedRoutine, ListedRung, Listing, Use};
 pub use look::{Look, Sampled, Shown};
 pub use memory::Tag;

@@ -12,7 +12,7 @@ use arcline_instruction_set::{Kind as MotionKind, Mnemonic};
 use crate::cell::{Names, program_scopes};
 use crate::compile::{Compiler, Known, Owner};
 use crate::error::Line;
-use crate::expression::{Expression, Reference, Step};
+use crate::expression::{Expression, TagReference, Step};
 use crate::look::Look;
 use crate::rll::{Element, Instruction, Rung};
 use crate::source::{Content, Project, RoutineSource, RungSource, Usage};
@@ -477,7 +477,7 @@ fn joined(lines: &[(u32, String)]) -> (String, Vec<usize>) {
 }
 
 /// Calls `found` with every reference of an expression, those in subscripts too.
-fn references(expression: &Expression, found: &mut dyn FnMut(&Reference)) {
+fn references(expression: &Expression, found: &mut dyn FnMut(&TagReference)) {
     match expression {
         Expression::Integer(_) | Expression::Real(_) | Expression::Text(_) => {}
         Expression::Reference(reference) => {
@@ -493,7 +493,7 @@ fn references(expression: &Expression, found: &mut dyn FnMut(&Reference)) {
     }
 }
 
-fn inner_references(reference: &Reference, found: &mut dyn FnMut(&Reference)) {
+fn inner_references(reference: &TagReference, found: &mut dyn FnMut(&TagReference)) {
     for step in &reference.steps {
         match step {
             Step::Index(values) => values.iter().for_each(|one| references(one, found)),
@@ -504,7 +504,7 @@ fn inner_references(reference: &Reference, found: &mut dyn FnMut(&Reference)) {
 }
 
 /// Calls `found` with every reference of statements, its byte in the text, and whether it is written.
-fn visit(statements: &[Statement], found: &mut dyn FnMut(&Reference, usize, bool)) {
+fn visit(statements: &[Statement], found: &mut dyn FnMut(&TagReference, usize, bool)) {
     for statement in statements {
         let mut read = |expression: &Expression| references(expression, &mut |one| found(one, one.at, false));
         match &statement.kind {

@@ -9,7 +9,7 @@ use crate::cell::Cell;
 use crate::code::{Argument, Body, Cellular, Code, Ex, Node, Place, TextPart};
 use crate::compile::Compiler;
 use crate::compile::status_of;
-use crate::expression::{Expression, Reference};
+use crate::expression::{Expression, TagReference};
 use crate::no_machine::NoMachine;
 use crate::run::{Number, Run, Scan, Trace};
 
@@ -214,7 +214,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn looked_tag(&mut self, reference: &Reference) -> Option<Looked> {
+    fn looked_tag(&mut self, reference: &TagReference) -> Option<Looked> {
         let found = self.resolve(reference).ok()?;
         if let Some(bit) = found.as_bit() {
             return Some(Looked::Value(Argument::Bit(bit)));
@@ -243,7 +243,7 @@ impl Compiler<'_> {
     }
 
     /// The place of an instance of an add-on instruction.
-    pub(crate) fn instance(&mut self, reference: &Reference, add_on: &str) -> Option<Place> {
+    pub(crate) fn instance(&mut self, reference: &TagReference, add_on: &str) -> Option<Place> {
         let found = self.resolve(reference).ok()?;
         (found.data_type.name().eq_ignore_ascii_case(add_on) && !found.is_array()).then(|| found.place())
     }

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use crate::SyntaxError;
-use crate::expression::{Expression, MAX_DEPTH, Parser, Reference};
+use crate::expression::{Expression, MAX_DEPTH, Parser, TagReference};
 use crate::lexer::{TokenKind, tokens};
 
 /// The statements of a routine.
@@ -33,7 +33,7 @@ pub enum StatementKind {
     /// `a := b;`, or `a [:=] b;`, which is not retentive.
     Assign {
         /// The tag.
-        target: Reference,
+        target: TagReference,
         /// Its value.
         value: Expression,
         /// Whether entering Run sets the tag to 0.
@@ -46,7 +46,7 @@ pub enum StatementKind {
     /// FOR with its variable, first and last value, step, and body.
     For {
         /// The variable.
-        variable: Reference,
+        variable: TagReference,
         /// Its first value.
         from: Expression,
         /// Its last value.

@@ -317,7 +317,7 @@ fn operand(instruction: &Instruction, index: usize, operand: &'static Operand) -
         single_when: None,
     };
     match &operand.kind {
-        Kind::Target(object) | Kind::Reference(object) => form.object = Some(object.member()),
+        Kind::Target(object) | Kind::Object(object) => form.object = Some(object.member()),
         Kind::Structure(name) | Kind::StructureOrNone(name) => form.structure = Some(name),
         Kind::Word(words) => form.words = Some(choices(words)),
         Kind::Number(limits) | Kind::Integer(limits) => form.range = range(instruction, *limits),
@@ -344,7 +344,7 @@ fn kind(kind: &Kind) -> OperandKind {
     match kind {
         Kind::Target(_) => OperandKind::Target,
         Kind::MotionControl => OperandKind::Control,
-        Kind::Reference(_) => OperandKind::Reference,
+        Kind::Object(_) => OperandKind::Reference,
         Kind::Word(_) => OperandKind::Word,
         Kind::Number(_) => OperandKind::Number,
         Kind::Integer(_) => OperandKind::Integer,

@@ -327,7 +327,7 @@ fn every_instruction_that_takes_a_number_is_in_the_scan() {
             .instruction()
             .operands
             .iter()
-            .any(|operand| !matches!(operand.kind, Kind::Target(_) | Kind::MotionControl | Kind::Reference(_)));
+            .any(|operand| !matches!(operand.kind, Kind::Target(_) | Kind::MotionControl | Kind::Object(_)));
         if takes_numbers && !scanned.contains(&mnemonic.to_string().as_str()) {
             missing.push(mnemonic.to_string());
         }

@@ -57,7 +57,7 @@ impl Known {
     fn operand(&self, call: &Call<'_>) -> Found {
         let operand = call.mnemonic.instruction().operands.get(call.index);
         let candidates = match operand.map(|operand| &operand.kind) {
-            Some(Kind::Target(object) | Kind::Reference(object)) => self.objects(Some(*object)),
+            Some(Kind::Target(object) | Kind::Object(object)) => self.objects(Some(*object)),
             Some(Kind::MotionControl) => self.of_type("MOTION_INSTRUCTION"),
             Some(Kind::Structure(name)) => self.of_type(name),
             Some(Kind::Word(words)) => keywords(words),

@@ -114,11 +114,11 @@ pub(super) const fn control() -> Row<()> {
 }
 
 pub(super) const fn other_axis(note: &'static str) -> Row<Option<AxisId>> {
-    Row::new(Kind::Reference(Object::Axis), note)
+    Row::new(Kind::Object(Object::Axis), note)
 }
 
 pub(super) const fn other_system() -> Row<Option<SystemId>> {
-    Row::new(Kind::Reference(Object::CoordinateSystem), "")
+    Row::new(Kind::Object(Object::CoordinateSystem), "")
 }
 
 /// Any value of an enumeration.

@@ -4,7 +4,7 @@ use arcline_tag::{DataType, Elementary};
 
 use super::{Compiler, Wrong};
 use crate::code::{Cellular, Compare, Ex, Float, Function, Status, TextPart, Whole, Width};
-use crate::expression::{Binary, Expression, Reference, Unary};
+use crate::expression::{Binary, Expression, TagReference, Unary};
 use crate::types::text_layout;
 
 /// The type that an expression is calculated in, by rank.
@@ -158,7 +158,7 @@ impl Compiler<'_> {
     }
 
     /// The value of a tag, or a status bit.
-    fn load(&mut self, reference: &Reference) -> Result<(Ex, Sort), Wrong> {
+    fn load(&mut self, reference: &TagReference) -> Result<(Ex, Sort), Wrong> {
         if let Some(status) = status_of(reference) {
             return Ok((Ex::Status(status), Sort::Bool));
         }
@@ -215,7 +215,7 @@ impl Compiler<'_> {
 }
 
 /// The status bit that a name means.
-pub(crate) fn status_of(reference: &Reference) -> Option<Status> {
+pub(crate) fn status_of(reference: &TagReference) -> Option<Status> {
     Some(match reference.name.to_ascii_uppercase().as_str() {
         "S:FS" => Status::FirstScan,
         "S:V" => Status::Overflow,

@@ -156,7 +156,7 @@ impl Compiler<'_> {
                     _ => Err("expected an array".to_owned()),
                 },
             },
-            Kind::Reference(_) => Ok(Operand::Read(MotionOperand::Object(self.area_of(text)?.place))),
+            Kind::Object(_) => Ok(Operand::Read(MotionOperand::Object(self.area_of(text)?.place))),
             Kind::WrittenArray(_) => {
                 let area = self.area_of(text)?;
                 if area.data_type != DataType::Elementary(Elementary::Real) {

@@ -6,7 +6,7 @@ use super::call::unsigned;
 use super::expression::{Sort, status_of};
 use super::{Compiler, Wrong};
 use crate::code::{Argument, Cellular, Ex, TextPart};
-use crate::expression::{Expression, Reference};
+use crate::expression::{Expression, TagReference};
 use crate::table::Kind;
 
 impl Compiler<'_> {
@@ -89,7 +89,7 @@ impl Compiler<'_> {
         }
     }
 
-    fn bit(&mut self, reference: &Reference) -> Result<Argument, Wrong> {
+    fn bit(&mut self, reference: &TagReference) -> Result<Argument, Wrong> {
         let found = self.resolve(reference)?;
         found
             .as_bit()

@@ -4,7 +4,7 @@ use arcline_tag::{DataType, Elementary, TagType};
 
 use super::{Compiler, Owner, Wrong};
 use crate::code::{Area, Bit, Ex, Index, Place, Select};
-use crate::expression::{Expression, Reference, Step};
+use crate::expression::{Expression, TagReference, Step};
 use crate::memory::Symbol;
 use crate::source::Usage;
 
@@ -69,7 +69,7 @@ impl Found {
 
 impl Compiler<'_> {
     /// Resolves a reference in the scope of the present routine.
-    pub(crate) fn resolve(&mut self, reference: &Reference) -> Result<Found, Wrong> {
+    pub(crate) fn resolve(&mut self, reference: &TagReference) -> Result<Found, Wrong> {
         let program = match self.owner {
             Owner::Program(program) => Some(program),
             Owner::AddOn(_) => None,
@@ -81,7 +81,7 @@ impl Compiler<'_> {
         self.resolve_in(program, reference, 0)
     }
 
-    fn resolve_in(&mut self, program: Option<usize>, reference: &Reference, depth: usize) -> Result<Found, Wrong> {
+    fn resolve_in(&mut self, program: Option<usize>, reference: &TagReference, depth: usize) -> Result<Found, Wrong> {
         let scope = match &reference.program {
             None => program,
             Some(name) => {

@@ -4,7 +4,7 @@ use super::{Listing, is_in_force, joined, line_of, references, visit};
 use crate::cell::program_scopes;
 use crate::compile::{Known, Owner};
 use crate::error::{Line, SyntaxError};
-use crate::expression::{Expression, Reference, Step};
+use crate::expression::{Expression, TagReference, Step};
 use crate::memory::Symbol;
 use crate::rll::Rung;
 use crate::source::Content;
@@ -71,7 +71,7 @@ impl Listing {
     }
 
     fn uses_in(&self, known: &Known, routine: u32, program: usize, wanted: &Named, uses: &mut Vec<Use>) {
-        let is_wanted = |one: &Reference| wanted.overlaps(&self.named(known, Some(program), one));
+        let is_wanted = |one: &TagReference| wanted.overlaps(&self.named(known, Some(program), one));
         match self.source(routine).map(|source| &source.content) {
             Some(Content::Ladder(rungs)) => {
                 for (index, source) in rungs.iter().filter(|rung| is_in_force(rung)).enumerate() {
@@ -126,7 +126,7 @@ impl Listing {
     }
 
     /// The tag that a reference names in a program, through aliases.
-    fn named(&self, known: &Known, program: Option<usize>, reference: &Reference) -> Named {
+    fn named(&self, known: &Known, program: Option<usize>, reference: &TagReference) -> Named {
         let number = |name: &str| {
             let programs = self.project.programs.iter();
             programs
@@ -159,7 +159,7 @@ impl Listing {
             reference = of;
         }
         let program = scope.and_then(|program| self.project.programs.get(program));
-        let whole = Reference {
+        let whole = TagReference {
             program: None,
             name: tag.map_or_else(|| reference.name.clone(), crate::Tag::full_name),
             ..reference.clone()

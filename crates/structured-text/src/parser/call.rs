@@ -131,7 +131,7 @@ impl<'t> Parser<'t> {
     fn operand(&mut self, mnemonic: Mnemonic, place: usize, kind: &'static OperandKind) -> Result<(), SyntaxError> {
         match kind {
             OperandKind::Word(words) => return self.word_operand(mnemonic, place, words),
-            OperandKind::Reference(object) if self.peek.kind == Kind::Name => {
+            OperandKind::Object(object) if self.peek.kind == Kind::Name => {
                 let token = self.peek;
                 self.advance()?;
                 self.uses(token.offset, Meaning::Object(*object, token.text.to_owned()));
