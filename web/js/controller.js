@@ -6,7 +6,7 @@ import { RungPicture, shown } from "./ladder.js";
 import { Rows } from "./rows.js";
 import { TagPanel } from "./tag_panel.js";
 
-/** @import { ControllerStatus, LookRow, RoutineList, RoutineRow, Rung, TextLine } from "../types/protocol.js" */
+/** @import { ControllerStatus, MonitorRow, RoutineList, RoutineRow, Rung, TextLine } from "../types/protocol.js" */
 
 /** Rungs of one request, and the most that the page watches. */
 const PAGE = 50;
@@ -34,9 +34,9 @@ export class Controller {
   #known = new Map();
   /** @type {Set<number>} */
   #asked = new Set();
-  /** The newest state by place. @type {Map<number, LookRow>} */
+  /** The newest state by place. @type {Map<number, MonitorRow>} */
   #rows = new Map();
-  /** The functions that update the picture of each drawn row. @type {Map<number, (row: LookRow | null) => void>} */
+  /** The functions that update the picture of each drawn row. @type {Map<number, (row: MonitorRow | null) => void>} */
   #pictures = new Map();
   /** The row that a fault or a use is at. @type {number | null} */
   #marked = null;
@@ -279,7 +279,7 @@ export class Controller {
     const comment = rung.comment && h("div.rung-comment", {}, rung.comment);
     if (comment) comment.style.height = `${above}px`;
     const element = h("div.rung", {}, comment, h("span.rung-number", {}, String(rung.number)), picture.element);
-    return { element, height: picture.height + above, update: (/** @type {LookRow | null} */ row) => picture.update(row) };
+    return { element, height: picture.height + above, update: (/** @type {MonitorRow | null} */ row) => picture.update(row) };
   }
 
   /** @param {TextLine} line */
@@ -287,7 +287,7 @@ export class Controller {
     const values = line.names.map(() => h("b"));
     const element = h("div.text-line", {}, h("span.rung-number", {}, String(line.number)), h("code", {}, line.text),
       h("span.line-values", {}, line.names.map((name, k) => h("span", { role: "button", tabindex: "0", "data-tag": name }, name, " ", values[k]))));
-    const update = (/** @type {LookRow | null} */ row) => values.forEach((value, k) => {
+    const update = (/** @type {MonitorRow | null} */ row) => values.forEach((value, k) => {
       text(value, shown(row?.values[k]));
     });
     return { element, height: LINE, update };
@@ -305,7 +305,7 @@ export class Controller {
     });
   }
 
-  /** @param {number} routine @param {LookRow[]} rows */
+  /** @param {number} routine @param {MonitorRow[]} rows */
   #looked(routine, rows) {
     if (routine !== this.routine?.routine) return;
     for (const row of rows) {

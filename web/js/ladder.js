@@ -1,7 +1,7 @@
 // A rung as a picture: contacts, coils and boxes between two rails, wires that show the power flow of the last scan, values of the
 // operands. The layout needs no browser; drawing makes SVG once, and later changes only the differences.
 
-/** @import { LookRow, Rung, RungElement } from "../types/protocol.js" */
+/** @import { MonitorRow, Rung, RungElement } from "../types/protocol.js" */
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Width of a character of the font of operands, and of that of titles. */
@@ -245,7 +245,7 @@ export class RungPicture {
     });
   }
 
-  /** Shows the newest state; `null`: it is not known. @param {LookRow | null} row */
+  /** Shows the newest state; `null`: it is not known. @param {MonitorRow | null} row */
   update(row) {
     const power = row?.power ?? "";
     if (power !== this.#power) {

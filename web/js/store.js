@@ -8,11 +8,11 @@ import { seriesOf } from "./theme.js";
 /** The roles, the least first. */
 const ROLES = ["viewer", "operator", "engineer", "administrator"];
 
-/** @import { AxisConfiguration, Catalogue, Event, LookRow, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
+/** @import { AxisConfiguration, Catalogue, Event, MonitorRow, Machine, ProgramStatus, Push, Status } from "../types/protocol.js" */
 
 /**
  * Events: `status` up to 16 times a second, `program`, `values` of watched tags, `events`, `look` of the controller's program.
- * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[], look: { routine: number, rows: LookRow[] } }>}
+ * @extends {Emitter<{ status: void, session: void, program: void, values: Record<string, unknown>, events: Event[], look: { routine: number, rows: MonitorRow[] } }>}
  */
 export class Store extends Emitter {
   /** The newest status, with every part. @type {Status | null} */

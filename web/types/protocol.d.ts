@@ -341,7 +341,7 @@ export type Push =
       /** Number of the routine. */
       routine: number;
       /** The rungs or lines that have changed. */
-      rows: LookRow[];
+      rows: MonitorRow[];
     };
 
 /** A move that runs. */
@@ -735,7 +735,7 @@ export type LimitText = {
 };
 
 /** The state of a rung or line. */
-export type LookRow = {
+export type MonitorRow = {
   /** Index in the routine, from 0. */
   index: number;
   /** `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last scan. */

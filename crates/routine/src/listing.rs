@@ -1,5 +1,5 @@
 //! A project for people: its routines with the original text of their rungs and lines, names for the operands, the uses of a
-//! tag, and the operands that a viewer watches ([`Look`]).
+//! tag, and the operands that a viewer watches ([`Monitor`]).
 //!
 //! Not here: drawing, and the scan, whose state [`Cell::sample`](crate::Cell::sample) shows.
 
@@ -13,7 +13,7 @@ use crate::cell::{Names, program_scopes};
 use crate::compile::{Compiler, Known, Owner};
 use crate::error::Line;
 use crate::expression::{Expression, TagReference, Step};
-use crate::look::Look;
+use crate::monitor::Monitor;
 use crate::rll::{Element, Instruction, Rung};
 use crate::source::{Content, Project, RoutineSource, RungSource, Usage};
 use crate::st::{Statement, StatementKind, Text};
@@ -33,7 +33,7 @@ pub struct Listing {
 /// A routine.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ListedRoutine<'l> {
-    /// Its number, by which [`Listing::rungs`] and [`Listing::look`] name it.
+    /// Its number, by which [`Listing::rungs`] and [`Listing::monitor`] name it.
     pub number: u32,
     /// The program, or the add-on instruction.
     pub owner: &'l str,
@@ -69,7 +69,7 @@ pub struct ListedRung {
     pub elements: Vec<ListedElement>,
 }
 
-/// An element of a rung. Its condition is the index of a digit of [`Sampled::power`](crate::Sampled).
+/// An element of a rung. Its condition is the index of a digit of [`MonitorSample::power`](crate::MonitorSample).
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum ListedElement {
     /// An instruction.
@@ -283,7 +283,7 @@ impl Listing {
 
     /// The operands to sample of rungs or lines of a routine. The values of an add-on instruction's routine are those of an instance, by
     /// its full name; without an instance there are none.
-    pub fn look(&self, routine: u32, from: usize, count: usize, instance: Option<&str>) -> Look {
+    pub fn monitor(&self, routine: u32, from: usize, count: usize, instance: Option<&str>) -> Monitor {
         let texts: Vec<Vec<Option<String>>> = match self.source(routine).map(|source| &source.content) {
             Some(Content::Ladder(_)) => {
                 let rungs = self.in_force(routine).skip(from).take(count);
@@ -310,17 +310,17 @@ impl Listing {
             };
             let has_values = matches!(owner, Some(Owner::Program(_))) || instance.is_some();
             compiler.owner = owner.unwrap_or(Owner::Program(usize::MAX));
-            let mut looked = |text: Option<String>| {
+            let mut monitored = |text: Option<String>| {
                 let expression = Expression::parse(&text.filter(|_| has_values)?).ok()?;
                 let mut is_open = false;
                 references(&expression, &mut |one| {
                     is_open |= in_out.contains(&one.name.to_ascii_lowercase())
                 });
-                if is_open { None } else { compiler.looked(&expression) }
+                if is_open { None } else { compiler.monitored(&expression) }
             };
-            let rows = texts.into_iter().map(|row| row.into_iter().map(&mut looked).collect());
+            let rows = texts.into_iter().map(|row| row.into_iter().map(&mut monitored).collect());
             let rows = rows.collect();
-            Look {
+            Monitor {
                 routine,
                 from,
                 rows,

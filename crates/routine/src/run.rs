@@ -217,14 +217,14 @@ impl State {
     }
 
     /// Prepares the evaluation of operands between two scans; returns the flag that it may change.
-    pub(crate) fn begin_look(&mut self) -> bool {
+    pub(crate) fn begin_sample(&mut self) -> bool {
         self.frame = 0;
         self.truncate_bases(0);
         self.overflow
     }
 
     /// Ends the evaluation of operands.
-    pub(crate) fn end_look(&mut self, overflow: bool) {
+    pub(crate) fn end_sample(&mut self, overflow: bool) {
         self.truncate_bases(0);
         self.overflow = overflow;
     }

@@ -3,7 +3,7 @@
 mod effects;
 mod events;
 mod instructions;
-mod looked;
+mod monitored;
 mod mended;
 mod messages;
 mod motion;

@@ -2,13 +2,13 @@
 //! while the program runs.
 
 use arcline_routine::source::{Project, Trigger};
-use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, Sampled, Shown};
+use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, MonitorSample, MonitoredValue};
 use arcline_tag::{FloatsOnly, TagValue, Value as Scalar};
 use serde_json::Value;
 use tokio::sync::watch;
 
 use super::protocol::{
-    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, LookRow, ProgramRow, Push, Refusal,
+    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, ProgramRow, Push, Refusal,
     RoutineList, RoutinePage, RoutineRow, Rung, RungElement, RungOperand, TaskRow, TextLine, UseList, UseRow, text_of,
 };
 use crate::plant::control::ViewerId;
@@ -248,18 +248,18 @@ pub(super) async fn force(plant: &Plant, by: Principal, tag: &str, value: &Value
 }
 
 /// The rungs or lines that a viewer watches, and the samples that it has received.
-pub(super) struct Looking {
+pub(super) struct MonitorUpdates {
     routine: u32,
     from: usize,
-    told: Vec<Sampled>,
-    samples: watch::Receiver<Vec<Sampled>>,
+    sent: Vec<MonitorSample>,
+    samples: watch::Receiver<Vec<MonitorSample>>,
 }
 
 /// Begins to watch the rungs or lines that a request names; `None`: the viewer watches nothing.
-pub(super) fn look(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Option<Looking>, Refusal> {
+pub(super) fn monitor(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Option<MonitorUpdates>, Refusal> {
     let program = program(plant)?;
     let Some(routine) = request.routine else {
-        program.looks.end(viewer);
+        program.monitors.end(viewer);
         return Ok(None);
     };
     check_count(request.count)?;
@@ -267,47 +267,47 @@ pub(super) fn look(plant: &Plant, viewer: ViewerId, request: &Look) -> Result<Op
     if version != request.version {
         return Err(Refusal::new("another program was loaded: read its routines again"));
     }
-    let look = Listing::look(
+    let monitor = Listing::monitor(
         &listing,
         routine,
         request.from,
         request.count,
         request.instance.as_deref(),
     );
-    Ok(Some(Looking {
+    Ok(Some(MonitorUpdates {
         routine,
         from: request.from,
-        told: Vec::new(),
-        samples: program.looks.begin(viewer, version, look),
+        sent: Vec::new(),
+        samples: program.monitors.begin(viewer, version, monitor),
     }))
 }
 
 /// A viewer stops watching.
 pub(super) fn leave(plant: &Plant, viewer: ViewerId) {
     if let Some(program) = plant.program() {
-        program.looks.end(viewer);
+        program.monitors.end(viewer);
     }
 }
 
-impl Looking {
+impl MonitorUpdates {
     /// Waits for samples, and gives the push of the rows that have changed; for ever, when the program was replaced.
     pub(super) async fn changed(&mut self) -> String {
         if self.samples.changed().await.is_err() {
             std::future::pending::<()>().await;
         }
         let newest = self.samples.borrow_and_update().clone();
-        let before = |row: usize| self.told.get(row);
+        let before = |row: usize| self.sent.get(row);
         let rows = newest
             .iter()
             .enumerate()
             .filter(|(row, now)| before(*row) != Some(*now));
-        let rows = rows.map(|(row, now)| LookRow {
+        let rows = rows.map(|(row, now)| MonitorRow {
             index: self.from + row,
             power: now.power.clone(),
             values: now.values.iter().map(shown).collect(),
         });
         let rows = rows.collect();
-        self.told = newest;
+        self.sent = newest;
         text_of(&Push::Look {
             routine: self.routine,
             rows,
@@ -315,13 +315,13 @@ impl Looking {
     }
 }
 
-fn shown(value: &Shown) -> Value {
+fn shown(value: &MonitoredValue) -> Value {
     match value {
-        Shown::Nothing => Value::Null,
-        Shown::Bool(on) => (*on).into(),
-        Shown::Whole(whole) => number(Scalar::Lint(*whole)),
-        Shown::Real(real) => number(Scalar::Lreal(*real)),
-        Shown::Text(text) => text.clone().into(),
+        MonitoredValue::Nothing => Value::Null,
+        MonitoredValue::Bool(on) => (*on).into(),
+        MonitoredValue::Whole(whole) => number(Scalar::Lint(*whole)),
+        MonitoredValue::Real(real) => number(Scalar::Lreal(*real)),
+        MonitoredValue::Text(text) => text.clone().into(),
     }
 }
 

@@ -22,9 +22,9 @@ pub(crate) struct Scanner {
     /// The newest tick whose tasks have run.
     tick: u64,
     period: u64,
-    /// The state of the looks that the cell traces; `None`: they are of the program before.
-    looks: Option<u64>,
-    is_looked_at: bool,
+    /// The state of the monitors that the cell traces; `None`: they are of the program before.
+    monitor_changes: Option<u64>,
+    is_monitored: bool,
     sampled_at: Instant,
     version: u64,
 }
@@ -41,8 +41,8 @@ impl Scanner {
         Scanner {
             period: plant.machine().period_ns,
             host: LiveHost::new(plant.clone(), program.clone(), &cell, places, pause),
-            looks: Some(0),
-            is_looked_at: false,
+            monitor_changes: Some(0),
+            is_monitored: false,
             sampled_at: Instant::now(),
             version: program.listing().0,
             plant,
@@ -63,22 +63,22 @@ impl Scanner {
 
     /// Samples the rungs that viewers watch. While no viewer watches, it reads one number.
     fn show(&mut self) {
-        let looks = &self.program.looks;
-        let changes = looks.changes();
-        if Some(changes) == self.looks && (!self.is_looked_at || self.sampled_at.elapsed() < SHOW_EVERY) {
+        let monitors = &self.program.monitors;
+        let changes = monitors.changes();
+        if Some(changes) == self.monitor_changes && (!self.is_monitored || self.sampled_at.elapsed() < SHOW_EVERY) {
             return;
         }
-        let mut all = looks.lock();
-        // A viewer may have gone while its look was compiled.
+        let mut all = monitors.lock();
+        // A viewer may have gone while its monitor was compiled.
         all.retain(|_, one| !one.samples.is_closed());
         let current = all.values().filter(|one| one.version == self.version);
-        if Some(changes) != self.looks {
-            self.looks = Some(changes);
-            self.is_looked_at = !all.is_empty();
-            self.cell.trace(current.clone().map(|one| one.look.routine()));
+        if Some(changes) != self.monitor_changes {
+            self.monitor_changes = Some(changes);
+            self.is_monitored = !all.is_empty();
+            self.cell.trace(current.clone().map(|one| one.monitor.routine()));
         }
         for one in current {
-            let newest = self.cell.sample(&one.look);
+            let newest = self.cell.sample(&one.monitor);
             one.samples.send_if_modified(|shown| {
                 let is_new = *shown != newest;
                 *shown = newest;
@@ -123,8 +123,8 @@ impl Scanner {
         self.host.take_over(&cell, places);
         self.cell = cell;
         self.version = self.program.set_listing(listing);
-        // The looks of the program before are over.
-        self.looks = None;
+        // The monitors of the program before are over.
+        self.monitor_changes = None;
         if self.state == State::Running {
             self.run(self.tick);
         }

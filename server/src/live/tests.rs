@@ -666,7 +666,7 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
 }
 
 #[test]
-fn what_is_looked_at_is_sampled_until_nobody_looks() {
+fn a_monitor_is_sampled_until_its_viewer_goes() {
     let text = cell(
         &["Go BOOL", "Count DINT"],
         &[],
@@ -677,8 +677,8 @@ fn what_is_looked_at_is_sampled_until_nobody_looks() {
     let program = bench.plant.program().expect("it has one").clone();
     let (version, listing) = program.listing();
     let routine = listing.routine("Main", "Go").expect("there is one");
-    let mut samples = program.looks.begin(7, version, listing.look(routine, 0, 2, None));
-    let old = program.looks.begin(8, version + 1, listing.look(routine, 0, 2, None));
+    let mut samples = program.monitors.begin(7, version, listing.monitor(routine, 0, 2, None));
+    let old = program.monitors.begin(8, version + 1, listing.monitor(routine, 0, 2, None));
     bench.write("Go", 1.0);
     // Samples come with the clock of the system.
     let deadline = std::time::Instant::now() + Duration::from_secs(20);
@@ -687,20 +687,20 @@ fn what_is_looked_at_is_sampled_until_nobody_looks() {
         let rows = samples.borrow_and_update().clone();
         if rows.first().is_some_and(|row| row.power == "111") {
             assert_eq!((rows.len(), rows[1].power.as_str()), (2, "11"));
-            assert_eq!(rows[0].values[0], arcline_routine::Shown::Bool(true));
+            assert_eq!(rows[0].values[0], arcline_routine::MonitoredValue::Bool(true));
             break;
         }
         assert!(std::time::Instant::now() < deadline, "{rows:?}");
     }
     assert!(old.borrow().is_empty(), "numbers of another program mean nothing");
     drop((samples, old));
-    program.looks.end(9);
+    program.monitors.end(9);
     let deadline = std::time::Instant::now() + Duration::from_secs(20);
-    while !program.looks.lock().is_empty() {
+    while !program.monitors.lock().is_empty() {
         bench.ticks(4);
         assert!(
             std::time::Instant::now() < deadline,
-            "looks of viewers that have gone stay"
+            "monitors of viewers that have gone stay"
         );
     }
 }

@@ -19,7 +19,7 @@ mod counters;
 mod forces;
 mod io;
 mod log;
-mod looks;
+mod monitors;
 mod movers;
 mod moves;
 mod owned;

@@ -9,7 +9,7 @@ use arcline_routine::{Fault, Listing};
 
 use super::Plant;
 use super::forces::Forces;
-use super::looks::Looks;
+use super::monitors::Monitors;
 
 /// The mode that the controller is to have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -66,7 +66,7 @@ pub struct ProgramStatus {
 #[derive(Debug)]
 pub(crate) struct Program {
     shown: Mutex<Shown>,
-    pub(crate) looks: Looks,
+    pub(crate) monitors: Monitors,
     pub(crate) forces: Forces,
 }
 
@@ -88,7 +88,7 @@ impl Program {
         let listing = Arc::new(listing);
         Program {
             shown: Mutex::new(Shown { mode, status, listing }),
-            looks: Looks::default(),
+            monitors: Monitors::default(),
             forces: Forces::default(),
         }
     }

@@ -311,7 +311,7 @@ pub(crate) struct Rung {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RungElement {
-    /// Index of its condition in `power` of a look.
+    /// Index of its condition in `power` of a `look`.
     pub(crate) condition: usize,
     /// Mnemonic; empty: a branch.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -321,7 +321,7 @@ pub(crate) struct RungElement {
     #[serde(skip_serializing_if = "String::is_empty")]
     #[cfg_attr(test, schemars(default))]
     pub(crate) title: String,
-    /// Operands, in the order of the values of a look.
+    /// Operands, in the order of the values of a `look`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(test, schemars(default))]
     pub(crate) operands: Vec<RungOperand>,
@@ -349,7 +349,7 @@ pub(crate) struct TextLine {
     pub(crate) number: u32,
     /// The line.
     pub(crate) text: String,
-    /// Tags in it, in the order of the values of a look.
+    /// Tags in it, in the order of the values of a `look`.
     pub(crate) names: Vec<String>,
 }
 

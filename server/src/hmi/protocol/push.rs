@@ -48,14 +48,14 @@ pub(crate) enum Push<'s> {
         /// Number of the routine.
         routine: u32,
         /// The rungs or lines that have changed.
-        rows: Vec<LookRow>,
+        rows: Vec<MonitorRow>,
     },
 }
 
 /// The state of a rung or line.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub(crate) struct LookRow {
+pub(crate) struct MonitorRow {
     /// Index in the routine, from 0.
     pub(crate) index: usize,
     /// `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last

@@ -22,10 +22,10 @@ impl Viewer {
     pub(super) async fn look(&self, request: Look) -> Result<Answer, Refusal> {
         let (outbox, viewer) = (self.outbox.clone(), self.id);
         self.computed(true, move |plant| {
-            let looking = controller::look(plant, viewer, &request);
-            let sent = looking.and_then(|looking| {
+            let updates = controller::monitor(plant, viewer, &request);
+            let sent = updates.and_then(|updates| {
                 let full = |_| Refusal::new("the page does not read the messages of the server");
-                outbox.try_send(Outgoing::Look(looking)).map_err(full)
+                outbox.try_send(Outgoing::Monitor(updates)).map_err(full)
             });
             request.answer(sent.map(|()| Done {}))
         })

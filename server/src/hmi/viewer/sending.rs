@@ -69,7 +69,7 @@ pub(super) enum Outgoing {
     /// The tags whose values are wanted.
     Watch(Vec<String>),
     /// The rungs or lines of the controller's own program that the viewer watches.
-    Look(Option<controller::Looking>),
+    Monitor(Option<controller::MonitorUpdates>),
 }
 
 /// Sends answers, and the pushes to every viewer.
@@ -79,7 +79,7 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
     let mut programs = shared.program.watch();
     let mut frames = None;
     let mut watched = Watched::new(&shared.plant);
-    let mut looking = None;
+    let mut monitored = None;
     let (mut paths, mut program) = (0, None);
     let mut pings = interval(PING);
     loop {
@@ -97,8 +97,8 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
                     watched.watch(&shared.plant, names);
                     continue;
                 }
-                Some(Outgoing::Look(at)) => {
-                    looking = at;
+                Some(Outgoing::Monitor(at)) => {
+                    monitored = at;
                     continue;
                 }
                 None => return,
@@ -136,7 +136,7 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
                 Err(RecvError::Closed) => return,
             },
             frame = next_frame(&mut frames) => Message::Binary(frame),
-            push = next_look(&mut looking) => Message::Text(push.into()),
+            push = next_monitor_push(&mut monitored) => Message::Text(push.into()),
             changes = watched.changes() => {
                 let Some(changes) = changes else { return };
                 let names = watched.take(&shared.plant, &changes);
@@ -186,9 +186,9 @@ async fn next_frame(frames: &mut Option<broadcast::Receiver<Bytes>>) -> Bytes {
 }
 
 /// The next push of the watched rungs or lines; it never comes if the viewer watches none.
-async fn next_look(looking: &mut Option<controller::Looking>) -> String {
-    match looking {
-        Some(looking) => looking.changed().await,
+async fn next_monitor_push(monitored: &mut Option<controller::MonitorUpdates>) -> String {
+    match monitored {
+        Some(monitored) => monitored.changed().await,
         None => std::future::pending().await,
     }
 }

@@ -5,36 +5,36 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use arcline_routine::{Look, Sampled};
+use arcline_routine::{Monitor, MonitorSample};
 use tokio::sync::watch;
 
 use super::control::ViewerId;
 
 /// The rungs or lines that one viewer watches.
 #[derive(Debug)]
-pub(crate) struct Looking {
+pub(crate) struct ViewerMonitor {
     /// The version of the program that it was compiled for.
     pub(crate) version: u64,
     /// Its operands.
-    pub(crate) look: Look,
+    pub(crate) monitor: Monitor,
     /// The newest samples.
-    pub(crate) samples: watch::Sender<Vec<Sampled>>,
+    pub(crate) samples: watch::Sender<Vec<MonitorSample>>,
 }
 
 /// The rungs and lines that all viewers watch.
 #[derive(Debug, Default)]
-pub(crate) struct Looks {
-    all: Mutex<BTreeMap<ViewerId, Looking>>,
+pub(crate) struct Monitors {
+    all: Mutex<BTreeMap<ViewerId, ViewerMonitor>>,
     changes: AtomicU64,
 }
 
-impl Looks {
+impl Monitors {
     /// Makes a viewer watch these rungs or lines in place of its earlier ones. The samples come as they change.
-    pub(crate) fn begin(&self, viewer: ViewerId, version: u64, look: Look) -> watch::Receiver<Vec<Sampled>> {
+    pub(crate) fn begin(&self, viewer: ViewerId, version: u64, monitor: Monitor) -> watch::Receiver<Vec<MonitorSample>> {
         let samples = watch::Sender::new(Vec::new());
         let receiver = samples.subscribe();
-        let looking = Looking { version, look, samples };
-        self.lock().insert(viewer, looking);
+        let viewer_monitor = ViewerMonitor { version, monitor, samples };
+        self.lock().insert(viewer, viewer_monitor);
         self.changes.fetch_add(1, Ordering::AcqRel);
         receiver
     }
@@ -46,13 +46,13 @@ impl Looks {
         }
     }
 
-    /// Another number for other looks.
+    /// Another number for other monitors.
     pub(crate) fn changes(&self) -> u64 {
         self.changes.load(Ordering::Acquire)
     }
 
     /// All of them.
-    pub(crate) fn lock(&self) -> MutexGuard<'_, BTreeMap<ViewerId, Looking>> {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, BTreeMap<ViewerId, ViewerMonitor>> {
         self.all.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{project, script};
 use crate::source::TagSource;
-use crate::{Language, ListedElement, Listing, NoMachine, Shown, load};
+use crate::{Language, ListedElement, Listing, NoMachine, MonitoredValue, load};
 
 fn alias(name: &str, of: &str) -> TagSource {
     TagSource {
@@ -43,17 +43,17 @@ fn power_flow_is_that_of_the_last_scan() {
             super::set(why, &mut cell, &source, text);
         }
         cell.tick(0, 10_000_000, &mut NoMachine).expect("no fault");
-        let sampled = cell.sample(&listing.look(routine, 0, 3, None));
+        let sampled = cell.sample(&listing.monitor(routine, 0, 3, None));
         assert_eq!(sampled[0].power, power, "{why}");
         // A rung that a jump passes over was not scanned.
         let is_passed = rung.contains("JMP") && power.starts_with("11");
         assert_eq!(sampled[1].power.is_empty(), is_passed, "{why}");
-        let called = cell.sample(&listing.look(sub, 0, 1, None));
+        let called = cell.sample(&listing.monitor(sub, 0, 1, None));
         assert_eq!(called[0].power.is_empty(), !rung.contains("JSR"), "{why}");
-        // The looks are over.
+        // The monitors have ended.
         cell.trace([]);
         cell.tick(1, 10_000_000, &mut NoMachine).expect("no fault");
-        assert_eq!(cell.sample(&listing.look(routine, 0, 1, None))[0].power, "", "{why}");
+        assert_eq!(cell.sample(&listing.monitor(routine, 0, 1, None))[0].power, "", "{why}");
     }
 }
 
@@ -71,22 +71,22 @@ fn values_stand_in_the_order_of_the_operands() {
     assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
     let mut cell = loaded.cell;
     let listing = Listing::new(source, loaded.names);
-    let rows = cell.sample(&listing.look(0, 0, 100, None));
-    let whole = |value| Shown::Whole(value);
+    let rows = cell.sample(&listing.monitor(0, 0, 100, None));
+    let whole = |value| MonitoredValue::Whole(value);
     let expected = [
-        vec![Shown::Bool(false), Shown::Text(String::new()), whole(100), whole(0)],
-        vec![whole(7), Shown::Nothing, Shown::Real(1.5)],
+        vec![MonitoredValue::Bool(false), MonitoredValue::Text(String::new()), whole(100), whole(0)],
+        vec![whole(7), MonitoredValue::Nothing, MonitoredValue::Real(1.5)],
         vec![whole(3), whole(7)],
         // A subscript out of range is no fault of the program.
-        vec![Shown::Nothing, whole(7)],
+        vec![MonitoredValue::Nothing, whole(7)],
         vec![whole(1)],
         vec![
-            Shown::Text("abc".to_owned()),
-            Shown::Text("abc".to_owned()),
-            Shown::Nothing,
+            MonitoredValue::Text("abc".to_owned()),
+            MonitoredValue::Text("abc".to_owned()),
+            MonitoredValue::Nothing,
         ],
-        vec![Shown::Bool(true)],
-        vec![Shown::Bool(false)],
+        vec![MonitoredValue::Bool(true)],
+        vec![MonitoredValue::Bool(false)],
     ];
     assert_eq!(rows.len(), expected.len());
     for (number, (row, expected)) in rows.iter().zip(expected).enumerate() {
@@ -114,8 +114,8 @@ fn lines_of_text_name_their_tags() {
         names,
         expected.map(|row| row.iter().map(ToString::to_string).collect::<Vec<_>>())
     );
-    let rows = cell.sample(&listing.look(0, 2, 1, None));
-    assert_eq!(rows[0].values, [Shown::Whole(7), Shown::Whole(4)]);
+    let rows = cell.sample(&listing.monitor(0, 2, 1, None));
+    assert_eq!(rows[0].values, [MonitoredValue::Whole(7), MonitoredValue::Whole(4)]);
 }
 
 #[test]

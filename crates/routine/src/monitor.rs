@@ -1,6 +1,6 @@
 //! The data that a viewer watches while a project runs: the power flow of rungs in their last scan, and the values of their operands.
 //!
-//! A routine without a look costs a scan nothing. A look is compiled beside the scan ([`Listing::look`](crate::Listing::look)) and
+//! A routine without a monitor costs a scan nothing. A monitor is compiled beside the scan ([`Listing::monitor`](crate::Listing::monitor)) and
 //! sampled between two scans.
 
 use arcline_tag::DataType;
@@ -15,12 +15,12 @@ use crate::run::{Number, Run, Scan, Trace};
 
 /// Operands of rungs or lines of a routine.
 #[derive(Clone, Debug)]
-pub struct Look {
+pub struct Monitor {
     pub(crate) routine: u32,
     /// The index of the first rung or line.
     pub(crate) from: usize,
     /// The operands by rung or line; `None`: an operand without value.
-    pub(crate) rows: Vec<Vec<Option<Looked>>>,
+    pub(crate) rows: Vec<Vec<Option<MonitoredOperand>>>,
     /// The instance of the add-on instruction.
     pub(crate) instance: Option<Place>,
     pub(crate) code: Code,
@@ -28,25 +28,25 @@ pub struct Look {
 
 /// An operand whose value is shown.
 #[derive(Clone, Debug)]
-pub(crate) enum Looked {
+pub(crate) enum MonitoredOperand {
     Value(Argument),
     /// The status bits of a structure: byte, mask and name.
     Bits(Place, Box<[(u32, u8, String)]>),
 }
 
-/// A rung or line of a look.
+/// A rung or line of a monitor.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Sampled {
+pub struct MonitorSample {
     /// A `0` or `1` each: the rung condition, then the condition behind each element in the order of
     /// [`ListedElement`](crate::ListedElement)'s conditions. Empty: the rung was not scanned in the program's last scan, or is a line of text.
     pub power: String,
     /// The values of the operands.
-    pub values: Vec<Shown>,
+    pub values: Vec<MonitoredValue>,
 }
 
 /// A value as it is shown.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Shown {
+pub enum MonitoredValue {
     /// There is none, or a subscript is out of range.
     Nothing,
     /// A BOOL or bit.
@@ -59,7 +59,7 @@ pub enum Shown {
     Text(String),
 }
 
-impl Look {
+impl Monitor {
     /// The number of its routine.
     pub fn routine(&self) -> u32 {
         self.routine
@@ -105,34 +105,34 @@ impl Cell {
     }
 
     /// Samples the watched operands, between two scans.
-    pub fn sample(&mut self, look: &Look) -> Vec<Sampled> {
-        let mut samples: Vec<Sampled> = Vec::with_capacity(look.rows.len());
-        for row in 0..look.rows.len() {
-            samples.push(Sampled {
-                power: self.power(look.routine, look.from + row),
+    pub fn sample(&mut self, monitor: &Monitor) -> Vec<MonitorSample> {
+        let mut samples: Vec<MonitorSample> = Vec::with_capacity(monitor.rows.len());
+        for row in 0..monitor.rows.len() {
+            samples.push(MonitorSample {
+                power: self.power(monitor.routine, monitor.from + row),
                 values: Vec::new(),
             });
         }
         let (_, state) = self.parts_mut();
-        let overflow = state.begin_look();
+        let overflow = state.begin_sample();
         let mut scan = Scan {
-            code: &look.code,
+            code: &monitor.code,
             s: state,
             host: &mut NoMachine,
             caller: None,
         };
-        if let Some(instance) = &look.instance
+        if let Some(instance) = &monitor.instance
             && let Ok(at) = scan.address(instance)
         {
             scan.enter_instance(at);
         }
-        for (row, sample) in look.rows.iter().zip(&mut samples) {
+        for (row, sample) in monitor.rows.iter().zip(&mut samples) {
             sample.values = row
                 .iter()
-                .map(|one| one.as_ref().map_or(Shown::Nothing, |one| scan.shown(one)))
+                .map(|one| one.as_ref().map_or(MonitoredValue::Nothing, |one| scan.shown(one)))
                 .collect();
         }
-        state.end_look(overflow);
+        state.end_sample(overflow);
         samples
     }
 
@@ -168,76 +168,76 @@ fn conditions(nodes: &[Node]) -> u32 {
 }
 
 impl Scan<'_> {
-    fn shown(&mut self, looked: &Looked) -> Shown {
-        let shown = match looked {
-            Looked::Value(Argument::Bit(bit)) => self.bit(bit).map(Shown::Bool),
-            Looked::Value(Argument::Target(cell)) => {
+    fn shown(&mut self, operand: &MonitoredOperand) -> MonitoredValue {
+        let shown = match operand {
+            MonitoredOperand::Value(Argument::Bit(bit)) => self.bit(bit).map(MonitoredValue::Bool),
+            MonitoredOperand::Value(Argument::Target(cell)) => {
                 self.address(&cell.place).map(|at| match self.read(at, cell.kind) {
-                    Number::Whole(value) => Shown::Whole(value),
-                    Number::Real(value) => Shown::Real(value),
+                    Number::Whole(value) => MonitoredValue::Whole(value),
+                    Number::Real(value) => MonitoredValue::Real(value),
                 })
             }
-            Looked::Value(Argument::Text(part)) => self.shown_text(part),
-            Looked::Value(value) => self.argument(value).map(|value| match value {
-                Number::Whole(value) => Shown::Whole(value),
-                Number::Real(value) => Shown::Real(value),
+            MonitoredOperand::Value(Argument::Text(part)) => self.shown_text(part),
+            MonitoredOperand::Value(value) => self.argument(value).map(|value| match value {
+                Number::Whole(value) => MonitoredValue::Whole(value),
+                Number::Real(value) => MonitoredValue::Real(value),
             }),
-            Looked::Bits(place, bits) => self.address(place).map(|at| {
+            MonitoredOperand::Bits(place, bits) => self.address(place).map(|at| {
                 let set = bits.iter().filter(|(offset, mask, _)| self.has(at + offset, *mask));
                 let names: Vec<&str> = set.map(|(.., name)| name.as_str()).collect();
-                Shown::Text(names.join(" "))
+                MonitoredValue::Text(names.join(" "))
             }),
         };
         // A subscript out of range is no fault of the program here.
         let _ = self.take_fault();
-        shown.unwrap_or(Shown::Nothing)
+        shown.unwrap_or(MonitoredValue::Nothing)
     }
 
-    fn shown_text(&mut self, part: &TextPart) -> Run<Shown> {
+    fn shown_text(&mut self, part: &TextPart) -> Run<MonitoredValue> {
         let (from, end) = self.text_range(part)?;
         let bytes = self.text_slice(part, from, end);
         let text: String = bytes.iter().take(MAX_SHOWN).map(|byte| char::from(*byte)).collect();
-        Ok(Shown::Text(text))
+        Ok(MonitoredValue::Text(text))
     }
 }
 
 impl Compiler<'_> {
     /// The displayed value of an operand; `None`: the operand is a literal, or a word that is not a tag.
-    pub(crate) fn looked(&mut self, expression: &Expression) -> Option<Looked> {
+    pub(crate) fn monitored(&mut self, expression: &Expression) -> Option<MonitoredOperand> {
         match expression {
             Expression::Integer(_) | Expression::Real(_) | Expression::Text(_) => None,
             Expression::Reference(reference) => match status_of(reference) {
-                Some(status) => Some(Looked::Value(Argument::Integer(Ex::Status(status)))),
-                None => self.looked_tag(reference),
+                Some(status) => Some(MonitoredOperand::Value(Argument::Integer(Ex::Status(status)))),
+                None => self.monitored_tag(reference),
             },
-            expression => self.value(expression).ok().map(Looked::Value),
+            expression => self.value(expression).ok().map(MonitoredOperand::Value),
         }
     }
 
-    fn looked_tag(&mut self, reference: &TagReference) -> Option<Looked> {
+    fn monitored_tag(&mut self, reference: &TagReference) -> Option<MonitoredOperand> {
         let found = self.resolve(reference).ok()?;
         if let Some(bit) = found.as_bit() {
-            return Some(Looked::Value(Argument::Bit(bit)));
+            return Some(MonitoredOperand::Value(Argument::Bit(bit)));
         }
         if found.is_array() {
             return None;
         }
         let expression = Expression::Reference(reference.clone());
         match &found.data_type {
-            DataType::Elementary(kind) => Some(Looked::Value(Argument::Target(Cellular {
+            DataType::Elementary(kind) => Some(MonitoredOperand::Value(Argument::Target(Cellular {
                 place: found.place(),
                 kind: *kind,
             }))),
             DataType::Structure(template) => {
                 if let Some(part) = self.text_part(&expression) {
-                    return Some(Looked::Value(Argument::Text(part)));
+                    return Some(MonitoredOperand::Value(Argument::Text(part)));
                 }
                 if !WITH_BITS.contains(&template.name.as_str()) {
                     return None;
                 }
                 let members = template.members.iter().filter(|member| !member.hidden);
                 let bits = members.filter_map(|member| Some((member.offset, 1 << member.bit?, member.name.clone())));
-                Some(Looked::Bits(found.place(), bits.collect()))
+                Some(MonitoredOperand::Bits(found.place(), bits.collect()))
             }
         }
     }
