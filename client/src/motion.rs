@@ -63,9 +63,7 @@ impl Operands {
             .operands_behind_control()
             .filter_map(|index| instruction.operands.get(index));
         let operands = operands.map(|operand| match operand.kind {
-            Kind::Array(_) | Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
-                UnboundOperand::Missing
-            }
+            Kind::Array(_) | Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => UnboundOperand::Missing,
             _ => UnboundOperand::Number(operand.initial.into()),
         });
         Self {

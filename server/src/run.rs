@@ -17,7 +17,7 @@ use tokio::sync::oneshot;
 use crate::audit::{self, Audit, EventKind};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
-use crate::hmi::{self, Doors, Hmi, Sessions};
+use crate::hmi::{self, Hmi, ListenSettings, Sessions};
 use crate::live::{self, UnknownParts};
 use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
@@ -283,14 +283,14 @@ async fn open(project: &Project, hmi: Option<HmiAt>, config: Option<&Path>, plan
     if let Some(address) = listener.io_addr() {
         tracing::info!(%address, "implicit I/O (class 0 and 1 connections) listens");
     }
-    let doors = Doors {
+    let listen_settings = ListenSettings {
         plain: None,
         tls: security.hmi_tls.zip(tls.clone()),
         sessions: Some(Arc::new(sessions)),
     };
     let hmi = match (hmi, security.hmi_tls) {
         (None, None) => None,
-        (at, _) => Some(bind_hmi(at, doors, plant.clone()).await?),
+        (at, _) => Some(bind_hmi(at, listen_settings, plant.clone()).await?),
     };
     Ok(Sockets { listener, hmi, tls })
 }
@@ -383,8 +383,8 @@ fn reload_program(plant: &Plant, live: &live::Live) {
 fn check_open(server: &ServerConfig, hmi: Option<HmiAt>, args: &RunArgs) -> Result<(), Failure> {
     let page = hmi.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
     let eip = [server.listen].into_iter().chain(server.listen_also.iter().copied());
-    let doors = eip.chain(page).chain(server.io.address(server.listen));
-    let Some(open) = doors
+    let listeners = eip.chain(page).chain(server.io.address(server.listen));
+    let Some(open) = listeners
         .into_iter()
         .find(|address| !address.ip().to_canonical().is_loopback())
     else {
@@ -500,10 +500,10 @@ enum HmiAt {
     Default(SocketAddr),
 }
 
-async fn bind_hmi(at: Option<HmiAt>, doors: Doors, plant: Plant) -> Result<Hmi, Failure> {
+async fn bind_hmi(at: Option<HmiAt>, settings: ListenSettings, plant: Plant) -> Result<Hmi, Failure> {
     let plain = at.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
-    let doors = Doors { plain, ..doors };
-    let error = match Hmi::bind_all(doors.clone(), plant.clone()).await {
+    let settings = ListenSettings { plain, ..settings };
+    let error = match Hmi::bind_all(settings.clone(), plant.clone()).await {
         Ok(hmi) => return Ok(hmi),
         Err(error) => error,
     };
@@ -515,7 +515,7 @@ async fn bind_hmi(at: Option<HmiAt>, doors: Doors, plant: Plant) -> Result<Hmi, 
     }
     tracing::warn!(%address, "another program uses the default port of the web page: the ready line has the port of this server");
     let plain = Some(SocketAddr::new(address.ip(), 0));
-    Hmi::bind_all(Doors { plain, ..doors }, plant)
+    Hmi::bind_all(ListenSettings { plain, ..settings }, plant)
         .await
         .map_err(|error| no_hmi(&error))
 }

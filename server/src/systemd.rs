@@ -35,7 +35,7 @@ impl Supervisor {
         })
     }
 
-    /// All doors are bound.
+    /// All listeners are bound.
     pub(crate) fn ready(&self) {
         self.say("READY=1");
     }

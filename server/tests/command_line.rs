@@ -389,7 +389,7 @@ fn a_move_is_the_same_by_ladder_structured_text_and_tag_write() {
         ),
         ("tag write", files.write("tags.st", by_tag), &[]),
     ];
-    let traces = runs.map(|(door, file, args)| {
+    let traces = runs.map(|(interface, file, args)| {
         let trace = files.0.path().join("trace.csv");
         let mut run = server();
         run.arg("simulate").arg(&file).args(args).arg("--trace").arg(&trace);
@@ -397,14 +397,21 @@ fn a_move_is_the_same_by_ladder_structured_text_and_tag_write() {
             run.arg("--config").arg(&config);
         }
         let run = run.output().expect("the server runs");
-        assert!(run.status.success(), "{door}: {}", String::from_utf8_lossy(&run.stderr));
-        (door, std::fs::read_to_string(trace).expect("a trace"))
+        assert!(
+            run.status.success(),
+            "{interface}: {}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+        (interface, std::fs::read_to_string(trace).expect("a trace"))
     });
     let (_, first) = &traces[0];
-    for (door, trace) in &traces[1..] {
+    for (interface, trace) in &traces[1..] {
         let rows = first.lines().zip(trace.lines()).take_while(|(a, b)| a == b).count();
         let shorter = first.lines().count().min(trace.lines().count());
-        assert!(rows > 500 && rows == shorter, "{door}: row {rows} of {shorter} differs");
+        assert!(
+            rows > 500 && rows == shorter,
+            "{interface}: row {rows} of {shorter} differs"
+        );
     }
 }
 

@@ -222,16 +222,16 @@ fn secrets_are_written_nowhere() {
 /// Beyond this computer the server listens only with roles in its configuration, or with a banner.
 #[test]
 fn the_page_is_not_opened_by_accident() {
-    for door in [
+    for listen in [
         ["--listen", "0.0.0.0:0"],
         ["--hmi", "0.0.0.0:0"],
         ["--listen", "[::]:0"],
     ] {
-        let (code, text) = run(&["run", door[0], door[1]], "");
-        assert_eq!(code, Some(2), "{door:?}: {text}");
+        let (code, text) = run(&["run", listen[0], listen[1]], "");
+        assert_eq!(code, Some(2), "{listen:?}: {text}");
         assert!(
             text.contains("--open-to-network") && text.contains("[security]"),
-            "{door:?}: {text}"
+            "{listen:?}: {text}"
         );
     }
     let mut server = Command::new(SERVER)

@@ -22,7 +22,7 @@ struct Bench {
     server: Option<Child>,
     eip: Option<SocketAddr>,
     tls: Option<SocketAddr>,
-    /// The TLS door of the page.
+    /// The TLS listener of the page.
     page: Option<SocketAddr>,
 }
 
@@ -437,7 +437,7 @@ fn the_suites_that_are_taken_are_those_of_the_list() {
     );
 }
 
-/// The TLS door of the page: browsers show no certificate.
+/// The TLS listener of the page: browsers show no certificate.
 #[test]
 fn handshakes_with_the_page() {
     if !has_openssl() {

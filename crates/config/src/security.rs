@@ -76,7 +76,7 @@ pub struct CertificateRole {
     pub role: Role,
 }
 
-/// The addresses that a door answers.
+/// The addresses that a listener answers.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct AllowList(pub Vec<IpNet>);
 
@@ -93,7 +93,7 @@ impl AllowList {
         Some(network.trunc())
     }
 
-    /// Whether the door answers an address. Without networks it answers all; it always answers this computer's own loopback addresses.
+    /// Whether the listener answers an address. Without networks it answers all; it always answers this computer's own loopback addresses.
     pub fn allows(&self, address: IpAddr) -> bool {
         let address = address.to_canonical();
         self.0.is_empty() || address.is_loopback() || self.0.iter().any(|network| network.contains(&address))

@@ -158,9 +158,7 @@ fn build(instruction: &Instruction) -> Arc<Template> {
             Kind::Array(ArrayRule::AtLeast(least)) => builder.array(name, Elementary::Real, u16::from(least)),
             Kind::ArrayOrNone => builder.array(name, Elementary::Real, EVENT_ELEMENTS),
             Kind::WrittenArray(elements) => builder.array(name, Elementary::Real, elements),
-            Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
-                builder.member(name, string_template())
-            }
+            Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => builder.member(name, string_template()),
         };
     }
     builder.build()

@@ -40,11 +40,9 @@ impl Operand {
         };
         match &self.kind {
             // Names were resolved when the call was bound.
-            Kind::Target(_)
-            | Kind::MotionControl
-            | Kind::Object(_)
-            | Kind::Structure(_)
-            | Kind::StructureOrNone(_) => true,
+            Kind::Target(_) | Kind::MotionControl | Kind::Object(_) | Kind::Structure(_) | Kind::StructureOrNone(_) => {
+                true
+            }
             Kind::Word(words) => match as_dint(call.number(place)) {
                 Some(value) => words.contains(value),
                 None => false,

@@ -12,7 +12,7 @@ use arcline_instruction_set::{Kind as MotionKind, Mnemonic};
 use crate::cell::{Names, program_scopes};
 use crate::compile::{Compiler, Known, Owner};
 use crate::error::Line;
-use crate::expression::{Expression, TagReference, Step};
+use crate::expression::{Expression, Step, TagReference};
 use crate::monitor::Monitor;
 use crate::rll::{Element, Instruction, Rung};
 use crate::source::{Content, Project, RoutineSource, RungSource, Usage};
@@ -318,7 +318,9 @@ impl Listing {
                 });
                 if is_open { None } else { compiler.monitored(&expression) }
             };
-            let rows = texts.into_iter().map(|row| row.into_iter().map(&mut monitored).collect());
+            let rows = texts
+                .into_iter()
+                .map(|row| row.into_iter().map(&mut monitored).collect());
             let rows = rows.collect();
             Monitor {
                 routine,

@@ -3,9 +3,9 @@
 mod effects;
 mod events;
 mod instructions;
-mod monitored;
 mod mended;
 mod messages;
+mod monitored;
 mod motion;
 mod projects;
 mod refused;

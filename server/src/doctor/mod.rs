@@ -104,7 +104,7 @@ fn findings(args: &DoctorArgs) -> Result<Vec<Finding>, Failure> {
     let machine = &project.machine;
     let axes = machine.axes.len();
     let mut findings = vec![Finding::ok("configuration", format!("{file}: {axes} axes, valid"))];
-    findings.extend(network::doors(&project.server));
+    findings.extend(network::ports(&project.server));
     findings.push(system::descriptors(project.server.max_clients));
     findings.extend(args.state.as_deref().map(system::state));
     let system = System::of_this_computer();

@@ -7,17 +7,17 @@ use arcline_config::ServerConfig;
 
 use super::{Finding, Grade};
 
-/// Opens each door for a moment.
-pub(super) fn doors(server: &ServerConfig) -> Vec<Finding> {
+/// Opens each port for a moment.
+pub(super) fn ports(server: &ServerConfig) -> Vec<Finding> {
     let mut findings = Vec::new();
     for listen in [server.listen].into_iter().chain(server.listen_also.iter().copied()) {
-        findings.push(door("EtherNet/IP", listen, &[Kind::Tcp, Kind::Udp]));
+        findings.push(port("EtherNet/IP", listen, &[Kind::Tcp, Kind::Udp]));
     }
     if let Some(io) = server.io.address(server.listen) {
-        findings.push(door("cyclic I/O", io, &[Kind::Udp]));
+        findings.push(port("cyclic I/O", io, &[Kind::Udp]));
     }
     if let Some(hmi) = server.hmi {
-        findings.push(door("page", hmi, &[Kind::Tcp]));
+        findings.push(port("page", hmi, &[Kind::Tcp]));
     }
     findings
 }
@@ -29,7 +29,7 @@ pub(super) enum Kind {
     Udp,
 }
 
-pub(super) fn door(check: &'static str, at: SocketAddr, kinds: &[Kind]) -> Finding {
+pub(super) fn port(check: &'static str, at: SocketAddr, kinds: &[Kind]) -> Finding {
     for kind in kinds {
         let (word, opened) = match kind {
             Kind::Tcp => ("TCP", TcpListener::bind(at).map(drop)),

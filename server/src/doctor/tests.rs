@@ -6,7 +6,7 @@ use std::path::Path;
 
 use arcline_realtime::Report;
 
-use super::network::{Kind, door};
+use super::network::{Kind, port};
 use super::real_time::{lateness, memory, scheduling};
 use super::system::{System, state};
 use super::{Finding, Grade, text};
@@ -67,15 +67,15 @@ fn what_the_system_says_is_judged() {
 fn a_port_that_is_taken_is_told() {
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let at = taken.local_addr().expect("its address");
-    let finding = door("page", at, &[Kind::Tcp]);
+    let finding = port("page", at, &[Kind::Tcp]);
     assert!(
         finding.grade == Grade::Failed && finding.remedy.contains("ss -lntup"),
         "{finding:?}"
     );
     drop(taken);
-    assert_eq!(door("page", at, &[Kind::Tcp]).grade, Grade::Ok);
+    assert_eq!(port("page", at, &[Kind::Tcp]).grade, Grade::Ok);
     let elsewhere = "203.0.113.1:0".parse().expect("an address");
-    assert_eq!(door("page", elsewhere, &[Kind::Udp]).grade, Grade::Failed);
+    assert_eq!(port("page", elsewhere, &[Kind::Udp]).grade, Grade::Failed);
 }
 
 #[test]

@@ -180,7 +180,10 @@ async fn accept_each<A: Accept, F>(
         match listener.accept().await {
             Ok((_, peer)) if !allow.allows(peer.ip()) => {
                 device.plant.log_limit().warn("allow", Some(peer.ip()), || {
-                    format!("a client was closed: {} is in no network of the door's list", peer.ip())
+                    format!(
+                        "a client was closed: {} is in no network of the listener's list",
+                        peer.ip()
+                    )
                 });
             }
             Ok((stream, peer)) => match device.limiter.enter(peer.ip()) {

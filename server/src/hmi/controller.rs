@@ -8,8 +8,9 @@ use serde_json::Value;
 use tokio::sync::watch;
 
 use super::protocol::{
-    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, ProgramRow, Push, Refusal,
-    RoutineList, RoutinePage, RoutineRow, Rung, RungElement, RungOperand, TaskRow, TextLine, UseList, UseRow, text_of,
+    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, ProgramRow, Push,
+    Refusal, RoutineList, RoutinePage, RoutineRow, Rung, RungElement, RungOperand, TaskRow, TextLine, UseList, UseRow,
+    text_of,
 };
 use crate::plant::control::ViewerId;
 use crate::plant::{Command, Force, Plant, Principal, Program, ProgramState};
@@ -235,14 +236,14 @@ pub(super) async fn force(plant: &Plant, by: Principal, tag: &str, value: &Value
             ));
         }
     };
-    let door = |transaction: &mut crate::plant::Transaction<'_>| match value {
+    let work = |transaction: &mut crate::plant::Transaction<'_>| match value {
         None => transaction.apply(Command::RemoveForce(Some(tag))),
         Some(value) => {
             let force = Force::new(transaction.image(), tag, value).map_err(crate::plant::Refused::from)?;
             transaction.apply(Command::Force(&force))
         }
     };
-    let (done, _) = plant.transact(by, door);
+    let (done, _) = plant.transact(by, work);
     done?;
     Ok(())
 }

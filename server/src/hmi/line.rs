@@ -89,10 +89,11 @@ fn write(instruction: &Instruction, operand: &Operand, given: Option<&Value>) ->
     };
     match (&operand.kind, given) {
         (Kind::MotionControl, None) => Ok(needed(format!("HMI_{}", instruction.mnemonic))),
-        (
-            Kind::Target(_) | Kind::MotionControl | Kind::Object(_) | Kind::Structure(_),
-            Some(Value::String(name)),
-        ) if !name.trim().is_empty() => Ok(needed(name.trim().to_owned())),
+        (Kind::Target(_) | Kind::MotionControl | Kind::Object(_) | Kind::Structure(_), Some(Value::String(name)))
+            if !name.trim().is_empty() =>
+        {
+            Ok(needed(name.trim().to_owned()))
+        }
         (Kind::Target(_) | Kind::MotionControl | Kind::Object(_) | Kind::Structure(_), _) => {
             Err("expected a name".to_owned())
         }

@@ -48,32 +48,32 @@ use jog::Jogs;
 use preview::Previews;
 use program::Programs;
 use protocol::text_of;
-use serve::Entrance;
+use serve::Acceptor;
 pub(crate) use sessions::Sessions;
 use status::Status;
-use workers::{Beside, Workers};
+use workers::{WorkThreads, Workers};
 
 /// The bound HMI.
 #[derive(Debug)]
 pub struct Hmi {
-    doors: Vec<Door>,
+    listeners: Vec<Listener>,
     shared: Arc<Shared>,
 }
 
 /// A socket that listens.
 #[derive(Debug)]
-struct Door {
-    entrance: Entrance,
+struct Listener {
+    acceptor: Acceptor,
     /// Its address.
     listen: SocketAddr,
-    /// `None`: the door has no encryption.
+    /// `None`: the listener has no encryption.
     tls: Option<Arc<Tls>>,
 }
 
-/// The doors of the page, and the users who log in there.
+/// The listeners of the page, and the users who log in there.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Doors {
-    /// The address without encryption; `None`: there is no such door.
+pub(crate) struct ListenSettings {
+    /// The address without encryption; `None`: there is no such listener.
     pub(crate) plain: Option<SocketAddr>,
     /// The address and the side of TLS for HTTPS.
     pub(crate) tls: Option<(SocketAddr, Arc<Tls>)>,
@@ -126,36 +126,39 @@ impl Hmi {
     /// # Errors
     /// The address cannot be bound.
     pub async fn bind(address: SocketAddr, plant: Plant) -> io::Result<Self> {
-        let doors = Doors {
+        let settings = ListenSettings {
             plain: Some(address),
-            ..Doors::default()
+            ..ListenSettings::default()
         };
-        Self::bind_all(doors, plant)
+        Self::bind_all(settings, plant)
             .await
             .map_err(|BindError { error, .. }| error)
     }
 
-    /// Binds all doors.
-    pub(crate) async fn bind_all(doors: Doors, plant: Plant) -> Result<Self, BindError> {
+    /// Binds all listeners.
+    pub(crate) async fn bind_all(settings: ListenSettings, plant: Plant) -> Result<Self, BindError> {
         let mut bound = Vec::new();
-        let plain = doors.plain.map(|address| (address, None));
-        let tls = doors.tls.as_ref().map(|(address, tls)| (*address, Some(tls.clone())));
+        let plain = settings.plain.map(|address| (address, None));
+        let tls = settings
+            .tls
+            .as_ref()
+            .map(|(address, tls)| (*address, Some(tls.clone())));
         for (address, tls) in plain.into_iter().chain(tls) {
             let failed = |error| BindError { address, error };
             let listener = TcpListener::bind(address).await.map_err(failed)?;
             let listen = listener.local_addr().map_err(failed)?;
-            let entrance = Entrance::System(listener);
-            bound.push(Door { entrance, listen, tls });
+            let acceptor = Acceptor::System(listener);
+            bound.push(Listener { acceptor, listen, tls });
         }
-        Ok(Self::of(bound, doors, plant, Beside::Threads))
+        Ok(Self::of(bound, settings, plant, WorkThreads::Pool))
     }
 
-    /// Makes the page with bound doors.
-    fn of(bound: Vec<Door>, doors: Doors, plant: Plant, beside: Beside) -> Self {
+    /// Makes the page with bound listeners.
+    fn of(bound: Vec<Listener>, settings: ListenSettings, plant: Plant, threads: WorkThreads) -> Self {
         let shared = Shared {
             assets: Assets::from_environment(),
-            tls: doors.tls.map(|(_, tls)| tls),
-            sessions: doors.sessions.unwrap_or_default(),
+            tls: settings.tls.map(|(_, tls)| tls),
+            sessions: settings.sessions.unwrap_or_default(),
             machine: text_of(&machine::description(&plant)),
             instructions: text_of(&instructions::catalogue()),
             connections: Places::new(CONNECTIONS, Full::ClosesOldest),
@@ -165,30 +168,33 @@ impl Hmi {
             frames: broadcast::Sender::new(frames::WAITING),
             jogs: Jogs::default(),
             stops: AtomicU64::new(0),
-            workers: Workers::new(beside),
-            program: Arc::new(Programs::new(beside)),
+            workers: Workers::new(threads),
+            program: Arc::new(Programs::new(threads)),
             previews: Previews::default(),
             events: broadcast::Sender::new(events::WAITING),
             plant,
         };
         Self {
-            doors: bound,
+            listeners: bound,
             shared: Arc::new(shared),
         }
     }
 
     /// The address without encryption that was really bound, if there is one.
     pub fn local_addr(&self) -> Option<SocketAddr> {
-        self.address(|door| door.tls.is_none())
+        self.address(|listener| listener.tls.is_none())
     }
 
     /// The address of HTTPS that was really bound, if there is one.
     pub fn tls_addr(&self) -> Option<SocketAddr> {
-        self.address(|door| door.tls.is_some())
+        self.address(|listener| listener.tls.is_some())
     }
 
-    fn address(&self, is_one: impl Fn(&Door) -> bool) -> Option<SocketAddr> {
-        self.doors.iter().find(|door| is_one(door)).map(|door| door.listen)
+    fn address(&self, is_one: impl Fn(&Listener) -> bool) -> Option<SocketAddr> {
+        self.listeners
+            .iter()
+            .find(|listener| is_one(listener))
+            .map(|listener| listener.listen)
     }
 
     /// Serves until the future is dropped; that closes every viewer.
@@ -198,11 +204,11 @@ impl Hmi {
         let rights = jog::watch(self.shared.clone());
         let events = events::produce(self.shared.clone());
         let sessions = self.shared.sessions.watch(&self.shared.plant);
-        let doors = self
-            .doors
+        let accepting = self
+            .listeners
             .into_iter()
-            .map(|door| serve::accept(door, self.shared.clone()));
-        let connections = futures_util::future::join_all(doors);
+            .map(|listener| serve::accept(listener, self.shared.clone()));
+        let connections = futures_util::future::join_all(accepting);
         tokio::join!(rights, statuses, samples, events, sessions, connections);
     }
 }

@@ -16,7 +16,7 @@ use tokio::sync::watch;
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
 use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
 use super::tags;
-use super::workers::Beside;
+use super::workers::WorkThreads;
 use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
 use arcline_simulation::ImageNames;
@@ -31,7 +31,7 @@ const LEAST_TICK: Duration = Duration::from_millis(1);
 pub(super) struct Programs {
     shown: watch::Sender<Shown>,
     mode: Mutex<Option<Running>>,
-    beside: Beside,
+    threads: WorkThreads,
 }
 
 #[derive(Debug)]
@@ -104,8 +104,8 @@ impl Shown {
 }
 
 impl Programs {
-    /// No program has run yet; programs will run `beside`.
-    pub(super) fn new(beside: Beside) -> Self {
+    /// No program has run yet; programs will run on `threads`.
+    pub(super) fn new(threads: WorkThreads) -> Self {
         Self {
             shown: watch::Sender::new(Shown {
                 state: State::Idle,
@@ -116,7 +116,7 @@ impl Programs {
                 text: Arc::default(),
             }),
             mode: Mutex::default(),
-            beside,
+            threads,
         }
     }
 
@@ -220,7 +220,7 @@ impl Programs {
         });
         let (programs, plant) = (self.clone(), plant.clone());
         // A thread of its own: a program that computes without end delays no other work.
-        self.beside.run(async move {
+        self.threads.run(async move {
             let mut live = Live {
                 programs: &programs,
                 plant: &plant,

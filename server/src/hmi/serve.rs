@@ -30,7 +30,7 @@ use tracing::debug;
 use super::login::{self, session_of};
 use super::socket::Socket;
 use super::viewer::{self, Page};
-use super::{Door, Shared, access};
+use super::{Listener, Shared, access};
 use crate::eip::stepped::Duplex;
 use crate::limits::Place;
 use crate::metrics;
@@ -63,7 +63,7 @@ const HEADERS: [(HeaderName, &str); 7] = [
 
 /// The source of the browsers' connections.
 #[derive(Debug)]
-pub(super) enum Entrance {
+pub(super) enum Acceptor {
     /// A socket of the system.
     System(TcpListener),
     /// The network of a simulation (`stepped`).
@@ -79,7 +79,7 @@ enum Stream {
     Stepped(Box<dyn Duplex>),
 }
 
-impl Entrance {
+impl Acceptor {
     async fn accept(&self) -> std::io::Result<(Stream, SocketAddr)> {
         match self {
             Self::System(listener) => {
@@ -97,11 +97,11 @@ impl Entrance {
 }
 
 /// Accepts connections until the future is dropped; that closes them.
-pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
+pub(super) async fn accept(listener: Listener, shared: Arc<Shared>) {
     let router = router(shared.clone());
     let mut connections = JoinSet::new();
     loop {
-        match door.entrance.accept().await {
+        match listener.acceptor.accept().await {
             Ok((_, peer)) if !shared.plant.server().security.hmi_allow.allows(peer.ip()) => {
                 shared.plant.log_limit().warn("allow", Some(peer.ip()), || {
                     format!("a browser was closed: {} is in no network of hmi_allow", peer.ip())
@@ -111,13 +111,13 @@ pub(super) async fn accept(door: Door, shared: Arc<Shared>) {
                 Some(place) => {
                     let near = Near {
                         peer: peer.ip(),
-                        listen: door.listen,
-                        is_tls: door.tls.is_some(),
+                        listen: listener.listen,
+                        is_tls: listener.tls.is_some(),
                     };
                     connections.spawn(serve_one(
                         stream,
                         near,
-                        door.tls.clone(),
+                        listener.tls.clone(),
                         router.clone(),
                         place,
                         shared.clone(),

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use tokio::sync::{Mutex, mpsc};
 
-use super::serve::{Browser, Entrance};
-use super::workers::Beside;
-use super::{Door, Doors, Hmi, Shared};
+use super::serve::{Acceptor, Browser};
+use super::workers::WorkThreads;
+use super::{Hmi, ListenSettings, Listener, Shared};
 use crate::plant::Plant;
 
 /// The page on such a network.
@@ -22,12 +22,12 @@ impl SteppedPage {
     /// Serves browsers on the runtime of the caller.
     pub(crate) fn start(plant: Plant) -> Self {
         let (incoming, browsers) = mpsc::unbounded_channel();
-        let door = Door {
-            entrance: Entrance::Stepped(Mutex::new(browsers)),
+        let listener = Listener {
+            acceptor: Acceptor::Stepped(Mutex::new(browsers)),
             listen: LISTEN,
             tls: None,
         };
-        let hmi = Hmi::of(vec![door], Doors::default(), plant, Beside::Nowhere);
+        let hmi = Hmi::of(vec![listener], ListenSettings::default(), plant, WorkThreads::Caller);
         let shared = hmi.shared.clone();
         tokio::spawn(hmi.serve());
         SteppedPage { shared, incoming }

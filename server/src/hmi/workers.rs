@@ -9,20 +9,20 @@ use super::protocol::Refusal;
 
 /// The threads that do long work.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Beside {
+pub(super) enum WorkThreads {
     /// Threads beside the runtime.
-    Threads,
+    Pool,
     /// On the thread of the caller, in order: a simulation has no other one.
-    Nowhere,
+    Caller,
 }
 
-impl Beside {
+impl WorkThreads {
     /// Does the work of a future that may compute for long.
     pub(super) fn run(self, work: impl Future<Output = ()> + Send + 'static) {
         let runtime = tokio::runtime::Handle::current();
         match self {
-            Self::Threads => drop(spawn_blocking(move || runtime.block_on(work))),
-            Self::Nowhere => drop(runtime.spawn(work)),
+            Self::Pool => drop(spawn_blocking(move || runtime.block_on(work))),
+            Self::Caller => drop(runtime.spawn(work)),
         }
     }
 }
@@ -31,14 +31,14 @@ impl Beside {
 #[derive(Debug)]
 pub(super) struct Workers {
     turns: Arc<Semaphore>,
-    beside: Beside,
+    threads: WorkThreads,
 }
 
 impl Workers {
-    pub(super) fn new(beside: Beside) -> Self {
+    pub(super) fn new(threads: WorkThreads) -> Self {
         Workers {
             turns: Arc::new(Semaphore::new(THREADS)),
-            beside,
+            threads,
         }
     }
 
@@ -50,7 +50,7 @@ impl Workers {
         &self,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, Refusal> {
-        if self.beside == Beside::Nowhere {
+        if self.threads == WorkThreads::Caller {
             return Ok(work());
         }
         // At most one request of each viewer and its watched values wait here.

@@ -1,4 +1,4 @@
-//! The machine around the program's routines: its tags, exchanged with those that clients see, and the door for its instructions.
+//! The machine around the program's routines: its tags, exchanged with those that clients see, and the commands of its instructions.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -163,11 +163,11 @@ impl LiveHost {
         self.places.tags.get(*number).copied()
     }
 
-    /// Sends a command of the program through the plant's door, and waits until its instructions are answered.
+    /// Sends a command of the program to the plant, and waits until its instructions are answered.
     fn command(&mut self, command: Command<'_>) -> Option<Outcome> {
         let began = Instant::now();
-        let door = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
-        let (outcome, mut pending) = self.plant.transact(Principal::Controller, door);
+        let apply = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
+        let (outcome, mut pending) = self.plant.transact(Principal::Controller, apply);
         while !pending.is_answered() && began.elapsed() < ANSWER_WITHIN {
             (self.pause)();
             // Takes the answers of the newest tick.

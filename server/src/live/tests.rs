@@ -128,8 +128,8 @@ impl Bench {
     }
 
     fn apply(&self, principal: Principal, command: Command<'_>) -> Result<(), Refused> {
-        let door = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
-        self.plant.transact(principal, door).0.map(drop)
+        let apply = |transaction: &mut crate::plant::Transaction<'_>| transaction.apply(command);
+        self.plant.transact(principal, apply).0.map(drop)
     }
 
     fn state(&self) -> ProgramState {
@@ -182,7 +182,7 @@ fn clients_see_the_tags_of_programs_and_instances_and_write_them() {
 }
 
 #[test]
-fn instructions_of_motion_go_through_the_door_and_stop_holds_for_them() {
+fn instructions_of_motion_go_through_the_plant_and_stop_holds_for_them() {
     let rungs = [
         "XIC(Go)MSO(X,On);",
         "XIC(On.DN)MAM(X,Move,0,Target,Speed,Units per sec,100,% of Maximum,100,% of Maximum,Trapezoidal,100,100,% of Time,Disabled,0,0,None,0,0);",
@@ -579,18 +579,18 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
         &format!("<Routine Name=\"Go\" Type=\"ST\"><STContent><Line Number=\"0\"><![CDATA[IF Go AND NOT M.EN THEN MCLM(CS1, M, 0, Pos[0], 80, {OPERANDS}); END_IF;]]></Line></STContent>"),
     );
     assert_ne!(text, idle, "a routine of Structured Text");
-    let doors = [
+    let interfaces = [
         ("ladder", cell(&tags, &[], "", &[&ladder])),
         ("structured text", text),
         ("tag write", idle.clone()),
         ("service", idle),
     ];
     let mut first: Vec<[u64; 4]> = Vec::new();
-    for (door, text) in doors {
+    for (interface, text) in interfaces {
         let mut bench = Bench::new(&text, Mode::Run);
         bench.ticks(8);
         position.iter().for_each(|(path, value)| bench.write(path, *value));
-        match door {
+        match interface {
             "tag write" => {
                 let operands = [
                     ("Position[0]", 50.0),
@@ -653,7 +653,7 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
         }
         assert!(
             rows.len() > 500 && bench.number("X.CommandPosition") == 50.0,
-            "{door}: {} rows",
+            "{interface}: {} rows",
             rows.len()
         );
         if first.is_empty() {
@@ -661,7 +661,11 @@ fn a_move_is_the_same_by_ladder_structured_text_tag_write_and_service() {
             continue;
         }
         let same = first.iter().zip(&rows).take_while(|(a, b)| a == b).count();
-        assert_eq!(same, first.len().min(rows.len()), "{door}: from this row on it differs");
+        assert_eq!(
+            same,
+            first.len().min(rows.len()),
+            "{interface}: from this row on it differs"
+        );
     }
 }
 
@@ -678,7 +682,9 @@ fn a_monitor_is_sampled_until_its_viewer_goes() {
     let (version, listing) = program.listing();
     let routine = listing.routine("Main", "Go").expect("there is one");
     let mut samples = program.monitors.begin(7, version, listing.monitor(routine, 0, 2, None));
-    let old = program.monitors.begin(8, version + 1, listing.monitor(routine, 0, 2, None));
+    let old = program
+        .monitors
+        .begin(8, version + 1, listing.monitor(routine, 0, 2, None));
     bench.write("Go", 1.0);
     // Samples come with the clock of the system.
     let deadline = std::time::Instant::now() + Duration::from_secs(20);

@@ -46,8 +46,8 @@ pub(crate) fn metrics(plant: &Plant) -> String {
         "gauge",
         "Clients with a session, and viewers of the page.",
     );
-    for (door, count) in ["ethernet_ip", "page"].into_iter().zip(plant.guard().count()) {
-        text.value(&[("door", door)], count as f64);
+    for (interface, count) in ["ethernet_ip", "page"].into_iter().zip(plant.guard().count()) {
+        text.value(&[("door", interface)], count as f64);
     }
     if let Some(lost) = plant.audit_lost() {
         text.single(

@@ -1,4 +1,4 @@
-//! The one door to the machine: every command of every face goes through [`Plant::apply`], or through a [`Transaction`] where several
+//! The one entry for commands: every command of every interface goes through [`Plant::apply`], or through a [`Transaction`] where several
 //! commands and reads are one action. Under one lock a command is authorized, written, sent to the writer of the retained state, and
 //! queued for the controller with the operands as they are then. The caller waits for the answers without the lock.
 //!

@@ -1,4 +1,4 @@
-//! The events of the audit that the door records: each command that changes the machine, and each that was refused.
+//! The events of the audit that the plant records: each command that changes the machine, and each that was refused.
 
 use std::sync::Arc;
 

@@ -30,10 +30,19 @@ pub(crate) struct Monitors {
 
 impl Monitors {
     /// Makes a viewer watch these rungs or lines in place of its earlier ones. The samples come as they change.
-    pub(crate) fn begin(&self, viewer: ViewerId, version: u64, monitor: Monitor) -> watch::Receiver<Vec<MonitorSample>> {
+    pub(crate) fn begin(
+        &self,
+        viewer: ViewerId,
+        version: u64,
+        monitor: Monitor,
+    ) -> watch::Receiver<Vec<MonitorSample>> {
         let samples = watch::Sender::new(Vec::new());
         let receiver = samples.subscribe();
-        let viewer_monitor = ViewerMonitor { version, monitor, samples };
+        let viewer_monitor = ViewerMonitor {
+            version,
+            monitor,
+            samples,
+        };
         self.lock().insert(viewer, viewer_monitor);
         self.changes.fetch_add(1, Ordering::AcqRel);
         receiver

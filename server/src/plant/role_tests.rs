@@ -1,4 +1,4 @@
-//! The door decides by roles: every command × every role × every principal.
+//! The plant decides by roles: every command × every role × every principal.
 
 use arcline_config::{ConnectionLoss, Role};
 use arcline_controller::image::PlainTag;
@@ -144,7 +144,7 @@ async fn every_command_for_every_role_of_every_principal() {
         }
     }
     assert_eq!(checked, 4 * 6 * cases.len());
-    // A client that the door does not know, or that has gone, only looks.
+    // A client that the plant does not know, or that has gone, only looks.
     let unknown = Principal::Client {
         session: 2,
         connection: 0,

@@ -1,4 +1,4 @@
-//! The machine beside a project's tasks: the simulation, and the door through which instructions of motion go.
+//! The machine beside a project's tasks: the simulation, and the host that executes their instructions of motion.
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;

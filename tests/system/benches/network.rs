@@ -163,14 +163,14 @@ impl Run {
         let tag = "[[tag]]\nname = \"Bench\"\ntype = \"DINT\"\n";
         let secured = Secured::start(&format!("{}\n{tag}", arcline_config::DEFAULT), "", &[]);
         let server = &secured.server;
-        let doors = [
+        let listeners = [
             (server.address(), None),
             (server.tls().expect("it has TLS"), Some(secured.tls())),
         ];
         let mut outcomes = [Outcome::default(), Outcome::default()];
         for round in 0..self.rounds {
             for index in [round % 2, 1 - round % 2] {
-                let (server, tls) = doors[index].clone();
+                let (server, tls) = listeners[index].clone();
                 let load = Load {
                     server,
                     question: Question::Connected(read("Bench"), SIZE),

@@ -4,7 +4,7 @@ use arcline_tag::{DataType, Elementary, TagType};
 
 use super::{Compiler, Owner, Wrong};
 use crate::code::{Area, Bit, Ex, Index, Place, Select};
-use crate::expression::{Expression, TagReference, Step};
+use crate::expression::{Expression, Step, TagReference};
 use crate::memory::Symbol;
 use crate::source::Usage;
 

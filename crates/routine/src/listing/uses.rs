@@ -4,7 +4,7 @@ use super::{Listing, is_in_force, joined, line_of, references, visit};
 use crate::cell::program_scopes;
 use crate::compile::{Known, Owner};
 use crate::error::{Line, SyntaxError};
-use crate::expression::{Expression, TagReference, Step};
+use crate::expression::{Expression, Step, TagReference};
 use crate::memory::Symbol;
 use crate::rll::Rung;
 use crate::source::Content;

@@ -2,7 +2,7 @@
 
 use super::{project, script};
 use crate::source::TagSource;
-use crate::{Language, ListedElement, Listing, NoMachine, MonitoredValue, load};
+use crate::{Language, ListedElement, Listing, MonitoredValue, NoMachine, load};
 
 fn alias(name: &str, of: &str) -> TagSource {
     TagSource {
@@ -74,7 +74,12 @@ fn values_stand_in_the_order_of_the_operands() {
     let rows = cell.sample(&listing.monitor(0, 0, 100, None));
     let whole = |value| MonitoredValue::Whole(value);
     let expected = [
-        vec![MonitoredValue::Bool(false), MonitoredValue::Text(String::new()), whole(100), whole(0)],
+        vec![
+            MonitoredValue::Bool(false),
+            MonitoredValue::Text(String::new()),
+            whole(100),
+            whole(0),
+        ],
         vec![whole(7), MonitoredValue::Nothing, MonitoredValue::Real(1.5)],
         vec![whole(3), whole(7)],
         // A subscript out of range is no fault of the program.

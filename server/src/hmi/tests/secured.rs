@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio_rustls::TlsConnector;
 
-use super::super::{Doors, Sessions};
+use super::super::{ListenSettings, Sessions};
 use super::*;
 use crate::tls::Tls;
 use crate::users::{Token, User, Users, password};
@@ -69,12 +69,12 @@ impl Secured {
         let (plant, tick) = Plant::start(&project).expect("a thread");
         let sessions = Arc::new(Sessions::open(security, at).expect("it is valid"));
         let any = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
-        let doors = Doors {
+        let settings = ListenSettings {
             plain: Some(any),
             tls: Some((any, Tls::new(security, at).expect("the files are good"))),
             sessions: Some(sessions.clone()),
         };
-        let hmi = Hmi::bind_all(doors, plant.clone()).await.expect("free ports");
+        let hmi = Hmi::bind_all(settings, plant.clone()).await.expect("free ports");
         Self {
             tls: hmi.tls_addr().expect("it listens"),
             bench: Bench {

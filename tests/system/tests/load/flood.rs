@@ -40,9 +40,10 @@ fn silent_and_slow_strangers_disturb_nobody() {
     let time = Duration::from_secs(if asked.is_some() { 20 } else { 3 });
     let secured = Secured::start(arcline_config::DEFAULT, "", &["--hmi", "127.0.0.1:0"]);
     let server = &secured.server;
-    let doors = [Some(server.address()), server.tls(), server.hmi()].map(|door| door.expect("three doors"));
+    let listeners =
+        [Some(server.address()), server.tls(), server.hmi()].map(|listener| listener.expect("three listeners"));
     let ((), idle) = beside(server, time, || std::thread::sleep(time));
-    let flood = Flood::start(&doors, silent);
+    let flood = Flood::start(&listeners, silent);
     flood.wait_until_open();
     let (outcome, flooded) = beside(server, time, || works(server, time));
     // A client that connects during the flood.
@@ -133,15 +134,15 @@ struct Flood {
 }
 
 impl Flood {
-    fn start(doors: &[SocketAddr], silent: usize) -> Self {
+    fn start(listeners: &[SocketAddr], silent: usize) -> Self {
         let slow = silent / SILENT_PER_SLOW;
         let (open, ends) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        let (counted, told, doors) = (open.clone(), ends.clone(), doors.to_vec());
+        let (counted, told, listeners) = (open.clone(), ends.clone(), listeners.to_vec());
         let thread = std::thread::spawn(move || {
             let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
             runtime
                 .expect("a runtime")
-                .block_on(flood(&doors, [silent, slow], &counted, &told));
+                .block_on(flood(&listeners, [silent, slow], &counted, &told));
         });
         Self {
             open,
@@ -166,14 +167,14 @@ impl Flood {
 }
 
 /// Opens the connections, and sends a byte a second on those that are slow. A slow one that the server closes comes again.
-async fn flood(doors: &[SocketAddr], [silent, slow]: [usize; 2], open: &AtomicUsize, ends: &AtomicBool) {
+async fn flood(listeners: &[SocketAddr], [silent, slow]: [usize; 2], open: &AtomicUsize, ends: &AtomicBool) {
     let mut held = Vec::with_capacity(silent);
     for number in 0..silent {
-        held.push(connect(doors, number, open).await);
+        held.push(connect(listeners, number, open).await);
     }
     let mut slowly = Vec::with_capacity(slow);
     for number in 0..slow {
-        slowly.push(connect(doors, number, open).await);
+        slowly.push(connect(listeners, number, open).await);
     }
     while !ends.load(Ordering::Relaxed) {
         for (number, stream) in slowly.iter_mut().enumerate() {
@@ -182,7 +183,7 @@ async fn flood(doors: &[SocketAddr], [silent, slow]: [usize; 2], open: &AtomicUs
                 None => false,
             };
             if !sent {
-                *stream = connect(doors, number, open).await;
+                *stream = connect(listeners, number, open).await;
             }
         }
         tokio::time::sleep(Duration::from_secs(1)).await;
@@ -190,11 +191,11 @@ async fn flood(doors: &[SocketAddr], [silent, slow]: [usize; 2], open: &AtomicUs
 }
 
 /// `None`: the server did not take it, and it counts as one that was tried.
-async fn connect(doors: &[SocketAddr], number: usize, open: &AtomicUsize) -> Option<TcpStream> {
+async fn connect(listeners: &[SocketAddr], number: usize, open: &AtomicUsize) -> Option<TcpStream> {
     let from = Ipv4Addr::new(127, 0, 1, 1 + (number % usize::from(ADDRESSES)) as u8);
     let socket = TcpSocket::new_v4().expect("descriptors for it");
     socket.bind((from, 0).into()).expect("a loopback address");
-    let connecting = socket.connect(doors[number % doors.len()]);
+    let connecting = socket.connect(listeners[number % listeners.len()]);
     let stream = tokio::time::timeout(Duration::from_millis(200), connecting).await;
     open.fetch_add(1, Ordering::Relaxed);
     stream.ok()?.ok()
