@@ -1,6 +1,6 @@
 //! A coordinated-motion server that looks like a Logix controller on EtherNet/IP.
 //!
-//! The asynchronous side and the operating system: command line, sockets, signals, files, and the face of the
+//! The asynchronous side and the operating system: command line, sockets, signals, files, and the interface of the
 //! controller that they share ([`plant`]). Not here: frames and messages as values (`arcline-proto`), motion and tag
 //! memory (`arcline-controller`), the thread that ticks (`arcline-realtime`).
 

@@ -18,7 +18,7 @@ use arcline_state::{Disk, Ended, LockedFile, Pace, Task};
 use crate::audit::{Audit, Event};
 pub use crate::eip::Datagrams;
 use crate::eip::Settings;
-use crate::eip::stepped::SteppedFace;
+use crate::eip::stepped::SteppedInterface;
 pub use crate::eip::stepped::{Duplex, Held};
 use crate::hmi::stepped::SteppedPage;
 use crate::plant::Plant;
@@ -33,7 +33,7 @@ pub struct Stepped<D: Disk> {
     rings: Rings,
     planning: Option<Planning>,
     worker: Option<WriterWorker<D>>,
-    face: SteppedFace,
+    interface: SteppedInterface,
     page: SteppedPage,
     audit: Receiver<Option<Event>>,
     /// Changes of instructions and faults that the ticks have reported.
@@ -122,7 +122,7 @@ impl<D: Disk> Stepped<D> {
         let plant = Plant::start_stepped(&project, link, image, watch, Wall(conditions.wall));
         let (audit, events) = Audit::stepped();
         plant.set_audit(audit);
-        let face = SteppedFace::start(plant.clone(), settings).map_err(|error| failed(&error))?;
+        let interface = SteppedInterface::start(plant.clone(), settings).map_err(|error| failed(&error))?;
         let page = SteppedPage::start(plant.clone());
         Ok(Stepped {
             plant,
@@ -130,7 +130,7 @@ impl<D: Disk> Stepped<D> {
             rings: rings.starting_at(conditions.first_tick),
             planning,
             worker,
-            face,
+            interface,
             page,
             audit: events,
             reported: 0,
@@ -173,7 +173,7 @@ impl<D: Disk> Stepped<D> {
 
     /// Makes one turn of implicit I/O, on the clock of the runtime of [`Stepped::start`], which the caller has entered.
     pub fn exchange(&mut self) {
-        self.face.exchange();
+        self.interface.exchange();
     }
 
     /// Makes one turn of the writer of the retained state, at a time since the start, with the end of a synchronisation. Returns the next
@@ -206,12 +206,12 @@ impl<D: Disk> Stepped<D> {
 
     /// A client comes in from an address.
     pub fn connect(&self, stream: Box<dyn Duplex>, peer: SocketAddr) {
-        self.face.connect(Ok((stream, peer)));
+        self.interface.connect(Ok((stream, peer)));
     }
 
     /// The system refuses to accept the next client.
     pub fn refuse(&self, error: std::io::Error) {
-        self.face.connect(Err(error));
+        self.interface.connect(Err(error));
     }
 
     /// A browser comes in from an address, to the page.
@@ -223,7 +223,7 @@ impl<D: Disk> Stepped<D> {
     pub fn held(&self) -> Held {
         Held {
             browsers: self.page.browsers(),
-            ..self.face.held()
+            ..self.interface.held()
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::{Extended, Kind, Mnemonic, Object, describe};
 /// An error in words.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Explanation {
-    /// The error as all faces show it: `ERR 13 Parameter Out Of Range, operand 4 (Speed)`.
+    /// The error as all interfaces show it: `ERR 13 Parameter Out Of Range, operand 4 (Speed)`.
     pub headline: String,
     /// The usual cause, a sentence.
     pub cause: &'static str,

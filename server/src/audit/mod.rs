@@ -1,6 +1,6 @@
 //! The audit: a line for each action of a client on the machine and for each refusal, in files that reveal later changes (spec/security.md §9).
 //!
-//! No client waits for the audit: its face puts each event into a bounded queue. A thread of its own merges plain writes of a second, chains the
+//! No client waits for the audit: its interface puts each event into a bounded queue. A thread of its own merges plain writes of a second, chains the
 //! lines by their hashes, and writes them. A full queue or a full disk costs lines; the audit and the log report their number.
 
 mod chain;
@@ -71,7 +71,7 @@ pub(crate) enum EventKind {
     AuditLost,
 }
 
-/// An event, as a face records it.
+/// An event, as an interface records it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Event {
     /// The time of the event.

@@ -138,10 +138,10 @@ where
         true => &device.session_settings,
         false => &device.plain_settings,
     };
-    let face: Weak<Device> = Arc::downgrade(&device);
+    let interface: Weak<Device> = Arc::downgrade(&device);
     let signs = device
         .plant
-        .enter(number, ClientIdentity::of_address(&name, Some(peer)), role, face);
+        .enter(number, ClientIdentity::of_address(&name, Some(peer)), role, interface);
     // Held as long as the certificate holds.
     let certified = tls.map(|(tls, client)| {
         let close = tls.enter(number, client, &device.plant);

@@ -21,11 +21,11 @@ use super::io::{AssemblyData, Datagrams, Io};
 use super::limiter::{ClientLimiter, Limits};
 use super::objects::Objects;
 use super::turns::Turns;
-use crate::guard::Face;
+use crate::guard::ClientInterface;
 use crate::plant::{Plant, Principal};
 use crate::tls::Tls;
 
-/// Settings of the EtherNet/IP face (spec/ethernet-ip.md §18).
+/// Settings of the EtherNet/IP interface (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// The identity of the device.
@@ -303,7 +303,7 @@ impl Device {
     }
 }
 
-impl Face for Device {
+impl ClientInterface for Device {
     fn keeps_jogs(&self, owner: Principal) -> bool {
         self.loss(owner) == ConnectionLoss::Finish
     }

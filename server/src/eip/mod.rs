@@ -1,4 +1,4 @@
-//! The EtherNet/IP face: listeners, sessions, the router, CIP objects and tag services.
+//! The EtherNet/IP interface: listeners, sessions, the router, CIP objects and tag services.
 //!
 //! Bytes and session rules are `arcline-proto`'s, which does no I/O; motion and the tag memory are behind
 //! [`Plant`](crate::plant::Plant). Here they meet: a socket's bytes become requests, requests become reads and writes of

@@ -27,9 +27,9 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Send> Duplex for S {}
 /// A client that comes in: its stream and its address; or the error of an accept.
 pub(crate) type Incoming = io::Result<(Box<dyn Duplex>, SocketAddr)>;
 
-/// The EtherNet/IP face on such a network.
+/// The EtherNet/IP interface on such a network.
 #[derive(Debug)]
-pub(crate) struct SteppedFace {
+pub(crate) struct SteppedInterface {
     device: Arc<Device>,
     incoming: mpsc::UnboundedSender<Incoming>,
     io: Option<IoTurns>,
@@ -48,7 +48,7 @@ pub struct Held {
     pub browsers: usize,
 }
 
-impl SteppedFace {
+impl SteppedInterface {
     /// Serves clients on the runtime of the caller.
     ///
     /// # Errors
@@ -62,7 +62,7 @@ impl SteppedFace {
             accept_clients(&network, &served).await;
         });
         let io = device.io().map(|io| IoTurns::new(device.clone(), io.clone()));
-        Ok(SteppedFace { device, incoming, io })
+        Ok(SteppedInterface { device, incoming, io })
     }
 
     /// A turn of implicit I/O.

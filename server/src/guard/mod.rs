@@ -59,13 +59,13 @@ struct Shared {
 #[derive(Debug)]
 struct Client {
     signs: Signs,
-    face: Weak<dyn Face>,
+    interface: Weak<dyn ClientInterface>,
     /// Ends the watch on its socket.
     watched: Option<CancellationToken>,
 }
 
-/// The face by which a client came in, as the guard needs it.
-pub(crate) trait Face: Send + Sync + std::fmt::Debug {
+/// The interface by which a client came in, as the guard needs it.
+pub(crate) trait ClientInterface: Send + Sync + std::fmt::Debug {
     /// Whether jogs go on when their owner is lost or silent.
     fn keeps_jogs(&self, owner: Principal) -> bool;
     /// The socket of a client has closed without a word; its jogs are stopped already.
@@ -150,7 +150,7 @@ impl Guard {
     }
 
     /// A client has come in.
-    pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, face: Weak<dyn Face>) -> Signs {
+    pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, interface: Weak<dyn ClientInterface>) -> Signs {
         let signs = Signs(Arc::new(SignsOfLife {
             epoch: self.0.epoch,
             heard: AtomicU64::new(0),
@@ -160,7 +160,7 @@ impl Guard {
         self.table().identify(session, |known| *known = identity);
         let client = Client {
             signs: signs.clone(),
-            face,
+            interface,
             watched: None,
         };
         self.clients().insert(session, client);
@@ -270,15 +270,18 @@ impl Guard {
 
     /// The socket of a client has closed without a word.
     pub(crate) fn lose(&self, session: u64) {
-        let face = self.clients().get(&session).and_then(|client| client.face.upgrade());
-        let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
+        let interface = self
+            .clients()
+            .get(&session)
+            .and_then(|client| client.interface.upgrade());
+        let keeps = |owner| interface.as_ref().is_some_and(|interface| interface.keeps_jogs(owner));
         let ended = self
             .table()
             .end(self.now(), JogEnd::Lost, |jog| is_of(jog, session) && !keeps(jog.owner));
         self.stop(&ended, JogEnd::Lost);
         self.tell(&ended, JogEnd::Lost);
-        if let Some(face) = face {
-            face.lost(session);
+        if let Some(interface) = interface {
+            interface.lost(session);
         }
         self.0.wake.notify_one();
     }
@@ -338,12 +341,12 @@ impl Guard {
             let clients = self.clients();
             let Some(client) = clients.get(&session) else { continue };
             if now.saturating_sub(client.signs.silent_since()) > silence {
-                silent.push((session, client.face.upgrade()));
+                silent.push((session, client.interface.upgrade()));
             }
         }
         let mut ended = Vec::new();
-        for (session, face) in silent {
-            let keeps = |owner| face.as_ref().is_some_and(|face| face.keeps_jogs(owner));
+        for (session, interface) in silent {
+            let keeps = |owner| interface.as_ref().is_some_and(|interface| interface.keeps_jogs(owner));
             ended.extend(
                 self.table()
                     .end(now, JogEnd::Silent, |jog| is_of(jog, session) && !keeps(jog.owner)),

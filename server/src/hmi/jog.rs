@@ -12,7 +12,7 @@ use tokio::time::{MissedTickBehavior, interval};
 use super::Shared;
 use super::drive::{axis_of, call, instruction, rate};
 use super::protocol::{Done, Jog, Refusal};
-use crate::guard::{Face, VIEWERS};
+use crate::guard::{ClientInterface, VIEWERS};
 use crate::plant::control::{MotionObject, ViewerId};
 use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
@@ -138,7 +138,7 @@ async fn stop_jog(plant: &Plant, viewer: ViewerId, axis: AxisId, decel: Option<f
     }
 }
 
-impl Face for Shared {
+impl ClientInterface for Shared {
     fn keeps_jogs(&self, _: Principal) -> bool {
         false
     }

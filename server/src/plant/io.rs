@@ -1,4 +1,4 @@
-//! Views of the plant, and the commands of its faces that do not wait for the controller.
+//! Views of the plant, and the commands of its interfaces that do not wait for the controller.
 
 use std::sync::Arc;
 
@@ -105,7 +105,7 @@ impl Plant {
         );
     }
 
-    /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every face and program until [`Command::Release`].
+    /// STOP: as [`Plant::stop_all`], and motion stays inhibited for every interface and program until [`Command::Release`].
     pub fn inhibit(&self) {
         self.0.counters.count(Counter::Stops, true);
         if is_planted("STOP does not hold") {

@@ -1,4 +1,4 @@
-//! The asynchronous face of the controller: tag memory that is refreshed on read, calls that are awaited, and the
+//! The asynchronous interface of the controller: tag memory that is refreshed on read, calls that are awaited, and the
 //! newest executions by instance.
 //!
 //! One task drains the real-time thread's rings, faster while calls are outstanding; every read refreshes too, so
@@ -53,7 +53,7 @@ use arcline_realtime::{Clock, Handle, Link, Meter, Options, SpawnError, Stepper,
 use tokio::sync::Notify;
 
 use crate::audit::{Audit, EventKind};
-use crate::guard::{Face, Guard, Signs};
+use crate::guard::{ClientInterface, Guard, Signs};
 use crate::limits::LogLimit;
 use crate::retained::ChangeTracker;
 use crate::trace::Trace;
@@ -372,9 +372,15 @@ impl Plant {
     }
 
     /// A client has come in with a role; the guard knows it from now on.
-    pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, role: Role, face: Weak<dyn Face>) -> Signs {
+    pub(crate) fn enter(
+        &self,
+        session: u64,
+        identity: ClientIdentity,
+        role: Role,
+        interface: Weak<dyn ClientInterface>,
+    ) -> Signs {
         self.0.roles.set(session, role);
-        let signs = self.0.guard.enter(session, identity, face);
+        let signs = self.0.guard.enter(session, identity, interface);
         self.0.record_client(EventKind::Connect, session);
         signs
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::guard::VIEWERS;
 
-/// The source of a command. Motion that it begins belongs to its owner ([`Principal::owner`]) until it ends, from every face.
+/// The source of a command. Motion that it begins belongs to its owner ([`Principal::owner`]) until it ends, from every interface.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Principal {
     /// The server itself: it stops or holds the motion of a lost client, or takes over another configuration.

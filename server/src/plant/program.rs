@@ -61,7 +61,7 @@ pub struct ProgramStatus {
     pub version: u64,
 }
 
-/// The data that the thread of the program and the faces share: the mode and the state, the listing for people, the rungs that viewers watch,
+/// The data that the thread of the program and the interfaces share: the mode and the state, the listing for people, the rungs that viewers watch,
 /// and the forced inputs.
 #[derive(Debug)]
 pub(crate) struct Program {

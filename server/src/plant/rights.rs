@@ -75,8 +75,8 @@ impl Right {
         role >= self.least()
     }
 
-    /// Whether the right permits a change that is not a command of the plant: the face that grants it records the change in the audit.
-    pub(crate) const fn is_of_face(self) -> bool {
+    /// Whether the right permits a change that is not a command of the plant: the interface that grants it records the change in the audit.
+    pub(crate) const fn is_of_interface(self) -> bool {
         match self {
             Self::OwnOutputs
             | Self::TakeControl

@@ -160,8 +160,8 @@ async fn every_command_for_every_role_of_every_principal() {
     for right in Right::ALL {
         assert!(judged.contains(right), "{right:?} is in no matrix");
         let is_here = cases.iter().any(|(_, of, _)| of == right);
-        let is_command = !right.is_of_face() && *right != Right::Look;
-        assert_eq!(is_here, is_command, "{right:?} is a command's right, or a face's");
+        let is_command = !right.is_of_interface() && *right != Right::Look;
+        assert_eq!(is_here, is_command, "{right:?} is a command's right, or an interface's");
     }
     handle.stop();
 }

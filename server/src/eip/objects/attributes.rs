@@ -28,7 +28,7 @@ fn answer(object: &dyn Object, cx: &mut ObjectContext<'_, '_>) -> Result<Reply, 
     if let Some(own) = own {
         cx.check(own.right)?;
         let reply = object.serve(cx, instance)?;
-        if own.right.is_of_face() && reply.status.is_success() {
+        if own.right.is_of_interface() && reply.status.is_success() {
             let what = match instance {
                 0 => format!("{} of {}", own.name, object.name()),
                 instance => format!("{} of {} {instance}", own.name, object.name()),
@@ -119,7 +119,7 @@ impl Attributes<'_, '_, '_> {
     fn set(&mut self, id: u16, value: &[u8]) -> Result<(), CipStatus> {
         let right = self.object.right_to_set();
         self.cx.check(right)?;
-        if !right.is_of_face() {
+        if !right.is_of_interface() {
             return self.object.set(self.cx, self.instance, id, value);
         }
         let before = self.value(id).unwrap_or_default();

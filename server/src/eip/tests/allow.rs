@@ -7,7 +7,7 @@ use arcline_config::AllowList;
 use tokio::io::AsyncReadExt;
 
 use super::{Client, plant, settings_of};
-use crate::eip::stepped::SteppedFace;
+use crate::eip::stepped::SteppedInterface;
 
 #[tokio::test]
 async fn only_the_networks_of_the_list_are_answered() {
@@ -15,7 +15,7 @@ async fn only_the_networks_of_the_list_are_answered() {
     let networks = ["10.1.2.0/24", "fd00::/8"].map(|text| AllowList::network(text).expect("a network"));
     settings.config.security.plain_allow = AllowList(networks.into());
     let (plant, _thread) = plant();
-    let face = SteppedFace::start(plant, settings).expect("a face");
+    let interface = SteppedInterface::start(plant, settings).expect("an interface");
     #[rustfmt::skip]
     let cases = [
         ("in the first network",  "10.1.2.3:50000",           true),
@@ -28,14 +28,14 @@ async fn only_the_networks_of_the_list_are_answered() {
     for (why, peer, is_answered) in cases {
         let peer: SocketAddr = peer.parse().expect("an address");
         let (mut ours, theirs) = tokio::io::duplex(64 * 1024);
-        face.connect(Ok((Box::new(theirs), peer)));
+        interface.connect(Ok((Box::new(theirs), peer)));
         if is_answered {
             let client = Client::register(ours).await;
             assert_ne!(client.session.0, 0, "{why}");
         } else {
             let read = tokio::time::timeout(Duration::from_secs(20), ours.read(&mut [0; 1])).await;
             assert_eq!(read.expect("it is closed at once").expect("an end"), 0, "{why}");
-            assert_eq!(face.held().clients, 0, "{why}: it has no place");
+            assert_eq!(interface.held().clients, 0, "{why}: it has no place");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The face over in-memory streams and real sockets, with the controller's real thread behind it.
+//! The interface over in-memory streams and real sockets, with the controller's real thread behind it.
 
 mod allow;
 mod attributes;
@@ -22,7 +22,7 @@ mod security;
 mod series;
 mod sessions;
 mod stock_clients;
-mod tag_face;
+mod tag_interface;
 mod tag_services;
 mod tag_table;
 mod trace;

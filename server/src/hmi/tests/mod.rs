@@ -426,7 +426,7 @@ async fn the_state_is_pushed() {
 
 mod costs;
 mod driving;
-mod faces;
+mod interfaces;
 mod login;
 mod looking;
 mod previews;

@@ -1,4 +1,4 @@
-//! One table of programs on each of their three faces: the simulator, the page, and the client over EtherNet/IP.
+//! One table of programs on each of their three interfaces: the simulator, the page, and the client over EtherNet/IP.
 
 use arcline_client::{Client, ProgramError, Runner};
 use arcline_config::{IoListen, Project};
@@ -222,7 +222,7 @@ impl Bench {
 }
 
 #[tokio::test]
-async fn programs_end_alike_on_every_face() {
+async fn programs_end_alike_on_every_interface() {
     let bench = Bench::start().await;
     let mut project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
     project.server.io = IoListen::Off;
