@@ -51,7 +51,7 @@ struct InstructionForm {
     mnemonic: &'static str,
     /// Full name.
     title: &'static str,
-    /// One sentence.
+    /// A description, as a sentence.
     summary: &'static str,
     /// Kind of its object: `Axis`, `CoordinateSystem` or `MotionGroup`.
     object: &'static str,
@@ -73,7 +73,7 @@ struct OperandForm {
     kind: OperandKind,
     /// Unit of its numbers.
     unit: Option<UnitForm>,
-    /// Conditions under which it matters; null: always.
+    /// Conditions under which the operand has an effect; null: always.
     shown_when: Option<Vec<OperandCondition>>,
     /// First value.
     default: FirstValue,
@@ -133,7 +133,7 @@ enum OperandKind {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum UnitForm {
-    /// The unit that another operand chooses.
+    /// The unit that another operand selects.
     Operand {
         /// Member of that operand.
         member: Option<String>,
@@ -145,7 +145,7 @@ enum UnitForm {
     },
 }
 
-/// An operand has one of some values.
+/// The condition that an operand has one of these values.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct OperandCondition {

@@ -99,7 +99,7 @@ struct SystemConfiguration {
     actual_tolerance: f64,
     /// Command tolerance, position units.
     command_tolerance: f64,
-    /// Moves that its queue can hold.
+    /// Number of moves for which its queue has room.
     queue_depth: usize,
     /// Planning of corners.
     corner: CornerPlanning,

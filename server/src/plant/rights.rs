@@ -42,22 +42,22 @@ macro_rules! rights {
 }
 
 rights! {
-    Look:              Viewer,        "look",                "read tags, attributes, traces and the page; open class 3, input-only and listen-only connections; say what the client is; check and simulate programs";
-    Stop:              Viewer,        "stop",                "STOP, hold, MAS, MCS and MGS (as services, by `EnableIn` of their tags, on the page), end a jog, pause and end a program";
-    WriteTag:          Operator,      "write tags",          "write tags, in whole, in part, by masks or as members of structures, but for those that other rows name";
+    Look:              Viewer,        "look",                "read tags, attributes, traces and the page; open class 3, input-only and listen-only connections; identify the client; check and simulate programs";
+    Stop:              Viewer,        "stop",                "STOP, hold, MAS, MCS and MGS (as services, by `EnableIn` of their tags, on the page); end a jog; pause and end a program";
+    WriteTag:          Operator,      "write tags",          "write tags, in whole, in part, by masks or as members of structures, except those in other rows";
     Move:              Operator,      "move",                "execute all other instructions: moves, jogs, servo on and off, shutdown and reset, clearing of faults";
-    EngineersTag:      Engineer,      "write tags of engineers", "write, and delete, tags whose `write_role` is `engineer`";
-    AdministratorsTag: Administrator, "write tags of administrators", "write, and delete, tags whose `write_role` is `administrator`";
+    EngineersTag:      Engineer,      "write tags of engineers", "write and delete tags whose `write_role` is `engineer`";
+    AdministratorsTag: Administrator, "write tags of administrators", "write and delete tags whose `write_role` is `administrator`";
     Override:          Operator,      "override",            "set feed overrides up to 100 %; resume";
-    StepClock:         Operator,      "step the clock",      "let ticks pass on the step clock (`--clock step`)";
+    StepClock:         Operator,      "step the clock",      "advance the step clock (`--clock step`)";
     ReleaseStop:       Operator,      "release STOP",        "release a STOP";
     OwnOutputs:        Operator,      "own the outputs",     "open the exclusive owner connection of implicit I/O; set the output assembly without a connection";
-    TakeControl:       Operator,      "take control",        "take and give back control of an axis or a coordinate system on the page";
-    SetLoss:           Operator,      "set loss reaction",   "choose what its own motion does when its connection is lost (attribute 100 of class 0x06)";
-    TakeByForce:       Engineer,      "take by force",       "take control that another viewer has";
+    TakeControl:       Operator,      "take control",        "take and release control of an axis or a coordinate system on the page";
+    SetLoss:           Operator,      "set loss reaction",   "select the reaction of its own motion to the loss of its connection (attribute 100 of class 0x06)";
+    TakeByForce:       Engineer,      "take by force",       "take control from another viewer";
     OverrideAbove:     Engineer,      "override above 100",  "set feed overrides above 100 %";
     RunProgram:        Engineer,      "run programs",        "run Structured Text and G-code on the page; step and continue";
-    ChangeMode:        Engineer,      "change the mode",     "let the program of the controller run, or stop it (Run and Program mode)";
+    ChangeMode:        Engineer,      "change the mode",     "start and stop the program of the controller (Run and Program mode)";
     Force:             Engineer,      "force inputs",        "force inputs of modules for the program of the controller, and remove forces";
     ChangeTags:        Engineer,      "change tags",         "create and delete tags";
     SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
@@ -65,8 +65,8 @@ rights! {
     SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
     SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";
     SetInactivity:     Engineer,      "set inactivity",      "set the inactivity time-out of all connections (attribute 13 of class 0xF5)";
-    Administer:        Administrator, "administer",          "ask for the services of the security objects 0x5D, 0x5E and 0x5F, none of which is built";
-    Serve:             Administrator, "serve",               "reload the configuration, stop the motion of lost clients: the server itself does it, no client";
+    Administer:        Administrator, "administer",          "request services of the security objects 0x5D, 0x5E and 0x5F, which are not implemented";
+    Serve:             Administrator, "serve",               "reload the configuration and stop the motion of lost clients (the server itself only, not a client)";
 }
 
 impl Right {
@@ -87,7 +87,7 @@ impl Right {
             | Self::SetClock
             | Self::SetInactivity
             | Self::Administer => true,
-            // A look changes nothing.
+            // Reading changes nothing.
             Self::Look => false,
             Self::Stop
             | Self::WriteTag

@@ -35,7 +35,7 @@ pub(crate) struct CallLine {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Checked {
-    /// The errors with their lines and columns; empty for a program that can run.
+    /// The errors with their lines and columns; empty for a correct program.
     pub(crate) errors: Vec<Refusal>,
 }
 
@@ -99,7 +99,7 @@ pub(crate) struct AxisPeaks {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct LimitText {
-    /// A sentence for people.
+    /// A description, as a sentence.
     pub(crate) text: String,
 }
 
@@ -123,7 +123,7 @@ pub(crate) struct SimulatedEvent {
     pub(crate) err: i16,
     /// EXERR.
     pub(crate) exerr: i8,
-    /// The error, where ER was set.
+    /// The error, if ER was set.
     pub(crate) error: Option<Refusal>,
 }
 
@@ -133,7 +133,7 @@ pub(crate) struct SimulatedEvent {
 pub(crate) struct TagPage {
     /// At most 200 tags.
     pub(crate) tags: Vec<TagRow>,
-    /// Whether there are more tags behind the last one.
+    /// Whether more tags follow.
     pub(crate) more: bool,
 }
 
@@ -150,7 +150,7 @@ pub(crate) struct TagRow {
     pub(crate) dims: Vec<u32>,
     /// The access of clients to the tag.
     pub(crate) access: TagAccess,
-    /// The value of a single value of an elementary type.
+    /// Value, if the tag is a single value of an elementary type.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) value: Option<Value>,
 }
@@ -173,7 +173,7 @@ pub(crate) enum TagAccess {
 pub(crate) struct Values {
     /// The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text.
     pub(crate) values: Map<String, Value>,
-    /// Read-only tags among them.
+    /// Names of the read-only tags among them.
     pub(crate) read_only: Vec<String>,
 }
 
@@ -187,15 +187,15 @@ pub(crate) struct Signals {
     pub(crate) period_s: f64,
 }
 
-/// The contents of the binary frame in front of this answer.
+/// The contents of the binary frame before this answer.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct HistoryPiece {
     /// Tick of its first row.
     pub(crate) first: u64,
-    /// Ticks of a row.
+    /// Number of ticks that a row covers.
     pub(crate) every: u64,
-    /// Rows; 0 if the server has nothing older.
+    /// Number of rows; 0 if the server has no older samples.
     pub(crate) rows: usize,
 }
 
@@ -211,7 +211,7 @@ pub(crate) struct EventPage {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RoutineList {
-    /// Another number for each program that is loaded.
+    /// A number that changes with each loaded program.
     pub(crate) version: u64,
     /// Name of its file.
     pub(crate) file: String,
@@ -229,11 +229,11 @@ pub(crate) struct RoutineList {
 pub(crate) struct TaskRow {
     /// Name.
     pub(crate) name: String,
-    /// When it runs, in words.
+    /// Description of its trigger.
     pub(crate) trigger: String,
-    /// 1, the highest, to 15.
+    /// Priority: 1, the highest, to 15.
     pub(crate) priority: u32,
-    /// Longest time of a run, ms.
+    /// Watchdog time, ms.
     pub(crate) watchdog_ms: f64,
     /// Whether the task is inhibited.
     pub(crate) inhibited: bool,
@@ -251,7 +251,7 @@ pub(crate) struct ProgramRow {
     pub(crate) main: Option<String>,
     /// Name of the routine that runs after a major fault.
     pub(crate) fault: Option<String>,
-    /// Whether the task passes over the program.
+    /// Whether the task skips the program.
     pub(crate) disabled: bool,
     /// Its routines.
     pub(crate) routines: Vec<RoutineRow>,
@@ -273,13 +273,13 @@ pub(crate) struct AddOnRow {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RoutineRow {
-    /// Number, for other requests.
+    /// Number of the routine, as in the requests.
     pub(crate) routine: u32,
     /// Name.
     pub(crate) name: String,
-    /// `ladder`, `text`, or another language, which does not run.
+    /// `ladder` or `text`; a routine of another language does not run.
     pub(crate) language: String,
-    /// Rungs or lines.
+    /// Number of rungs or lines.
     pub(crate) count: usize,
 }
 
@@ -301,7 +301,7 @@ pub(crate) struct RoutinePage {
 pub(crate) struct Rung {
     /// Number in the file.
     pub(crate) number: u32,
-    /// Comment; empty: none.
+    /// Comment; empty without one.
     pub(crate) comment: String,
     /// Elements from left to right.
     pub(crate) elements: Vec<RungElement>,
@@ -311,9 +311,9 @@ pub(crate) struct Rung {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RungElement {
-    /// Index of its condition in `power` of a `look`.
+    /// Index of its condition in `power` of the push `look`.
     pub(crate) condition: usize,
-    /// Mnemonic; empty: a branch.
+    /// Mnemonic; empty for a branch.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[cfg_attr(test, schemars(default))]
     pub(crate) name: String,
@@ -321,7 +321,7 @@ pub(crate) struct RungElement {
     #[serde(skip_serializing_if = "String::is_empty")]
     #[cfg_attr(test, schemars(default))]
     pub(crate) title: String,
-    /// Operands, in the order of the values of a `look`.
+    /// Operands, in the order of the values of the push `look`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(test, schemars(default))]
     pub(crate) operands: Vec<RungOperand>,
@@ -349,7 +349,7 @@ pub(crate) struct TextLine {
     pub(crate) number: u32,
     /// The line.
     pub(crate) text: String,
-    /// Tags in it, in the order of the values of a `look`.
+    /// Tags of the line, in the order of the values of the push `look`.
     pub(crate) names: Vec<String>,
 }
 
@@ -357,7 +357,7 @@ pub(crate) struct TextLine {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct UseList {
-    /// Full name of the tag, through aliases.
+    /// Full name of the tag, with its aliases resolved.
     pub(crate) tag: String,
     /// The uses, at most 500.
     pub(crate) uses: Vec<UseRow>,
@@ -371,13 +371,13 @@ pub(crate) struct UseList {
 pub(crate) struct UseRow {
     /// Number of the routine.
     pub(crate) routine: u32,
-    /// The rung or line in words.
+    /// Description of the rung or line.
     pub(crate) line: String,
     /// Index of the rung or line in the routine, from 0.
     pub(crate) index: usize,
-    /// Mnemonic; empty: a statement of Structured Text.
+    /// Mnemonic; empty for a statement of Structured Text.
     pub(crate) instruction: String,
-    /// The tag as it is written there.
+    /// The text of the tag in the operand.
     pub(crate) operand: String,
     /// Whether the instruction writes the tag.
     pub(crate) writes: bool,

@@ -11,32 +11,32 @@ use super::refusal::Refusal;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "push", rename_all = "snake_case")]
 pub(crate) enum Push<'s> {
-    /// Comes once, first.
+    /// The first message.
     Hello {
-        /// This viewer's name, as `drivers` has it.
+        /// The name of this viewer, as in `drivers`.
         viewer: &'s str,
         /// Names of the signals of frames of samples, in the order of a row.
         trace_signals: Vec<String>,
     },
-    /// Comes behind `hello`, and when the session of this viewer has changed.
+    /// Comes after `hello`, and when the session of this viewer has changed.
     Session {
         /// The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`.
         role: &'s str,
-        /// The user who has logged in; null: no user has.
+        /// The user who has logged in; null without one.
         user: Option<&'s str>,
-        /// Whether the session is locked: this viewer may look and stop until the user logs in again.
+        /// Whether the session is locked: until the user logs in again, this viewer can only view and stop.
         locked: bool,
-        /// Whether a user could log in on this connection.
+        /// Whether a user can log in on this connection.
         can_log_in: bool,
     },
-    /// Comes when tags change, up to 16 times a second.
+    /// Comes when tags have changed, at most 16 times a second.
     Status(Status),
     /// Comes when instructions or faults have changed.
     Event {
         /// Oldest first.
         events: Vec<Event>,
     },
-    /// Comes when watched tags have changed, at most ten times a second. The first one has all of them.
+    /// Comes when watched tags have changed, at most ten times a second. The first one has all watched tags.
     Values {
         /// The value of each name that has changed, or `{error}`.
         values: Map<String, Value>,
@@ -58,8 +58,8 @@ pub(crate) enum Push<'s> {
 pub(crate) struct MonitorRow {
     /// Index in the routine, from 0.
     pub(crate) index: usize,
-    /// `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last
-    /// scan.
+    /// One digit, `0` or `1`, for the rung condition and for the condition after each element. Empty: the last scan of the program did not
+    /// include the rung.
     pub(crate) power: String,
     /// Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text.
     pub(crate) values: Vec<Value>,
@@ -69,17 +69,17 @@ pub(crate) struct MonitorRow {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ControllerStatus {
-    /// Mode that was asked for: `program` or `run`.
+    /// Requested mode: `program` or `run`.
     pub(crate) mode: &'static str,
     /// State of the program.
     pub(crate) state: ControllerState,
-    /// Another number for each program that is loaded.
+    /// A number that changes with each loaded program.
     pub(crate) version: u64,
-    /// Ticks in which the due tasks were scanned.
+    /// Number of ticks in which due tasks were scanned.
     pub(crate) scans: u64,
-    /// Time of the newest of these, µs.
+    /// Duration of the newest scan, µs.
     pub(crate) last_us: u64,
-    /// Longest time of one, µs.
+    /// Duration of the longest scan, µs.
     pub(crate) longest_us: u64,
     /// The major fault that has stopped the tasks.
     pub(crate) fault: Option<ControllerFault>,
@@ -104,17 +104,17 @@ pub(crate) enum ControllerState {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ControllerFault {
-    /// A sentence for people.
+    /// A description, as a sentence.
     pub(crate) text: String,
     /// Number of the routine.
     pub(crate) routine: Option<u32>,
     /// Number of the rung or line in the file.
     pub(crate) line: u32,
-    /// Mnemonic; empty: a statement.
+    /// Mnemonic; empty for a statement.
     pub(crate) instruction: String,
     /// The operand at fault.
     pub(crate) operand: Option<String>,
-    /// Its value.
+    /// Value of that operand.
     pub(crate) value: Option<i64>,
 }
 
@@ -122,9 +122,9 @@ pub(crate) struct ControllerFault {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ForceRow {
-    /// Its name.
+    /// Name of the input.
     pub(crate) tag: String,
-    /// The value that the program sees.
+    /// The value that the program reads.
     pub(crate) value: Value,
 }
 
@@ -144,13 +144,13 @@ pub(crate) struct Status {
     pub(crate) group: GroupStatus,
     /// Whether STOP inhibits motion until it is released.
     pub(crate) inhibited: bool,
-    /// Events that the audit has lost since the start; null: there is no audit.
+    /// Number of events that the audit has lost since the start; null without an audit.
     pub(crate) audit_lost: Option<u64>,
     /// The real-time thread.
     pub(crate) realtime: RealTime,
     /// The viewer that has control of an object, by the object's name.
     pub(crate) drivers: Controllers,
-    /// The controller's own program; null: it has none.
+    /// The controller's own program; null without one.
     pub(crate) controller: Option<Box<ControllerStatus>>,
 }
 
@@ -202,7 +202,7 @@ pub(crate) struct SystemStatus {
     pub(crate) active: Option<ActiveMove>,
     /// Pending moves, oldest first, at most 200.
     pub(crate) pending: Vec<PendingMove>,
-    /// Another number for other paths.
+    /// A number that changes with the paths.
     pub(crate) path_version: u64,
     /// Path speed, position units/s.
     pub(crate) speed: f64,
@@ -213,12 +213,12 @@ pub(crate) struct SystemStatus {
     pub(crate) held: bool,
     /// Names of the status bits that are set.
     pub(crate) bits: Vec<String>,
-    /// The programmed paths; only when `path_version` has changed, and not of a robot.
+    /// The programmed paths; only when `path_version` has changed, and never for a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) path: Option<Paths>,
 }
 
-/// A move that runs.
+/// The active move of a coordinate system.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ActiveMove {
@@ -226,7 +226,7 @@ pub(crate) struct ActiveMove {
     pub(crate) tag: String,
     /// Mnemonic.
     pub(crate) instruction: &'static str,
-    /// Share of its path that is done, 0 to 1.
+    /// Completed share of its path, 0 to 1.
     pub(crate) progress: f64,
     /// Distance to go, position units.
     pub(crate) remaining: f64,
@@ -300,9 +300,9 @@ pub(crate) struct ProgramStatus<'s> {
     pub(crate) viewer: Option<&'s str>,
     /// Error of a failed program.
     pub(crate) error: Option<&'s Refusal>,
-    /// Another number for each program.
+    /// A number that changes with each program.
     pub(crate) run: u64,
-    /// Its text, only with a new `run`.
+    /// Its text; only with a new `run`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) text: Option<&'s str>,
 }
@@ -312,11 +312,11 @@ pub(crate) struct ProgramStatus<'s> {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ProgramState {
-    /// No program ran yet.
+    /// No program has run yet.
     Idle,
     /// The program runs.
     Running,
-    /// The program is paused in front of a statement.
+    /// The program is paused before a statement.
     Paused,
     /// The program has ended.
     Ended,
@@ -368,9 +368,9 @@ pub(crate) struct RestEvent {
     pub(crate) system: Option<String>,
     /// The part that was too slow: `program`, whose next move came late, or `planner`.
     pub(crate) slow: SlowPart,
-    /// Rests of that cause since the start.
+    /// Number of rests of that cause since the start.
     pub(crate) count: u32,
-    /// A sentence for people.
+    /// A description, as a sentence.
     pub(crate) text: &'static str,
 }
 
@@ -395,9 +395,9 @@ pub(crate) struct InstructionEvent {
     pub(crate) tag: String,
     /// Mnemonic.
     pub(crate) instruction: &'static str,
-    /// The axis, coordinate system or group that it is about.
+    /// The axis, coordinate system or group on which the instruction acts.
     pub(crate) object: Option<String>,
-    /// Its line of Structured Text, where a page executed it.
+    /// Its line of Structured Text, if a page executed it.
     pub(crate) text: Option<String>,
     /// The viewer that executed it.
     pub(crate) viewer: Option<String>,
@@ -409,9 +409,9 @@ pub(crate) struct InstructionEvent {
     pub(crate) err: i16,
     /// EXERR.
     pub(crate) exerr: i8,
-    /// The error, where ER was set.
+    /// The error, if ER was set.
     pub(crate) error: Option<Refusal>,
-    /// The cause that ended the instruction before its end.
+    /// The cause that ended the instruction prematurely.
     pub(crate) ended: Option<EndCause>,
 }
 
@@ -421,11 +421,11 @@ pub(crate) struct InstructionEvent {
 pub(crate) struct FaultEvent {
     /// Name of the axis.
     pub(crate) axis: Option<String>,
-    /// Words of the faults that came.
+    /// Words of the faults that were set.
     pub(crate) set: Vec<&'static str>,
-    /// Words of those that were reset and came again at once, since their cause is still there.
+    /// Words of the faults that were reset and set again at once, since their cause persists.
     pub(crate) again: Vec<&'static str>,
-    /// Words of the faults that went.
+    /// Words of the faults that were cleared.
     pub(crate) clear: Vec<&'static str>,
     /// The cause that cleared the faults.
     pub(crate) by: Option<EndCause>,
@@ -437,13 +437,13 @@ pub(crate) struct FaultEvent {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RefusedCommand {
-    /// A sentence for people.
+    /// A description, as a sentence.
     pub(crate) text: String,
-    /// The instruction that asked for it.
+    /// The instruction that commanded it.
     pub(crate) by: Option<EndCause>,
     /// Position and velocity of the last command, position units and position units/s.
     pub(crate) last: [f64; 2],
-    /// Position and velocity of the refused command; null where one is no number.
+    /// Position and velocity of the refused command; null for a value that is not a number.
     pub(crate) asked: [f64; 2],
 }
 
@@ -451,7 +451,7 @@ pub(crate) struct RefusedCommand {
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct EndCause {
-    /// A sentence for people.
+    /// A description, as a sentence.
     pub(crate) text: String,
     /// The kind of cause.
     #[serde(flatten)]
@@ -479,7 +479,7 @@ pub(crate) enum CauseKind {
         /// Words of the faults.
         faults: Vec<&'static str>,
     },
-    /// A stop of everything.
+    /// A stop of all motion.
     #[serde(rename = "stop")]
     Stop {},
     /// The end of a jog whose viewer did not confirm it.

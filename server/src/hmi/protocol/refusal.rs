@@ -10,7 +10,7 @@ use crate::plant::{CallRefused, Refused};
 #[derive(Serialize, Clone, PartialEq, Debug, Default)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Refusal {
-    /// A sentence for people.
+    /// The reason, as a sentence.
     pub(crate) text: Box<str>,
     /// ERR of a motion instruction.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -21,7 +21,7 @@ pub(crate) struct Refusal {
     /// The usual cause of ERR, as `arcline explain` prints it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cause: Option<&'static str>,
-    /// The operand, axis or detail that EXERR points at.
+    /// The operand, axis or detail that EXERR identifies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) concerns: Option<Box<str>>,
     /// The remedy for ERR.

@@ -44,9 +44,9 @@ macro_rules! requests {
 }
 
 requests! {
-    /// Asks for a sign of life.
+    /// Tests the connection: the answer is empty.
     Ping {} -> Done;
-    /// Says that a person is at the page: without that its session is locked after a time.
+    /// Reports the input of a person. Without such reports the server locks the session after a time.
     Active {} -> Done;
     /// Takes control of a coordinate system and its axes, of one axis, or of the group.
     Take {
@@ -56,9 +56,9 @@ requests! {
         #[serde(default)]
         force: bool,
     } -> Done;
-    /// Gives control back.
+    /// Releases control of an object.
     Release {
-        /// Name of the object as it was taken.
+        /// Name of the object, as in `take`.
         object: String,
     } -> Done;
     /// Executes one instruction. Stops need no control.
@@ -66,23 +66,23 @@ requests! {
         /// One call as Structured Text.
         text: String,
     } -> Executed;
-    /// Makes the line of Structured Text of a filled form and checks it.
+    /// Writes the values of a form as one line of Structured Text and checks it.
     Line {
         /// Mnemonic.
         instruction: String,
-        /// Values by the members of the operands; an operand that is left out has its first value.
+        /// Values by the member names of the operands; an omitted operand has its first value.
         #[serde(default)]
         operands: Map<String, Value>,
     } -> CallLine;
-    /// Jogs an axis while `keep` comes at least every 150 ms, until `jog_end`.
+    /// Jogs an axis until `jog_end`. The page must send `keep` at least every 150 ms.
     Jog {
         /// Name of the axis.
         axis: String,
         /// Speed with its sign, position units/s.
         speed: f64,
-        /// Acceleration, position units/s²; without it the axis's maximum.
+        /// Acceleration, position units/s²; default: the maximum of the axis.
         accel: Option<f64>,
-        /// Deceleration, position units/s²; without it the axis's maximum.
+        /// Deceleration, position units/s²; default: the maximum of the axis.
         decel: Option<f64>,
     } -> Done;
     /// Confirms a jog: the button is still pressed.
@@ -95,13 +95,12 @@ requests! {
         /// Name of the axis.
         axis: String,
     } -> Done;
-    /// Stops one object; without an object it stops everything, the program included, and inhibits motion until `release_stop`. Needs no
-    /// control.
+    /// Stops one object. Without an object it stops all motion and the program, and inhibits motion until `release_stop`. Needs no control.
     Stop {
         /// Name of the coordinate system, axis or group.
         object: Option<String>,
     } -> Done;
-    /// Releases a STOP of everything: instructions may begin motion again. Needs no control.
+    /// Releases the STOP of all motion: instructions can begin motion again. Needs no control.
     ReleaseStop {} -> Done;
     /// Sets the feed override of a coordinate system.
     Override {
@@ -115,17 +114,17 @@ requests! {
         /// Name of the coordinate system.
         coordinate_system: String,
     } -> Done;
-    /// Sets the feed override that was in force before a hold.
+    /// Restores the feed override from before the hold.
     Resume {
         /// Name of the coordinate system.
         coordinate_system: String,
     } -> Done;
-    /// Simulates one instruction from the present state. Nothing moves.
+    /// Simulates one instruction from the present state. The machine does not move.
     Preview {
         /// One call as Structured Text.
         text: String,
     } -> Simulated;
-    /// Simulates a program from the present state. Nothing moves.
+    /// Simulates a program from the present state. The machine does not move.
     DryRun {
         /// A program as Structured Text.
         text: String,
@@ -139,24 +138,24 @@ requests! {
     Run {
         /// A program as Structured Text.
         text: String,
-        /// Pauses in front of the first statement.
+        /// Whether the program pauses before its first statement.
         #[serde(default, alias = "paused")]
         step: bool,
     } -> Done;
     /// Executes one statement of the program.
     Step {} -> Done;
-    /// Pauses the program in front of the next statement.
+    /// Pauses the program before the next statement.
     Pause {} -> Done;
     /// Continues the program.
     Continue {} -> Done;
-    /// Ends the program; motion that it began goes on.
+    /// Ends the program. Motion that it began continues.
     End {} -> Done;
     /// Lists tags, 200 at a time, in the order of their names.
     Tags {
         /// Part of the name in any case, at most 100 bytes; `*` stands for any text, at most 8 times.
         #[serde(default)]
         pattern: String,
-        /// The name behind which the list begins.
+        /// The list begins after this name.
         after: Option<String>,
     } -> TagPage;
     /// Reads tags once.
@@ -164,7 +163,8 @@ requests! {
         /// At most 200 names.
         names: Vec<String>,
     } -> Values;
-    /// Reads tags now, and pushes as `values` those that have changed, at most ten times a second; instead of those watched before.
+    /// Reads tags and watches them in place of those watched before: the push `values` has those that have changed, at most ten times a
+    /// second.
     Watch {
         /// At most 200 names.
         names: Vec<String>,
@@ -178,7 +178,7 @@ requests! {
     } -> Done;
     /// Lists the tasks, programs and routines of the controller's own program.
     Routines {} -> RoutineList;
-    /// Reads rungs or lines of a routine as they are written, at most 100.
+    /// Reads the source of at most 100 rungs or lines of a routine.
     Rungs {
         /// Number of the routine.
         routine: u32,
@@ -187,8 +187,8 @@ requests! {
         /// Number of rungs or lines.
         count: usize,
     } -> RoutinePage;
-    /// Watches rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most
-    /// five times a second, in place of those watched before. Without a routine it ends.
+    /// Watches at most 100 rungs or lines of a routine in place of those watched before: the push `look` has the power flow and values of
+    /// those that have changed, at most five times a second. Without a routine the viewer watches none.
     Look {
         /// Number of the routine.
         routine: Option<u32>,
@@ -198,25 +198,25 @@ requests! {
         /// Number of rungs or lines.
         #[serde(default)]
         count: usize,
-        /// Version of the program that the numbers are of.
+        /// Version of the program to which the numbers belong.
         #[serde(default)]
         version: u64,
         /// Instance of the add-on instruction whose values are shown.
         instance: Option<String>,
     } -> Done;
-    /// Lists where a tag of the controller's own program, a part of it, or the whole that it is a part of is used.
+    /// Lists the uses of a tag of the controller's own program, of its parts, and of the tags that it is a part of.
     Uses {
         /// Name of the tag or of its part.
         tag: String,
-        /// Program in whose scope it is named; without one it is that of the controller.
+        /// Program whose scope has the tag; default: the scope of the controller.
         program: Option<String>,
     } -> UseList;
-    /// Lets the controller's own program run, or stops it and all motion.
+    /// Starts the controller's own program (Run mode), or stops it and all motion (Program mode).
     Mode {
-        /// `true` lets the program run, `false` stops it.
+        /// `true` starts the program, `false` stops it.
         run: bool,
     } -> Done;
-    /// Forces an input of a module: the controller's own program sees this value.
+    /// Forces an input of a module: the controller's own program reads the forced value.
     Force {
         /// Name of the input, such as `Local:1:I.Data.0`.
         tag: String,
@@ -225,19 +225,19 @@ requests! {
     } -> Done;
     /// Removes all forces.
     RemoveForces {} -> Done;
-    /// Begins or ends the binary frames of samples.
+    /// Starts or ends the binary frames of samples.
     Trace {
-        /// `true` begins the frames, `false` ends them.
+        /// `true` starts the frames, `false` ends them.
         on: bool,
     } -> Signals;
-    /// Asks for the newest samples before a tick: a binary frame comes, then the answer. At most two may wait to be read.
+    /// Requests the newest samples before a tick. The server sends a binary frame, then the answer. At most two frames of a viewer may wait.
     History {
         /// The tick.
         before: u64,
     } -> HistoryPiece;
     /// Lists the newest 1,000 events.
     Events {
-        /// The `seq` behind which the list begins.
+        /// The list begins after this `seq`.
         since: Option<u64>,
     } -> EventPage;
 }
