@@ -7,7 +7,7 @@ use crate::random::Random;
 use arcline_planner::geometry::{Arc as Circle, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter, Sample};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter, Sample};
 
 /// One toolpath.
 pub struct Stream {
@@ -446,7 +446,7 @@ pub fn travel(
                 Ok(installed) => {
                     let start = *began.get_or_insert(clock.tick);
                     let wall = (clock.tick - start) as f64 * 1e-3;
-                    if matches!(installed, Installed::Started | Installed::Extended(_)) {
+                    if matches!(installed, InstalledPlan::Started | InstalledPlan::Extended(_)) {
                         told.fronts.push([wall, wall, planned_to.unwrap_or(wall)]);
                     }
                 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use arcline_planner::geometry::Point;
 use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
-use arcline_planner::{Extension, Installed, MasterMotion};
+use arcline_planner::{Extension, InstalledPlan, MasterMotion};
 
 use crate::motion::Motion;
 use crate::system::Activity;
@@ -95,7 +95,7 @@ impl Motion {
         }
         let installed = system.travel.install(generation, planned, &base);
         match installed {
-            Ok(Installed::Started) => {
+            Ok(InstalledPlan::Started) => {
                 if let Err(error) = self.systems[id].activate_link(
                     driven_by,
                     self.clock.now(),
@@ -110,7 +110,7 @@ impl Motion {
                 self.systems[id].activate(&mut self.axes, &mut self.controls, &self.clock);
             }
             // The set-points are the same up to the splice.
-            Ok(Installed::Extended(old)) => self.systems.retired.push(old),
+            Ok(InstalledPlan::Extended(old)) => self.systems.retired.push(old),
             Err(unwanted) => self.systems.retired.extend(unwanted),
         }
     }

@@ -6,7 +6,7 @@ use arcline_profile::{KinematicState, Limits, MOST_OVERSHOOT, Profile, entry_spe
 
 use crate::Clock;
 use crate::junction::same_rates;
-use crate::look_ahead::{Ends, Plan, turns_back};
+use crate::look_ahead::{EndQuality, Plan, turns_back};
 use crate::move_trajectory::Approach;
 use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
@@ -290,7 +290,7 @@ enum Met {
 
 impl Met {
     fn by(plan: &Plan) -> Met {
-        if plan.ends != Ends::TooFast {
+        if plan.end_quality != EndQuality::TooFast {
             Met::All
         } else if plan.exit <= plan.corners * (1.0 + ROUNDING_SHARE) {
             Met::Corners

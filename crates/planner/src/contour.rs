@@ -26,9 +26,9 @@ use arcline_contour::{Deviation, Trajectory};
 
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Clock, Instant, Move, QueueFull, Sample};
-pub use requests::{ContourBatch, Extension, Installed};
+pub use requests::{ContourBatch, Extension, InstalledPlan};
 pub use rests::ContourRests;
-use run::{Asked, Run, RunState};
+use run::{PlanRequest, RunState, RunningTrajectory};
 pub use stopping::ContourStopping;
 
 /// One active move and the pending ones, of which the first few are on a planned trajectory.
@@ -37,8 +37,8 @@ pub struct ContourQueue<T> {
     moves: VecDeque<Move<T>>,
     depth: usize,
     deviation: Deviation,
-    run: Option<Run>,
-    asked: Option<Asked>,
+    run: Option<RunningTrajectory>,
+    asked: Option<PlanRequest>,
     generation: u32,
     /// The instants at which the last move was queued, and the first of the unplanned ones.
     grown: Option<Instant>,

@@ -3,7 +3,7 @@
 use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Profile};
 
 use crate::junction::{Junction, junction};
-use crate::look_ahead::{Ends, turns_back};
+use crate::look_ahead::{EndQuality, turns_back};
 use crate::move_trajectory::{Approach, MoveTrajectory};
 use crate::planner::Planner;
 use crate::running::{AccelerationRemoval, Move, Running};
@@ -103,7 +103,8 @@ impl<T: Copy> Planner<T> {
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
         let slow = !self.bounds.overshoot || AccelerationRemovalPhase::below(from, &next.limits, fastest).is_none();
-        let safe = slow && self.plan(&running, from).ends == Ends::AsItMust && !turns_back(&from, &next.limits);
+        let safe =
+            slow && self.plan(&running, from).end_quality == EndQuality::Feasible && !turns_back(&from, &next.limits);
         if safe {
             self.begin(running, from, clock);
         }

@@ -152,23 +152,23 @@ impl JunctionDemand {
     }
 }
 
-/// The joint of two moves, without their speeds and rates.
+/// The junction of two moves, without their speeds and rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Joint {
+pub(crate) struct JunctionGeometry {
     shape: Shape,
     /// The highest speed by the corner, in units per second or master unit.
     corner: f64,
 }
 
-impl Joint {
-    /// The joint before the first move.
-    pub(crate) const FIRST: Joint = Joint {
+impl JunctionGeometry {
+    /// The junction before the first move.
+    pub(crate) const FIRST: JunctionGeometry = JunctionGeometry {
         shape: Shape::Rest,
         corner: 0.0,
     };
 
     /// `blended`: another move blended into `first`; `corner_step`: the largest change of each axis's velocity at a corner, units/s.
-    pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> Joint {
+    pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> JunctionGeometry {
         let shape = shape(first, second, blended);
         let mut corner = match shape {
             Shape::Pass { .. } => corner_speed(&turn(&first.path, &second.path), corner_step) / first.parameter.speed,
@@ -177,19 +177,19 @@ impl Joint {
         if corner.is_finite() {
             corner = corner.min(second.corner);
         }
-        Joint { shape, corner }
+        JunctionGeometry { shape, corner }
     }
 
-    /// The same joint with a limit on the speed at its corner, if it has one.
-    pub(crate) fn at_most(self, corner: f64) -> Joint {
+    /// The same junction with a limit on the speed at its corner, if it has one.
+    pub(crate) fn at_most(self, corner: f64) -> JunctionGeometry {
         if self.corner.is_finite() {
             let corner = self.corner.min(corner);
-            return Joint { corner, ..self };
+            return JunctionGeometry { corner, ..self };
         }
         self
     }
 
-    /// The motion follows the path across the joint without a rest.
+    /// The motion follows the path across the junction without a rest.
     pub(crate) fn is_passed(&self) -> bool {
         match self.shape {
             Shape::Overtake { .. } => true,

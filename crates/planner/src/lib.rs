@@ -35,7 +35,7 @@ mod tolerance;
 mod travel;
 
 pub use clock::{Clock, Instant, MasterMotion, MasterRate, TimeBase};
-pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, Installed};
+pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, InstalledPlan};
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
 pub use move_trajectory::Sample;

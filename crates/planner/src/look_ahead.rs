@@ -33,7 +33,7 @@ impl<T: Copy> Planner<T> {
                 joined: 0,
                 cap,
                 corners: f64::INFINITY,
-                ends: Ends::AsItMust,
+                end_quality: EndQuality::Feasible,
             };
         }
         let queue = &self.queue;
@@ -47,7 +47,7 @@ impl<T: Copy> Planner<T> {
                 joined,
                 cap,
                 corners: queue.corners(bound),
-                ends: Ends::AsItMust,
+                end_quality: EndQuality::Feasible,
             }
         };
         if cap > 0.0 {
@@ -75,7 +75,7 @@ impl<T: Copy> Planner<T> {
         if beyond && end.demand.corner().is_finite() {
             // The motion returns to the corner and continues there.
             return Plan {
-                ends: Ends::Overshooting,
+                end_quality: EndQuality::Overshooting,
                 ..towards(&end, 0.0, cap)
             };
         }
@@ -84,21 +84,21 @@ impl<T: Copy> Planner<T> {
             return Plan {
                 target: from.position,
                 joined: queue.moves_before(&end) + 1,
-                ends: Ends::TooFast,
+                end_quality: EndQuality::TooFast,
                 ..towards(&end, from.velocity.max(0.0), cap)
             };
         }
         let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
         let plan = towards(&end, speed, cap);
         if end.demand == JunctionDemand::Rest {
-            let ends = if level && speed == 0.0 {
-                Ends::AsItMust
+            let end_quality = if level && speed == 0.0 {
+                EndQuality::Feasible
             } else {
-                Ends::Overshooting
+                EndQuality::Overshooting
             };
             return Plan {
                 exit: 0.0,
-                ends,
+                end_quality,
                 ..plan
             };
         }
@@ -110,7 +110,7 @@ impl<T: Copy> Planner<T> {
             return Plan { exit: 0.0, ..plan };
         }
         let plan = Plan {
-            ends: Ends::TooFast,
+            end_quality: EndQuality::TooFast,
             ..plan
         };
         let corner = end.demand.corner();
@@ -248,14 +248,14 @@ pub(crate) struct Plan {
     pub(crate) cap: f64,
     /// The speed at the target from which the corners behind it can be met.
     pub(crate) corners: f64,
-    pub(crate) ends: Ends,
+    pub(crate) end_quality: EndQuality,
 }
 
 /// The quality of the end of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ends {
+pub(crate) enum EndQuality {
     /// The rest of the queue can be executed from it.
-    AsItMust,
+    Feasible,
     /// With more speed than the corner, or the distance behind it, permits; or with an acceleration; or after a reversal. If the axes could not
     /// follow the corner, the motion rests there.
     TooFast,

@@ -12,7 +12,7 @@ use arcline_profile::{KinematicState, Limits, Profile};
 
 use crate::Clock;
 use crate::junction::is_along;
-use crate::move_trajectory::{Part, Residual};
+use crate::move_trajectory::{Residual, ResidualPart};
 use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
 use crate::ramp_out::{RampOut, short};
@@ -95,7 +95,7 @@ impl<T: Copy> Planner<T> {
 
 /// A path and its residual.
 struct Pieces {
-    parts: [Part; 3],
+    parts: [ResidualPart; 3],
     /// The start state on the path.
     from: KinematicState,
     /// Its limits.
@@ -197,7 +197,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
             acceleration - direction * along.acceleration,
         );
         let before = drift;
-        drift = parts.iter().map(Part::total).sum::<Point>() / path.length();
+        drift = parts.iter().map(ResidualPart::total).sum::<Point>() / path.length();
         // The splitting causes a step of the velocity.
         if (drift - before).norm() * along.velocity <= SPLIT_VELOCITY_SHARE * velocity.norm() {
             return Some(Pieces {

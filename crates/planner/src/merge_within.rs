@@ -9,7 +9,7 @@ use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
-use crate::move_trajectory::{Part, Residual};
+use crate::move_trajectory::{Residual, ResidualPart};
 use crate::planner::Planner;
 use crate::running::{InitialMotion, Move};
 use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
@@ -17,7 +17,7 @@ use crate::{Clock, Instant};
 
 /// The share of the limits of the axes for a path.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Within {
+pub(crate) struct AxisLimitShare {
     axes: AxisLimits,
     path: Path,
     share: f64,
@@ -37,7 +37,7 @@ impl<T: Copy> Planner<T> {
                 ..initial
             },
         };
-        let whole = Within {
+        let whole = AxisLimitShare {
             axes: *axes,
             path: motion.path,
             share: 1.0,
@@ -57,7 +57,7 @@ impl<T: Copy> Planner<T> {
             let parts = ramped_out(&initial, &own, axes, &motion.path, 1.0);
             ResidualPlan {
                 wait: parts.iter().map(|part| part.profile.duration()).fold(0.0, f64::max),
-                within: Within {
+                within: AxisLimitShare {
                     drift: drift(&parts, &motion.path),
                     ..whole
                 },
@@ -108,7 +108,7 @@ impl<T: Copy> Planner<T> {
         from: KinematicState,
         at: Instant,
         residual: Option<Residual>,
-        within: Within,
+        within: AxisLimitShare,
         clock: &Clock,
     ) {
         motion.limits = within.limits(&motion.limits);
@@ -138,7 +138,7 @@ fn residual_beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimi
             wait = wait.max(a.abs() / axes.jerk.map_or(f64::INFINITY, |jerk| jerk[axis]));
         }
     }
-    let within = Within {
+    let within = AxisLimitShare {
         axes: *axes,
         path: motion.path,
         share: HALF,
@@ -171,10 +171,10 @@ fn residual_beside<T>(motion: &Move<T>, initial: &InitialMotion, axes: &AxisLimi
 
 /// The plan of a residual and a path.
 struct ResidualPlan {
-    parts: [Part; 3],
+    parts: [ResidualPart; 3],
     /// Seconds that the path waits.
     wait: f64,
-    within: Within,
+    within: AxisLimitShare,
 }
 
 /// The velocity continues along a path, with a component across it below the 0.1 degree of other merges.
@@ -191,7 +191,7 @@ fn continues_along(path: &Path, initial: &InitialMotion) -> bool {
 
 /// Ramps out the motion of the axes with a share of their limits, and of the programmed deceleration. A path without length cannot
 /// compensate: the residual returns by itself.
-fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [Part; 3] {
+fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &Path, share: f64) -> [ResidualPart; 3] {
     let speed = initial.velocity.norm();
     let moving = initial.acceleration != Point::zeros();
     // Along the direction of motion if only a velocity ramps out.
@@ -242,7 +242,7 @@ fn ramped_out(initial: &InitialMotion, own: &Limits, axes: &AxisLimits, path: &P
         } else {
             Profile::to_position(from, 0.0, 0.0, &limits)
         };
-        Part::new(direction, profile)
+        ResidualPart::new(direction, profile)
     })
 }
 
@@ -253,13 +253,13 @@ fn turns(stop: &Profile, velocity: f64) -> bool {
         .any(|&t| stop.at(t).velocity * velocity < 0.0)
 }
 
-fn drift(parts: &[Part; 3], path: &Path) -> Point {
+fn drift(parts: &[ResidualPart; 3], path: &Path) -> Point {
     let length = path.length();
-    let total: Point = parts.iter().map(Part::total).sum();
+    let total: Point = parts.iter().map(ResidualPart::total).sum();
     if length > 0.0 { total / length } else { Point::zeros() }
 }
 
-impl Within {
+impl AxisLimitShare {
     /// Limits along the path at which no axis exceeds its share of its own.
     pub(crate) fn limits(&self, own: &Limits) -> Limits {
         match &self.path {

@@ -43,7 +43,7 @@ pub(crate) struct Approach {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// Along the old velocity, and across it if the acceleration was not along the velocity; or axis by axis.
-    pub(crate) parts: [Part; 3],
+    pub(crate) parts: [ResidualPart; 3],
     pub(crate) start: Instant,
     /// Share of the move's limits for its own profile, such that path and compensation together keep them: at most 1.
     pub(crate) share: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Residual {
 
 /// A displacement along one direction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
+pub(crate) struct ResidualPart {
     pub(crate) direction: Point,
     pub(crate) profile: Profile,
     /// The final displacement.
@@ -294,7 +294,7 @@ impl Approach {
 impl Residual {
     /// A residual that ramps out beside a path. A compensation that leads away from the target makes the distance longer than the path; the path
     /// is then slower by that factor.
-    pub(crate) fn new(parts: [Part; 3], start: Instant, path: &Path) -> Self {
+    pub(crate) fn new(parts: [ResidualPart; 3], start: Instant, path: &Path) -> Self {
         Residual {
             parts,
             start,
@@ -303,9 +303,9 @@ impl Residual {
     }
 
     /// The factor of the speed of a path beside a residual.
-    pub(crate) fn share_of(parts: &[Part; 3], path: &Path) -> f64 {
+    pub(crate) fn share_of(parts: &[ResidualPart; 3], path: &Path) -> f64 {
         let length = path.length();
-        let total: Point = parts.iter().map(Part::total).sum();
+        let total: Point = parts.iter().map(ResidualPart::total).sum();
         let allowed = match path {
             Path::Line(line) => (line.end() - line.start() - total).norm(),
             Path::Arc(_) => length + total.norm(),
@@ -331,9 +331,9 @@ impl Residual {
     }
 }
 
-impl Part {
+impl ResidualPart {
     pub(crate) fn new(direction: Point, profile: Profile) -> Self {
-        Part {
+        ResidualPart {
             direction,
             profile,
             whole: profile.end().position,

@@ -7,14 +7,14 @@
 use arcline_geometry::{Path, Point};
 use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Phase, Profile};
 
-use crate::move_trajectory::Part;
+use crate::move_trajectory::ResidualPart;
 use crate::ramp_out::forward;
 use crate::tolerance::{ROUNDING_SHARE, VERTEX_SHARE};
 
 /// A path during which a residual ramps out.
 pub(crate) struct PathWithResidual<'a> {
     pub(crate) path: &'a Path,
-    pub(crate) parts: &'a [Part; 3],
+    pub(crate) parts: &'a [ResidualPart; 3],
     /// Seconds for which the residual has ramped out at the beginning of the path's profile.
     pub(crate) since: f64,
     /// The highest speed of the sum.
@@ -77,7 +77,7 @@ impl PathWithResidual<'_> {
     }
 
     fn drift(&self) -> Point {
-        self.parts.iter().map(Part::total).sum::<Point>() / self.path.length()
+        self.parts.iter().map(ResidualPart::total).sum::<Point>() / self.path.length()
     }
 
     /// The largest displacement for a unit of the path, with the compensation.

@@ -8,7 +8,7 @@ use arcline_geometry::{Path, Point};
 use arcline_profile::{Bounds, KinematicState, Limits, Profile};
 
 use crate::look_ahead::Plan;
-use crate::merge_within::Within;
+use crate::merge_within::AxisLimitShare;
 use crate::move_trajectory::{MoveTrajectory, Residual, Sample};
 use crate::queue::Queue;
 use crate::rotation_residual::RampingOut;
@@ -34,28 +34,28 @@ pub struct Planner<T> {
     /// Seconds after the active trajectory's start at which the successor takes over, if before the programmed end.
     pub(crate) hand_over_at: Option<f64>,
     /// Paths of cancelled moves along which a stop of the active one may have to continue.
-    trail: VecDeque<Beyond>,
+    trail: VecDeque<CancelledPath>,
     /// The path ends behind the trail.
     trail_ends: bool,
     /// Counts the plans of active moves.
     pub(crate) plans: u32,
     /// The share of the limits of the axes for the active move, if they are enforced.
-    pub(crate) within: Option<Within>,
+    pub(crate) within: Option<AxisLimitShare>,
     /// The Dynamics Configuration Bits.
     pub(crate) bounds: Bounds,
 }
 
 /// A path behind the active one, of a move that was cancelled.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Beyond {
+pub(crate) struct CancelledPath {
     pub(crate) path: Path,
     /// The highest speed at which the axes can follow the corner before it, units/s.
     corner: f64,
 }
 
-impl Beyond {
+impl CancelledPath {
     /// The path, and the highest speed at the corner before it.
-    fn joint(&self) -> (&Path, f64) {
+    fn path_and_corner_speed(&self) -> (&Path, f64) {
         (&self.path, self.corner)
     }
 }
@@ -201,7 +201,7 @@ impl<T: Copy> Planner<T> {
         let cancelled = self.queue.pop()?;
         self.trail_ends |= !self.leads_over(self.trail.len(), passed);
         if !self.trail_ends {
-            self.trail.push_back(Beyond {
+            self.trail.push_back(CancelledPath {
                 path: cancelled.path,
                 corner: corner * cancelled.parameter.speed,
             });
@@ -251,18 +251,21 @@ impl<T: Copy> Planner<T> {
         let Some(trajectory) = self.active.as_ref().map(|running| &running.trajectory) else {
             return;
         };
-        let followed = trajectory.followed(self.trail.iter().map(Beyond::joint));
+        let followed = trajectory.followed(self.trail.iter().map(CancelledPath::path_and_corner_speed));
         self.trail.truncate(followed);
     }
 
     /// The paths along which a stop that began now could lead, with the highest speeds at the corners before them: those of cancelled moves,
     /// and those of the pending moves whose paths [`Planner::cancel_pending`] would keep.
-    pub(crate) fn beyond(&self) -> impl Iterator<Item = (&Path, f64)> {
-        let pending = (self.trail.len()..).zip(self.queue.joints());
-        let kept = pending
+    pub(crate) fn paths_of_stop(&self) -> impl Iterator<Item = (&Path, f64)> {
+        let pending = (self.trail.len()..).zip(self.queue.junctions());
+        let followed = pending
             .take_while(|(index, (_, passed, _))| !self.trail_ends && self.leads_over(*index, *passed))
             .map(|(_, (motion, _, corner))| (&motion.path, corner * motion.parameter.speed));
-        self.trail.iter().map(Beyond::joint).chain(kept)
+        self.trail
+            .iter()
+            .map(CancelledPath::path_and_corner_speed)
+            .chain(followed)
     }
 
     /// As [`Planner::stop`], for an active move that is a function of a master's displacement: `clock` shows the displacement, and `rate` is its

@@ -22,7 +22,7 @@ pub(crate) use bounds::Bound;
 use bounds::{BackwardPass, LEAST, MOST, WORK, WORK_OF_A_CHANGE};
 
 use crate::corners::Corners;
-use crate::junction::{Joint, JunctionDemand};
+use crate::junction::{JunctionDemand, JunctionGeometry};
 use crate::running::Move;
 
 /// Pending moves, oldest first, each with a number.
@@ -75,8 +75,8 @@ struct Waiting<T> {
     start: f64,
     /// The previous move blends into it.
     blended: bool,
-    /// The joint before it.
-    joint: Joint,
+    /// The junction before it.
+    junction: JunctionGeometry,
 }
 
 impl<T: Copy> Queue<T> {
@@ -127,20 +127,20 @@ impl<T: Copy> Queue<T> {
 
     /// The path continues to the oldest move: without a rest before it, and without superposition.
     pub(crate) fn is_passed_to(&self) -> bool {
-        self.moves.front().is_some_and(|waiting| waiting.joint.is_passed())
+        self.moves.front().is_some_and(|waiting| waiting.junction.is_passed())
     }
 
     /// The highest speed at the corner before the oldest move, in its variable.
     pub(crate) fn corner(&self) -> f64 {
-        self.moves.front().map_or(0.0, |waiting| waiting.joint.corner())
+        self.moves.front().map_or(0.0, |waiting| waiting.junction.corner())
     }
 
     /// The pending moves, the oldest first: whether the path continues to each ([`Queue::is_passed_to`]), and the highest speed at the corner
     /// before it ([`Queue::corner`]).
-    pub(crate) fn joints(&self) -> impl Iterator<Item = (&Move<T>, bool, f64)> {
+    pub(crate) fn junctions(&self) -> impl Iterator<Item = (&Move<T>, bool, f64)> {
         self.moves
             .iter()
-            .map(|waiting| (&waiting.motion, waiting.joint.is_passed(), waiting.joint.corner()))
+            .map(|waiting| (&waiting.motion, waiting.junction.is_passed(), waiting.junction.corner()))
     }
 
     /// A run ends before the oldest move.
@@ -168,20 +168,20 @@ impl<T: Copy> Queue<T> {
             motion,
             start: 0.0,
             blended: false,
-            joint: Joint::FIRST,
+            junction: JunctionGeometry::FIRST,
         };
         if let Some((before, blended, start)) = before {
-            let mut joint = Joint::new(before, &motion, blended, &self.corner_step);
-            if joint.is_passed() {
+            let mut junction = JunctionGeometry::new(before, &motion, blended, &self.corner_step);
+            if junction.is_passed() {
                 let together = self.corners.pass(&before.path, &motion.path, &self.corner_step);
-                joint = joint.at_most(together / motion.parameter.speed);
+                junction = junction.at_most(together / motion.parameter.speed);
             } else {
                 self.corners.clear();
             }
             let end = start + before.path.length();
-            let demand = joint.demand(&before.limits, &motion.limits);
-            waiting.blended = joint.blends();
-            waiting.joint = joint;
+            let demand = junction.demand(&before.limits, &motion.limits);
+            waiting.blended = junction.blends();
+            waiting.junction = junction;
             waiting.start = self.bind(next, end, demand);
         }
         self.moves.push_back(waiting);
@@ -204,7 +204,7 @@ impl<T: Copy> Queue<T> {
         Some(waiting.motion)
     }
 
-    /// Determines the joint between the active move and the first pending one anew. Returns the position on its run at which the active move
+    /// Determines the junction between the active move and the first pending one anew. Returns the position on its run at which the active move
     /// begins.
     pub(crate) fn relink(&mut self, active: &Move<T>, blended: bool) -> f64 {
         let Some(front) = self.moves.front() else {
@@ -215,8 +215,9 @@ impl<T: Copy> Queue<T> {
                 bounds.pop_front();
             }
         }
-        let joint = Joint::new(active, &front.motion, blended, &self.corner_step).at_most(front.joint.corner());
-        let demand = joint.demand(&active.limits, &front.motion.limits);
+        let junction =
+            JunctionGeometry::new(active, &front.motion, blended, &self.corner_step).at_most(front.junction.corner());
+        let demand = junction.demand(&active.limits, &front.motion.limits);
         let length = active.path.length();
         let (start, at) = if demand.ends_run() {
             (0.0, length)
@@ -249,10 +250,10 @@ impl<T: Copy> Queue<T> {
         for waiting in &mut self.moves {
             change(&mut waiting.motion);
         }
-        // The plan of the active move determines the joint before the first one.
+        // The plan of the active move determines the junction before the first one.
         for move_index in 1..self.moves.len() {
             let [before, here] = [&self.moves[move_index - 1], &self.moves[move_index]];
-            let demand = here.joint.demand(&before.motion.limits, &here.motion.limits);
+            let demand = here.junction.demand(&before.motion.limits, &here.motion.limits);
             let end = before.start + before.motion.path.length();
             self.moves[move_index].start = self.bind(self.first.plus(move_index), end, demand);
         }

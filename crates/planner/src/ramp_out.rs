@@ -8,7 +8,7 @@ use arcline_geometry::Point;
 use arcline_profile::{AccelerationRemovalPhase, Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
-use crate::move_trajectory::Part;
+use crate::move_trajectory::ResidualPart;
 use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
 use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
@@ -52,7 +52,7 @@ impl<T: Copy> Planner<T> {
 }
 
 impl RampOut {
-    pub(crate) fn parts(&self, velocity: Point, acceleration: Point) -> [Part; 3] {
+    pub(crate) fn parts(&self, velocity: Point, acceleration: Point) -> [ResidualPart; 3] {
         let speed = velocity.norm();
         let direction = velocity.try_normalize(0.0).unwrap_or_default();
         let mut along = acceleration.dot(&direction);
@@ -67,7 +67,7 @@ impl RampOut {
         if across.norm() <= NO_ACCELERATION_SHARE * self.initial.acceleration.norm() || self.across.is_infinite() {
             across = Point::zeros();
         }
-        let nothing = Part::new(Point::zeros(), Profile::rest(0.0));
+        let nothing = ResidualPart::new(Point::zeros(), Profile::rest(0.0));
         let first = if speed > 0.0 {
             let from = KinematicState {
                 position: 0.0,
@@ -75,7 +75,7 @@ impl RampOut {
                 acceleration: along,
             };
             let limits = hastened(from, &self.limits, self.widest, false);
-            Part::new(direction, Profile::stop(from, &limits))
+            ResidualPart::new(direction, Profile::stop(from, &limits))
         } else {
             nothing
         };
@@ -87,7 +87,7 @@ impl RampOut {
                 };
                 let limits = self.limits.hastened(self.across);
                 let limits = hastened(from, &limits, ASIDE * self.widest, false);
-                Part::new(direction, Profile::stop(from, &limits))
+                ResidualPart::new(direction, Profile::stop(from, &limits))
             }
             None => nothing,
         };
@@ -95,11 +95,11 @@ impl RampOut {
     }
 
     /// Ramps out all of the motion, and returns.
-    pub(crate) fn and_back(&self) -> [Part; 3] {
+    pub(crate) fn and_back(&self) -> [ResidualPart; 3] {
         let mut parts = self.parts(self.initial.velocity, self.initial.acceleration);
         for part in &mut parts {
             let from = part.profile.start();
-            *part = Part::new(part.direction, Profile::to_position(from, 0.0, 0.0, &self.limits));
+            *part = ResidualPart::new(part.direction, Profile::to_position(from, 0.0, 0.0, &self.limits));
         }
         parts
     }

@@ -43,7 +43,7 @@ impl<T: Copy> Planner<T> {
         };
         let active = halted(&self.active.as_ref()?.trajectory, before.as_ref());
         let tail = self.tail.as_ref().map(|tail| halted(tail, None));
-        let followed = active.followed(self.beyond());
+        let followed = active.followed(self.paths_of_stop());
         Some(Stopping::of(active, tail, self.ramping_out, followed, clock))
     }
 
@@ -64,14 +64,14 @@ impl<T: Copy> Planner<T> {
         let active = halted(&self.active.as_ref()?.trajectory);
         let tail = self.tail.as_ref().map(halted);
         let out = self.ramping_out_in_time(rate, clock, time);
-        let followed = active.followed(self.beyond());
+        let followed = active.followed(self.paths_of_stop());
         Some(Stopping::of(active, tail, out, followed, time))
     }
 
     /// The motion of the coordinate system at an instant of a predicted stop, which continues along the pending moves up to the first
     /// rest between them. Real-time.
     pub fn sample_stopping(&self, stopping: &Stopping, clock: &Clock) -> Sample {
-        let beyond = self.beyond().map(|(path, _)| path);
+        let beyond = self.paths_of_stop().map(|(path, _)| path);
         stopping.sample(beyond.take(stopping.followed), clock)
     }
 

@@ -20,7 +20,7 @@ use crate::clock::TimeBase;
 use crate::contour::ContourEvent;
 use crate::move_event::MoveEvent;
 use crate::{
-    Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, Installed, Instant, MasterRate, Move, Planner,
+    Clock, ContourBatch, ContourQueue, ContourRests, InitialMotion, InstalledPlan, Instant, MasterRate, Move, Planner,
     QueueFull, RotationResidual,
 };
 
@@ -314,7 +314,7 @@ impl<T: Copy> Travel<T> {
         generation: u32,
         planned: Option<Arc<Trajectory>>,
         base: &TimeBase,
-    ) -> Result<Installed, Option<Arc<Trajectory>>> {
+    ) -> Result<InstalledPlan, Option<Arc<Trajectory>>> {
         let clock = self.contour_clock(base);
         match &mut self.contour {
             Some(contour) => contour.install(generation, planned, &clock),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits, Phase};
-use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter};
 
 const PERIOD_NS: u64 = 1_000_000;
 
@@ -85,7 +85,8 @@ fn progress_status_and_transitions_of_a_contour_at_every_tick() {
                         None => Some(precise::plan(&asked, &axes)),
                         Some(extension) => extension.plan(&asked, &axes),
                     };
-                    if let Ok(Installed::Extended(_)) = queue.install(batch.generation, plan.map(Arc::new), &clock) {
+                    if let Ok(InstalledPlan::Extended(_)) = queue.install(batch.generation, plan.map(Arc::new), &clock)
+                    {
                         extended += 1;
                     }
                 }

@@ -4,8 +4,8 @@
 
 use arcline_profile::Limits;
 
-use super::pace::{Pace, Wanted};
-use super::run::{Asked, RunState, least};
+use super::pace::{Pace, PaceRequest};
+use super::run::{PlanRequest, RunState, least};
 use super::{ContourQueue, requests};
 use crate::tolerance::{CREEPING_SHARE, SAME_SHARE};
 use crate::{Clock, MasterRate};
@@ -14,7 +14,7 @@ impl<T: Copy> ContourQueue<T> {
     /// Sets the override: a share of the programmed speeds, 0 holds.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         self.rate = rate;
-        if matches!(self.asked, Some(Asked::Anew { .. })) {
+        if matches!(self.asked, Some(PlanRequest::Anew { .. })) {
             self.asked = None;
         }
         self.change(clock);
@@ -68,7 +68,7 @@ impl<T: Copy> ContourQueue<T> {
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
         let rates = run.trajectory.least_rates();
         let (rate, jerk) = (rates.acceleration.min(rates.deceleration), rates.jerk);
-        let wanted = Wanted {
+        let wanted = PaceRequest {
             target,
             rate: rate / speed,
             jerk: jerk.map(|jerk| jerk / speed),
@@ -112,7 +112,7 @@ impl<T: Copy> ContourQueue<T> {
             .norm()
             .max(CREEPING_SHARE * limits.speed);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration);
-        let wanted = Wanted {
+        let wanted = PaceRequest {
             target: 0.0,
             rate: limits.deceleration / speed,
             jerk: jerk.map(|jerk| jerk / speed),

@@ -14,7 +14,7 @@ use crate::{Clock, Instant};
 
 /// A requested pace, and the highest rates of its ramp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Wanted {
+pub(super) struct PaceRequest {
     pub(super) target: f64,
     /// First derivative of the pace.
     pub(super) rate: f64,
@@ -32,7 +32,7 @@ pub(super) struct Pace {
     /// Its position is the trajectory's own time.
     ramp: Profile,
     start: Instant,
-    wanted: Wanted,
+    wanted: PaceRequest,
     /// Index of the active ramp; [`NONE`] if it does not lead to the requested pace.
     under_way: usize,
     /// Index of the ramp to try next.
@@ -50,7 +50,7 @@ impl Pace {
         Pace {
             ramp: Profile::to_velocity(state, pace, &limits(1.0, None)),
             start: clock.now(),
-            wanted: Wanted {
+            wanted: PaceRequest {
                 target: pace,
                 rate: 1.0,
                 jerk: None,
@@ -71,7 +71,7 @@ impl Pace {
         Pace {
             ramp: Profile::stop(from, &limits(rate, jerk)),
             start: clock.now(),
-            wanted: Wanted {
+            wanted: PaceRequest {
                 target: 0.0,
                 rate,
                 jerk,
@@ -117,7 +117,7 @@ impl Pace {
     }
 
     /// Requests a pace, from the present tick on.
-    pub(super) fn ask(&mut self, wanted: Wanted, trajectory: &Trajectory, clock: &Clock) {
+    pub(super) fn ask(&mut self, wanted: PaceRequest, trajectory: &Trajectory, clock: &Clock) {
         self.wanted = wanted;
         (self.under_way, self.next) = (NONE, 0);
         self.steer(trajectory, clock);

@@ -9,7 +9,7 @@ use arcline_profile::stop_distance;
 
 use super::ContourQueue;
 use super::pace::Pace;
-use super::run::{Asked, Run, RunState, least};
+use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
     AMPLE_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S, LEAST_PACE_SHARE, LONG_MOVE_S,
     LONGEST_GATHER_S, MOST_PLANNING_S, NEAR_S, PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, UNCHANGED_S,
@@ -80,13 +80,13 @@ impl<T: Copy> ContourQueue<T> {
         let as_planned = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
         self.take_moves(as_planned, take);
         self.asked = Some(match extends {
-            None => Asked::Contour,
-            Some(Extension { passed, anew: None, .. }) => Asked::Extension { passed },
+            None => PlanRequest::Contour,
+            Some(Extension { passed, anew: None, .. }) => PlanRequest::Extension { passed },
             Some(Extension {
                 passed,
                 anew: Some(pace),
                 ..
-            }) => Asked::Anew { passed, pace },
+            }) => PlanRequest::Anew { passed, pace },
         });
         if let (Some(run), Some(extension)) = (&mut self.run, &extends) {
             run.asked = extension.now;
@@ -124,7 +124,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// The part of the trajectory to plan anew, if its moves have changed speeds or rates and its pace is within them; or the trajectory to
     /// extend, if many moves wait, or if no move has arrived for a moment and its end is near.
-    fn extension(&self, run: &Run, clock: &Clock, time: &Clock) -> Option<Extension> {
+    fn extension(&self, run: &RunningTrajectory, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
         let state = run.pace.at(clock);
         let now = state.position;
@@ -221,28 +221,28 @@ impl<T: Copy> ContourQueue<T> {
         generation: u32,
         planned: Option<Arc<Trajectory>>,
         clock: &Clock,
-    ) -> Result<Installed, Option<Arc<Trajectory>>> {
+    ) -> Result<InstalledPlan, Option<Arc<Trajectory>>> {
         let Some(asked) = self.asked.filter(|_| generation == self.generation) else {
             return Err(planned);
         };
         self.asked = None;
         match asked {
-            Asked::Contour => match planned {
+            PlanRequest::Contour => match planned {
                 Some(plan) if plan.moves() <= self.moves.len() => {
                     self.start(plan, clock);
-                    Ok(Installed::Started)
+                    Ok(InstalledPlan::Started)
                 }
                 unwanted => Err(unwanted),
             },
-            Asked::Extension { passed } => self.extend(passed, None, planned, clock),
-            Asked::Anew { passed, pace } => self.extend(passed, Some(pace), planned, clock),
+            PlanRequest::Extension { passed } => self.extend(passed, None, planned, clock),
+            PlanRequest::Anew { passed, pace } => self.extend(passed, Some(pace), planned, clock),
         }
     }
 
     fn start(&mut self, trajectory: Arc<Trajectory>, clock: &Clock) {
         let nominal = self.nominal();
         self.is_late = false;
-        self.run = Some(Run {
+        self.run = Some(RunningTrajectory {
             pace: Pace::constant(0.0, 0.0, clock),
             trajectory,
             passed: 0,
@@ -270,7 +270,7 @@ impl<T: Copy> ContourQueue<T> {
         pace: Option<f64>,
         planned: Option<Arc<Trajectory>>,
         clock: &Clock,
-    ) -> Result<Installed, Option<Arc<Trajectory>>> {
+    ) -> Result<InstalledPlan, Option<Arc<Trajectory>>> {
         let left = self.moves.len();
         let Some(run) = &mut self.run else {
             return Err(planned);
@@ -298,7 +298,7 @@ impl<T: Copy> ContourQueue<T> {
                     run.retry = 0.0;
                 }
                 self.change_pace(clock);
-                Ok(Installed::Extended(old))
+                Ok(InstalledPlan::Extended(old))
             }
             late => {
                 // A late plan doubles the time for the next one. A failed plan is retried later.
@@ -324,7 +324,7 @@ pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
 
 /// The use of a plan.
 #[derive(Debug)]
-pub enum Installed {
+pub enum InstalledPlan {
     /// Its first move is active.
     Started,
     /// The trajectory continues with it; this is the replaced one, to be freed elsewhere.

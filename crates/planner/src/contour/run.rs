@@ -14,7 +14,7 @@ use crate::{Instant, Sample};
 
 /// A requested plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Asked {
+pub(super) enum PlanRequest {
     /// A contour from rest.
     Contour,
     /// The continuation of a trajectory in execution.
@@ -33,7 +33,7 @@ pub(super) enum Asked {
 
 /// A trajectory in execution.
 #[derive(Debug)]
-pub(super) struct Run {
+pub(super) struct RunningTrajectory {
     pub(super) trajectory: Arc<Trajectory>,
     /// Its moves that are complete.
     pub(super) passed: usize,
@@ -69,7 +69,7 @@ pub(super) enum RunState {
     Stopping,
 }
 
-impl Run {
+impl RunningTrajectory {
     /// The motion of the coordinate system at an instant of the trajectory's own time and a pace.
     pub(super) fn at(&self, pace: KinematicState) -> Sample {
         let duration = self.trajectory.duration();

@@ -7,7 +7,7 @@ use arcline_profile::{KinematicState, Limits};
 
 use super::ContourQueue;
 use super::pace::Pace;
-use super::run::{Run, RunState};
+use super::run::{RunState, RunningTrajectory};
 use crate::tolerance::CREEPING_SHARE;
 use crate::{Clock, Sample};
 
@@ -53,7 +53,7 @@ impl<T: Copy> ContourQueue<T> {
     }
 }
 
-impl Run {
+impl RunningTrajectory {
     fn stopping(&self, limits: &Limits, rate: Option<&crate::MasterRate>, clock: &Clock, time: &Clock) -> Pace {
         let now: KinematicState = self.pace.at(clock);
         let now = rate.map_or(now, |rate| rate.in_time(now));

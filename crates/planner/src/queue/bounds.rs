@@ -26,7 +26,7 @@ pub(crate) struct Bound {
 
 /// The next bound behind a point, or the end of the queue.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Following {
+pub(super) struct NextBound {
     at: f64,
     speed: f64,
     corners: f64,
@@ -138,13 +138,13 @@ impl<T: Copy> Queue<T> {
     }
 
     /// The first bound behind a number; if there is none, the end of the queue, at rest.
-    pub(super) fn following(&self, next: MoveNumber) -> Following {
+    pub(super) fn following(&self, next: MoveNumber) -> NextBound {
         let first = |bounds: &VecDeque<Bound>| bounds.get(bounds.partition_point(|bound| bound.next <= next)).copied();
         let bound = match (first(&self.slower), first(&self.ends)) {
             (Some(slower), Some(end)) => Some(if slower.next < end.next { slower } else { end }),
             (slower, end) => slower.or(end),
         };
-        let end = || Following {
+        let end = || NextBound {
             at: self.end().unwrap_or(0.0),
             speed: 0.0,
             corners: f64::INFINITY,
@@ -152,14 +152,14 @@ impl<T: Copy> Queue<T> {
         bound.map_or_else(end, |bound| bound.as_following())
     }
 
-    pub(super) fn speed_at(&self, bound: &Bound, following: &Following) -> f64 {
+    pub(super) fn speed_at(&self, bound: &Bound, following: &NextBound) -> f64 {
         let most = (bound.demand.programmed() * self.rate).min(bound.demand.corner());
         self.bounded(bound, most, following)
     }
 
     /// The speed, at most `most`, from which the move behind a bound can slow down: to all bounds behind it or, for type 5, to the corners behind
     /// it.
-    fn bounded(&self, bound: &Bound, most: f64, following: &Following) -> f64 {
+    fn bounded(&self, bound: &Bound, most: f64, following: &NextBound) -> f64 {
         if most == 0.0 {
             return most;
         }
@@ -172,7 +172,7 @@ impl<T: Copy> Queue<T> {
 
     /// The speed at a bound from which its own corner and those behind it can be met. A rest can always be met: a motion that is too fast for it
     /// overshoots and returns.
-    pub(super) fn corners_from(&self, bound: &Bound, following: &Following) -> f64 {
+    pub(super) fn corners_from(&self, bound: &Bound, following: &NextBound) -> f64 {
         match bound.demand {
             JunctionDemand::Rest => f64::INFINITY,
             demand => demand.corner().min(self.entry(bound, following.at, following.corners)),
@@ -204,8 +204,8 @@ impl<T: Copy> Queue<T> {
 }
 
 impl Bound {
-    fn as_following(&self) -> Following {
-        Following {
+    fn as_following(&self) -> NextBound {
+        NextBound {
             at: self.at,
             speed: self.speed,
             corners: self.corners,

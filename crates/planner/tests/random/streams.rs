@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::precise::{AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
-use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Installed, Move, Parameter};
+use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter};
 
 use super::{Random, seeds_of_long};
 
@@ -148,7 +148,7 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
         if let Some((_, generation, planned)) = coming.take_if(|(due, ..)| *due <= clock.tick) {
             let found = planned.is_some();
             match queue.install(generation, planned, &clock) {
-                Ok(Installed::Started | Installed::Extended(_)) => {}
+                Ok(InstalledPlan::Started | InstalledPlan::Extended(_)) => {}
                 Err(_) => told.late += usize::from(found),
             }
         }
