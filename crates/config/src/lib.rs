@@ -34,7 +34,7 @@ pub use page::page;
 pub use read::{ELEMENTARY, MAX_ELEMENTS, MAX_MEMBERS, MAX_SIZE, MAX_TYPES, definitions, is_name, tag_type};
 pub use schema::schema;
 pub use security::{AllowList, CertificateRole, PlainAccess, Role, Security};
-pub use write::{build_of, definition_of, format, table};
+pub use write::{definition_of, format, table, type_of_system};
 
 /// The default configuration, commented: the server runs it without `--config`.
 pub const DEFAULT: &str = include_str!("default.toml");

@@ -2,8 +2,9 @@
 
 use arcline_controller::image::{Image, Writers};
 use arcline_controller::machine::{
-    AxisKind, Build, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch,
-    LimitPolicy, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start, Travel, Wrist,
+    AxisKind, Corner, Deviation, Geometry, Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch,
+    KinematicStructure, LimitPolicy, Orientation, PositionErrorLimit, Sensor, Settings, SimulatedDrive, StartState,
+    Travel, Wrist,
 };
 use arcline_instruction_set::{AxisId, ExceptionAction, FAULTS, Mnemonic, SystemId};
 
@@ -53,11 +54,11 @@ fn the_default_is_what_the_contract_says() {
         assert_eq!(axis.home, Home::immediate(10000.0, 10000.0));
         assert_eq!(
             axis.start,
-            Start {
+            StartState {
                 position: 0.0,
                 servo_on: true,
                 homed: true,
-                ..Start::default()
+                ..StartState::default()
             }
         );
     }
@@ -170,11 +171,11 @@ fn everything_can_be_said() {
     assert_eq!(axis.travel, Some(Travel { min: -5.0, max: 15.5 }));
     assert_eq!(
         axis.start,
-        Start {
+        StartState {
             position: 1.5,
             servo_on: false,
             homed: false,
-            ..Start::default()
+            ..StartState::default()
         }
     );
     let settings = Settings {
@@ -876,7 +877,7 @@ fn robots_are_read_and_written() {
         );
         let project = load(&text, "m.toml").expect(word);
         let robot = project.machine.systems[0].robot.expect(word);
-        assert_eq!(robot.build, Build::Arm(geometry));
+        assert_eq!(robot.structure, KinematicStructure::Arm(geometry));
         assert_eq!(robot.parameters.link_lengths, [10.0, 20.5]);
         assert_eq!(robot.parameters.base_offsets, [1.0, 2.0, 3.0]);
         assert_eq!(robot.parameters.end_effector_offsets, [4.0, 5.0, -6.0]);
@@ -918,8 +919,8 @@ fn systems_with_orientation_are_read_and_written() {
         assert_eq!(system.axes.len(), count, "{definition}");
         assert_eq!(system.linear().len() + system.oriented().len(), count, "{definition}");
         assert_eq!(
-            system.robot.map(|robot| robot.build),
-            wrist.map(Build::Wrist),
+            system.robot.map(|robot| robot.structure),
+            wrist.map(KinematicStructure::Wrist),
             "{definition}"
         );
         let orientation = wrist.is_none().then_some(Orientation {

@@ -5,8 +5,8 @@ use std::net::SocketAddr;
 
 use arcline_controller::image::Writers;
 use arcline_controller::machine::{
-    Axis, Build, CoordinateSystem, DynamicsBits, Feed, Geometry, Home, Inputs, Machine, Orientation, Robot, Sensor,
-    SimulatedDrive, Travel,
+    Axis, CoordinateSystem, DynamicsBits, FeedTag, Geometry, Home, Inputs, KinematicStructure, Machine, Orientation,
+    Robot, Sensor, SimulatedDrive, Travel,
 };
 use arcline_instruction_set::{FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
@@ -301,7 +301,7 @@ fn servo_drive(axis: &Axis, drive: &SimulatedDrive) -> Value {
     )
 }
 
-fn feed(feed: &Feed) -> Value {
+fn feed(feed: &FeedTag) -> Value {
     keys([
         ("tag", text(&feed.tag)),
         ("interval_ms", Value::Float(feed.interval * 1000.0)),
@@ -375,13 +375,16 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
         .iter()
         .filter_map(|place| machine.axes.get(usize::from(*place)));
     let limits = |limits| text(word_of(words::LIMITS, &limits));
-    if let Some(Robot { parameters, build }) = &system.robot {
+    if let Some(Robot { parameters, structure }) = &system.robot {
         let numbers = |numbers: &[f64]| Value::Array(numbers.iter().copied().map(Value::Float).collect());
         for (key, value) in [
             ("link_lengths", numbers(&parameters.link_lengths)),
             ("base_offsets", numbers(&parameters.base_offsets)),
             ("end_effector_offsets", numbers(&parameters.end_effector_offsets)),
-            ("zero_angles", numbers(&parameters.zero_angles[..build.joints().max(3)])),
+            (
+                "zero_angles",
+                numbers(&parameters.zero_angles[..structure.joints().max(3)]),
+            ),
         ] {
             table.insert(key.to_owned(), value);
         }
@@ -400,7 +403,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
     }
     for (key, value) in [
         ("name", text(&system.name)),
-        ("type", text(build_of(system.robot.as_ref()))),
+        ("type", text(type_of_system(system.robot.as_ref()))),
         ("axes", Value::Array(axes.map(|axis| text(&axis.name)).collect())),
         ("actual_tolerance", Value::Float(system.actual_tolerance)),
         ("command_tolerance", Value::Float(system.command_tolerance)),
@@ -417,27 +420,27 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Value {
 
 /// The word of `definition`, where there is one.
 pub fn definition_of(system: &CoordinateSystem) -> Option<&'static str> {
-    match system.robot.map(|robot| robot.build) {
-        Some(Build::Wrist(wrist)) => Some(wrist.definition()),
-        Some(Build::Arm(_)) => None,
+    match system.robot.map(|robot| robot.structure) {
+        Some(KinematicStructure::Wrist(wrist)) => Some(wrist.definition()),
+        Some(KinematicStructure::Arm(_)) => None,
         None => system.orientation.map(|_| Orientation::DEFINITION),
     }
 }
 
 /// The word of `type` of a coordinate system with this robot; `None`: it is Cartesian.
-pub fn build_of(robot: Option<&Robot>) -> &'static str {
-    match robot.map(|robot| robot.build) {
+pub fn type_of_system(robot: Option<&Robot>) -> &'static str {
+    match robot.map(|robot| robot.structure) {
         None => "cartesian",
-        Some(Build::Arm(geometry)) => match geometry {
+        Some(KinematicStructure::Arm(geometry)) => match geometry {
             Geometry::ArticulatedIndependent2 | Geometry::ArticulatedIndependent3 => "articulated_independent",
             Geometry::ArticulatedDependent2 | Geometry::ArticulatedDependent3 => "articulated_dependent",
             Geometry::ScaraIndependent => "scara_independent",
             Geometry::ScaraDelta => "scara_delta",
             Geometry::Delta2 | Geometry::Delta3 => "delta",
         },
-        Some(Build::Wrist(wrist)) => {
-            let build = WRISTS.iter().find(|(_, other)| *other == wrist);
-            build.map_or("cartesian", |(word, _)| word)
+        Some(KinematicStructure::Wrist(wrist)) => {
+            let named = WRISTS.iter().find(|(_, other)| *other == wrist);
+            named.map_or("cartesian", |(word, _)| word)
         }
     }
 }

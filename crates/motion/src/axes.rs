@@ -18,7 +18,7 @@ use crate::control::Controls;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
-use crate::masters::follower::{DrivenBy, FollowerStart, LockTo, MasterFollower};
+use crate::masters::follower::{DrivenBy, FollowerStart, LockOperands, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::masters::master::Master;
 
@@ -117,7 +117,13 @@ impl Axes {
     }
 
     /// The master follower of a motion that begins by a link at an instant of this update.
-    pub(crate) fn follower(&self, link: &MasterLink, lock: LockTo, since: Instant, clock: &Clock) -> MasterFollower {
+    pub(crate) fn follower(
+        &self,
+        link: &MasterLink,
+        lock: LockOperands,
+        since: Instant,
+        clock: &Clock,
+    ) -> MasterFollower {
         let Master { axis, reference, .. } = link.master;
         let at = self.master_at(axis, reference, clock);
         let beginning = FollowerStart {

@@ -36,7 +36,7 @@ pub enum WrittenValues {
 
 /// The rule for the length of Calculated Data compared with Event Distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fit {
+pub(crate) enum LengthRule {
     /// At least as long: MCLM, MCCM.
     AtLeast,
     /// Equally long: MAM.
@@ -56,7 +56,7 @@ impl Events {
     ///
     /// # Errors
     /// `MdscCalculatedDataSize` (101) if the answers do not fit.
-    pub(crate) fn of(operands: &EventOperands, fit: Fit) -> Result<Option<Events>, MotionError> {
+    pub(crate) fn of(operands: &EventOperands, fit: LengthRule) -> Result<Option<Events>, MotionError> {
         let EventOperands {
             event_distance,
             calculated_data,
@@ -68,8 +68,8 @@ impl Events {
         let into = calculated_data.filter(|into| {
             let room = usize::from(into.elements);
             match fit {
-                Fit::AtLeast => room >= distances.len(),
-                Fit::Exactly => room == distances.len(),
+                LengthRule::AtLeast => room >= distances.len(),
+                LengthRule::Exactly => room == distances.len(),
             }
         });
         let Some(WrittenArray { tag, .. }) = into else {

@@ -13,16 +13,16 @@ mod limits;
 mod system;
 
 pub use axis::{
-    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, ProgrammedStopMode, Start, Travel,
+    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, ProgrammedStopMode, StartState, Travel,
 };
 pub use home::{Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch};
-pub use inputs::{Feed, Inputs};
+pub use inputs::{FeedTag, Inputs};
 pub(crate) use limits::three;
 pub use limits::{
     MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEM_AXES, MAX_SYSTEMS, MAX_TRANSFORMS,
     default_jerk,
 };
-pub use system::{Build, CoordinateSystem, Corner, LimitPolicy, Orientation, Robot};
+pub use system::{CoordinateSystem, Corner, KinematicStructure, LimitPolicy, Orientation, Robot};
 
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
 pub use arcline_planner::precise::Deviation;

@@ -29,13 +29,13 @@ use crate::execution::{Execution, Ticket};
 use crate::machine::{LimitPolicy, MotionGroup};
 use crate::masters::link_numbers::LinkNumbers;
 use crate::order::Order;
-use crate::output::Word;
+use crate::output::TagBits;
 use crate::snapshot::{AxisSnapshot, SystemSnapshot};
 use crate::status;
 use crate::stop::Stop;
 use crate::system::{System, Systems};
 use crate::transforms::Transforms;
-use crate::transforms::ahead::Ahead;
+use crate::transforms::ahead::PlannedStops;
 
 use accepted::ACCEPTED;
 use messages::{MESSAGES, Message};
@@ -58,10 +58,10 @@ pub struct Motion {
     /// The order of a tick while some axes follow others.
     pub(crate) order: Order,
     /// The stopping motions with which transforms check their targets ahead.
-    pub(crate) ahead: Ahead,
+    pub(crate) ahead: PlannedStops,
     pub(crate) link_numbers: LinkNumbers,
     /// Words that changed and that output cams have not read yet.
-    words: Vec<Word>,
+    words: Vec<TagBits>,
     /// The group's stop that is under way (MGS).
     pub(crate) group_stop: Option<Stop>,
     messages: Vec<Message>,
@@ -87,7 +87,7 @@ impl Motion {
             controls: Controls::new(),
             transforms: Transforms::new(machine.systems.len()),
             order: Order::new(machine.axes.len(), machine.systems.len()),
-            ahead: Ahead::new(machine.axes.len(), machine.systems.len()),
+            ahead: PlannedStops::new(machine.axes.len(), machine.systems.len()),
             link_numbers: LinkNumbers::default(),
             words: Vec::with_capacity(WORDS),
             group_stop: None,

@@ -24,9 +24,9 @@ pub(crate) enum Step {
     Whole(AxisId),
 }
 
-/// The axes of a machine follow each other in a circle.
+/// The axes of a machine would follow each other in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Circle;
+pub(crate) struct DependencyCycle;
 
 /// A planned order, ready to take effect.
 #[derive(Debug)]
@@ -109,8 +109,8 @@ impl Order {
     /// Plans the order of the steps with these edges. The present order stays in effect until [`Order::take`].
     ///
     /// # Errors
-    /// If the edges form a circle.
-    pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<PlannedOrder, Circle> {
+    /// If the edges form a cycle.
+    pub(crate) fn plan(&mut self, add: impl FnOnce(&mut Edges)) -> Result<PlannedOrder, DependencyCycle> {
         self.next.clear();
         self.visits.fill(Visit::Ahead);
         self.edges.begin();
@@ -128,11 +128,11 @@ impl Order {
     }
 
     /// Adds a step after all steps that it needs. The depth is at most the number of steps.
-    fn visit(&mut self, step: u16) -> Result<(), Circle> {
+    fn visit(&mut self, step: u16) -> Result<(), DependencyCycle> {
         let step_index = usize::from(step);
         match self.visits[step_index] {
             Visit::Ahead => {}
-            Visit::UnderWay => return Err(Circle),
+            Visit::UnderWay => return Err(DependencyCycle),
             Visit::Over => return Ok(()),
         }
         self.visits[step_index] = Visit::UnderWay;
@@ -277,12 +277,16 @@ mod tests {
     }
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
-    fn plan(gears: &[Gear], transforms: &[Sides]) -> Result<Vec<Step>, Circle> {
+    fn plan(gears: &[Gear], transforms: &[Sides]) -> Result<Vec<Step>, DependencyCycle> {
         plan_driven(gears, transforms, None)
     }
 
     /// The same; one coordinate system has a master.
-    fn plan_driven(gears: &[Gear], transforms: &[Sides], driven: Option<(&[u16], u16)>) -> Result<Vec<Step>, Circle> {
+    fn plan_driven(
+        gears: &[Gear],
+        transforms: &[Sides],
+        driven: Option<(&[u16], u16)>,
+    ) -> Result<Vec<Step>, DependencyCycle> {
         let transforms: Vec<Transform> = transforms
             .iter()
             .map(|(source, target)| Transform::between(&source.map(AxisId), &target.map(AxisId)))
@@ -356,7 +360,7 @@ mod tests {
 
     #[test]
     fn a_master_comes_before_the_system_and_that_before_its_axes() {
-        let steps = plan_driven(&[(5, 7), (8, 0)], &[], Some((&[0, 1], 5))).expect("there is no circle");
+        let steps = plan_driven(&[(5, 7), (8, 0)], &[], Some((&[0, 1], 5))).expect("there is no cycle");
         let step_index = |step: Step| steps.iter().position(|other| *other == step);
         let chain = [
             whole(7),
@@ -370,11 +374,11 @@ mod tests {
         for pair in chain.windows(2) {
             assert!(step_index(pair[0]) < step_index(pair[1]), "{pair:?} in {steps:?}");
         }
-        assert!(plan_driven(&[(5, 1)], &[], Some((&[0, 1], 5))).is_err(), "a circle");
+        assert!(plan_driven(&[(5, 1)], &[], Some((&[0, 1], 5))).is_err(), "a cycle");
     }
 
     #[test]
-    fn circles_are_found() {
+    fn cycles_are_found() {
         type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], bool);
         #[rustfmt::skip]
         let cases: [Case<'_>; 9] = [

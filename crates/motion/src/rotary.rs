@@ -18,7 +18,7 @@ pub(crate) fn shown(position: f64, unwind: f64) -> f64 {
 
 /// The position of a rotary axis, from which programmed positions are reached.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn {
+pub(crate) struct RotaryPosition {
     unwind: f64,
     /// Whole turns.
     turns: f64,
@@ -26,10 +26,10 @@ pub(crate) struct Turn {
     pub(crate) shown: f64,
 }
 
-impl Turn {
+impl RotaryPosition {
     pub(crate) fn at(position: f64, unwind: f64) -> Self {
         let shown = shown(position, unwind);
-        Turn {
+        RotaryPosition {
             unwind,
             turns: ((position - shown) / unwind).round(),
             shown,
@@ -140,7 +140,7 @@ mod tests {
             (0.0,      359.0,  359.0,    -1.0,     359.0,   -1.0),
         ];
         for (from, to, absolute, shortest, forward, backward) in cases {
-            let turn = Turn::at(from, 360.0);
+            let turn = RotaryPosition::at(from, 360.0);
             for (why, target, distance) in [
                 ("absolute", turn.absolute(to), absolute),
                 ("shortest", turn.shortest(to), shortest),
@@ -151,7 +151,11 @@ mod tests {
             }
         }
         for (from, to, distance) in [(10.0, -90.0, 260.0), (10.0, 730.0, 720.0), (10.0, -450.0, 260.0)] {
-            assert_eq!(Turn::at(from, 360.0).absolute(to) - from, distance, "{from} to {to}");
+            assert_eq!(
+                RotaryPosition::at(from, 360.0).absolute(to) - from,
+                distance,
+                "{from} to {to}"
+            );
         }
     }
 
@@ -166,7 +170,7 @@ mod tests {
                 (359.999_999_9, 0.0),
             ] {
                 let from = turns * 360.0 + at;
-                let turn = Turn::at(from, 360.0);
+                let turn = RotaryPosition::at(from, 360.0);
                 for target in [turn.forward(to), turn.backward(to), turn.shortest(to)] {
                     assert!((target - from).abs() < 1e-6, "from {from} to {to}: {target}");
                 }
@@ -187,7 +191,7 @@ mod tests {
             (10.0, 400.0, None),
             (10.0, -400.0, None),
         ] {
-            let target = Turn::at(from, 360.0).signed(position);
+            let target = RotaryPosition::at(from, 360.0).signed(position);
             assert_eq!(
                 target.map(|target| target - from),
                 distance,
@@ -199,7 +203,7 @@ mod tests {
     #[test]
     fn a_point_of_a_circle_is_taken_where_the_arc_is() {
         for (position, to, expected) in [(0.0, 360.0, 360.0), (90.0, 100.0, 90.0), (350.0, 5.0, -10.0)] {
-            assert_eq!(Turn::nearest(360.0, position, to), expected);
+            assert_eq!(RotaryPosition::nearest(360.0, position, to), expected);
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
 use crate::execution::Execution;
-use crate::machine::{Build, CoordinateSystem, Corner, LimitPolicy, MAX_SYSTEM_AXES, three};
+use crate::machine::{CoordinateSystem, Corner, KinematicStructure, LimitPolicy, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
@@ -203,13 +203,13 @@ impl System {
         System {
             travel,
             axis_limits,
-            robot: description.robot.and_then(|robot| match robot.build {
-                Build::Arm(geometry) => Some(Robot::new(geometry, &robot.parameters)),
-                Build::Wrist(_) => None,
+            robot: description.robot.and_then(|robot| match robot.structure {
+                KinematicStructure::Arm(geometry) => Some(Robot::new(geometry, &robot.parameters)),
+                KinematicStructure::Wrist(_) => None,
             }),
-            wrist: description.robot.and_then(|robot| match robot.build {
-                Build::Arm(_) => None,
-                Build::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
+            wrist: description.robot.and_then(|robot| match robot.structure {
+                KinematicStructure::Arm(_) => None,
+                KinematicStructure::Wrist(wrist) => Some(OrientedRobot::new(wrist, &robot.parameters)),
             }),
             description: description.clone(),
             activity: Activity::Idle,

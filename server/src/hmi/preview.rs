@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use arcline_controller::image::Image;
-use arcline_controller::machine::{Machine, Start};
+use arcline_controller::machine::{Machine, StartState};
 use arcline_controller::{AcceptedMove, Controller, Event, Ticket};
 use arcline_instruction_set::predefined::{axis_status, motion_status};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, Object};
@@ -91,7 +91,7 @@ fn present(machine: &Machine, view: &View<'_>) -> Machine {
     let mut machine = machine.clone();
     let motion = &mut machine.motion;
     for (axis, now) in motion.axes.iter_mut().zip(&view.snapshot.axes) {
-        axis.start = Start {
+        axis.start = StartState {
             position: now.command[0],
             servo_on: now.status & axis_status::SERVO_ACTION_STATUS != 0,
             homed: now.motion_status & motion_status::AXIS_HOMED_STATUS != 0,

@@ -261,7 +261,7 @@ fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
         if moving {
             taken.moving.push(axis.name.clone());
         }
-        project.machine.axes[index].start = machine::Start {
+        project.machine.axes[index].start = machine::StartState {
             position,
             servo_on: false,
             homed: homed && !moving,

@@ -85,14 +85,14 @@ fn what_has_the_same_name_and_type_is_taken_over() {
     ];
     assert_eq!(taken.left, left);
     assert_eq!(taken.moving, ["Y"]);
-    let starts: Vec<machine::Start> = project.machine.axes.iter().map(|axis| axis.start).collect();
-    let off = |position, homed| machine::Start {
+    let starts: Vec<machine::StartState> = project.machine.axes.iter().map(|axis| axis.start).collect();
+    let off = |position, homed| machine::StartState {
         position,
         servo_on: false,
         homed,
-        ..machine::Start::default()
+        ..machine::StartState::default()
     };
-    let first = machine::Start {
+    let first = machine::StartState {
         faults: FaultSet::from_bits(8),
         redefined: 2.5,
         ..off(12.5, true)

@@ -1,7 +1,7 @@
 //! An `[[axis]]` table.
 
 use arcline_controller::machine::{
-    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, Sensor, Settings, SimulatedDrive, Start,
+    Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, Sensor, Settings, SimulatedDrive, StartState,
     Travel,
 };
 use arcline_instruction_set::{FAULTS, FaultKind, FaultSet};
@@ -128,16 +128,16 @@ fn command_limits(axis: &Section<'_>, default: CommandLimits) -> CommandLimits {
     }
 }
 
-fn start(axis: &Section<'_>, unwind: Option<f64>) -> Start {
+fn start(axis: &Section<'_>, unwind: Option<f64>) -> StartState {
     let (section, _) = axis.table("start");
     let position = section.required("position");
     if unwind.is_some_and(|turn| !(0.0..turn).contains(&position)) {
         section.refuse_value("position", "a number from 0 to below `unwind`");
     }
-    Start {
+    StartState {
         position,
         servo_on: section.flag("servo_on"),
         homed: section.flag("homed"),
-        ..Start::default()
+        ..StartState::default()
     }
 }

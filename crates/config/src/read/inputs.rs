@@ -1,7 +1,7 @@
 //! `feed` and `registration` of an `[[axis]]` table: the inputs of the axis from tags that clients write.
 
 use arcline_controller::image::{Image, TagKind};
-use arcline_controller::machine::{Feed, Inputs, Machine};
+use arcline_controller::machine::{FeedTag, Inputs, Machine};
 use arcline_tag::{DataType, Elementary, TagPath};
 
 use crate::section::Section;
@@ -15,7 +15,7 @@ pub(super) fn inputs(axis: &Section<'_>, feedback: bool) -> Inputs {
         (true, false) => axis.conflict("feed", "type", "only an axis of type \"feedback\" is fed"),
         _ => {}
     }
-    let feed = section.text("tag").map(|tag| Feed {
+    let feed = section.text("tag").map(|tag| FeedTag {
         tag: tag.value,
         interval: section.required("interval_ms") / 1000.0,
         timeout: section.required("timeout_ms") / 1000.0,

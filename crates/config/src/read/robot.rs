@@ -1,6 +1,8 @@
 //! The axes of a coordinate system: X Y Z, with Rx Ry Rz behind them, or the joints of a robot with its parameters.
 
-use arcline_controller::machine::{Axis, Build, Geometry, MAX_PRIMARY_AXES, Orientation, Parameters, Robot, Wrist};
+use arcline_controller::machine::{
+    Axis, Geometry, KinematicStructure, MAX_PRIMARY_AXES, Orientation, Parameters, Robot, Wrist,
+};
 
 use crate::section::Section;
 
@@ -8,15 +10,15 @@ use crate::section::Section;
 #[derive(Clone, Copy)]
 pub(super) struct Kind {
     /// Word of `type`.
-    build: &'static str,
+    type_word: &'static str,
     definition: Option<&'static str>,
 }
 
 impl Kind {
     pub(super) fn read(section: &Section<'_>) -> Kind {
-        let build = section.word("type").unwrap_or_default();
+        let type_word = section.word("type").unwrap_or_default();
         let definition = section.word("definition");
-        let kind = Kind { build, definition };
+        let kind = Kind { type_word, definition };
         if definition.is_some() && !kind.is_oriented() && kind.wrist().is_none() {
             section.refuse_value("definition", "a definition that the type has");
         }
@@ -40,11 +42,11 @@ impl Kind {
     }
 
     fn is_oriented(&self) -> bool {
-        self.build == CARTESIAN && self.definition == Some(Orientation::DEFINITION)
+        self.type_word == CARTESIAN && self.definition == Some(Orientation::DEFINITION)
     }
 
     fn wrist(&self) -> Option<Wrist> {
-        let mut wrists = WRISTS.iter().filter(|(build, _)| *build == self.build);
+        let mut wrists = WRISTS.iter().filter(|(word, _)| *word == self.type_word);
         wrists.find_map(|(_, wrist)| (Some(wrist.definition()) == self.definition).then_some(*wrist))
     }
 
@@ -79,13 +81,13 @@ impl Kind {
     /// The robot, with the parameters that it has.
     pub(super) fn robot(&self, section: &Section<'_>) -> Option<Robot> {
         let axes = section.count("axes");
-        let Some(build) = self.build(axes == 2) else {
+        let Some(structure) = self.structure(axes == 2) else {
             for key in PARAMETERS.iter().filter(|key| section.has(key)) {
                 section.refuse_value(key, "no such key: the coordinate system is Cartesian");
             }
             return None;
         };
-        if self.axes().0.contains(&axes) && build.joints() != axes {
+        if self.axes().0.contains(&axes) && structure.joints() != axes {
             section.refuse_value("axes", "as many axes as the geometry has joints");
         }
         let mut parameters = Parameters::default();
@@ -100,13 +102,13 @@ impl Kind {
             _ => (3, THREE_NUMBERS),
         };
         section.numbers("zero_angles", expected, &mut parameters.zero_angles[..angles]);
-        Some(Robot { build, parameters })
+        Some(Robot { structure, parameters })
     }
 
     /// `plane`: of two axes. `None`: it is Cartesian.
-    fn build(&self, plane: bool) -> Option<Build> {
-        let geometry = match (self.wrist(), self.build) {
-            (Some(wrist), _) => return Some(Build::Wrist(wrist)),
+    fn structure(&self, plane: bool) -> Option<KinematicStructure> {
+        let geometry = match (self.wrist(), self.type_word) {
+            (Some(wrist), _) => return Some(KinematicStructure::Wrist(wrist)),
             (None, "articulated_independent") if plane => Geometry::ArticulatedIndependent2,
             (None, "articulated_independent") => Geometry::ArticulatedIndependent3,
             (None, "articulated_dependent") if plane => Geometry::ArticulatedDependent2,
@@ -117,7 +119,7 @@ impl Kind {
             (None, "delta") => Geometry::Delta3,
             _ => return None,
         };
-        Some(Build::Arm(geometry))
+        Some(KinematicStructure::Arm(geometry))
     }
 }
 
@@ -132,9 +134,9 @@ pub(crate) const WRISTS: &[(&str, Wrist)] = &[
 ];
 
 /// The words of `definition` that a `type` has, with how many axes each takes.
-pub fn definitions(build: &str) -> impl Iterator<Item = (&'static str, usize)> + use<'_> {
-    let oriented = (build == CARTESIAN).then_some((Orientation::DEFINITION, 6));
-    let wrists = WRISTS.iter().filter(move |(other, _)| *other == build);
+pub fn definitions(type_word: &str) -> impl Iterator<Item = (&'static str, usize)> + use<'_> {
+    let oriented = (type_word == CARTESIAN).then_some((Orientation::DEFINITION, 6));
+    let wrists = WRISTS.iter().filter(move |(other, _)| *other == type_word);
     oriented
         .into_iter()
         .chain(wrists.map(|(_, wrist)| (wrist.definition(), wrist.joints())))

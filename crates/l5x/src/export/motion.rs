@@ -163,7 +163,7 @@ fn system(system: &CoordinateSystem, machine: &Machine) -> Vec<Attribute> {
         .iter()
         .filter_map(|place| machine.axes.get(usize::from(*place)));
     let names: Vec<&str> = axes.map(|axis| axis.name.as_str()).collect();
-    let key = arcline_config::build_of(system.robot.as_ref());
+    let key = arcline_config::type_of_system(system.robot.as_ref());
     let word = SYSTEM_TYPES
         .iter()
         .find(|build| build.key == key)

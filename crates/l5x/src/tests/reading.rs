@@ -485,7 +485,7 @@ fn robots() {
         );
         let system = import.project.machine.systems.first();
         let robot = system.map(|system| system.robot);
-        let found = robot.map(|robot| arcline_config::build_of(robot.as_ref()));
+        let found = robot.map(|robot| arcline_config::type_of_system(robot.as_ref()));
         assert_eq!(found.unwrap_or_default(), build, "{why}");
         if let Some(Some(robot)) = robot {
             let parameters = robot.parameters;

@@ -8,12 +8,12 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::Axis;
-use crate::machine::Feed;
+use crate::machine::FeedTag;
 use crate::rotary;
 
 /// The positions of an encoder as a client writes them, and the axis between two of them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Feeding {
+pub(crate) struct EncoderFeed {
     /// Time over which the axis goes from one position to the next.
     interval: f64,
     /// The age at which the last position is stale.
@@ -31,16 +31,16 @@ pub(crate) struct Feeding {
 
 /// The effect of a written position.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Fed {
+pub(crate) enum FeedEffect {
     /// The axis moves to it.
     Followed,
     /// The axis is at the position at once; its position is redefined by this offset.
     Placed(f64),
 }
 
-impl Feeding {
-    pub(crate) fn new(feed: &Feed, position: f64) -> Self {
-        Feeding {
+impl EncoderFeed {
+    pub(crate) fn new(feed: &FeedTag, position: f64) -> Self {
+        EncoderFeed {
             interval: feed.interval,
             timeout: feed.timeout,
             from: position,
@@ -52,7 +52,7 @@ impl Feeding {
     }
 
     /// Takes a written position. A rotary axis takes it on the turn nearest to its last one.
-    pub(crate) fn take(&mut self, position: f64, unwind: Option<f64>, clock: &Clock) -> Fed {
+    pub(crate) fn take(&mut self, position: f64, unwind: Option<f64>, clock: &Clock) -> FeedEffect {
         let now = self.at(clock).position;
         let displacement = match unwind {
             None => position + self.offset - now,
@@ -69,10 +69,10 @@ impl Feeding {
         self.stale = false;
         if first {
             (self.from, self.to) = (now + displacement, now + displacement);
-            return Fed::Placed(displacement);
+            return FeedEffect::Placed(displacement);
         }
         (self.from, self.to) = (now, now + displacement);
-        Fed::Followed
+        FeedEffect::Followed
     }
 
     /// The position of the axis is redefined by an offset.

@@ -33,7 +33,7 @@ use average::Average;
 use camming::Cams;
 use drive_link::DriveLink;
 use faults::Faults;
-use feed::Feeding;
+use feed::EncoderFeed;
 use following::TransformPart;
 use generator::Generator;
 use generator_kind::GeneratorKind;
@@ -102,7 +102,7 @@ pub(crate) struct Axis {
     pub(crate) command_limits: CommandLimits,
     pub(crate) average: Average,
     /// The tag that gives the positions of an encoder, an axis without a drive; `None` for other axes.
-    pub(crate) feeding: Option<Feeding>,
+    pub(crate) feeding: Option<EncoderFeed>,
     pub(crate) watch: Watch,
     pub(crate) registrations: [Registration; 2],
     pub(crate) outputs: OutputCams,
@@ -154,7 +154,7 @@ impl Axis {
                 .inputs
                 .feed
                 .as_ref()
-                .map(|feed| Feeding::new(feed, position)),
+                .map(|feed| EncoderFeed::new(feed, position)),
             watch: Watch::default(),
             registrations: description
                 .inputs

@@ -14,7 +14,7 @@ use crate::execution::Execution;
 use crate::masters::gear::Gear;
 use crate::masters::master::Master;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower};
+use crate::order::{DependencyCycle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -43,7 +43,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     axis_moves::verify_axis(&motion.axes[axis], false)?;
     axis_moves::not_stopping(&motion.axes[axis])?;
     let order = motion.plan_order(Follower::Axis(axis, master));
-    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
+    let order = order.map_err(|DependencyCycle| MotionError::MasterAxisConflict)?;
     let running = motion.axes[axis].gear().map(|gear| gear.ratio);
     // Slave units per master unit. The conversion constant of every axis is 1: a count is a position unit.
     let magnitude = match *ratio_format {

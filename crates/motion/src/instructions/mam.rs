@@ -12,11 +12,11 @@ use super::seconds;
 use crate::axis::Axis;
 use crate::axis::generator::Goal;
 use crate::axis::generator_kind::GeneratorKind;
-use crate::events::{Events, Fit};
+use crate::events::{Events, LengthRule};
 use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
-use crate::rotary::Turn;
+use crate::rotary::RotaryPosition;
 
 /// The destination of the move as programmed.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ impl Destination {
 
     /// Ranges, in the order of the faceplate: a position of a rotary move type lies within one turn.
     fn verify_ranges(&self, motion: &Motion, axis: &Axis, call: &Call) -> Result<(), MotionError> {
-        let beyond = |unwind| self.is_rotary() && !Turn::contains(unwind, *self.position);
+        let beyond = |unwind| self.is_rotary() && !RotaryPosition::contains(unwind, *self.position);
         match (motion.verify_operands(call), axis.unwind.is_some_and(beyond)) {
             (Err(MotionError::ParameterOutOfRange(first)), _) if first <= self.position.index => {
                 Err(MotionError::ParameterOutOfRange(first))
@@ -62,7 +62,7 @@ impl Destination {
     fn target(&self, axis: &Axis) -> Result<f64, MotionError> {
         let present = self.present(axis);
         let position = *self.position;
-        let turn = axis.unwind.map(|unwind| Turn::at(present, unwind));
+        let turn = axis.unwind.map(|unwind| RotaryPosition::at(present, unwind));
         match (self.move_type, turn) {
             (Incremental, _) => Ok(present + position),
             (RotaryShortestPath, Some(turn)) => Ok(turn.shortest(position)),
@@ -127,7 +127,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     destination.verify_ranges(motion, state, call)?;
     verify_units(&operands, kind, state)?;
     let driven_by = programmed.driven_by(motion, state.links.newest(serves(kind)))?;
-    let events = Events::of(&events, Fit::Exactly)?;
+    let events = Events::of(&events, LengthRule::Exactly)?;
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
     if destination.is_rotary() && state.unwind.is_none() {
         return Err(MotionError::AxisModeNotRotary);

@@ -11,7 +11,7 @@ use crate::call_data::ReceivedData;
 use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
-use crate::output::{ArmedCam, Arming, Word};
+use crate::output::{ArmedCam, Arming, TagBits};
 
 /// Ranges in the order of the faceplate.
 fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
@@ -91,7 +91,7 @@ pub(super) fn execute(
     let point = motion.axes.master_at(axis, reference, &motion.clock).point;
     let state = &mut motion.axes[axis];
     let word = |tag: Option<TagAddress>, bits: u32| {
-        tag.map(|tag| Word {
+        tag.map(|tag| TagBits {
             tag,
             mask: u32::MAX,
             bits,

@@ -12,7 +12,7 @@ use crate::execution::Execution;
 use crate::masters::cam::{CamProgram, Source};
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
-use crate::order::{Circle, Follower};
+use crate::order::{DependencyCycle, Follower};
 
 /// Execution Schedule: whether the cam waits for the master to cross the lock position, and the direction of the crossing.
 pub(super) fn crossing(schedule: ExecutionSchedule) -> Option<Option<Sense>> {
@@ -67,7 +67,7 @@ pub(super) fn execute(
     axis_moves::verify_axis(&motion.axes[axis], false)?;
     not_stopping(&motion.axes[axis], GeneratorKind::PositionCam)?;
     let order = motion.plan_order(Follower::Axis(axis, master));
-    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
+    let order = order.map_err(|DependencyCycle| MotionError::MasterAxisConflict)?;
     let reference = *master_reference;
     let source = Source::Axis { master, reference };
     verify_change(&motion.axes[axis], GeneratorKind::PositionCam, source, pending)?;

@@ -11,7 +11,7 @@ use super::programmed::Programmed;
 use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
-use crate::rotary::Turn;
+use crate::rotary::RotaryPosition;
 use crate::system::{System, component};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
@@ -58,7 +58,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
                 for (member, unwind) in unwinds(motion, system) {
                     let middle = 0.5 * (component(&start, member) + component(&end, member));
                     let coordinate = &mut point[usize::from(member.0)];
-                    *coordinate = Turn::nearest(unwind, *coordinate, middle);
+                    *coordinate = RotaryPosition::nearest(unwind, *coordinate, middle);
                 }
             }
             point

@@ -13,7 +13,7 @@ use arcline_instruction_set::{Call, MotionError, OperandIndex, Range};
 use arcline_planner::Ending;
 use arcline_planner::geometry::{Path, Point, Rotation};
 
-use super::merging::{Master, TakenOver};
+use super::merging::{Master, StartMotion};
 use super::moves::{self, JointLimits, Verified};
 use super::{points, programmed};
 use crate::call_data::ReceivedData;
@@ -133,7 +133,7 @@ pub(super) fn execute(
         path: moves::path_limits(motion, index, &path_move.path, path_move.rotation.as_ref(), headings[0])?,
         corner: f64::INFINITY,
     };
-    let rest = TakenOver::rest();
+    let rest = StartMotion::rest();
     let (taken, joints) = match &master {
         Some(master) => (rest.by_master(motion, index, master)?, joints.by_master(&master.link)),
         None => (rest, joints),

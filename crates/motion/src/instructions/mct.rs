@@ -9,7 +9,7 @@ use crate::axes::share;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower, PlannedOrder};
+use crate::order::{DependencyCycle, Follower, PlannedOrder};
 use crate::range;
 use crate::tolerance::CONSISTENT_UNITS;
 use crate::transforms::TransformId;
@@ -212,7 +212,7 @@ fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) ->
     }
     drop(others);
     let order = motion.plan_order(Follower::Target(id, transform));
-    order.map_err(|Circle| MotionError::CoordinateSystemChaining)
+    order.map_err(|DependencyCycle| MotionError::CoordinateSystemChaining)
 }
 
 /// Checks that no axis of either side moves; a gear may hold an axis.

@@ -7,7 +7,7 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::masters::cam::Cam;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower};
+use crate::order::{DependencyCycle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -20,7 +20,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let reference = *master_reference;
     let serves = *motion_type;
     let order = motion.plan_order(Follower::Axis(axis, master));
-    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
+    let order = order.map_err(|DependencyCycle| MotionError::MasterAxisConflict)?;
     let state = &motion.axes[axis];
     if state.links.conflict(serves) {
         return Err(MotionError::MdscMdacAllConflict);

@@ -6,7 +6,7 @@ use arcline_instruction_set::{AxisId, Call, Flag, MotionError};
 
 use crate::execution::Execution;
 use crate::motion::Motion;
-use crate::order::{Circle, Follower};
+use crate::order::{DependencyCycle, Follower};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
@@ -21,7 +21,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::MasterAxisConflict);
     }
     let order = motion.plan_order(Follower::System(index, master));
-    let order = order.map_err(|Circle| MotionError::MasterAxisConflict)?;
+    let order = order.map_err(|DependencyCycle| MotionError::MasterAxisConflict)?;
     let system = &motion.systems[index];
     let other_reference = |driving: AxisId, read: Reference| driving == master && read != reference;
     let active = system.links.active.map(|link| link.master);

@@ -116,7 +116,7 @@ pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
 
 /// The motion that a move begins with: the motion that a merge terminates, or rest.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TakenOver {
+pub(super) struct StartMotion {
     pub(super) merge: Merge,
     pub(super) initial: InitialMotion,
     turning: Option<AngularState>,
@@ -124,9 +124,9 @@ pub(super) struct TakenOver {
     pub(super) speed: f64,
 }
 
-impl TakenOver {
-    pub(super) fn rest() -> TakenOver {
-        TakenOver {
+impl StartMotion {
+    pub(super) fn rest() -> StartMotion {
+        StartMotion {
             merge: Merge::Disabled,
             initial: InitialMotion::default(),
             turning: None,
@@ -135,8 +135,8 @@ impl TakenOver {
     }
 
     /// The motion at the present tick.
-    pub(super) fn of(motion: &Motion, index: SystemId, merge: Merge) -> TakenOver {
-        TakenOver {
+    pub(super) fn of(motion: &Motion, index: SystemId, merge: Merge) -> StartMotion {
+        StartMotion {
             merge,
             initial: terminated(motion, index, merge),
             turning: match merge {
@@ -166,13 +166,13 @@ impl TakenOver {
         motion: &Motion,
         index: SystemId,
         master: &Master,
-    ) -> Result<TakenOver, MotionError> {
+    ) -> Result<StartMotion, MotionError> {
         let Master { driven_by, link } = master;
         let moves = self.moves();
         let rate = programmed::master_rate(link, driven_by.lock, moves)?;
         let idle = self.merge != Merge::Disabled && !moves && link.master.velocity() == 0.0;
         verify_driven(motion, index, self.merge, *driven_by, idle)?;
-        Ok(TakenOver {
+        Ok(StartMotion {
             merge: self.merge,
             initial: by_displacement(&rate, &self.initial),
             turning: self.turning.map(|turning| turning.by_displacement(&rate, link.nominal)),

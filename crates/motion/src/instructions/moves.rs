@@ -8,11 +8,11 @@ use arcline_instruction_set::{Call, Flag, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point, Rotation};
 use arcline_planner::{Ending, InitialMotion, Move, Parameter, RotationResidual};
 
-use super::merging::{Master, TakenOver, terminate};
+use super::merging::{Master, StartMotion, terminate};
 use super::points::{command, queue_shift, start_point};
 use super::programmed::{self, Programmed};
 use crate::dynamics::{Dynamics, Maxima, PathLimits};
-use crate::events::{Events, Fit};
+use crate::events::{Events, LengthRule};
 use crate::execution::Execution;
 use crate::machine::{CoordinateSystem, Corner, LimitPolicy};
 use crate::masters::links::MasterLink;
@@ -69,7 +69,7 @@ impl MoveOperands {
 
     /// The dynamics with which the move is executed: at the speed of the merged motion if Merge Speed asks for it, and within the limits of the
     /// robots' joints.
-    fn travelled(&self, mut dynamics: Dynamics, taken: &TakenOver, limits: &PathLimits) -> Dynamics {
+    fn travelled(&self, mut dynamics: Dynamics, taken: &StartMotion, limits: &PathLimits) -> Dynamics {
         if self.merge != Merge::Disabled && self.merge_speed == MergeSpeed::Current && taken.speed > 0.0 {
             dynamics.keep_speed(taken.speed);
         }
@@ -94,7 +94,7 @@ pub(super) fn execute(
     let link = motion.systems[index].links.newest().copied();
     programmed.verify_link(link.as_ref())?;
     let master = Master::of(programmed.driven_by(motion, link.as_ref())?, link);
-    let events = Events::of(&operands.events, Fit::AtLeast)?;
+    let events = Events::of(&operands.events, LengthRule::AtLeast)?;
     let system = &motion.systems[index];
     // The master determines the motion of an axis over time, so the controller cannot enforce its limits.
     if system.description.axis_limits == LimitPolicy::Enforce && master.is_some() {
@@ -132,7 +132,7 @@ pub(super) fn execute(
         )?,
         corner: corner_speed(motion, index, merge, &path, &shift),
     };
-    let taken = TakenOver::of(motion, index, merge);
+    let taken = StartMotion::of(motion, index, merge);
     let (taken, joints) = match &master {
         Some(master) => (taken.by_master(motion, index, master)?, joints.by_master(&master.link)),
         None => (taken, joints),
@@ -228,7 +228,7 @@ pub(super) struct Verified {
 
 impl Verified {
     /// Starts or queues the move.
-    pub(super) fn launch(self, motion: &mut Motion, index: SystemId, taken: &TakenOver) -> Result<(), MotionError> {
+    pub(super) fn launch(self, motion: &mut Motion, index: SystemId, taken: &StartMotion) -> Result<(), MotionError> {
         let parameter = match &self.master {
             Some(master) => master.parameter(motion, index, taken.merge),
             None => Parameter::TIME,

@@ -9,7 +9,7 @@ use arcline_planner::geometry::Point;
 use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::motion::Motion;
-use crate::rotary::Turn;
+use crate::rotary::RotaryPosition;
 use crate::system::{Activity, System, component, numbered};
 
 /// A quantity of the axes of a coordinate system as a point.
@@ -79,7 +79,7 @@ pub(super) fn unwind(
 ) -> Result<(), MotionError> {
     for (member, unwind) in unwinds(motion, system) {
         if let Some(position) = values.get(usize::from(member.0)) {
-            let turn = Turn::at(component(start, member), unwind);
+            let turn = RotaryPosition::at(component(start, member), unwind);
             target[usize::from(member.0)] = turn
                 .signed(*position)
                 .ok_or(MotionError::ParameterOutOfRange(operand))?;

@@ -11,10 +11,10 @@ use arcline_planner::profile::{Limits, stop_distance};
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, speed_for_jerk};
 use crate::masters::displacement::Sense;
 use crate::masters::follower::DrivenBy;
-use crate::masters::follower::{LockTo, MasterFollower};
+use crate::masters::follower::{LockOperands, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
-use crate::rotary::Turn;
+use crate::rotary::RotaryPosition;
 
 /// Speed, rates and jerks with their units, of a move, a jog or a change.
 #[derive(Clone, Copy, Debug)]
@@ -206,19 +206,19 @@ pub(super) fn driven_by(motion: &Motion, lock: &LockOperands, link: &MasterLink)
     let position = at_position.then_some(**lock_position);
     let unwind = motion.axes[link.master.axis].unwind;
     if let (Some(position), Some(unwind)) = (position, unwind)
-        && !Turn::contains(unwind, position)
+        && !RotaryPosition::contains(unwind, position)
     {
         return Err(lock_position.out_of_range());
     }
     Ok(DrivenBy {
         link: link.id,
-        lock: LockTo { sense, position },
+        lock: LockOperands { sense, position },
     })
 }
 
 /// The rate of the master, which converts moving motion that a master driven one takes over (97, 98). A motion that waits for a lock takes
 /// over no motion (102).
-pub(super) fn master_rate(link: &MasterLink, lock: LockTo, moves: bool) -> Result<MasterRate, MotionError> {
+pub(super) fn master_rate(link: &MasterLink, lock: LockOperands, moves: bool) -> Result<MasterRate, MotionError> {
     let rate = MasterFollower::rate_of(&link.master, lock.sense);
     if !moves {
         Ok(rate)

@@ -34,7 +34,7 @@ pub struct Axis {
     /// Length of one turn of a rotary axis, above 0; `None`: a linear axis.
     pub unwind: Option<f64>,
     /// State at start-up.
-    pub start: Start,
+    pub start: StartState,
     /// Its homing.
     pub home: Home,
     /// The deceleration of the axis by a group stop in mode Programmed.
@@ -153,7 +153,7 @@ impl Axis {
             dynamics_bits: DynamicsBits::ALL,
             travel: None,
             unwind: None,
-            start: Start::default(),
+            start: StartState::default(),
             home: Home::immediate(max_acceleration, max_acceleration),
             programmed_stop_mode: ProgrammedStopMode::default(),
             exception_actions: ExceptionActions::default(),
@@ -231,7 +231,7 @@ pub struct Travel {
 
 /// The state of an axis at start-up.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Start {
+pub struct StartState {
     /// Actual and command position, u; of a rotary axis within one turn.
     pub position: f64,
     /// The drive is enabled. Without effect on a virtual axis, which is always on.
@@ -244,7 +244,7 @@ pub struct Start {
     pub redefined: f64,
 }
 
-impl Default for Start {
+impl Default for StartState {
     fn default() -> Self {
         Self {
             position: 0.0,

@@ -104,27 +104,27 @@ impl Orientation {
 /// A robot as configured: MCT refuses invalid parameters (ERR 61).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Robot {
-    /// Its construction; it has as many joints as the coordinate system has axes.
-    pub build: Build,
+    /// Its kinematic structure; it has as many joints as the coordinate system has axes.
+    pub structure: KinematicStructure,
     /// Its lengths and offsets.
     pub parameters: Parameters,
 }
 
-/// The construction of a robot.
+/// The kinematic structure of a robot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Build {
+pub enum KinematicStructure {
     /// An arm, which MCT links.
     Arm(Geometry),
     /// An arm with a wrist, which MCTO links.
     Wrist(Wrist),
 }
 
-impl Build {
+impl KinematicStructure {
     /// The number of joints.
     pub fn joints(self) -> usize {
         match self {
-            Build::Arm(geometry) => geometry.joints(),
-            Build::Wrist(wrist) => wrist.joints(),
+            KinematicStructure::Arm(geometry) => geometry.joints(),
+            KinematicStructure::Wrist(wrist) => wrist.joints(),
         }
     }
 }

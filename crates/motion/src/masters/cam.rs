@@ -13,7 +13,7 @@ use arcline_planner::{Clock, Instant};
 use arcline_profile::KinematicState;
 
 use super::MasterAt;
-use super::displacement::{Crossing, Displacement, Going, Sense};
+use super::displacement::{Crossing, Displacement, MasterProgress, Sense};
 use super::master::Reader;
 use crate::execution::Execution;
 use crate::tolerance::CAM_LENGTH_SHARE;
@@ -147,7 +147,7 @@ impl Cam {
         self.master.read(at, clock);
         let waited = self.displacement.is_waiting();
         let going = self.displacement.go_on(&self.master, self.master.offset);
-        if going == Going::Waits {
+        if going == MasterProgress::BeforeLock {
             return (KinematicState::at_rest(slave), Ended::Nothing);
         }
         if waited {
@@ -180,7 +180,7 @@ impl Cam {
 
     /// The motion of the slave that belongs to the master, and the exit if the cam has left its profile. `hands_over`: a pending cam waits for
     /// the exit.
-    fn slave_motion(&mut self, going: Going, hands_over: bool) -> (KinematicState, Option<Exit>) {
+    fn slave_motion(&mut self, going: MasterProgress, hands_over: bool) -> (KinematicState, Option<Exit>) {
         let CamProgram {
             profile,
             slave_scale,
@@ -228,7 +228,7 @@ impl Cam {
         let within =
             *mode == ExecutionMode::Continuous || (start - rounding..=start + length + rounding).contains(&inside);
         // In the other direction the slave waits until the master is back at the position at which it reversed.
-        self.follows = going != Going::Back && within;
+        self.follows = going != MasterProgress::Behind && within;
         self.segment = value.segment;
         let risen = turn * profile.rise() + value.y - profile.at(entry).y;
         let rate = if self.follows {

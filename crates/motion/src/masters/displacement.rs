@@ -77,15 +77,15 @@ enum Lock {
 
 /// The motion of a master in an update, for its follower.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Going {
+pub(super) enum MasterProgress {
     /// The master has not reached the lock.
-    Waits,
+    BeforeLock,
     /// The master moves on in the lock direction.
-    On,
+    Ahead,
     /// The master stands at its furthest position.
-    Stands,
+    AtFurthest,
     /// The master moves back, or has not reached its furthest position again.
-    Back,
+    Behind,
 }
 
 /// The displacement of a master since the lock.
@@ -125,33 +125,33 @@ impl Displacement {
     }
 
     /// The motion of the master since the previous tick. `shift`: from positions of the lock to those of the reader.
-    pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> Going {
+    pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> MasterProgress {
         let now = master.now.position;
         let mut locks = false;
         if let Lock::Waiting(crossing) = self.lock {
             let Some(crossed) = crossing.shifted(shift).crossed(master.before, now) else {
-                return Going::Waits;
+                return MasterProgress::BeforeLock;
             };
             self.restart(crossed);
             locks = true;
         }
         let Some(sense) = self.sense else {
-            return Going::On;
+            return MasterProgress::Ahead;
         };
         let gone = sense.sign() * (now - self.from);
         if gone > self.furthest || locks {
             self.lock = Lock::Locked;
             self.furthest = gone;
-            return Going::On;
+            return MasterProgress::Ahead;
         }
         if self.lock == Lock::Starting {
             // The displacement begins at the position at which the master turns to the lock direction.
             self.from = now;
         }
         if gone < self.furthest {
-            Going::Back
+            MasterProgress::Behind
         } else {
-            Going::Stands
+            MasterProgress::AtFurthest
         }
     }
 

@@ -5,7 +5,7 @@
 //! bounded by the axes, the coordinate systems and the active transforms.
 
 use super::Motion;
-use crate::order::{Circle, Follower, PlannedOrder, Step};
+use crate::order::{DependencyCycle, Follower, PlannedOrder, Step};
 
 impl Motion {
     /// Commands of all axes at the present tick, in order.
@@ -82,8 +82,8 @@ impl Motion {
     /// Plans the order with one more follower; the order takes effect when it begins to follow.
     ///
     /// # Errors
-    /// If the axes would follow each other in a circle.
-    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<PlannedOrder, Circle> {
+    /// If the axes would follow each other in a cycle.
+    pub(crate) fn plan_order(&mut self, more: Follower<'_>) -> Result<PlannedOrder, DependencyCycle> {
         let Motion {
             axes,
             systems,

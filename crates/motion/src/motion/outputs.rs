@@ -6,7 +6,7 @@ use arcline_instruction_set::{AxisId, Flag};
 
 use super::{Motion, WORDS};
 use crate::events::{TagWrite, WrittenValues};
-use crate::output::Word;
+use crate::output::TagBits;
 
 impl Motion {
     /// Updates the output cams of an axis with its position at the present tick.
@@ -48,7 +48,7 @@ impl Motion {
     }
 
     /// Passes bits of a tag to the output cams that they enable.
-    pub(super) fn share_word(&mut self, word: &Word) {
+    pub(super) fn share_word(&mut self, word: &TagBits) {
         for axis in self.axes.ids() {
             for target in 0..self.axes[axis].outputs.len() {
                 let written = self.axes[axis].outputs.take_word(target, word, &self.clock);
@@ -58,7 +58,7 @@ impl Motion {
     }
 
     /// Writes bits to a tag.
-    pub(crate) fn write_word(&mut self, word: Option<Word>) {
+    pub(crate) fn write_word(&mut self, word: Option<TagBits>) {
         let Some(word) = word else { return };
         if self.controls.has_room_for_tag_write() && self.words.len() < WORDS {
             self.controls.write_to_tag(TagWrite {

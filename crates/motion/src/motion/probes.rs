@@ -7,8 +7,8 @@ use arcline_instruction_set::AxisId;
 use arcline_instruction_set::TagAddress;
 
 use super::Motion;
-use crate::axis::feed::Fed;
-use crate::output::Word;
+use crate::axis::feed::FeedEffect;
+use crate::output::TagBits;
 
 /// A value written to a tag that the machine reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub enum Input {
         on: bool,
     },
     /// A word that output cams write, or that enables them.
-    Word {
+    TagBits {
         /// The tag, by its address in the directory.
         tag: TagAddress,
         /// Its new value.
@@ -57,7 +57,7 @@ impl Motion {
     pub fn input(&mut self, input: Input, drives: &mut dyn Drives) {
         match input {
             Input::Position { axis, position } => self.feed(axis, position),
-            Input::Word { tag, bits } => self.share_word(&Word {
+            Input::Word { tag, bits } => self.share_word(&TagBits {
                 tag,
                 mask: u32::MAX,
                 bits,
@@ -114,7 +114,7 @@ impl Motion {
         let Some(feeding) = state.feeding.as_mut().filter(|_| position.is_finite()) else {
             return;
         };
-        if let Fed::Placed(offset) = feeding.take(position, unwind, &clock) {
+        if let FeedEffect::Placed(offset) = feeding.take(position, unwind, &clock) {
             state.shift_fed_position(offset);
         }
     }

@@ -29,7 +29,7 @@ pub(super) struct State {
 
 /// An event of an element. At equal positions the axis leaves a range before it enters one again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Happens {
+pub(super) enum ElementEvent {
     UnlatchLeft,
     LatchLeft,
     UnlatchEntered,
@@ -57,9 +57,9 @@ impl State {
         self.passed && self.off_at.is_none()
     }
 
-    pub(super) fn happens(&mut self, element: &Element, what: Happens) -> Effect {
+    pub(super) fn happens(&mut self, element: &Element, what: ElementEvent) -> Effect {
         match what {
-            Happens::LatchEntered => {
+            ElementEvent::LatchEntered => {
                 self.in_latch = true;
                 self.met = true;
                 let spent = std::mem::take(&mut self.spent);
@@ -74,16 +74,16 @@ impl State {
                     Effect::Nothing
                 }
             }
-            Happens::LatchLeft => {
+            ElementEvent::LatchLeft => {
                 self.in_latch = false;
                 Effect::Nothing
             }
-            Happens::UnlatchEntered => {
+            ElementEvent::UnlatchEntered => {
                 self.in_unlatch = true;
                 self.spent = false;
                 Effect::Nothing
             }
-            Happens::UnlatchLeft => {
+            ElementEvent::UnlatchLeft => {
                 self.in_unlatch = false;
                 self.spent = !std::mem::take(&mut self.met);
                 if element.unlatch.by_position() {

@@ -25,7 +25,7 @@ use arcline_instruction_set::enumerations::Reference;
 pub(crate) use cam_state::ArmedCam;
 use cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 pub(super) use events::{Edge, MOST_EDGES};
-use tail::Trailing;
+use tail::CamExit;
 
 /// The arming of a cam that is not pending.
 #[derive(Clone, Copy, Debug)]
@@ -36,13 +36,13 @@ pub(crate) struct Arming {
     pub(crate) entry: f64,
     pub(crate) reference: Reference,
     /// The tags of its output and its input, and their values.
-    pub(crate) output: Word,
-    pub(crate) input: Option<Word>,
+    pub(crate) output: TagBits,
+    pub(crate) input: Option<TagBits>,
 }
 
 /// Bits of a tag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Word {
+pub(crate) struct TagBits {
     /// Its address in the directory.
     pub(crate) tag: TagAddress,
     /// The bits that count.
@@ -56,7 +56,7 @@ pub(crate) struct Outcome {
     /// Instructions whose cams have ended.
     pub(crate) ended: [Option<Execution>; 2],
     /// Bits that have changed.
-    pub(crate) written: Option<Word>,
+    pub(crate) written: Option<TagBits>,
 }
 
 /// Bits of OutputCamStatus, PendingStatus, LockStatus and TransitionStatus of a target.
@@ -69,8 +69,8 @@ pub(crate) struct Target {
     cams: [CamState; 3],
     pub(crate) reference: Reference,
     entry: f64,
-    output: Word,
-    input: Option<Word>,
+    output: TagBits,
+    input: Option<TagBits>,
     /// The axis position of the active cam's zero: the base, plus the turns of a repeated cam.
     base: f64,
     turns: f64,
@@ -85,12 +85,12 @@ pub(crate) struct Target {
     on: u32,
     since: [Instant; OUTPUT_BITS],
     /// The exit from the previous cam, while events of it are pending or durations run.
-    trailing: Option<Trailing>,
+    trailing: Option<CamExit>,
     /// Durations that continue without their elements, and the compensations that shape their bits.
     trailing_bits: [Option<Instant>; OUTPUT_BITS],
     trailing_bits_as: [Compensation; OUTPUT_BITS],
     /// The bits that cams own now, as last written.
-    written: Word,
+    written: TagBits,
     /// Bits that are set, as last written, including those of ended cams.
     set: u32,
     locked: bool,
@@ -109,7 +109,7 @@ impl Target {
             cams: [CamState::new(), CamState::new(), CamState::new()],
             reference: Reference::Actual,
             entry: 0.0,
-            output: Word::default(),
+            output: TagBits::default(),
             input: None,
             base: 0.0,
             turns: 0.0,
@@ -122,7 +122,7 @@ impl Target {
             trailing: None,
             trailing_bits: [None; OUTPUT_BITS],
             trailing_bits_as: [Compensation::default(); OUTPUT_BITS],
-            written: Word::default(),
+            written: TagBits::default(),
             set: 0,
             locked: false,
             leads: false,
@@ -170,7 +170,7 @@ impl Target {
         self.output = arming.output;
         self.input = arming.input;
         self.came_forward = None;
-        self.written = Word::default();
+        self.written = TagBits::default();
         (self.last, self.began) = (at, at);
         self.enable_all(clock.now());
         self.phase = match arming.lock {
@@ -200,13 +200,13 @@ impl Target {
         let [active, pending, _] = &mut self.cams;
         let ended = [active.take().filter(|_| alive), pending.take()];
         self.phase = Phase::Free;
-        self.written = Word::default();
+        self.written = TagBits::default();
         (self.locked, self.leads, self.in_transition) = (false, false, false);
         ended
     }
 
     /// Takes a change of some bits of a tag.
-    pub(super) fn take_word(&mut self, word: &Word, clock: &Clock) {
+    pub(super) fn take_word(&mut self, word: &TagBits, clock: &Clock) {
         let mut changed = false;
         let (own, words) = (self.written.mask, [Some(&mut self.output), self.input.as_mut()]);
         for (word_index, mine) in words.into_iter().enumerate() {
@@ -244,16 +244,16 @@ impl Target {
     }
 
     /// The present bits, if they differ from the last ones written. Bits that the target no longer owns are written one last time.
-    pub(crate) fn write(&mut self, clock: &Clock) -> Option<Word> {
+    pub(crate) fn write(&mut self, clock: &Clock) -> Option<TagBits> {
         let owned = self.owned();
         let before = self.written;
         let mask = owned | before.mask;
-        let word = Word {
+        let word = TagBits {
             tag: self.output.tag,
             mask,
             bits: self.shown_bits(mask, clock),
         };
-        self.written = Word {
+        self.written = TagBits {
             mask: owned,
             bits: word.bits & owned,
             ..word

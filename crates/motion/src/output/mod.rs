@@ -16,7 +16,7 @@ mod windows;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
-pub(crate) use execution_target::{ArmedCam, Arming, Outcome, Target, Word};
+pub(crate) use execution_target::{ArmedCam, Arming, Outcome, TagBits, Target};
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 
 use crate::execution::Execution;
@@ -76,7 +76,7 @@ impl OutputCams {
     }
 
     /// Takes a change of some bits of a tag. Returns the bits that a target changes as a result.
-    pub(crate) fn take_word(&mut self, target: usize, word: &Word, clock: &Clock) -> Option<Word> {
+    pub(crate) fn take_word(&mut self, target: usize, word: &TagBits, clock: &Clock) -> Option<TagBits> {
         let target = self.targets.get_mut(target).filter(|target| !target.is_idle())?;
         target.take_word(word, clock);
         target.write(clock)

@@ -11,7 +11,7 @@ use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
 use super::present::Present;
-use super::sides::Side;
+use super::sides::SideState;
 use super::transform::Transform;
 use crate::axes::{AxisList, share};
 use crate::axis::generator::{Equation, Generator};
@@ -21,7 +21,7 @@ use crate::system::{component, numbered};
 
 /// Planned stops that have not begun; their memory is reused for every plan.
 #[derive(Debug, Default)]
-pub(crate) struct Ahead {
+pub(crate) struct PlannedStops {
     paths: Vec<PathStop>,
     axes: Vec<AxisStop>,
     /// The displacement of each axis of the machine from its present position, and its rate.
@@ -48,10 +48,10 @@ struct AxisStop {
     from: f64,
 }
 
-impl Ahead {
+impl PlannedStops {
     /// For a machine with these numbers of axes and coordinate systems. The only allocation.
     pub(crate) fn new(axes: usize, systems: usize) -> Self {
-        Ahead {
+        PlannedStops {
             paths: Vec::with_capacity(systems),
             axes: Vec::with_capacity(AXIS_STOPS),
             steps: vec![KinematicState::default(); axes],
@@ -73,7 +73,7 @@ impl Ahead {
 
 impl Present<'_> {
     /// Plans a stop of all motion that leads a transform, including the target's own motion, from the next update on.
-    pub(super) fn plan_ahead(&self, transform: &Transform, ahead: &mut Ahead) {
+    pub(super) fn plan_ahead(&self, transform: &Transform, ahead: &mut PlannedStops) {
         ahead.paths.clear();
         ahead.axes.clear();
         let involved = self.involved(transform);
@@ -102,7 +102,7 @@ impl Present<'_> {
     }
 
     /// Samples a plan at an instant, `seconds` after the next update.
-    pub(super) fn sample_stop(&self, ahead: &mut Ahead, seconds: f64) {
+    pub(super) fn sample_stop(&self, ahead: &mut PlannedStops, seconds: f64) {
         for stop in &ahead.axes {
             ahead.steps[usize::from(stop.axis)] = KinematicState::default();
         }
@@ -139,7 +139,7 @@ impl Present<'_> {
         involved
     }
 
-    fn plan_axis(&self, axis: AxisId, ahead: &mut Ahead) {
+    fn plan_axis(&self, axis: AxisId, ahead: &mut PlannedStops) {
         let state = &self.axes[axis];
         let limits = state.guarded_stop();
         for (kind, generator) in state.sum.active() {
@@ -221,7 +221,7 @@ impl Present<'_> {
     }
 
     /// The position of a transform's source at the last sample of a plan.
-    pub(super) fn source_ahead(&self, transform: &Transform, ahead: &Ahead) -> Side {
+    pub(super) fn source_ahead(&self, transform: &Transform, ahead: &PlannedStops) -> SideState {
         let transforms = self.transforms;
         let mut source = transforms.step_of(transform, &|axis| ahead.step(axis), transforms.most());
         for (point, above) in source

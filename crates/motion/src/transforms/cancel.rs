@@ -6,7 +6,7 @@ use arcline_planner::Instant;
 use arcline_planner::profile::{Limits, Profile};
 use arcline_profile::KinematicState;
 
-use super::sides::{Positions, Side};
+use super::sides::{Positions, SideState};
 use super::transform::Transform;
 use super::{TransformId, Transforms};
 use crate::axes::Axes;
@@ -119,7 +119,7 @@ impl Transforms {
         if !self.iter().any(kept) {
             return;
         }
-        let adds = |transform: &Transform| transform.robot().is_some() && transform.feedback != Side::default();
+        let adds = |transform: &Transform| transform.robot().is_some() && transform.feedback != SideState::default();
         let moves =
             |(_, transform): (TransformId, &Transform)| adds(transform) || self.moves_either_side(axes, transform);
         if !self.iter().any(moves) {

@@ -12,7 +12,7 @@ use arcline_instruction_set::{AxisId, AxisIndex, MotionError};
 use arcline_profile::KinematicState;
 
 use super::guard;
-use super::sides::{Side, add, positions};
+use super::sides::{SideState, add, positions};
 use super::transform::{Map, Transform};
 use super::{TransformId, Transforms};
 use crate::axes::Axes;
@@ -46,7 +46,7 @@ impl Transforms {
         let Some(transform) = self.get(id).filter(|transform| transform.failed.is_none()) else {
             return;
         };
-        let mut source = Side::default();
+        let mut source = SideState::default();
         let cancelled = transform.cancelled_feedback;
         for ((axis, point), cancelled) in transform.source.iter().zip(&mut source).zip(cancelled) {
             *point = self.before_feedback(axes, *axis, id);
@@ -116,7 +116,7 @@ impl Transforms {
         }
     }
 
-    fn set_points_of(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Result<Side, MotionError> {
+    fn set_points_of(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Result<SideState, MotionError> {
         let source = self.source_without_feedback(axes, id, transform);
         let Map::Robot(robot) = &transform.map else {
             return transform.target_of(&source);
@@ -199,7 +199,7 @@ impl Transforms {
         let moves = transform.target.iter().any(|axis| self.moves_by_itself(axes, *axis))
             || self.source_moves(axes, id, transform);
         let added = self.added_to(axes, transform);
-        if moves || added == Side::default() || transform.robot().is_none() {
+        if moves || added == SideState::default() || transform.robot().is_none() {
             return;
         }
         let mut settled = *transform;
@@ -208,7 +208,7 @@ impl Transforms {
             axes[*axis].transforms.settled += settled.feedback[index].position;
             settled.source_before[index].position += settled.feedback[index].position;
         }
-        settled.feedback = Side::default();
+        settled.feedback = SideState::default();
         for (index, (axis, added)) in transform.target.iter().zip(&added).enumerate() {
             settled.added_at_start[index] = self.added(axes, *axis).position;
             settled.offset[index] -= added.position;
@@ -258,8 +258,8 @@ impl Transforms {
         point
     }
 
-    fn source_without_feedback(&self, axes: &Axes, id: TransformId, transform: &Transform) -> Side {
-        let mut source = Side::default();
+    fn source_without_feedback(&self, axes: &Axes, id: TransformId, transform: &Transform) -> SideState {
+        let mut source = SideState::default();
         for (axis, point) in transform.source.iter().zip(&mut source) {
             *point = self.without_feedback(axes, *axis, id);
         }
@@ -301,8 +301,8 @@ impl Transforms {
     }
 
     /// The same for each axis of a target, since the transform began or since the displacement was included in the source's position.
-    pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> Side {
-        let mut added = Side::default();
+    pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> SideState {
+        let mut added = SideState::default();
         for ((index, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
             *added = self.added(axes, *axis);
             added.position -= transform.added_at_start[index];
@@ -356,7 +356,7 @@ fn seen(state: &Axis, point: KinematicState) -> KinematicState {
 fn within_speeds(
     transform: &Transform,
     axes: &Axes,
-    [before, now]: [&Side; 2],
+    [before, now]: [&SideState; 2],
     period: f64,
 ) -> Result<(), MotionError> {
     if !transform.has_robot_target() {
@@ -377,7 +377,12 @@ fn within_speeds(
 }
 
 /// The same for joints that the target's own motion leads.
-fn within_speeds_back(transform: &Transform, axes: &Axes, feedback: &Side, period: f64) -> Result<(), MotionError> {
+fn within_speeds_back(
+    transform: &Transform,
+    axes: &Axes,
+    feedback: &SideState,
+    period: f64,
+) -> Result<(), MotionError> {
     if transform.robot().is_none() || transform.has_robot_target() {
         return Ok(());
     }

@@ -9,10 +9,10 @@ use arcline_instruction_set::{AxisId, AxisIndex, Detail, MotionError};
 use arcline_profile::KinematicState;
 
 use super::TransformId;
-use super::ahead::Ahead;
+use super::ahead::PlannedStops;
 use super::present::Present;
 use super::robot::RobotMap;
-use super::sides::{Side, positions};
+use super::sides::{SideState, positions};
 use super::transform::{Map, Transform};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
@@ -38,9 +38,9 @@ struct JointSample {
     /// Seconds after the next update.
     at: f64,
     /// The motion of the joints that the source leads, in the robot's frame.
-    led: Side,
+    led: SideState,
     /// The displacement of the joints from their present positions by their own motion.
-    own: Side,
+    own: SideState,
 }
 
 impl JointSample {
@@ -78,7 +78,7 @@ struct Bounds {
 struct StopAhead<'a> {
     present: Present<'a>,
     transform: &'a Transform,
-    ahead: &'a mut Ahead,
+    ahead: &'a mut PlannedStops,
     /// Follows the joints from sample to sample.
     robot: RobotMap,
     now: JointSample,
@@ -91,7 +91,7 @@ struct StopAhead<'a> {
 
 impl Present<'_> {
     /// The verdict on a transform, once the commands of this update are known.
-    pub(crate) fn verdict(&self, id: TransformId, ahead: &mut Ahead) -> Verdict {
+    pub(crate) fn verdict(&self, id: TransformId, ahead: &mut PlannedStops) -> Verdict {
         let robot = |transform: &&Transform| transform.robot().is_some();
         let Some(transform) = self.transforms.get(id).filter(robot) else {
             return Verdict::GoesOn;
@@ -114,7 +114,7 @@ impl Present<'_> {
     ///
     /// # Errors
     /// The error of the first limit that a joint would exceed.
-    fn look_ahead(&self, id: TransformId, transform: &Transform, ahead: &mut Ahead) -> Result<(), MotionError> {
+    fn look_ahead(&self, id: TransformId, transform: &Transform, ahead: &mut PlannedStops) -> Result<(), MotionError> {
         let Map::Robot(robot) = &transform.map else {
             return Ok(());
         };
@@ -154,7 +154,7 @@ impl Present<'_> {
         let mut sample = JointSample {
             at: -self.clock.period(),
             led: transform.target_before,
-            own: Side::default(),
+            own: SideState::default(),
         };
         for (led, offset) in sample.led.iter_mut().zip(transform.offset) {
             led.position -= offset;
@@ -194,7 +194,7 @@ impl Present<'_> {
             *joint += added.position - offset;
         }
         robot.note_joints(joints);
-        let (mut source, mut seconds) = (Side::default(), self.clock.period());
+        let (mut source, mut seconds) = (SideState::default(), self.clock.period());
         for (axis, point) in transform.source.iter().zip(&mut source) {
             let state = &self.axes[*axis];
             *point = KinematicState {

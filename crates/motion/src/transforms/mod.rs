@@ -24,7 +24,7 @@ use crate::axes::{Axes, share};
 use crate::execution::Execution;
 use crate::system::System;
 pub(crate) use id::TransformId;
-use sides::{Side, add};
+use sides::{SideState, add};
 use transform::Transform;
 
 /// Transforms under way.
@@ -83,8 +83,8 @@ impl Transforms {
     }
 
     /// The displacement of a transform's source by steps of its own axes, and of those that lead it.
-    fn step_of(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState, depth: usize) -> Side {
-        let mut whole = Side::default();
+    fn step_of(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState, depth: usize) -> SideState {
+        let mut whole = SideState::default();
         for (axis, point) in transform.source.iter().zip(&mut whole) {
             *point = step(*axis);
         }

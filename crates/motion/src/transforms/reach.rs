@@ -11,7 +11,7 @@ use arcline_profile::KinematicState;
 
 use super::present::Present;
 use super::robot::RobotMap;
-use super::sides::Side;
+use super::sides::SideState;
 use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
 use crate::tolerance::{NO_MOTION_UNITS, ORIGIN_STEP_SHARE};
@@ -110,7 +110,7 @@ impl Present<'_> {
     }
 
     /// The motion of a transform's source when its axes, or the axes that lead it, are a step away from their present positions.
-    fn when(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState) -> Side {
+    fn when(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState) -> SideState {
         let mut whole = self.transforms.step_of(transform, step, self.transforms.most());
         for (axis, point) in transform.source.iter().zip(&mut whole) {
             point.position += self.axes[*axis].command.position;
@@ -127,7 +127,7 @@ impl Present<'_> {
         moved: &MovedPath<'_>,
         share: f64,
         near: &mut Vector,
-    ) -> Side {
+    ) -> SideState {
         let description = &self.systems[system].description;
         let length = moved.path.length();
         let at = moved.path.at(share * length);
@@ -211,7 +211,7 @@ impl Present<'_> {
         transform: &Transform,
         robot: &RobotMap,
         span: &JointsBetween<'_>,
-        source: &mut impl FnMut(f64) -> Side,
+        source: &mut impl FnMut(f64) -> SideState,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
         let [mut low, mut high] = span.ends;
@@ -230,7 +230,12 @@ impl Present<'_> {
     }
 
     /// Checks that the joints are within their soft travel, and lowers the limits by their motion per unit of the path.
-    fn verify_joints(&self, transform: &Transform, joints: &Side, limits: &mut PathLimits) -> Result<(), MotionError> {
+    fn verify_joints(
+        &self,
+        transform: &Transform,
+        joints: &SideState,
+        limits: &mut PathLimits,
+    ) -> Result<(), MotionError> {
         for (index, (axis, joint)) in transform.target.iter().zip(joints).enumerate() {
             let axis = &self.axes[*axis];
             if axis.faults.forbids_position(joint.position) {
@@ -247,7 +252,7 @@ impl Present<'_> {
 struct JointsBetween<'a> {
     index: usize,
     ends: [f64; 2],
-    joints: [&'a Side; 2],
+    joints: [&'a SideState; 2],
 }
 
 impl JointsBetween<'_> {
@@ -260,7 +265,7 @@ impl JointsBetween<'_> {
 }
 
 /// A rotary joint turns further than permitted for a step, or may do so between its ends. `length`: of the step, path units.
-fn turns_far(robot: &RobotMap, before: &Side, after: &Side, length: f64) -> bool {
+fn turns_far(robot: &RobotMap, before: &SideState, after: &SideState, length: f64) -> bool {
     let mut joints = before.iter().zip(after).enumerate();
     joints.any(|(index, (before, after))| {
         let gone = after.position - before.position;

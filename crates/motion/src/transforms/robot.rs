@@ -11,7 +11,7 @@ use arcline_kinematics::{
 use arcline_planner::geometry::{Frame, Point as Vector};
 use arcline_profile::KinematicState;
 
-use super::sides::{Positions, Side, positions, side, vectors, wide};
+use super::sides::{Positions, SideState, positions, side, vectors, wide};
 use crate::call_data::Frames;
 use crate::machine::{MAX_SYSTEM_AXES, three};
 use crate::tolerance::CONSISTENT_UNITS;
@@ -134,7 +134,7 @@ impl RobotMap {
     }
 
     /// Takes the joints of an update, so that the next ones stay on the same turns.
-    pub(super) fn follow(&mut self, source: &Side, target: &Positions) {
+    pub(super) fn follow(&mut self, source: &SideState, target: &Positions) {
         match self.side {
             Joints::Target => self.last = *target,
             Joints::Source => self.note_joints(positions(source)),
@@ -142,7 +142,7 @@ impl RobotMap {
     }
 
     /// Takes the orientation of an update, so that the next one stays on the same turns.
-    pub(super) fn follow_turn(&mut self, source: &Side) {
+    pub(super) fn follow_turn(&mut self, source: &SideState) {
         if let Mechanism::Wrist(wrist) = &mut self.mechanism {
             let [.., rx, ry, rz] = positions(source);
             wrist.angles = [rx, ry, rz];
@@ -150,7 +150,7 @@ impl RobotMap {
     }
 
     /// Takes over the arm solution of the joints, while all axes stand.
-    pub(super) fn settle(&mut self, source: &Side, target: &Side) {
+    pub(super) fn settle(&mut self, source: &SideState, target: &SideState) {
         match self.side {
             Joints::Target => self.note_joints(positions(target)),
             Joints::Source => self.note_joints(positions(source)),
@@ -172,7 +172,7 @@ impl RobotMap {
     }
 
     /// Applies the transform from the source to the target, inverse or forward.
-    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &SideState) -> Result<SideState, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => self.wrist_joints(wrist, source),
             (Mechanism::Arm { frame, robot, arm }, Joints::Target) => {
@@ -191,7 +191,7 @@ impl RobotMap {
     }
 
     /// Applies the opposite transform.
-    pub(super) fn source_of(&self, target: &Side) -> Result<Side, MotionError> {
+    pub(super) fn source_of(&self, target: &SideState) -> Result<SideState, MotionError> {
         match (&self.mechanism, self.side) {
             (Mechanism::Wrist(wrist), _) => {
                 let point = wrist.point(target).map_err(refused)?;
@@ -217,7 +217,7 @@ impl RobotMap {
     }
 
     /// The joints at the start of a path, perhaps far from their present positions: a first joint with a limited range is within it there.
-    pub(super) fn begin(&mut self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn begin(&mut self, source: &SideState) -> Result<SideState, MotionError> {
         if let Mechanism::Arm { frame, robot, arm } = &self.mechanism
             && robot.geometry().has_mirror()
         {
@@ -231,7 +231,7 @@ impl RobotMap {
     }
 
     /// Takes the joints of the next sample.
-    pub(super) fn follow_joints(&mut self, joints: &Side) {
+    pub(super) fn follow_joints(&mut self, joints: &SideState) {
         self.last = positions(joints);
     }
 
@@ -256,7 +256,7 @@ impl RobotMap {
         matches!(&self.mechanism, Mechanism::Arm { robot, .. } if robot.geometry().has_mirror())
     }
 
-    fn joints(&self, robot: &Robot, arm: Arm, tool: &Side) -> Result<Side, MotionError> {
+    fn joints(&self, robot: &Robot, arm: Arm, tool: &SideState) -> Result<SideState, MotionError> {
         let joints = robot.inverse(three(tool), arm).map_err(refused)?;
         let joints = self.near(wide(joints));
         if robot.geometry().has_mirror()
@@ -268,7 +268,7 @@ impl RobotMap {
         Ok(joints)
     }
 
-    fn wrist_joints(&self, wrist: &WristMap, source: &Side) -> Result<Side, MotionError> {
+    fn wrist_joints(&self, wrist: &WristMap, source: &SideState) -> Result<SideState, MotionError> {
         let centre = Pose::new(*source);
         let end = end_of_arm(&wrist.work, &centre, &wrist.tool);
         let joints = wrist.robot.inverse(&end, wrist.configuration, Turns::default());
@@ -276,7 +276,7 @@ impl RobotMap {
     }
 
     /// The joints on the turns closest to their last positions.
-    pub(super) fn near(&self, mut joints: Side) -> Side {
+    pub(super) fn near(&self, mut joints: SideState) -> SideState {
         for (index, joint) in joints.iter_mut().enumerate().filter(|(index, _)| self.turns(*index)) {
             joint.position += TURN_DEG * ((self.last[index] - joint.position) / TURN_DEG).round();
         }
@@ -284,13 +284,13 @@ impl RobotMap {
     }
 }
 
-fn tool(robot: &Robot, joints: &Side) -> Result<Side, MotionError> {
+fn tool(robot: &Robot, joints: &SideState) -> Result<SideState, MotionError> {
     let tool = robot.forward(three(joints)).map_err(refused)?;
     Ok(wide(tool))
 }
 
 /// Converts the motion of a side to the frame at the other end.
-fn framed(side: &Side, point: impl Fn(&Vector) -> Vector, vector: impl Fn(&Vector) -> Vector) -> Side {
+fn framed(side: &SideState, point: impl Fn(&Vector) -> Vector, vector: impl Fn(&Vector) -> Vector) -> SideState {
     let [position, velocity, acceleration] = vectors(side);
     self::side([point(&position), vector(&velocity), vector(&acceleration)])
 }

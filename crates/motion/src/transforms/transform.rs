@@ -7,7 +7,7 @@ use arcline_instruction_set::{AxisId, MotionError, SystemId};
 
 pub(crate) use super::robot::Map;
 use super::robot::RobotMap;
-use super::sides::{Positions, Side, SideAxes, add, at_rest, positions, side, vectors};
+use super::sides::{Positions, SideAxes, SideState, add, at_rest, positions, side, vectors};
 use crate::execution::Execution;
 
 /// An active transform.
@@ -29,13 +29,13 @@ pub(crate) struct Transform {
     /// `source_before`.
     pub(super) cancelled_feedback: Positions,
     /// The motion of the source before the feedback of this transform and of later ones.
-    pub(super) source_before: Side,
+    pub(super) source_before: SideState,
     /// The motion of the target by `source_before`, in the frames of its axes' generators.
-    pub(super) target_before: Side,
+    pub(super) target_before: SideState,
     /// The motion of the target by the whole source, in the frames of its axes' generators.
-    pub(super) target_set_points: Side,
+    pub(super) target_set_points: SideState,
     /// The motion that the target's own motion adds to the source.
-    pub(super) feedback: Side,
+    pub(super) feedback: SideState,
     /// The source moves, or is reserved for motion, and so moves the target.
     pub(super) source_moves: bool,
     /// The target moves, or is reserved for motion, apart from this transform, and so moves the source.
@@ -64,10 +64,10 @@ impl Transform {
             offset: Positions::default(),
             added_at_start: Positions::default(),
             cancelled_feedback: Positions::default(),
-            source_before: Side::default(),
-            target_before: Side::default(),
-            target_set_points: Side::default(),
-            feedback: Side::default(),
+            source_before: SideState::default(),
+            target_before: SideState::default(),
+            target_set_points: SideState::default(),
+            feedback: SideState::default(),
             source_moves: false,
             target_moves: false,
             failed: None,
@@ -105,7 +105,7 @@ impl Transform {
     ///
     /// # Errors
     /// The error of a position that a robot cannot reach.
-    pub(super) fn target_of(&self, source: &Side) -> Result<Side, MotionError> {
+    pub(super) fn target_of(&self, source: &SideState) -> Result<SideState, MotionError> {
         let mut placed = match &self.map {
             Map::Frames(frame) => {
                 let [position, velocity, acceleration] = vectors(source);
@@ -127,12 +127,12 @@ impl Transform {
     ///
     /// # Errors
     /// The error of a position that a robot cannot reach.
-    pub(super) fn feedback_of(&self, added: &Side) -> Result<Side, MotionError> {
+    pub(super) fn feedback_of(&self, added: &SideState) -> Result<SideState, MotionError> {
         match &self.map {
             Map::Frames(frame) => Ok(side(
                 vectors(added).map(|vector| frame.inverse_transform_vector(&vector)),
             )),
-            Map::Robot(_) if *added == Side::default() => Ok(Side::default()),
+            Map::Robot(_) if *added == SideState::default() => Ok(SideState::default()),
             Map::Robot(robot) => {
                 let mut back = robot.source_of(&self.with(added))?;
                 for (back, above) in back.iter_mut().zip(&self.source_before) {
@@ -146,7 +146,7 @@ impl Transform {
     }
 
     /// The motion of the target before any feedback, plus an added motion.
-    pub(super) fn with(&self, added: &Side) -> Side {
+    pub(super) fn with(&self, added: &SideState) -> SideState {
         let mut whole = self.target_before;
         for ((whole, added), offset) in whole.iter_mut().zip(added).zip(self.offset) {
             whole.position -= offset;
@@ -166,10 +166,10 @@ impl Transform {
     }
 
     /// Converts a step of the source to one of the target; none for a robot's joints.
-    pub(super) fn turned(&self, step: &Side) -> Side {
+    pub(super) fn turned(&self, step: &SideState) -> SideState {
         match &self.map {
             Map::Frames(frame) => side(vectors(step).map(|vector| frame.transform_vector(&vector))),
-            Map::Robot(_) => Side::default(),
+            Map::Robot(_) => SideState::default(),
         }
     }
 

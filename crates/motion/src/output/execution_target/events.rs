@@ -4,7 +4,7 @@
 
 use arcline_planner::{Clock, Instant};
 
-use super::super::element::{Effect, Happens, State};
+use super::super::element::{Effect, ElementEvent, State};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
@@ -18,7 +18,7 @@ pub(in crate::output) struct Edge {
     share: f64,
     /// Its distance from the position at the beginning of the update.
     along: f64,
-    what: Happens,
+    what: ElementEvent,
     cam_index: usize,
     element: usize,
 }
@@ -39,9 +39,9 @@ impl Target {
                     let (interpolation, window) = self.signal(piece, cam_index, element_index, latch);
                     let crossed = window.crossed(interpolation.from, interpolation.to);
                     let [entered, left] = if latch {
-                        [Happens::LatchEntered, Happens::LatchLeft]
+                        [ElementEvent::LatchEntered, ElementEvent::LatchLeft]
                     } else {
-                        [Happens::UnlatchEntered, Happens::UnlatchLeft]
+                        [ElementEvent::UnlatchEntered, ElementEvent::UnlatchLeft]
                     };
                     for (value, what) in crossed.into_iter().zip([entered, left]) {
                         let Some(value) = value else { continue };
@@ -64,11 +64,11 @@ impl Target {
         for edge in edges.iter() {
             let at = instant(piece, edge.share, clock);
             self.expire(at, clock);
-            let again = edge.what == Happens::LatchEntered && self.state(edge.cam_index, edge.element).is_in(true);
+            let again = edge.what == ElementEvent::LatchEntered && self.state(edge.cam_index, edge.element).is_in(true);
             if again {
                 // The axis moves by more than one turn in an update.
-                self.happens(edge.cam_index, edge.element, Happens::UnlatchLeft, at);
-                self.happens(edge.cam_index, edge.element, Happens::UnlatchEntered, at);
+                self.happens(edge.cam_index, edge.element, ElementEvent::UnlatchLeft, at);
+                self.happens(edge.cam_index, edge.element, ElementEvent::UnlatchEntered, at);
             }
             self.happens(edge.cam_index, edge.element, edge.what, at);
         }
@@ -147,8 +147,8 @@ impl Target {
     /// Corrects an element that should be in its ranges, or outside of them.
     pub(super) fn correct(&mut self, cam_index: usize, element_index: usize, [latch, unlatch]: [bool; 2], at: Instant) {
         let events = [
-            (false, unlatch, Happens::UnlatchLeft, Happens::UnlatchEntered),
-            (true, latch, Happens::LatchLeft, Happens::LatchEntered),
+            (false, unlatch, ElementEvent::UnlatchLeft, ElementEvent::UnlatchEntered),
+            (true, latch, ElementEvent::LatchLeft, ElementEvent::LatchEntered),
         ];
         for (which, inside, left, entered) in events {
             if self.state(cam_index, element_index).is_in(which) != inside {
@@ -157,7 +157,7 @@ impl Target {
         }
     }
 
-    pub(super) fn happens(&mut self, cam_index: usize, element_index: usize, what: Happens, at: Instant) {
+    pub(super) fn happens(&mut self, cam_index: usize, element_index: usize, what: ElementEvent, at: Instant) {
         let CamState { program, states } = &mut self.cams[cam_index];
         let (Some(program), Some(state)) = (program, states.get_mut(element_index)) else {
             return;

@@ -6,7 +6,7 @@
 
 use arcline_planner::Instant;
 
-use super::super::element::Happens;
+use super::super::element::ElementEvent;
 use super::super::program::OUTPUT_BITS;
 use super::super::windows::Turns;
 use super::Target;
@@ -15,7 +15,7 @@ use crate::execution::Execution;
 
 /// The exit from a cam.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Trailing {
+pub(super) struct CamExit {
     /// The axis position of its zero.
     pub(super) zero: f64,
     /// The turns in which it was repeated.
@@ -33,7 +33,7 @@ impl Target {
         let forward = self.cams[ACTIVE]
             .cam()
             .is_none_or(|cam| position - zero > middle(cam.start, cam.end));
-        let left = Trailing {
+        let left = CamExit {
             zero,
             turns: self.turns_of_active(),
             forward,
@@ -150,10 +150,10 @@ impl Target {
             return;
         }
         if state.is_in(true) {
-            self.happens(TAIL, element_index, Happens::LatchLeft, at);
+            self.happens(TAIL, element_index, ElementEvent::LatchLeft, at);
         }
         if state.is_in(false) || state.holds {
-            self.happens(TAIL, element_index, Happens::UnlatchLeft, at);
+            self.happens(TAIL, element_index, ElementEvent::UnlatchLeft, at);
         }
         let state = &mut self.cams[TAIL].states[element_index];
         state.passed = true;
