@@ -1,7 +1,7 @@
 //! The plan of a trajectory from moves: sections from rest to rest, each rounded, timed and optimised.
 
 use crate::limits::{Bounds, Smoothness};
-use crate::path::allowance::Begin;
+use crate::path::allowance::SectionStart;
 use crate::path::straight::straight;
 use crate::section::Section;
 use crate::solve::stages::Quality;
@@ -14,20 +14,20 @@ use crate::{AxisLimits, ContourMove, Path, Point, Trajectory};
 /// empty list gives a trajectory of no duration at the origin.
 #[must_use]
 pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
-    plan_with(moves, limits, Haste::None)
+    plan_with(moves, limits, PlanningTime::Unlimited)
 }
 
 /// The time for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Haste {
-    /// Unlimited: the plan is the fastest motion.
-    None,
+pub(crate) enum PlanningTime {
+    /// The plan is the fastest motion.
+    Unlimited,
     /// More moves arrive during the motion: planning takes a small part of its duration.
-    Stream,
+    Streaming,
 }
 
 /// The same, within a planning time.
-pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
+pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, planning_time: PlanningTime) -> Trajectory {
     let start = moves.first().map_or(Point::zeros(), |first| first.path.start());
     let mut whole = Trajectory::rest(start);
     let mut section: Vec<ContourMove> = Vec::new();
@@ -35,7 +35,7 @@ pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste
         section.push(*next);
         let stops = moves.get(index + 1).is_none_or(|after| !can_pass(next, after));
         if stops {
-            whole.append(plan_section(&section, limits, haste));
+            whole.append(plan_section(&section, limits, planning_time));
             section.clear();
         }
     }
@@ -48,7 +48,7 @@ pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, haste: Haste
 pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     match first_moves(moves) {
         None => plan(moves, limits),
-        Some(first) => plan_with(&moves[..first], limits, Haste::Stream),
+        Some(first) => plan_with(&moves[..first], limits, PlanningTime::Streaming),
     }
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
 
 /// Plans one section as well as possible. If a plan is outside the corridor or the limits, the section is planned again with less freedom,
 /// finally with a stop at every joint.
-fn plan_section(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Trajectory {
+fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: PlanningTime) -> Trajectory {
     let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
     let end = moves.last().map_or(Point::zeros(), |last| last.path.end());
     if let [one] = long.as_slice()
@@ -103,25 +103,27 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, haste: Haste) -> Tra
         rest.move_ends = vec![MoveEnd::plain(0.0); moves.len()];
         return rest;
     }
-    for quality in qualities(moves, haste).chain([Quality::TimingOnly]) {
-        if let Some(trajectory) = Section::new(moves, limits, Begin::Rest, quality).plan() {
+    for quality in qualities(moves, planning_time).chain([Quality::TimingOnly]) {
+        if let Some(trajectory) = Section::new(moves, limits, SectionStart::Rest, quality).plan() {
             return trajectory;
         }
     }
     if long.len() == 1 {
-        return Section::new(moves, limits, Begin::Rest, Quality::TimingOnly).slowed();
+        return Section::new(moves, limits, SectionStart::Rest, Quality::TimingOnly).slowed();
     }
     let mut whole = Trajectory::rest(moves[0].path.start());
     for one in moves {
-        whole.append(plan_section(core::slice::from_ref(one), limits, haste));
+        whole.append(plan_section(core::slice::from_ref(one), limits, planning_time));
     }
     whole
 }
 
 /// The order of the plans of a section, before the stops at every joint: dense chords as a smooth curve first.
-pub(crate) fn qualities(moves: &[ContourMove], haste: Haste) -> impl Iterator<Item = Quality> {
+pub(crate) fn qualities(moves: &[ContourMove], planning_time: PlanningTime) -> impl Iterator<Item = Quality> {
     let dense = is_dense(moves).then_some(Quality::Smooth);
-    dense.into_iter().chain((haste == Haste::None).then_some(Quality::Full))
+    dense
+        .into_iter()
+        .chain((planning_time == PlanningTime::Unlimited).then_some(Quality::Full))
 }
 
 /// The moves are many, and most of their corners have a small change of direction.

@@ -4,7 +4,7 @@
 //! curve was outside. Position units and seconds.
 
 use crate::limits::{Bounds, Smoothness};
-use crate::path::allowance::{Allowance, Begin};
+use crate::path::allowance::{Allowance, SectionStart};
 use crate::path::margin::ToleranceMargin;
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Corners, Stretch, round};
@@ -43,7 +43,7 @@ pub(crate) struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// A section of moves, at least one of which has a length.
-    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, begin: Begin, quality: Quality) -> Self {
+    pub(crate) fn new(moves: &'a [ContourMove], limits: &AxisLimits, start: SectionStart, quality: Quality) -> Self {
         let smoothness = Smoothness::of(moves);
         let long: Vec<&ContourMove> = moves.iter().filter(|m| m.has_length()).collect();
         let reference = ReferencePath::new(long.iter().map(|m| m.path).collect());
@@ -51,7 +51,7 @@ impl<'a> Section<'a> {
         let deviations = long.iter().map(|m| m.deviation);
         Section {
             moves,
-            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, begin, quality),
+            allowance: Allowance::new(&reference, tolerances, deviations, smoothness, start, quality),
             reference,
             bounds: long.iter().map(|m| Bounds::new(m, limits, smoothness)).collect(),
             smoothness,
@@ -426,7 +426,7 @@ mod tests {
             acceleration: Point::repeat(1000.0),
             jerk: Some(Point::repeat(20_000.0)),
         };
-        let section = Section::new(&moves, &limits, Begin::Rest, Quality::Full);
+        let section = Section::new(&moves, &limits, SectionStart::Rest, Quality::Full);
         let nodes = section.first_guess().points.len();
         let mut work = Work::from_rest(nodes);
         assert!(section.solve_with(&mut work).is_some() && !work.is_done());

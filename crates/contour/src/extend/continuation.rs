@@ -5,8 +5,8 @@ use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
-use crate::path::allowance::Begin;
-use crate::plan::{Haste, plan_with};
+use crate::path::allowance::SectionStart;
+use crate::plan::{PlanningTime, plan_with};
 use crate::section::Section;
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
@@ -141,7 +141,7 @@ impl Continuation<'_> {
         );
         whole.join(tail, splice);
         if end < moves.len() {
-            whole.append(plan_with(&moves[end..], limits, Haste::Stream));
+            whole.append(plan_with(&moves[end..], limits, PlanningTime::Streaming));
         }
         Some(whole)
     }
@@ -169,7 +169,7 @@ impl Continuation<'_> {
             .iter()
             .rposition(ContourMove::has_length)
             .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits, Begin::Running, quality);
+        let section = Section::new(&moves[back..end], limits, SectionStart::Running, quality);
         let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
         let followed = Running {
             trajectory: running,
@@ -203,7 +203,7 @@ impl Continuation<'_> {
             .unwrap_or(begin.min(back));
         let long = moves[from..back].iter().filter(|m| m.has_length());
         let before = long.map(|m| m.path.length()).sum();
-        let fresh = Section::new(&moves[from..end], limits, Begin::Rest, Quality::Full).solve_with(work)?;
+        let fresh = Section::new(&moves[from..end], limits, SectionStart::Rest, Quality::Full).solve_with(work)?;
         section.repair(warm_start_joined(section, followed, limits, &fresh, before)?, work)
     }
 }
@@ -265,7 +265,7 @@ impl Trajectory {
             state: State::rest(moves[0].path.start()),
             jerk: Point::zeros(),
         });
-        self.append(plan_with(moves, limits, Haste::Stream));
+        self.append(plan_with(moves, limits, PlanningTime::Streaming));
         self
     }
 

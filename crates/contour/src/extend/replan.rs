@@ -2,7 +2,7 @@
 
 use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
-use crate::plan::{Haste, can_pass, qualities};
+use crate::plan::{PlanningTime, can_pass, qualities};
 use crate::solve::relax::SlowDown;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
@@ -50,7 +50,7 @@ pub fn replan(
             .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
             .unwrap_or(moves.len());
         let splice = splice(&running, passed + begin, &moves[begin..end], limits, first)?;
-        let whole = qualities(&moves[begin..end], Haste::None).find_map(|quality| {
+        let whole = qualities(&moves[begin..end], PlanningTime::Unlimited).find_map(|quality| {
             let continuation = Continuation {
                 running: &running,
                 passed,

@@ -25,7 +25,7 @@ pub(crate) struct Running<'a> {
 
 /// A point of the warm start.
 #[derive(Clone, Copy)]
-pub(crate) struct Site {
+pub(crate) struct RoutePoint {
     /// Seconds from the splice.
     pub(crate) time: f64,
     pub(crate) point: Point,
@@ -41,7 +41,7 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
     let mut route = followed(section, running);
     let left = running.leave - running.splice;
     let from = running.trajectory.at(running.leave);
-    let at = route.last().map_or(0.0, |site| site.progress);
+    let at = route.last().map_or(0.0, |point| point.progress);
     go_on(section, &mut route, &from, left, at);
     let running_knots = knots(section, running);
     let followed = running_knots.len();
@@ -71,9 +71,9 @@ pub(crate) fn warm_start(section: &Section<'_>, running: Running<'_>) -> Control
     control.completed(reference)
 }
 
-impl Site {
-    /// The share of the distance to the next site covered after a time.
-    fn part_gone(&self, next: &Site, t: f64) -> f64 {
+impl RoutePoint {
+    /// The share of the distance to the next point covered after a time.
+    fn part_gone(&self, next: &RoutePoint, t: f64) -> f64 {
         let span = next.time - self.time;
         let gone = (self.speed + (next.speed - self.speed) / span * t / 2.0) * t;
         let part = gone / (0.5 * (self.speed + next.speed) * span);
@@ -86,8 +86,8 @@ impl Site {
 }
 
 /// The knots of the running motion and those after it, closer where the route changes much. `left`: the end if there is no route.
-fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: f64) -> Vec<f64> {
-    let whole = route.last().map_or(left, |site| site.time);
+fn spread(section: &Section<'_>, route: &[RoutePoint], running_knots: Vec<f64>, left: f64) -> Vec<f64> {
+    let whole = route.last().map_or(left, |point| point.time);
     let busy: Vec<(f64, f64)> = route
         .windows(2)
         .filter(|pair| !pair[1].cruise)
@@ -95,7 +95,7 @@ fn spread(section: &Section<'_>, route: &[Site], running_knots: Vec<f64>, left: 
         .collect();
     let fine = section.allowance.roundings(&section.reference, |s| {
         let k = route
-            .partition_point(|site| site.progress < s)
+            .partition_point(|point| point.progress < s)
             .clamp(1, route.len() - 1);
         let (before, behind) = (&route[k - 1], &route[k]);
         let part = ((s - before.progress) / (behind.progress - before.progress)).clamp(0.0, 1.0);
@@ -145,7 +145,7 @@ pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
 }
 
 /// The running motion from the splice until the warm start leaves it.
-pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site> {
+pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<RoutePoint> {
     let reference = &section.reference;
     let left = running.leave - running.splice;
     let count = (left / TUNING.warm_start.step_s).ceil().max(1.0) as usize;
@@ -159,7 +159,7 @@ pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site>
                 least,
                 reference.starts[piece] + along(&reference.pieces[piece], &state.position),
             );
-            Site {
+            RoutePoint {
                 time,
                 point: state.position,
                 progress: least,
@@ -171,7 +171,7 @@ pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Site>
 }
 
 /// Continues from a state near the reference path at arc length `at` along the rounded reference path to its end.
-fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64, at: f64) {
+fn go_on(section: &Section<'_>, route: &mut Vec<RoutePoint>, from: &State, start: f64, at: f64) {
     let reference = &section.reference;
     let (free, stretches) = section.without_jerk();
     let mut samples = sample(reference, &stretches);
@@ -188,7 +188,7 @@ fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64,
     if ahead.len() < 2 {
         return;
     }
-    // The first site has the progress of the motion; its offset from the rounded path fades out.
+    // The first point has the progress of the motion; its offset from the rounded path fades out.
     ahead[0].progress = at;
     let speed = from.velocity.norm();
     let fade = (speed * TUNING.warm_start.fade_s).max(TUNING.warm_start.least_fade_units);
@@ -207,7 +207,7 @@ fn go_on(section: &Section<'_>, route: &mut Vec<Site>, from: &State, start: f64,
         profile.go_gently(along, &section.bounds[reference.piece_at(at)]);
     }
     for k in 1..ahead.len() {
-        route.push(Site {
+        route.push(RoutePoint {
             time: start + profile.times[k],
             point: ahead[k].point,
             progress: ahead[k].progress,

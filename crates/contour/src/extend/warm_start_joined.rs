@@ -2,7 +2,7 @@
 //! moves earlier. Away from their beginnings and ends both are nearly the same, the fastest motion, so the warm start changes from one to the
 //! other where they are most alike. Position units and seconds.
 
-use crate::extend::warm_start::{Running, Site, followed, knots};
+use crate::extend::warm_start::{RoutePoint, Running, followed, knots};
 use crate::section::{Section, Solved};
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
@@ -30,7 +30,7 @@ pub(crate) fn warm_start_joined(
     };
     let progress: Vec<f64> = fresh.control.progress.iter().map(|s| s - before).collect();
     let mut best: Option<(f64, f64, f64)> = None;
-    for Site { time, progress: s, .. } in followed(section, running) {
+    for RoutePoint { time, progress: s, .. } in followed(section, running) {
         let k = progress.partition_point(|&other| other < s);
         let (Some(from), Some(to)) = (k.checked_sub(1), progress.get(k)) else {
             continue;
@@ -87,7 +87,7 @@ fn joined(
     let mut least = 0.0_f64;
     for (k, at) in grid.iter().enumerate() {
         let along = if k < followed_knots {
-            let i = sites.partition_point(|site| site.time < *at).min(sites.len() - 1);
+            let i = sites.partition_point(|point| point.time < *at).min(sites.len() - 1);
             sites[i].progress
         } else {
             progress[first + k - followed_knots]

@@ -13,7 +13,7 @@ use arcline_geometry::Path;
 
 /// The start of a section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Begin {
+pub(crate) enum SectionStart {
     /// At rest.
     Rest,
     /// On a running motion: the corner at its start is rounded in any case.
@@ -29,7 +29,7 @@ pub(crate) struct Allowance {
     reaches: Vec<f64>,
     /// The curve may use all of the tolerance on the whole piece.
     anywhere: Vec<bool>,
-    begin: Begin,
+    start: SectionStart,
     /// The plan for which it is.
     quality: Quality,
 }
@@ -41,7 +41,7 @@ impl Allowance {
         tolerances: Vec<f64>,
         deviations: impl Iterator<Item = Deviation>,
         smoothness: Smoothness,
-        begin: Begin,
+        start: SectionStart,
         quality: Quality,
     ) -> Allowance {
         let reaches = reference.pieces.windows(2).zip(&tolerances);
@@ -57,7 +57,7 @@ impl Allowance {
             anywhere: anywhere.collect(),
             tolerances,
             reaches,
-            begin,
+            start,
             quality,
         }
     }
@@ -122,10 +122,10 @@ impl Allowance {
 
     /// The length of the rounding at the start of a piece along it.
     fn reach_behind(&self, piece: usize, tolerance: f64) -> f64 {
-        match (piece.checked_sub(1), self.begin) {
+        match (piece.checked_sub(1), self.start) {
             (Some(corner), _) => self.reaches[corner],
-            (None, Begin::Running) => MOST_REACH_TOLERANCES * tolerance,
-            (None, Begin::Rest) => 0.0,
+            (None, SectionStart::Running) => MOST_REACH_TOLERANCES * tolerance,
+            (None, SectionStart::Rest) => 0.0,
         }
     }
 

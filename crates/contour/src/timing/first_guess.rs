@@ -8,7 +8,7 @@ use crate::path::reference::ReferencePath;
 use crate::path::rounding::Stretch;
 use crate::timing::control_points::ControlPoints;
 use crate::timing::grid::{Density, grid, sites};
-use crate::timing::speed_profile::{Sample, Speeds, sample, speeds};
+use crate::timing::speed_profile::{Sample, SampledSpeeds, sample, speeds};
 use crate::timing::warp::Warp;
 use crate::tuning::TUNING;
 
@@ -82,7 +82,7 @@ pub(crate) fn first_guess(
 }
 
 /// The time at which the profile passes an arc length of the reference path.
-fn time_at(samples: &[Sample], profile: &Speeds, s: f64) -> f64 {
+fn time_at(samples: &[Sample], profile: &SampledSpeeds, s: f64) -> f64 {
     let k = samples
         .partition_point(|sample| sample.progress < s)
         .clamp(1, samples.len() - 1);
@@ -92,7 +92,7 @@ fn time_at(samples: &[Sample], profile: &Speeds, s: f64) -> f64 {
 }
 
 /// The share of the distance from sample `i` to the next that is covered at a time.
-fn part_gone(profile: &Speeds, i: usize, time: f64) -> f64 {
+fn part_gone(profile: &SampledSpeeds, i: usize, time: f64) -> f64 {
     let (v0, v1) = (profile.square[i].sqrt(), profile.square[i + 1].sqrt());
     let (dt, t) = (profile.times[i + 1] - profile.times[i], time - profile.times[i]);
     ((v0 + (v1 - v0) / dt * t / 2.0) * t / profile.length[i]).clamp(0.0, 1.0)

@@ -20,7 +20,7 @@ pub(crate) struct Sample {
 }
 
 /// The speeds at the samples, as a first guess.
-pub(crate) struct Speeds {
+pub(crate) struct SampledSpeeds {
     /// Squares of the speed at the samples.
     pub(crate) square: Vec<f64>,
     /// Seconds from the first sample.
@@ -32,7 +32,7 @@ pub(crate) struct Speeds {
     pub(crate) curvature: Vec<Point>,
 }
 
-impl Speeds {
+impl SampledSpeeds {
     /// The motion from one sample to the next has constant velocity.
     pub(crate) fn is_cruise(&self, i: usize) -> bool {
         let straight = self.curvature[i] == Point::zeros() && self.curvature[i + 1] == Point::zeros();
@@ -130,7 +130,7 @@ pub(crate) fn speeds(
     bounds: &[Bounds],
     smoothness: Smoothness,
     start: f64,
-) -> Speeds {
+) -> SampledSpeeds {
     let count = samples.len();
     let steps = samples.windows(2).map(|pair| pair[1].point - pair[0].point);
     let length: Vec<f64> = steps.clone().map(|d| d.norm()).collect();
@@ -155,7 +155,7 @@ pub(crate) fn speeds(
     }
     (square[0], square[count - 1]) = (start, 0.0);
     pass(&mut square, &rate, &length, start);
-    let mut speeds = Speeds {
+    let mut speeds = SampledSpeeds {
         square,
         times: vec![0.0; count],
         length,

@@ -16,7 +16,7 @@ use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_s
 pub(crate) struct SpeedCurve<'a> {
     pub(super) section: &'a Section<'a>,
     curve: Curve,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<SpeedCurvePart>,
 }
 
 /// The curve by its progress.
@@ -28,7 +28,7 @@ enum Curve {
 }
 
 /// A part of a speed curve.
-pub(super) struct Part {
+pub(super) struct SpeedCurvePart {
     pub(super) from: f64,
     pub(super) to: f64,
     /// The constant speed at which it is within all limits.
@@ -76,7 +76,7 @@ impl<'a> SpeedCurve<'a> {
     pub(crate) fn new(section: &'a Section<'a>) -> Self {
         let reference = &section.reference;
         let stretches = round(reference, &section.allowance, Corners::Even);
-        let mut parts: Vec<Part> = stretches
+        let mut parts: Vec<SpeedCurvePart> = stretches
             .iter()
             .map(|stretch| {
                 let piece = reference.piece_at(0.5 * (stretch.from + stretch.to));
@@ -85,7 +85,7 @@ impl<'a> SpeedCurve<'a> {
                 let measured = if is_rounding { TUNING.gentle.rounding_samples } else { 1 };
                 let step = (stretch.to - stretch.from) / f64::from(measured);
                 let sites = (0..=measured).map(|k| stretch.derivatives(reference, stretch.from + step * f64::from(k)));
-                Part {
+                SpeedCurvePart {
                     from: stretch.from,
                     to: stretch.to,
                     speed: most_speed(&section.bounds[piece], sites, step),
@@ -118,7 +118,7 @@ impl<'a> SpeedCurve<'a> {
     pub(super) fn smooth(section: &'a Section<'a>, curve: Smoothed) -> Self {
         let reference = &section.reference;
         let sites = curve.sites();
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<SpeedCurvePart> = Vec::new();
         for pair in sites.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let piece = reference.piece_at(curve.progress_at(0.5 * (from + to)));
@@ -133,7 +133,7 @@ impl<'a> SpeedCurve<'a> {
                     part.speed = part.speed.min(speed);
                     part.nodes += 1.0;
                 }
-                _ => parts.push(Part {
+                _ => parts.push(SpeedCurvePart {
                     from,
                     to,
                     speed,
@@ -161,7 +161,7 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// Seconds between the nodes of a part of this duration.
-    pub(super) fn step(&self, part: &Part, lasts: f64) -> f64 {
+    pub(super) fn step(&self, part: &SpeedCurvePart, lasts: f64) -> f64 {
         let node_s = self.section.allowance.node_s();
         if part.nodes > 0.0 {
             node_s.min(lasts / part.nodes)
