@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use arcline_config::Project;
 use arcline_controller::image::Image;
-use arcline_controller::machine::Machine as Configured;
+use arcline_controller::machine::Machine as MachineConfig;
 use arcline_controller::{Controller, Event};
 use arcline_instruction_set::AxisId;
 use arcline_simulation::{ImageNames, Limits, Observer, Origin, ProgramId, Runner, Simulation};
@@ -75,7 +75,7 @@ impl Observer for Rows<'_> {
         self.events.event(event, time, image);
     }
 
-    fn tick(&mut self, _: u64, _: &Configured, controller: &mut Controller) -> bool {
+    fn tick(&mut self, _: u64, _: &MachineConfig, controller: &mut Controller) -> bool {
         if let Some(row) = self.rows.next() {
             self.columns.read(controller, row);
         }

@@ -6,7 +6,7 @@
 use std::sync::{Arc, MutexGuard};
 use std::time::{Duration, Instant};
 
-use arcline_controller::machine::Machine as Configured;
+use arcline_controller::machine::Machine as MachineConfig;
 use arcline_instruction_set::{AxisId, FAULTS, FaultSet, Flag};
 use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -36,7 +36,7 @@ pub(crate) struct Machine {
 }
 
 /// The whole ticks in a number of seconds.
-fn ticks_of(machine: &Configured, seconds: f64) -> PyResult<u64> {
+fn ticks_of(machine: &MachineConfig, seconds: f64) -> PyResult<u64> {
     if !(0.0..1e9).contains(&seconds) {
         return Err(PyValueError::new_err(format!("{seconds} s: expected 0 to 1e9 seconds")));
     }
@@ -82,7 +82,7 @@ impl Machine {
         Ok(())
     }
 
-    fn configured(&self, py: Python<'_>) -> PyResult<Arc<Configured>> {
+    fn configured(&self, py: Python<'_>) -> PyResult<Arc<MachineConfig>> {
         Ok(self.lock(py)?.runner.simulation().machine().clone())
     }
 }

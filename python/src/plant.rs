@@ -6,7 +6,7 @@ use std::thread::ThreadId;
 
 use arcline_controller::drive::SetPoint;
 use arcline_controller::drive::simulated::{MechanicalModel, ModelFailed, ModelledAxis};
-use arcline_controller::machine::Machine as Configured;
+use arcline_controller::machine::Machine as MachineConfig;
 use arcline_instruction_set::AxisId;
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -80,7 +80,7 @@ impl Plant {
         py: Python<'_>,
         call: Bound<'_, PyAny>,
         names: Option<Vec<String>>,
-        machine: &Configured,
+        machine: &MachineConfig,
     ) -> PyResult<Self> {
         if !call.is_callable() {
             return Err(PyTypeError::new_err(format!(

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
-use arcline_controller::image::{Edge, Image};
+use arcline_controller::image::{Image, WriteEffect};
 use arcline_controller::machine::{DynamicsBits, Machine, Start};
 use arcline_controller::{Event, FaultChange, Snapshot, TagWrite, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
@@ -129,7 +129,7 @@ impl Bench {
         let written = self.simulation.write(Origin::default(), |image| {
             let edge = image.write_value(&path, Value::Lreal(value))?;
             assert!(
-                matches!(edge, None | Some(Edge::Input)),
+                matches!(edge, None | Some(WriteEffect::Input)),
                 "{path} does more than a plain tag"
             );
             Ok(edge)

@@ -19,7 +19,7 @@ mod write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use arcline_controller::image::{Configured, Image};
+use arcline_controller::image::{ConfiguredTags, Image};
 use arcline_controller::machine::Machine;
 use arcline_tag::Template;
 
@@ -63,8 +63,8 @@ impl Project {
     }
 
     /// Its tags and types.
-    pub fn configured(&self) -> Configured<'_> {
-        Configured {
+    pub fn configured(&self) -> ConfiguredTags<'_> {
+        ConfiguredTags {
             data_types: &self.types,
             instructions: &self.instruction_tags,
             tags: &self.tags,

@@ -5,7 +5,7 @@
 use std::sync::atomic::Ordering::{Acquire, Relaxed, Release};
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use arcline_controller::image::{Health, Measured};
+use arcline_controller::image::{Health, MeasuredTime};
 use arcline_instruction_set::predefined::{HISTOGRAM_BUCKETS, histogram_bucket};
 
 use crate::schedule::Report;
@@ -122,9 +122,9 @@ impl Histogram {
         add(&self.buckets[histogram_bucket(time)], 1);
     }
 
-    fn measured(&self, ticks: u64) -> Measured {
+    fn measured(&self, ticks: u64) -> MeasuredTime {
         let us = |time: &AtomicU64| time.load(Relaxed) as f64 / 1e3;
-        Measured {
+        MeasuredTime {
             last: us(&self.last),
             max: us(&self.max),
             mean: us(&self.sum) / ticks.max(1) as f64,

@@ -206,12 +206,12 @@ impl ProgramDriver {
     /// Writes to the tags, unless the write is refused or an instruction has erred.
     fn change(
         &self,
-        write: impl FnOnce(&mut Simulation) -> Result<Option<arcline_controller::image::Edge>, Refused>,
+        write: impl FnOnce(&mut Simulation) -> Result<Option<arcline_controller::image::WriteEffect>, Refused>,
     ) -> Result<(), Refused> {
         let mut shared = self.shared.lock();
-        let edge = write(&mut shared.simulation)?;
-        if let Some(edge) = edge
-            && shared.simulation.apply(edge, self.origin())?.is_some()
+        let effect = write(&mut shared.simulation)?;
+        if let Some(effect) = effect
+            && shared.simulation.apply(effect, self.origin())?.is_some()
         {
             shared.note_execution();
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::drive::simulated::{MechanicalModel, ModelDrives};
-use arcline_controller::image::{Edge, Image, TagKind, WriteError};
+use arcline_controller::image::{Image, TagKind, WriteEffect, WriteError};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Cause, ContourRequest, Controller, Event, Snapshot, Ticket};
 use arcline_instruction_set::{AxisId, BindError, Call, ControlSlot, Flag, Mnemonic, MotionControl, SystemId};
@@ -199,37 +199,37 @@ impl Simulation {
     ///
     /// # Errors
     /// The operands of an instruction tag do not fit.
-    pub fn apply(&mut self, edge: Edge, origin: Origin) -> Result<Option<(Ticket, MotionControl)>, BindError> {
-        match edge {
-            Edge::FeedOverride => {
+    pub fn apply(&mut self, effect: WriteEffect, origin: Origin) -> Result<Option<(Ticket, MotionControl)>, BindError> {
+        match effect {
+            WriteEffect::FeedOverride => {
                 for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
                     self.controller.set_override(system, f64::from(percent) / 100.0);
                 }
                 self.shown = None;
             }
-            Edge::FaultInject => self.inject(),
-            Edge::Inhibit(on) => {
+            WriteEffect::FaultInject => self.inject(),
+            WriteEffect::Inhibit(on) => {
                 self.controller.inhibit(on);
                 if on {
                     self.controller.stop_all();
                 }
                 self.shown = None;
             }
-            Edge::DynamicsBits => self.set_dynamics_bits(),
+            WriteEffect::DynamicsBits => self.set_dynamics_bits(),
             // Only the caller executes ticks.
-            Edge::Steps(_) => {}
-            Edge::Input => {
+            WriteEffect::Steps(_) => {}
+            WriteEffect::Input => {
                 for input in self.image.take_inputs() {
                     self.controller.input(input);
                 }
                 self.shown = None;
             }
-            Edge::Rising(id) => {
+            WriteEffect::Rising(id) => {
                 if let Some(call) = self.image.call_of(id).transpose()? {
                     return Ok(Some(self.execute(&call, origin)));
                 }
             }
-            Edge::Falling(id) => {
+            WriteEffect::Falling(id) => {
                 if let Some(TagKind::Instruction(kind)) = self.image.tag(id).map(|tag| tag.kind) {
                     self.rung_false(kind.control);
                 }
@@ -245,10 +245,10 @@ impl Simulation {
     pub fn write(
         &mut self,
         origin: Origin,
-        write: impl FnOnce(&mut Image) -> Result<Option<Edge>, WriteError>,
+        write: impl FnOnce(&mut Image) -> Result<Option<WriteEffect>, WriteError>,
     ) -> Result<Option<(Ticket, MotionControl)>, Refused> {
         match write(&mut self.image)? {
-            Some(edge) => Ok(self.apply(edge, origin)?),
+            Some(effect) => Ok(self.apply(effect, origin)?),
             None => Ok(None),
         }
     }

@@ -6,7 +6,7 @@ mod text;
 
 use std::time::Duration;
 
-use arcline_controller::image::Measured;
+use arcline_controller::image::MeasuredTime;
 use arcline_instruction_set::SystemId;
 use arcline_instruction_set::predefined::{axis_status, histogram_edge};
 
@@ -137,7 +137,7 @@ fn of_thread(text: &mut Text, plant: &Plant) {
 }
 
 /// A histogram of REAL_TIME.
-fn histogram(text: &mut Text, name: &str, help: &str, measured: &Measured) {
+fn histogram(text: &mut Text, name: &str, help: &str, measured: &MeasuredTime) {
     text.family(name, "histogram", help);
     let mut below = 0;
     for (bucket, count) in measured.histogram.iter().enumerate() {

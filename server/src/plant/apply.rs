@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use arcline_config::Role;
-use arcline_controller::image::{Edge, Image, ReadError, WriteError};
+use arcline_controller::image::{Image, ReadError, WriteEffect, WriteError};
 use arcline_controller::{Series, Ticket, UNNAMED};
 use arcline_instruction_set::{SystemId, bind};
 use arcline_state::planted::is_planted;
@@ -23,7 +23,7 @@ use super::state::State;
 use super::{ANSWER_WITHIN, CallRefused, Executed, Plant, Principal, Right, Shared, policy};
 use crate::retained::{NotPersisted, PersistedReceiver};
 
-/// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all edges at the
+/// Commands and reads of one principal that are one action: nothing changes between them, and the controller is sent all effects at the
 /// end.
 pub struct Transaction<'t> {
     principal: Principal,
@@ -33,8 +33,8 @@ pub struct Transaction<'t> {
     denied: Option<Right>,
     shared: &'t Shared,
     state: &'t mut State,
-    /// The edges of the writes so far, which the controller is not sent yet.
-    edges: Vec<Edge>,
+    /// The effects of the writes so far, which the controller is not sent yet.
+    effects: Vec<WriteEffect>,
     pending: Pending,
     /// Whether the transaction has changed a part of the retained state.
     retained: bool,
@@ -100,7 +100,7 @@ impl Plant {
             denied: None,
             shared: &self.0,
             state: &mut state,
-            edges: Vec::new(),
+            effects: Vec::new(),
             pending: Pending::default(),
             retained: false,
             series: None,
@@ -291,7 +291,7 @@ impl Transaction<'_> {
     }
 
     fn execute(&mut self, command: Command<'_>) -> Result<Outcome, Refused> {
-        let edge = match command {
+        let effect = match command {
             Command::WriteTag { tag, offset, data } => self.state.image_mut().write(tag, offset, data)?,
             Command::WriteBit { tag, offset, bit, on } => self.state.image_mut().write_bit(tag, offset, bit, on)?,
             Command::SetAttribute {
@@ -315,7 +315,7 @@ impl Transaction<'_> {
             Command::Call(call) => return self.call(call),
             Command::Execute(call) => return self.send(None, *call),
             Command::RungFalse(mnemonic, control) => {
-                self.send_edges();
+                self.send_effects();
                 self.state.rung_false(mnemonic, control);
                 None
             }
@@ -347,7 +347,7 @@ impl Transaction<'_> {
                 None
             }
             Command::Lose { lost, reaction } => {
-                self.send_edges();
+                self.send_effects();
                 return Ok(Outcome::Lost(self.state.lose(lost.owner(), reaction)));
             }
             Command::Disown(principal) => {
@@ -358,8 +358,8 @@ impl Transaction<'_> {
                 self.shared.stops.stop_all();
                 None
             }
-            Command::Inhibit => Some(Edge::Inhibit(true)),
-            Command::Release => Some(Edge::Inhibit(false)),
+            Command::Inhibit => Some(WriteEffect::Inhibit(true)),
+            Command::Release => Some(WriteEffect::Inhibit(false)),
             Command::Step { ticks, until } => {
                 if self.shared.stepper.is_none() {
                     return Err(Refused::NotStepped);
@@ -371,10 +371,10 @@ impl Transaction<'_> {
                 None
             }
         };
-        if let Some(Edge::Steps(ticks)) = edge {
+        if let Some(WriteEffect::Steps(ticks)) = effect {
             self.pending.steps.push((ticks, None));
         }
-        self.edges.extend(edge);
+        self.effects.extend(effect);
         Ok(Outcome::Done)
     }
 
@@ -394,7 +394,7 @@ impl Transaction<'_> {
                 continue;
             };
             match self.state.image_mut().set_feed_override(system, percent) {
-                Ok(edge) => self.edges.extend(edge),
+                Ok(effect) => self.effects.extend(effect),
                 Err(error) => done = Err(error.into()),
             }
         }
@@ -412,8 +412,8 @@ impl Transaction<'_> {
         if self.series.is_some() && !mnemonic.instruction().joins_series(operands) {
             return Err(CallRefused::NotOfSeries { mnemonic }.into());
         }
-        // The edges of earlier writes go first.
-        self.send_edges();
+        // The effects of earlier writes go first.
+        self.send_effects();
         if !self.state.has_room(mnemonic) {
             return Err(CallRefused::Busy.into());
         }
@@ -427,7 +427,7 @@ impl Transaction<'_> {
 
     /// Sends a bound call.
     fn send(&mut self, text: Option<Arc<str>>, call: arcline_instruction_set::Call) -> Result<Outcome, Refused> {
-        self.send_edges();
+        self.send_effects();
         if !self.state.has_room(call.mnemonic) {
             return Err(CallRefused::Busy.into());
         }
@@ -437,10 +437,12 @@ impl Transaction<'_> {
         Ok(Outcome::Begun(instance_of(ticket)))
     }
 
-    /// Sends the controller the edges of the writes so far, with the operands as they are now.
-    fn send_edges(&mut self) {
-        for edge in std::mem::take(&mut self.edges) {
-            self.pending.answers.extend(self.state.edge(self.principal, edge));
+    /// Sends the controller the effects of the writes so far, with the operands as they are now.
+    fn send_effects(&mut self) {
+        for effect in std::mem::take(&mut self.effects) {
+            self.pending
+                .answers
+                .extend(self.state.send_effect(self.principal, effect));
         }
     }
 
@@ -454,7 +456,7 @@ impl Transaction<'_> {
     }
 
     fn finish(mut self) -> Pending {
-        self.send_edges();
+        self.send_effects();
         if self.retained {
             // Sent under the lock, so that the file has the writes in their order.
             self.pending.persisted = self.state.send_writes();

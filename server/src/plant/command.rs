@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use arcline_config::{ConnectionLoss, Role};
-use arcline_controller::image::{Configured, PlainTag, TableError, TagId, WriteError};
+use arcline_controller::image::{ConfiguredTags, PlainTag, TableError, TagId, WriteError};
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Mnemonic, SystemId, UnboundOperand};
 use arcline_tag::TagPath;
 
@@ -82,9 +82,9 @@ pub enum Command<'a> {
     /// Takes over the tags and types of another configuration.
     Reload {
         /// The configuration of the present tags.
-        old: Configured<'a>,
+        old: ConfiguredTags<'a>,
         /// The other one.
-        new: Configured<'a>,
+        new: ConfiguredTags<'a>,
     },
     /// A principal is lost: the motion that it began and that still runs is stopped, held or goes on.
     Lose {

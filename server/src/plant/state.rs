@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use arc_swap::ArcSwap;
-use arcline_controller::image::{Edge, Image, StagedWrites, TagKind};
+use arcline_controller::image::{Image, StagedWrites, TagKind, WriteEffect};
 use arcline_controller::machine::{DynamicsBits, Machine};
 use arcline_controller::{ContourRests, Ticket};
 use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
@@ -346,20 +346,24 @@ impl State {
         self.done.extend(self.waiting.remove(&ticket));
     }
 
-    /// Sends the controller the edge of a write. Of an instruction: its ticket, and the receiver of the answer, which comes when DN, ER
+    /// Sends the controller the effect of a write. Of an instruction: its ticket, and the receiver of the answer, which comes when DN, ER
     /// or IP is set.
-    pub(super) fn edge(&mut self, principal: Principal, edge: Edge) -> Option<(Ticket, oneshot::Receiver<()>)> {
-        let id = match edge {
-            Edge::Rising(id) | Edge::Falling(id) => id,
-            Edge::FeedOverride => {
+    pub(super) fn send_effect(
+        &mut self,
+        principal: Principal,
+        effect: WriteEffect,
+    ) -> Option<(Ticket, oneshot::Receiver<()>)> {
+        let id = match effect {
+            WriteEffect::Rising(id) | WriteEffect::Falling(id) => id,
+            WriteEffect::FeedOverride => {
                 self.send_overrides();
                 return None;
             }
-            Edge::FaultInject => {
+            WriteEffect::FaultInject => {
                 self.send_injected();
                 return None;
             }
-            Edge::Inhibit(on) => {
+            WriteEffect::Inhibit(on) => {
                 self.inhibited = on;
                 self.image_mut().show_inhibited(on);
                 if on {
@@ -369,13 +373,13 @@ impl State {
                 }
                 return None;
             }
-            Edge::DynamicsBits => {
+            WriteEffect::DynamicsBits => {
                 self.send_dynamics_bits();
                 return None;
             }
             // The transaction does it at its end.
-            Edge::Steps(_) => return None,
-            Edge::Input => {
+            WriteEffect::Steps(_) => return None,
+            WriteEffect::Input => {
                 for input in self.image.take_inputs() {
                     self.send_input(input);
                 }
@@ -385,7 +389,7 @@ impl State {
         let TagKind::Instruction(kind) = self.image.tag(id)?.kind else {
             return None;
         };
-        if let Edge::Falling(_) = edge {
+        if let WriteEffect::Falling(_) = effect {
             // The controller does not know a call that is refused below.
             let mut control = self.image.control(kind.control);
             if is_answered(&control) {

@@ -2,11 +2,11 @@
 //! Configuration Bits, which clients can set.
 //!
 //! The image is the only copy of these bits outside the controller: every interface that sets them writes them here, and the caller sends the
-//! controller the change ([`Edge::DynamicsBits`]). They start at the machine's values, also after a restart.
+//! controller the change ([`WriteEffect::DynamicsBits`]). They start at the machine's values, also after a restart.
 
 use arcline_instruction_set::{Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity, SystemId};
 
-use super::{Edge, Image, WriteError};
+use super::{Image, WriteEffect, WriteError};
 use crate::Snapshot;
 use crate::machine::{DynamicsBits, Machine};
 
@@ -19,7 +19,7 @@ pub(super) struct Attributes {
 
 /// The active move of a coordinate system.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Progress {
+pub struct MoveProgress {
     /// Distance to go along its path, units.
     pub remaining: f64,
     /// Length of its path, units; 0: no move is active.
@@ -32,7 +32,7 @@ pub struct Progress {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shown {
     /// The active moves of all coordinate systems, in configuration order.
-    progress: Vec<Progress>,
+    progress: Vec<MoveProgress>,
     /// The faults of all axes, in configuration order.
     faults: Vec<FaultSet>,
 }
@@ -48,7 +48,7 @@ impl Attributes {
 
 impl Image {
     /// The active move of a coordinate system; `None`: no such system.
-    pub fn progress(&self, system: SystemId) -> Option<Progress> {
+    pub fn progress(&self, system: SystemId) -> Option<MoveProgress> {
         self.shown.progress.get(usize::from(system)).copied()
     }
 
@@ -61,7 +61,7 @@ impl Image {
     pub(super) fn show_attributes(&mut self, snapshot: &Snapshot) {
         let Shown { progress, faults } = &mut self.shown;
         progress.clear();
-        progress.extend(snapshot.systems.iter().map(|system| Progress {
+        progress.extend(snapshot.systems.iter().map(|system| MoveProgress {
             remaining: (system.path_length - system.path_position).max(0.0),
             length: system.path_length,
             time_left: system.time_left.unwrap_or(f64::NAN),
@@ -125,7 +125,7 @@ impl Image {
     /// # Errors
     /// [`WriteError::NotSettable`] for a read-only attribute, [`WriteError::NotInRange`] for a value outside of its range,
     /// [`WriteError::NoSuchTag`] if the object does not exist; the image is unchanged then.
-    pub fn set_attribute(&mut self, attribute: &Attribute, index: u16, value: f64) -> Result<Edge, WriteError> {
+    pub fn set_attribute(&mut self, attribute: &Attribute, index: u16, value: f64) -> Result<WriteEffect, WriteError> {
         let name = attribute.name;
         if !attribute.is_settable() {
             return Err(WriteError::NotSettable { name });
@@ -141,6 +141,6 @@ impl Image {
         };
         let bits = bits.get_mut(usize::from(index)).ok_or(WriteError::NoSuchTag)?;
         *bits = DynamicsBits::from_bits(value as u32);
-        Ok(Edge::DynamicsBits)
+        Ok(WriteEffect::DynamicsBits)
     }
 }

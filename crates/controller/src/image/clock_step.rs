@@ -2,7 +2,7 @@
 
 use arcline_tag::{Elementary, TagType};
 
-use super::{Edge, Image, TagId, TagKind, WriteError};
+use super::{Image, TagId, TagKind, WriteEffect, WriteError};
 
 /// Name of the tag.
 pub const CLOCK_STEP_TAG: &str = "ClockStep";
@@ -27,14 +27,14 @@ impl Image {
     }
 
     /// Writes the tag.
-    pub(super) fn write_clock_step(&mut self, id: TagId, data: &[u8]) -> Result<Option<Edge>, WriteError> {
+    pub(super) fn write_clock_step(&mut self, id: TagId, data: &[u8]) -> Result<Option<WriteEffect>, WriteError> {
         let name = || self.tag(id).map(|tag| tag.name.clone()).unwrap_or_default();
         let Ok(bytes) = <[u8; 4]>::try_from(data) else {
             return Err(WriteError::ReadOnly { name: name() });
         };
         let ticks = i32::from_le_bytes(bytes);
         match u32::try_from(ticks) {
-            Ok(ticks) if ticks <= MOST_STEPS => Ok(Some(Edge::Steps(ticks))),
+            Ok(ticks) if ticks <= MOST_STEPS => Ok(Some(WriteEffect::Steps(ticks))),
             _ => Err(WriteError::OutOfRange {
                 name: name(),
                 value: ticks as f32,

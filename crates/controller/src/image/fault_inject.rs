@@ -1,12 +1,12 @@
 //! The tag `FaultInject`: DINT, an element for each axis in configuration order, a bit for each present cause of a fault ([`FaultSet`]).
 //!
 //! The tag is the only copy of injected causes outside the controller: every interface that injects one writes it, and the caller sends the
-//! controller the change ([`Edge::FaultInject`]).
+//! controller the change ([`WriteEffect::FaultInject`]).
 
 use arcline_instruction_set::{AxisId, FaultSet};
 use arcline_tag::{DataType, Elementary, TagType};
 
-use super::{Edge, Image, TagId, TagKind, WriteError};
+use super::{Image, TagId, TagKind, WriteEffect, WriteError};
 use crate::machine::Machine;
 
 /// Name of the tag.
@@ -31,7 +31,7 @@ impl Image {
     /// # Errors
     /// [`WriteError::NoSuchFault`] for a bit without a meaning for the axis; [`WriteError::NoSuchTag`] if the axis does not exist, or
     /// another tag has the name.
-    pub fn inject_faults(&mut self, axis: AxisId, bits: u32) -> Result<Option<Edge>, WriteError> {
+    pub fn inject_faults(&mut self, axis: AxisId, bits: u32) -> Result<Option<WriteEffect>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FaultInject);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(axis), &bits.to_le_bytes())
@@ -53,7 +53,7 @@ impl Image {
         id: TagId,
         offset: usize,
         data: &[u8],
-    ) -> Result<Option<Edge>, WriteError> {
+    ) -> Result<Option<WriteEffect>, WriteError> {
         let mut next = self.bytes(id).to_vec();
         if let Some(bytes) = next.get_mut(offset..offset.saturating_add(data.len())) {
             bytes.copy_from_slice(data);
@@ -71,7 +71,7 @@ impl Image {
         if let Some(bytes) = self.bytes_mut(id) {
             bytes.copy_from_slice(&next);
         }
-        Ok(Some(Edge::FaultInject))
+        Ok(Some(WriteEffect::FaultInject))
     }
 }
 

@@ -1,12 +1,12 @@
 //! The tag `FeedOverride`: REAL, an element for each coordinate system in configuration order, in percent.
 //!
 //! The tag is the only copy of an override outside the controller: every interface that sets one writes it, and the caller sends the
-//! controller the change ([`Edge::FeedOverride`]).
+//! controller the change ([`WriteEffect::FeedOverride`]).
 
 use arcline_instruction_set::SystemId;
 use arcline_tag::{DataType, Elementary, TagType};
 
-use super::{Edge, Image, TagId, TagKind, WriteError};
+use super::{Image, TagId, TagKind, WriteEffect, WriteError};
 use crate::machine::Machine;
 
 /// Name of the tag.
@@ -34,7 +34,7 @@ impl Image {
     ///
     /// # Errors
     /// [`WriteError::OutOfRange`] outside of 0 to 200; [`WriteError::NoSuchTag`] if the system does not exist.
-    pub fn set_feed_override(&mut self, system: SystemId, percent: f32) -> Result<Option<Edge>, WriteError> {
+    pub fn set_feed_override(&mut self, system: SystemId, percent: f32) -> Result<Option<WriteEffect>, WriteError> {
         let tag = self.tags().iter().find(|tag| tag.kind == TagKind::FeedOverride);
         let id = tag.ok_or(WriteError::NoSuchTag)?.id;
         self.write(id, SIZE * usize::from(system), &percent.to_le_bytes())
@@ -61,7 +61,7 @@ impl Image {
         id: TagId,
         offset: usize,
         data: &[u8],
-    ) -> Result<Option<Edge>, WriteError> {
+    ) -> Result<Option<WriteEffect>, WriteError> {
         let mut next = self.bytes(id).to_vec();
         if let Some(bytes) = next.get_mut(offset..offset.saturating_add(data.len())) {
             bytes.copy_from_slice(data);
@@ -82,7 +82,7 @@ impl Image {
         if let Some(bytes) = self.bytes_mut(id) {
             bytes.copy_from_slice(&next);
         }
-        Ok(Some(Edge::FeedOverride))
+        Ok(Some(WriteEffect::FeedOverride))
     }
 }
 

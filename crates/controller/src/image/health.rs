@@ -24,9 +24,9 @@ pub struct Health {
     /// The latest tick overran.
     pub overlapping: bool,
     /// Delay of a tick's beginning after its due time.
-    pub lateness: Measured,
+    pub lateness: MeasuredTime,
     /// Execution of a tick.
-    pub compute: Measured,
+    pub compute: MeasuredTime,
     /// Events lost on their way out for lack of room.
     pub lost_events: u64,
     /// Answers lost on their way out for lack of room.
@@ -43,7 +43,7 @@ pub struct Health {
 
 /// A measured time, µs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Measured {
+pub struct MeasuredTime {
     /// The latest.
     pub last: f64,
     /// The largest.
@@ -56,7 +56,7 @@ pub struct Measured {
     pub histogram: [u64; HISTOGRAM_BUCKETS],
 }
 
-impl Measured {
+impl MeasuredTime {
     /// The upper edge of the bucket below which half of the values lie, at most the largest value, µs.
     pub fn p50(&self) -> f64 {
         self.below(50)

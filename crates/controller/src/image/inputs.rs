@@ -1,11 +1,11 @@
 //! Plain tags that the machine reads: positions that feed axes, registration inputs, words that enable output cams. A write to one gives
-//! [`Edge::Input`], and the caller sends the controller the values ([`Image::take_inputs`]).
+//! [`WriteEffect::Input`], and the caller sends the controller the values ([`Image::take_inputs`]).
 
 use arcline_instruction_set::AxisId;
 use arcline_motion::Input;
 use arcline_tag::{Elementary, TagPath, Value};
 
-use super::{Edge, Image, TagId, TagKind};
+use super::{Image, TagId, TagKind, WriteEffect};
 use crate::machine::Machine;
 
 /// The tags that the machine reads.
@@ -65,7 +65,7 @@ impl Image {
     }
 
     /// Records the inputs among written bytes.
-    pub(super) fn note_inputs(&mut self, id: TagId, offset: usize, length: usize) -> Option<Edge> {
+    pub(super) fn note_inputs(&mut self, id: TagId, offset: usize, length: usize) -> Option<WriteEffect> {
         if self.inputs.paths.is_empty() && !self.watches_words() {
             return None;
         }
@@ -91,7 +91,7 @@ impl Image {
                 }
             }
         }
-        let edge = (!written.is_empty()).then_some(Edge::Input);
+        let edge = (!written.is_empty()).then_some(WriteEffect::Input);
         self.inputs.written.extend(written);
         edge
     }

@@ -2,7 +2,7 @@
 //!
 //! Synchronous and without I/O. Its owner updates it with snapshots, events and the real-time thread's health ([`Image::apply_snapshot`],
 //! [`Image::apply_event`], [`Image::apply_health`]); an owner that applies all events up to a snapshot's tick together with the snapshot gets the
-//! positions and bits of one tick. It executes nothing: a write to `EnableIn` gives an [`Edge`], from which the caller makes a call
+//! positions and bits of one tick. It executes nothing: a write to `EnableIn` gives a [`WriteEffect`], from which the caller makes a call
 //! ([`Image::call_of`]).
 //!
 //! All bytes are little-endian, offsets are bytes.
@@ -49,18 +49,18 @@ use crate::{Event, Snapshot, UNNAMED};
 
 use shared::{Memory, Shared, Unshared};
 
-pub use attributes::Progress;
+pub use attributes::MoveProgress;
 pub use cams::StagedWrites;
 pub use clock_step::{CLOCK_STEP_TAG, MOST_STEPS};
 pub use contour_rests::CONTOUR_RESTS_TAG;
 pub use error::{ControlError, ReadError, WriteError};
 pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
-pub use health::{Health, Measured, REAL_TIME_TAG};
+pub use health::{Health, MeasuredTime, REAL_TIME_TAG};
 pub use motion_inhibit::MOTION_INHIBIT_TAG;
 pub use program::{ChangedPart, ForeignChanges};
-pub use table::{Configured, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
-pub use tag::{Access, AliasOf, Edge, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind};
+pub use table::{ConfiguredTags, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
+pub use tag::{Access, AliasTarget, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind, WriteEffect};
 pub use write_rule::{NumberRange, WriteRule, Writers};
 pub use written::WrittenPart;
 
@@ -335,7 +335,7 @@ impl Image {
         let kind = match &tag.alias {
             None => TagKind::Plain,
             Some(path) => match self.locate(path) {
-                Ok((tag, row)) => TagKind::Alias(AliasOf {
+                Ok((tag, row)) => TagKind::Alias(AliasTarget {
                     tag,
                     offset: row.offset,
                     bit: row.bit,

@@ -3,7 +3,7 @@
 
 use arcline_tag::{Elementary, TagType};
 
-use super::{Edge, Image, TagId, TagKind, WriteError};
+use super::{Image, TagId, TagKind, WriteEffect, WriteError};
 
 /// Name of the tag.
 pub const MOTION_INHIBIT_TAG: &str = "MotionInhibit";
@@ -27,11 +27,11 @@ impl Image {
     }
 
     /// Writes the tag.
-    pub(super) fn write_motion_inhibit(&mut self, id: TagId, data: &[u8]) -> Result<Option<Edge>, WriteError> {
+    pub(super) fn write_motion_inhibit(&mut self, id: TagId, data: &[u8]) -> Result<Option<WriteEffect>, WriteError> {
         let on = data.first().is_some_and(|byte| *byte != 0);
         if let Some(byte) = self.bytes_mut(id).and_then(|bytes| bytes.first_mut()) {
             *byte = u8::from(on);
         }
-        Ok(Some(Edge::Inhibit(on)))
+        Ok(Some(WriteEffect::Inhibit(on)))
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, TagType, Template, write_string};
 
-use super::{Access, AliasOf, Image, InstructionTag, PlainTag, Tag, TagId, TagKind, index};
+use super::{Access, AliasTarget, Image, InstructionTag, PlainTag, Tag, TagId, TagKind, index};
 
 /// Most plain tags.
 pub const MAX_PLAIN_TAGS: usize = 4096;
@@ -41,7 +41,7 @@ fn key(program: Option<&str>, name: &str) -> String {
 
 /// The tags of a configuration.
 #[derive(Clone, Copy, Debug)]
-pub struct Configured<'a> {
+pub struct ConfiguredTags<'a> {
     /// Structure types; a type comes after those that it uses.
     pub data_types: &'a [Arc<Template>],
     /// Instructions as tags.
@@ -186,7 +186,7 @@ impl Image {
             TagKind::Plain if tag.access == Access::ReadWrite || self.is_created(id) => {}
             _ => return Err(TableError::NotPlain { name }),
         }
-        let stands_for = |other: &&Tag| matches!(other.kind, TagKind::Alias(AliasOf { tag, .. }) if tag == id);
+        let stands_for = |other: &&Tag| matches!(other.kind, TagKind::Alias(AliasTarget { tag, .. }) if tag == id);
         if let Some(alias) = self.tags.iter().find(stands_for) {
             let alias = self.full_name(alias);
             return Err(TableError::InUse { name, alias });
@@ -201,7 +201,7 @@ impl Image {
     ///
     /// # Errors
     /// A tag that does not belong to the configuration has one of the names; nothing has changed then.
-    pub fn reload(&mut self, old: Configured<'_>, new: Configured<'_>) -> Result<(), TableError> {
+    pub fn reload(&mut self, old: ConfiguredTags<'_>, new: ConfiguredTags<'_>) -> Result<(), TableError> {
         let mut next = self.clone();
         next.try_reload(old, new)?;
         // A copy starts without notes for a program.
@@ -213,7 +213,7 @@ impl Image {
         Ok(())
     }
 
-    fn try_reload(&mut self, old: Configured<'_>, new: Configured<'_>) -> Result<(), TableError> {
+    fn try_reload(&mut self, old: ConfiguredTags<'_>, new: ConfiguredTags<'_>) -> Result<(), TableError> {
         self.table.declared.clear();
         self.declare(new.data_types);
         let adopted: Vec<PlainTag> = new

@@ -34,7 +34,7 @@ pub enum TagKind {
     /// Plain data.
     Plain,
     /// Another name for a plain tag or a part of one.
-    Alias(AliasOf),
+    Alias(AliasTarget),
     /// A program: the scope of tags, by its index in [`Image::programs`](super::Image::programs).
     Program(u16),
     /// The health of the real-time thread.
@@ -53,7 +53,7 @@ pub enum TagKind {
 
 /// The target of an alias.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct AliasOf {
+pub struct AliasTarget {
     /// The tag.
     pub tag: TagId,
     /// Byte in it.
@@ -172,7 +172,7 @@ impl PlainTag {
 /// The effect of a write that the controller must know: a change of `EnableIn` of an instruction tag, or a write of an override, injected faults
 /// or Dynamics Configuration Bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Edge {
+pub enum WriteEffect {
     /// False to true: the instruction executes.
     Rising(TagId),
     /// True to false.

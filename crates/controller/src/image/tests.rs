@@ -122,7 +122,7 @@ fn enable_in_has_edges_and_enable_out_follows() {
     let id = image.find("Move1").expect("a tag").id;
     #[rustfmt::skip]
     let cases = [
-        (false, None), (true, Some(Edge::Rising(id))), (true, None), (false, Some(Edge::Falling(id))), (false, None),
+        (false, None), (true, Some(WriteEffect::Rising(id))), (true, None), (false, Some(WriteEffect::Falling(id))), (false, None),
     ];
     for (on, edge) in cases {
         assert_eq!(
@@ -191,7 +191,7 @@ fn motion_controls_are_found_or_made() {
 fn an_idle_motion_control_tag_makes_room() {
     let mut image = image();
     let configured = PlainTag::new("Configured", TagType::scalar(predefined::motion_instruction()));
-    let tags = |tags| Configured {
+    let tags = |tags| ConfiguredTags {
         data_types: &[],
         instructions: &[],
         tags,
@@ -383,7 +383,7 @@ fn only_faults_that_an_axis_can_have_are_injected() {
     for (why, place, value, taken, injected) in cases {
         let result = image.write_value(&path(place), Value::Lreal(value));
         match result {
-            Ok(edge) => assert_eq!((edge, taken), (Some(Edge::FaultInject), true), "{why}"),
+            Ok(edge) => assert_eq!((edge, taken), (Some(WriteEffect::FaultInject), true), "{why}"),
             Err(error) => assert!(
                 !taken && matches!(error, WriteError::NoSuchFault { .. }),
                 "{why}: {error}"
@@ -393,7 +393,7 @@ fn only_faults_that_an_axis_can_have_are_injected() {
         assert_eq!(shown, injected, "{why}");
     }
     assert_eq!(image.possible_faults(AxisId(1)).map(FaultSet::bits), Some(soft));
-    assert_eq!(image.inject_faults(AxisId(1), 1), Ok(Some(Edge::FaultInject)));
+    assert_eq!(image.inject_faults(AxisId(1), 1), Ok(Some(WriteEffect::FaultInject)));
     assert!(image.inject_faults(AxisId(2), 1).is_err(), "no such axis");
 }
 
@@ -454,7 +454,7 @@ fn an_override_is_written_in_percent_and_within_its_range() {
     for (why, value, taken, shown, before) in cases {
         let result = image.write_value(&path("FeedOverride[0]"), Value::Lreal(value));
         match result {
-            Ok(edge) => assert_eq!((edge, taken), (Some(Edge::FeedOverride), true), "{why}"),
+            Ok(edge) => assert_eq!((edge, taken), (Some(WriteEffect::FeedOverride), true), "{why}"),
             Err(error) => assert!(
                 !taken && matches!(error, WriteError::OutOfRange { .. }),
                 "{why}: {error}"
@@ -463,7 +463,10 @@ fn an_override_is_written_in_percent_and_within_its_range() {
         assert_eq!(image.feed_overrides().collect::<Vec<_>>(), [shown], "{why}");
         assert_eq!(image.feed_override_before_hold(SystemId(0)), Some(before), "{why}");
     }
-    assert_eq!(image.set_feed_override(SystemId(0), 25.0), Ok(Some(Edge::FeedOverride)));
+    assert_eq!(
+        image.set_feed_override(SystemId(0), 25.0),
+        Ok(Some(WriteEffect::FeedOverride))
+    );
     assert!(
         image.set_feed_override(SystemId(1), 25.0).is_err(),
         "no such coordinate system"

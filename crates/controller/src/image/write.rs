@@ -3,7 +3,7 @@
 use arcline_tag::{DataType, TagPath, Value};
 
 use super::read::not_a_value;
-use super::{Access, CallRoom, Edge, Image, MOTION_CONTROL, Tag, TagId, TagKind, WriteError};
+use super::{Access, CallRoom, Image, MOTION_CONTROL, Tag, TagId, TagKind, WriteEffect, WriteError};
 
 impl Image {
     /// Clients may write these bytes of a tag.
@@ -47,7 +47,7 @@ impl Image {
     ///
     /// # Errors
     /// The tag does not exist, or a byte is beyond its end or read-only; nothing is written then.
-    pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<Edge>, WriteError> {
+    pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<WriteEffect>, WriteError> {
         self.check_write(id, offset, data.len())?;
         match self.tag(id).map(|tag| tag.kind) {
             Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
@@ -68,7 +68,13 @@ impl Image {
     ///
     /// # Errors
     /// As [`Image::write`].
-    pub fn write_bit(&mut self, id: TagId, offset: usize, bit: u8, on: bool) -> Result<Option<Edge>, WriteError> {
+    pub fn write_bit(
+        &mut self,
+        id: TagId,
+        offset: usize,
+        bit: u8,
+        on: bool,
+    ) -> Result<Option<WriteEffect>, WriteError> {
         let (offset, mask) = (offset + usize::from(bit / 8), 1u8 << (bit % 8));
         let enable = self.enable_in(id).filter(|enable| *enable == (offset, mask));
         if enable.is_none() {
@@ -108,8 +114,8 @@ impl Image {
             put_bit(&mut bytes[offset], mask, on);
         }
         Ok(match (before, on) {
-            (false, true) => Some(Edge::Rising(id)),
-            (true, false) => Some(Edge::Falling(id)),
+            (false, true) => Some(WriteEffect::Rising(id)),
+            (true, false) => Some(WriteEffect::Falling(id)),
             _ => None,
         })
     }
@@ -118,7 +124,7 @@ impl Image {
     ///
     /// # Errors
     /// As [`Image::locate`] and [`Image::write`].
-    pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Option<Edge>, WriteError> {
+    pub fn write_value(&mut self, path: &TagPath, value: Value) -> Result<Option<WriteEffect>, WriteError> {
         let (id, location) = self.locate(path)?;
         if let Some(bit) = location.bit {
             return self.write_bit(id, location.offset, bit, value.as_bool());

@@ -1,6 +1,6 @@
 //! The cost of viewers: a trace beside them has no gap, and they do not delay the tick.
 
-use arcline_controller::image::Measured;
+use arcline_controller::image::MeasuredTime;
 
 use super::*;
 
@@ -76,8 +76,8 @@ async fn a_trace_has_no_gap_while_ten_viewers_look() {
 /// Ticks that were measured between two moments: how many, and how late, in µs.
 struct Late {
     ticks: u64,
-    late: Measured,
-    compute: Measured,
+    late: MeasuredTime,
+    compute: MeasuredTime,
     cpu: f64,
 }
 
@@ -97,7 +97,7 @@ impl Late {
         let now = Late::begin(bench);
         self.ticks += now.ticks - since.ticks;
         self.cpu += now.cpu - since.cpu;
-        let each = |sum: &mut Measured, now: &Measured, since: &Measured| {
+        let each = |sum: &mut MeasuredTime, now: &MeasuredTime, since: &MeasuredTime| {
             sum.max = now.max;
             for (bucket, count) in sum.histogram.iter_mut().enumerate() {
                 *count += now.histogram[bucket] - since.histogram[bucket];
@@ -127,8 +127,8 @@ async fn the_tick_is_not_later_for_viewers() {
     let bench = Bench::start().await;
     let none = || Late {
         ticks: 0,
-        late: Measured::default(),
-        compute: Measured::default(),
+        late: MeasuredTime::default(),
+        compute: MeasuredTime::default(),
         cpu: 0.0,
     };
     let (mut alone, mut watched) = (none(), none());
