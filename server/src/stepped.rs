@@ -22,7 +22,7 @@ use crate::eip::stepped::SteppedInterface;
 pub use crate::eip::stepped::{Duplex, Held};
 use crate::hmi::stepped::SteppedPage;
 use crate::plant::Plant;
-use crate::plant::wall::Wall;
+use crate::plant::wall_clock::WallClock;
 use crate::retained::{Job, SteppedState, Turn, WriterWorker};
 
 /// A server whose loops the caller runs. Dropped together with its runtime, it is a server that was killed.
@@ -66,7 +66,7 @@ impl Default for Conditions {
         Conditions {
             room: Room::default(),
             first_tick: 0,
-            wall: Wall::default().0,
+            wall: WallClock::default().0,
         }
     }
 }
@@ -119,7 +119,7 @@ impl<D: Disk> Stepped<D> {
         };
         let (rings, mut link) = arcline_realtime::link_with(&project.machine, conditions.room);
         let planning = link.planning.take();
-        let plant = Plant::start_stepped(&project, link, image, watch, Wall(conditions.wall));
+        let plant = Plant::start_stepped(&project, link, image, watch, WallClock(conditions.wall));
         let (audit, events) = Audit::stepped();
         plant.set_audit(audit);
         let interface = SteppedInterface::start(plant.clone(), settings).map_err(|error| failed(&error))?;

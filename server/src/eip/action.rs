@@ -8,7 +8,7 @@ use arcline_proto::epath::Target;
 
 use super::objects::{Access, Object, Objects};
 use super::status::unknown;
-use crate::plant::Asked;
+use crate::plant::RequestKind;
 
 /// A request that is no packet of requests, taken apart.
 #[derive(Debug)]
@@ -111,13 +111,13 @@ impl Action {
     }
 
     /// The counter of requests that counts this action.
-    pub(crate) const fn asked(&self) -> Asked {
+    pub(crate) const fn request_kind(&self) -> RequestKind {
         match self {
-            Self::ReadTag(_) => Asked::TagReads,
-            Self::WriteTag(_) => Asked::TagWrites,
-            Self::Motion => Asked::Instructions,
-            Self::Object(..) | Self::Named(_) => Asked::Objects,
-            Self::Refused(_) => Asked::Unknown,
+            Self::ReadTag(_) => RequestKind::TagReads,
+            Self::WriteTag(_) => RequestKind::TagWrites,
+            Self::Motion => RequestKind::Instructions,
+            Self::Object(..) | Self::Named(_) => RequestKind::Objects,
+            Self::Refused(_) => RequestKind::Unknown,
         }
     }
 

@@ -111,7 +111,7 @@ impl Router {
     fn count(&self, parsed: &ParsedRequest<'_>, reply: &Reply) {
         // Part of a value is an answer.
         let is_done = reply.status.is_success() || reply.status.is(CipStatus::PARTIAL_TRANSFER);
-        self.device.plant.asked(parsed.action.asked(), is_done);
+        self.device.plant.count_request(parsed.action.request_kind(), is_done);
     }
 
     /// A write succeeds only if the file of the retained state has it.

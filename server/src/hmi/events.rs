@@ -16,7 +16,7 @@ use super::protocol::{
     RestEvent, SlowPart, text_of,
 };
 use crate::plant::control::MotionObject;
-use crate::plant::{Change, Executions, Logged, Plant, Rest, RestCause};
+use crate::plant::{Change, ContourRest, Executions, Logged, Plant, RestCause};
 
 /// Time between two pushes.
 const EVERY: Duration = Duration::from_millis(100);
@@ -148,7 +148,7 @@ fn fault(plant: &Plant, image: &Image, change: &FaultChange) -> FaultEvent {
 }
 
 /// A rest on the way.
-fn rest_event(plant: &Plant, rest: &Rest) -> RestEvent {
+fn rest_event(plant: &Plant, rest: &ContourRest) -> RestEvent {
     let system = plant.machine().systems.get(usize::from(rest.system));
     let (slow, text) = match rest.cause {
         RestCause::Starved => (

@@ -11,7 +11,7 @@ use arcline_instruction_set::SystemId;
 use arcline_instruction_set::predefined::{axis_status, histogram_edge};
 
 use self::text::Text;
-use crate::plant::{Asked, Counter, Plant};
+use crate::plant::{Counter, Plant, RequestKind};
 
 /// The content type of the text.
 pub(crate) const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
@@ -36,10 +36,10 @@ pub(crate) fn metrics(plant: &Plant) -> String {
         "counter",
         "Requests of all EtherNet/IP clients since the start, by kind and outcome; those of a packet of requests one by one.",
     );
-    for asked in Asked::ALL {
-        let count = plant.requests(asked);
-        text.value(&[("kind", asked.name()), ("outcome", "done")], count.done as f64);
-        text.value(&[("kind", asked.name()), ("outcome", "refused")], count.refused as f64);
+    for kind in RequestKind::ALL {
+        let count = plant.requests(kind);
+        text.value(&[("kind", kind.name()), ("outcome", "done")], count.done as f64);
+        text.value(&[("kind", kind.name()), ("outcome", "refused")], count.refused as f64);
     }
     text.family(
         "arcline_sessions",

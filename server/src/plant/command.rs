@@ -10,7 +10,7 @@ use arcline_controller::image::{ConfiguredTags, PlainTag, TableError, TagId, Wri
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Mnemonic, SystemId, UnboundOperand};
 use arcline_tag::TagPath;
 
-use super::{CallRefused, Executed, Force, ForceError, Lost, Mode, Mover, Principal, Right};
+use super::{CallRefused, Executed, Force, ForceError, LossOutcome, Mode, Mover, Principal, Right};
 use crate::retained::NotPersisted;
 
 /// A change of the machine.
@@ -146,7 +146,7 @@ pub enum Outcome {
     /// An instruction was executed; its motion control tag may show an error.
     Executed(Executed),
     /// The objects of a lost principal that were stopped or held.
-    Lost(Lost),
+    Lost(LossOutcome),
 }
 
 /// The reason for which a command was not executed. It has changed nothing, except with [`Refused::NotPersisted`] and [`CallRefused::NoAnswer`].

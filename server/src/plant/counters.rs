@@ -59,18 +59,18 @@ impl Counter {
     }
 }
 
-/// Commands of one kind since the start.
+/// The commands or requests of one kind since the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Count {
-    /// Executed commands.
+pub struct OutcomeCount {
+    /// The executed ones.
     pub done: u64,
-    /// Refused commands.
+    /// The refused ones.
     pub refused: u64,
 }
 
 /// A kind of EtherNet/IP requests.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Asked {
+pub(crate) enum RequestKind {
     /// Reads of tags.
     TagReads,
     /// Writes of tags.
@@ -83,14 +83,14 @@ pub(crate) enum Asked {
     Unknown,
 }
 
-impl Asked {
+impl RequestKind {
     /// Every kind, in their order.
-    pub(crate) const ALL: [Asked; 5] = [
-        Asked::TagReads,
-        Asked::TagWrites,
-        Asked::Instructions,
-        Asked::Objects,
-        Asked::Unknown,
+    pub(crate) const ALL: [RequestKind; 5] = [
+        RequestKind::TagReads,
+        RequestKind::TagWrites,
+        RequestKind::Instructions,
+        RequestKind::Objects,
+        RequestKind::Unknown,
     ];
 
     /// Its name, for people.
@@ -107,18 +107,18 @@ impl Asked {
 
 /// The requests of EtherNet/IP clients, those in packets of requests one by one.
 #[derive(Debug, Default)]
-pub(super) struct Requests([[AtomicU64; 2]; Asked::ALL.len()]);
+pub(super) struct Requests([[AtomicU64; 2]; RequestKind::ALL.len()]);
 
 impl Requests {
-    pub(super) fn count(&self, asked: Asked, is_done: bool) {
-        self.0[asked as usize][usize::from(!is_done)].fetch_add(1, Ordering::Relaxed);
+    pub(super) fn count(&self, kind: RequestKind, is_done: bool) {
+        self.0[kind as usize][usize::from(!is_done)].fetch_add(1, Ordering::Relaxed);
     }
 
-    pub(super) fn of(&self, asked: Asked) -> Count {
-        let [done, refused] = self.0[asked as usize]
+    pub(super) fn of(&self, kind: RequestKind) -> OutcomeCount {
+        let [done, refused] = self.0[kind as usize]
             .each_ref()
             .map(|count| count.load(Ordering::Relaxed));
-        Count { done, refused }
+        OutcomeCount { done, refused }
     }
 }
 
@@ -133,11 +133,11 @@ impl Counters {
         }
     }
 
-    pub(super) fn of(&self, counter: Counter) -> Count {
+    pub(super) fn of(&self, counter: Counter) -> OutcomeCount {
         let counts = self.0.get(counter as usize);
         let [done, refused] = counts.map_or([0, 0], |counts| {
             counts.each_ref().map(|count| count.load(Ordering::Relaxed))
         });
-        Count { done, refused }
+        OutcomeCount { done, refused }
     }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime};
 use arcline_controller::{Event, FaultChange};
 use arcline_instruction_set::SystemId;
 
-use super::wall::Wall;
+use super::wall_clock::WallClock;
 
 /// The newest changes.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub(super) struct Log {
     events: VecDeque<Logged>,
     next: u64,
     period: Duration,
-    wall: Wall,
+    wall: WallClock,
 }
 
 /// A change with its number.
@@ -41,12 +41,12 @@ pub enum Change {
     /// A change of the faults of an axis.
     Fault(FaultChange),
     /// A planned contour came to rest between moves that go on.
-    Rest(Rest),
+    Rest(ContourRest),
 }
 
 /// The rest of a planned contour between moves that go on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Rest {
+pub struct ContourRest {
     /// The tick in which it was counted.
     pub tick: u64,
     /// The coordinate system.
@@ -79,7 +79,7 @@ impl Change {
 
 impl Log {
     /// Makes the log of a machine with this coarse update period, with the dates of a clock.
-    pub(super) fn new(period: Duration, wall: Wall) -> Self {
+    pub(super) fn new(period: Duration, wall: WallClock) -> Self {
         Log {
             events: VecDeque::new(),
             next: 0,

@@ -35,7 +35,7 @@ pub(crate) mod roles;
 mod series;
 mod state;
 mod steps;
-pub(crate) mod wall;
+pub(crate) mod wall_clock;
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
@@ -63,15 +63,15 @@ pub use changes::{Changes, TagChanges};
 pub use client::ClientIdentity;
 pub use command::{Call, Command, Outcome, Refused, Systems};
 use control::Control;
-pub(crate) use counters::Asked;
-pub use counters::{Count, Counter};
+pub(crate) use counters::RequestKind;
+pub use counters::{Counter, OutcomeCount};
 use counters::{Counters, Requests};
 pub use forces::{Force, ForceError};
 pub use io::View;
-pub use log::{Change, Logged, Rest, RestCause};
+pub use log::{Change, ContourRest, Logged, RestCause};
 pub use movers::{Mover, Movers};
 pub use moves::{LiveMove, LiveMoves};
-pub use owned::Lost;
+pub use owned::LossOutcome;
 pub use principal::Principal;
 pub(crate) use program::Program;
 pub use program::{Mode, ProgramState, ProgramStatus};
@@ -85,7 +85,7 @@ pub(crate) use rights::page as rights_page;
 use roles::Roles;
 pub use series::{LONGEST_SERIES, SeriesEnd, SeriesOutcome};
 use state::{OUTSTANDING, Observers, Published, State, may_run};
-use wall::Wall;
+use wall_clock::WallClock;
 
 /// The running machine. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -157,7 +157,7 @@ pub(crate) struct Shared {
     /// The role of each client.
     roles: Roles,
     audit: OnceLock<Audit>,
-    wall: Wall,
+    wall: WallClock,
     /// When the server's own certificate of TLS ends, Unix time in s; 0: there is none.
     certificate_ends: AtomicI64,
     /// The controller's own program, where it has one.
@@ -207,7 +207,7 @@ impl Plant {
         link: Link,
         image: Image,
         watch: Option<ChangeTracker>,
-        wall: Wall,
+        wall: WallClock,
     ) -> Plant {
         let plant = Plant::beside(project, link, image, watch, wall);
         let (guard, shared) = (plant.guard().clone(), Arc::downgrade(&plant.0));
@@ -222,10 +222,10 @@ impl Plant {
     }
 
     pub(crate) fn with(project: &Project, link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
-        Plant::beside(project, link, image, watch, Wall::default())
+        Plant::beside(project, link, image, watch, WallClock::default())
     }
 
-    fn beside(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>, wall: Wall) -> Plant {
+    fn beside(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>, wall: WallClock) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
@@ -275,7 +275,7 @@ impl Plant {
     }
 
     /// The clock on the wall.
-    pub(crate) fn wall(&self) -> Wall {
+    pub(crate) fn wall(&self) -> WallClock {
         self.0.wall
     }
 
@@ -321,8 +321,8 @@ impl Plant {
     }
 
     /// Reads the published tags, for data that do not change: names, types, kinds.
-    pub(crate) fn with_published<R>(&self, look: impl FnOnce(&Image) -> R) -> R {
-        look(&self.0.published.image.load())
+    pub(crate) fn with_published<R>(&self, read: impl FnOnce(&Image) -> R) -> R {
+        read(&self.0.published.image.load())
     }
 
     /// Sends the axes to the writer of the retained state after the real-time thread has stopped them.
@@ -336,7 +336,7 @@ impl Plant {
     }
 
     /// A principal is lost: the motion that it began and that still runs is stopped, held or goes on.
-    pub fn lose(&self, lost: Principal, reaction: ConnectionLoss) -> Lost {
+    pub fn lose(&self, lost: Principal, reaction: ConnectionLoss) -> LossOutcome {
         let command = Command::Lose { lost, reaction };
         // The stops are sent; this call does not wait until they are executed.
         match self
@@ -344,7 +344,7 @@ impl Plant {
             .0
         {
             Ok(Outcome::Lost(lost)) => lost,
-            Ok(_) | Err(_) => Lost::default(),
+            Ok(_) | Err(_) => LossOutcome::default(),
         }
     }
 
@@ -419,23 +419,23 @@ impl Plant {
     }
 
     /// The number of commands of a kind.
-    pub fn count(&self, counter: Counter) -> Count {
+    pub fn count(&self, counter: Counter) -> OutcomeCount {
         self.0.counters.of(counter)
     }
 
     /// Counts a request of an EtherNet/IP client.
-    pub(crate) fn asked(&self, asked: Asked, is_done: bool) {
-        self.0.requests.count(asked, is_done);
+    pub(crate) fn count_request(&self, kind: RequestKind, is_done: bool) {
+        self.0.requests.count(kind, is_done);
     }
 
     /// The number of requests of a kind from EtherNet/IP clients.
-    pub(crate) fn requests(&self, asked: Asked) -> Count {
-        self.0.requests.of(asked)
+    pub(crate) fn requests(&self, kind: RequestKind) -> OutcomeCount {
+        self.0.requests.of(kind)
     }
 
-    /// Reads executions, but does not wait for the lock. The argument of `look` returns whether a jog of
+    /// Reads executions, but does not wait for the lock. The argument of `read` returns whether a jog of
     /// an axis runs, may yet run, or is being stopped.
-    pub(crate) fn try_with_executions<R>(&self, look: impl FnOnce(&dyn Fn(AxisId, Ticket) -> bool) -> R) -> Option<R> {
+    pub(crate) fn try_with_executions<R>(&self, read: impl FnOnce(&dyn Fn(AxisId, Ticket) -> bool) -> R) -> Option<R> {
         let mut state = self.0.try_lock()?;
         state.refresh();
         let State { records, link, .. } = &mut *state;
@@ -452,7 +452,7 @@ impl Plant {
                     None => status & motion_status::JOG_STATUS != 0,
                 }
         };
-        Some(look(&runs))
+        Some(read(&runs))
     }
 
     /// The certificate of the server ends then, Unix time in s.

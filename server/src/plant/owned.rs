@@ -26,9 +26,9 @@ struct Begun {
 
 /// The instructions of each owner, oldest first.
 #[derive(Debug, Default)]
-pub(super) struct Owned(BTreeMap<Principal, Vec<Begun>>);
+pub(super) struct OwnedInstructions(BTreeMap<Principal, Vec<Begun>>);
 
-impl Owned {
+impl OwnedInstructions {
     /// Notes a call that may begin motion.
     pub(super) fn begin(&mut self, owner: Principal, ticket: Ticket, call: &Call, records: &Executions) {
         let (Some(target), Some(_)) = (call.target, stop_of(call.mnemonic)) else {
@@ -61,14 +61,14 @@ impl Owned {
 
 /// The axes and coordinate systems of a lost owner that were stopped or held.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Lost {
+pub struct LossOutcome {
     /// Axes, by their place.
     pub axes: Vec<AxisId>,
     /// Coordinate systems, by their place.
     pub systems: Vec<SystemId>,
 }
 
-impl Lost {
+impl LossOutcome {
     /// Whether no axis and no coordinate system was stopped or held.
     pub fn is_empty(&self) -> bool {
         self.axes.is_empty() && self.systems.is_empty()
@@ -91,17 +91,17 @@ impl Lost {
 
 impl State {
     /// An owner is lost: its instructions that still run are stopped, held or go on. The guard ends jogs.
-    pub(super) fn lose(&mut self, owner: Principal, reaction: ConnectionLoss) -> Lost {
+    pub(super) fn lose(&mut self, owner: Principal, reaction: ConnectionLoss) -> LossOutcome {
         let mut begun = self.owned.0.remove(&owner).unwrap_or_default();
         let snapshot = self.link.snapshots.output_buffer();
         begun.retain(|begun| is_running(*begun, &self.records) || is_braking(*begun, snapshot));
         if reaction == ConnectionLoss::Finish {
             self.guard.forget(owner);
-            return Lost::default();
+            return LossOutcome::default();
         }
         let (mut stops, mut held) = (Vec::new(), Vec::new());
         // A jog has no end of its own: it never goes on without its owner.
-        let mut lost = Lost {
+        let mut lost = LossOutcome {
             axes: self.guard.end(owner),
             systems: Vec::new(),
         };

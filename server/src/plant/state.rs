@@ -16,18 +16,18 @@ use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object
 use arcline_realtime::Link;
 use tokio::sync::oneshot;
 
-use self::sending::Later;
 pub(super) use self::sending::OUTSTANDING;
+use self::sending::WaitingCommands;
 
 use super::changes::ChangeLog;
 use super::io::View;
-use super::log::{Change, Log, Rest, RestCause};
+use super::log::{Change, ContourRest, Log, RestCause};
 use super::movers::{MotionTickets, Movers};
 use super::moves::LiveMoves;
-use super::owned::Owned;
+use super::owned::OwnedInstructions;
 use super::principal::Principal;
 use super::records::Executions;
-use super::wall::Wall;
+use super::wall_clock::WallClock;
 use crate::guard::Guard;
 use crate::retained::{ChangeTracker, PersistedReceiver};
 use crate::trace::Trace;
@@ -64,14 +64,14 @@ pub(super) struct State {
     next_ticket: u64,
     pub(super) waiting: BTreeMap<Ticket, oneshot::Sender<()>>,
     /// Commands that found no room in the ring.
-    later: Later,
+    waiting_commands: WaitingCommands,
     /// Stops the jogs of clients that are lost.
     pub(super) guard: Guard,
     pub(super) records: Executions,
     pub(super) log: Log,
     pub(super) moves: LiveMoves,
     /// The instructions that connections have sent.
-    pub(super) owned: Owned,
+    pub(super) owned: OwnedInstructions,
     /// The instructions by which objects move.
     pub(super) motion_tickets: MotionTickets,
     lost: u64,
@@ -102,7 +102,7 @@ pub(super) struct Observers {
     /// Watches the jogs.
     pub(super) guard: Guard,
     /// The clock for the dates of observations.
-    pub(super) wall: Wall,
+    pub(super) wall: WallClock,
 }
 
 impl State {
@@ -131,13 +131,13 @@ impl State {
             began: false,
             next_ticket: 1,
             waiting: BTreeMap::new(),
-            later: Later::default(),
+            waiting_commands: WaitingCommands::default(),
             guard,
             staged: BTreeMap::new(),
             records: Executions::default(),
             log: Log::new(Duration::from_nanos(machine.period_ns), wall),
             moves,
-            owned: Owned::default(),
+            owned: OwnedInstructions::default(),
             motion_tickets: MotionTickets::new(machine),
             lost: 0,
             inhibited: false,
@@ -313,7 +313,7 @@ impl State {
                 (RestCause::Unplanned, before.unplanned, now.unplanned),
             ] {
                 if before != count {
-                    let rest = Rest {
+                    let rest = ContourRest {
                         tick,
                         system,
                         cause,

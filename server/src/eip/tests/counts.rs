@@ -7,7 +7,7 @@ use bytes::Bytes;
 
 use super::{Bench, read, write};
 use crate::metrics::metrics;
-use crate::plant::Asked;
+use crate::plant::RequestKind;
 
 #[tokio::test]
 async fn each_request_is_counted_by_its_kind_and_outcome() {
@@ -31,8 +31,8 @@ async fn each_request_is_counted_by_its_kind_and_outcome() {
         let packet = Request::new(service::MULTIPLE_SERVICE_PACKET, Epath::object(2, 1), data);
         client.ask(&packet).await;
     }
-    let counted = Asked::ALL.map(|asked| {
-        let count = bench.device.plant.requests(asked);
+    let counted = RequestKind::ALL.map(|kind| {
+        let count = bench.device.plant.requests(kind);
         (count.done, count.refused)
     });
     assert_eq!(counted, [(4, 1), (2, 1), (0, 0), (1, 0), (0, 1)]);

@@ -16,7 +16,7 @@ use crate::plant::records::Origin;
 /// Commands that found no room in the ring and are sent as soon as there is some: each at most once, the newest in place of older ones,
 /// so that they are bounded by the machine and its tags. Overrides and injected faults that wait are those that differ from the sent ones.
 #[derive(PartialEq, Debug, Default)]
-pub(super) struct Later {
+pub(super) struct WaitingCommands {
     /// Rung conditions that are false.
     rungs: BTreeSet<ControlSlot>,
     /// Writes of tags that the machine reads.
@@ -26,7 +26,7 @@ pub(super) struct Later {
     dynamics_bits: bool,
 }
 
-impl Later {
+impl WaitingCommands {
     fn input(&mut self, input: Input) {
         let same = self.inputs.iter_mut().find(|waiting| is_of_the_same(waiting, &input));
         match same {
@@ -99,7 +99,7 @@ impl State {
         series: Option<Series>,
     ) -> (Ticket, oneshot::Receiver<()>) {
         let lane = Lane::of(call.mnemonic);
-        if self.later.rungs.remove(&call.control) {
+        if self.waiting_commands.rungs.remove(&call.control) {
             // The false rung condition is sent before it is true again.
             self.push(lane, Command::RungFalse(call.control));
         }
@@ -188,61 +188,61 @@ impl State {
     /// Sends the commands that wait for room.
     pub(in crate::plant) fn flush(&mut self) {
         while self.has_room_to_wait(Lane::Others)
-            && let Some(control) = self.later.rungs.pop_first()
+            && let Some(control) = self.waiting_commands.rungs.pop_first()
         {
             self.push(Lane::Others, Command::RungFalse(control));
         }
         while self.has_room_to_wait(Lane::Others)
-            && let Some(input) = self.later.inputs.pop_front()
+            && let Some(input) = self.waiting_commands.inputs.pop_front()
         {
             self.push(Lane::Others, Command::Input(input));
         }
-        if self.later.overrides {
+        if self.waiting_commands.overrides {
             self.send_overrides();
         }
-        if self.later.injected {
+        if self.waiting_commands.injected {
             self.send_injected();
         }
-        if self.later.dynamics_bits {
+        if self.waiting_commands.dynamics_bits {
             self.send_dynamics_bits();
         }
     }
 
     /// Whether a call waits for an answer or a command for room.
     pub(in crate::plant) fn is_busy(&self) -> bool {
-        !self.waiting.is_empty() || self.later != Later::default()
+        !self.waiting.is_empty() || self.waiting_commands != WaitingCommands::default()
     }
 
     /// The rung condition of an instruction is false. It never overtakes the instruction, which was sent before.
     pub(in crate::plant) fn rung_false(&mut self, mnemonic: Mnemonic, control: ControlSlot) {
         let lane = Lane::of(mnemonic);
         if self.has_room_to_wait(lane) {
-            self.later.rungs.remove(&control);
+            self.waiting_commands.rungs.remove(&control);
             self.push(lane, Command::RungFalse(control));
         } else {
-            self.later.rungs.insert(control);
+            self.waiting_commands.rungs.insert(control);
         }
     }
 
     /// Sends a written input, behind those that wait.
     pub(in crate::plant) fn send_input(&mut self, input: Input) {
-        if self.later.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {
+        if self.waiting_commands.inputs.is_empty() && self.has_room_to_wait(Lane::Others) {
             self.push(Lane::Others, Command::Input(input));
         } else {
-            self.later.input(input);
+            self.waiting_commands.input(input);
         }
     }
 
     /// Sends the changed overrides to the controller.
     pub(in crate::plant) fn send_overrides(&mut self) {
-        self.later.overrides = false;
+        self.waiting_commands.overrides = false;
         let overrides: Vec<f32> = self.image.feed_overrides().collect();
         for (place, now) in overrides.into_iter().enumerate() {
             if self.overrides.get(place).is_none_or(|sent| *sent == now) {
                 continue;
             }
             if !self.has_room_to_wait(Lane::Others) {
-                self.later.overrides = true;
+                self.waiting_commands.overrides = true;
                 return;
             }
             self.overrides[place] = now;
@@ -258,14 +258,14 @@ impl State {
 
     /// Sends the changed injected causes of faults to the controller.
     pub(super) fn send_injected(&mut self) {
-        self.later.injected = false;
+        self.waiting_commands.injected = false;
         let injected: Vec<FaultSet> = self.image.injected_faults().collect();
         for (place, causes) in injected.into_iter().enumerate() {
             if self.injected.get(place).is_none_or(|sent| *sent == causes) {
                 continue;
             }
             if !self.has_room_to_wait(Lane::Others) {
-                self.later.injected = true;
+                self.waiting_commands.injected = true;
                 return;
             }
             self.injected[place] = causes;
@@ -281,7 +281,7 @@ impl State {
 
     /// Sends the controller the Dynamics Configuration Bits that have changed.
     pub(super) fn send_dynamics_bits(&mut self) {
-        self.later.dynamics_bits = false;
+        self.waiting_commands.dynamics_bits = false;
         let all: Vec<_> = self.image.dynamics_bits().collect();
         for (place, (object, index, bits)) in all.into_iter().enumerate() {
             if self
@@ -292,7 +292,7 @@ impl State {
                 continue;
             }
             if !self.has_room_to_wait(Lane::Others) {
-                self.later.dynamics_bits = true;
+                self.waiting_commands.dynamics_bits = true;
                 return;
             }
             self.dynamics_bits[place] = (object, index, bits);
