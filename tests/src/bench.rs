@@ -9,7 +9,7 @@ use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Image, WriteEffect};
 use arcline_controller::machine::{DynamicsBits, Machine, Start};
-use arcline_controller::{Event, FaultChange, Snapshot, TagWrite, WrittenValues};
+use arcline_controller::{Event, FaultChange, InstructionWrite, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
     ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, TagAddress, UnboundOperand, WrittenArray,
@@ -345,13 +345,13 @@ impl Observer for Seen<'_> {
         }
     }
 
-    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
+    fn instruction_written(&mut self, write: &InstructionWrite, image: &mut Image) {
         let own = self.arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
         match (&write.values, own) {
             (WrittenValues::Numbers(numbers), Some(name)) => {
                 drop(self.written.insert(name.clone(), numbers.as_slice().to_vec()));
             }
-            _ => image.apply_tag_write(write),
+            _ => image.apply_instruction_write(write),
         }
     }
 

@@ -7,7 +7,7 @@ use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Object, SystemId,
 };
 use arcline_motion::{
-    AcceptedMove, CallData, ContourRequest, Event, FaultChange, Input, Motion, TagWrite, Ticket, Trajectory,
+    AcceptedMove, CallData, ContourRequest, Event, FaultChange, Input, InstructionWrite, Motion, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;
@@ -108,7 +108,7 @@ pub trait Port {
     /// The faults of an axis changed.
     fn fault_change(&mut self, change: &FaultChange);
     /// An instruction wrote to a tag.
-    fn tag_write(&mut self, write: &TagWrite);
+    fn instruction_write(&mut self, write: &InstructionWrite);
     /// A coordinated move was accepted.
     fn accepted(&mut self, accepted: &AcceptedMove);
     /// The memory for the state at the end of this tick; `None` if no snapshot is wanted.
@@ -239,7 +239,7 @@ impl Controller {
         self.accepted_moves(|accepted| port.accepted(accepted));
         self.take_fault_changes(|change| port.fault_change(change));
         self.end_tick(|event| port.event(event));
-        self.take_tag_writes(|write| port.tag_write(write));
+        self.take_instruction_writes(|write| port.instruction_write(write));
         if let Some(snapshot) = port.snapshot() {
             self.snapshot(snapshot);
             port.publish();
@@ -409,8 +409,8 @@ impl Controller {
     }
 
     /// Reports the writes of instructions to tags in the tick that ended. Real-time as far as `report` is.
-    pub fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
-        self.motion.take_tag_writes(report);
+    pub fn take_instruction_writes(&mut self, report: impl FnMut(&InstructionWrite)) {
+        self.motion.take_instruction_writes(report);
     }
 
     /// The queue of the coordinate system has room for the instruction.

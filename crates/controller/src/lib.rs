@@ -17,7 +17,7 @@ mod snapshot;
 pub use arcline_drive as drive;
 pub use arcline_motion::{
     AcceptedMove, AxisSnapshot, CONTROL_SLOTS, CallData, Cause, ContourRequest, ContourRests, Event, FaultChange,
-    Input, Path, Point, RefusedCommand, SystemSnapshot, TagWrite, Ticket, Trajectory, UNNAMED, WrittenValues,
+    Input, InstructionWrite, Path, Point, RefusedCommand, SystemSnapshot, Ticket, Trajectory, UNNAMED, WrittenValues,
 };
 pub use controller::{
     Command, Controller, MAX_COMMANDS_PER_TICK, Overtaking, PlannedContour, Port, Series, StopRequest,

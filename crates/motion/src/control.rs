@@ -8,7 +8,7 @@ use arcline_instruction_set::{ControlSlot, Flag, Mnemonic, MotionControl, Motion
 use arcline_planner::profile::Phase;
 
 use crate::cause::Cause;
-use crate::events::{Events, TagWrite};
+use crate::events::{Events, InstructionWrite};
 use crate::execution::{Execution, Ticket};
 
 /// Slots for motion control tags, the unnamed one included.
@@ -82,7 +82,7 @@ pub(crate) struct Controls {
     /// The present tick.
     tick: u64,
     /// The writes of instructions to tags in this tick.
-    tag_writes: Vec<TagWrite>,
+    instruction_writes: Vec<InstructionWrite>,
 }
 
 /// FLAGS bits of an execution under way: its end clears them.
@@ -93,7 +93,7 @@ const UNDER_WAY: u32 =
 const EVENTS: usize = 2 * CONTROL_SLOTS;
 
 /// Most writes to tags in one tick; further ones are lost.
-const TAG_WRITES: usize = 1024;
+const INSTRUCTION_WRITES: usize = 1024;
 
 /// The FLAGS bits to set and to clear such that ACCEL and DECEL show the phase.
 pub(crate) fn phase_flags(phase: Phase) -> (u32, u32) {
@@ -124,7 +124,7 @@ impl Controls {
             lost: 0,
             cause: Cause::Itself,
             tick: 0,
-            tag_writes: Vec::with_capacity(TAG_WRITES),
+            instruction_writes: Vec::with_capacity(INSTRUCTION_WRITES),
         }
     }
 
@@ -262,21 +262,21 @@ impl Controls {
     }
 
     /// The tick has room for another write to a tag.
-    pub(crate) fn has_room_for_tag_write(&self) -> bool {
-        self.tag_writes.len() < TAG_WRITES
+    pub(crate) fn has_room_for_instruction_write(&self) -> bool {
+        self.instruction_writes.len() < INSTRUCTION_WRITES
     }
 
     /// Notes a write to a tag, if there is room for it.
-    pub(crate) fn write_to_tag(&mut self, write: TagWrite) {
-        if self.has_room_for_tag_write() {
-            self.tag_writes.push(write);
+    pub(crate) fn write_to_tag(&mut self, write: InstructionWrite) {
+        if self.has_room_for_instruction_write() {
+            self.instruction_writes.push(write);
         }
     }
 
     /// Reports every write to a tag since the last call, in order.
-    pub(crate) fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
-        self.tag_writes.iter().for_each(report);
-        self.tag_writes.clear();
+    pub(crate) fn take_instruction_writes(&mut self, report: impl FnMut(&InstructionWrite)) {
+        self.instruction_writes.iter().for_each(report);
+        self.instruction_writes.clear();
     }
 
     /// The number of events lost for lack of room since the start.

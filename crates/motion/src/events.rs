@@ -11,7 +11,7 @@ use arcline_planner::{Clock, EventTime, Instant};
 
 /// A write of an instruction to a tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TagWrite {
+pub struct InstructionWrite {
     /// The tick.
     pub tick: u64,
     /// The tag, by its address in the directory.
@@ -102,8 +102,8 @@ impl Events {
     }
 
     /// The write of the present answers.
-    pub(crate) fn write(&self, tick: u64) -> TagWrite {
-        TagWrite {
+    pub(crate) fn write(&self, tick: u64) -> InstructionWrite {
+        InstructionWrite {
             tick,
             tag: self.into,
             values: WrittenValues::Numbers(RealArray::from_slice(&self.answers[..self.distances.as_slice().len()])),

@@ -46,7 +46,7 @@ pub use call_data::{Calculation, CallData, Frame, Frames, Results};
 pub use cause::{Cause, FaultChange, RefusedCommand};
 pub use contour::ContourRequest;
 pub use control::{CONTROL_SLOTS, Event, UNNAMED};
-pub use events::{TagWrite, WrittenValues};
+pub use events::{InstructionWrite, WrittenValues};
 pub use execution::Ticket;
 pub use feed_override::MAX_OVERRIDE;
 pub use motion::{AcceptedMove, Input, Motion};

@@ -24,7 +24,7 @@ use crate::axes::Axes;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event};
-use crate::events::TagWrite;
+use crate::events::InstructionWrite;
 use crate::execution::{Execution, Ticket};
 use crate::machine::{LimitPolicy, MotionGroup};
 use crate::masters::link_numbers::LinkNumbers;
@@ -140,8 +140,8 @@ impl Motion {
 
     /// The writes of instructions to tags in this tick, in order; to be called once a tick, after [`Motion::finish`]. Real-time as
     /// far as `report` is.
-    pub fn take_tag_writes(&mut self, report: impl FnMut(&TagWrite)) {
-        self.controls.take_tag_writes(report);
+    pub fn take_instruction_writes(&mut self, report: impl FnMut(&InstructionWrite)) {
+        self.controls.take_instruction_writes(report);
     }
 
     /// The changes of faults in this tick, axis after axis; to be called once a tick, before or after [`Motion::finish`].

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{
-    AcceptedMove, Command, ContourRequest, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot, StopRequest,
-    TagWrite, Ticket, Trajectory,
+    AcceptedMove, Command, ContourRequest, Event, FaultChange, InstructionWrite, Overtaking, PlannedContour, Port,
+    Snapshot, StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
@@ -24,7 +24,7 @@ pub const EVENTS: usize = 16_384;
 /// Most changes of faults that can wait for their reader.
 const FAULT_CHANGES: usize = 4096;
 /// Most writes to tags that can wait for their reader.
-const TAG_WRITES: usize = 4096;
+const INSTRUCTION_WRITES: usize = 4096;
 /// Most accepted moves that can wait for their reader; further ones are not shown.
 pub const ACCEPTED: usize = 2048;
 
@@ -56,7 +56,7 @@ pub struct Link {
     /// Changes of the faults of axes, in order.
     pub fault_changes: rtrb::Consumer<FaultChange>,
     /// Writes of instructions to arrays, in order.
-    pub tag_writes: rtrb::Consumer<TagWrite>,
+    pub instruction_writes: rtrb::Consumer<InstructionWrite>,
     /// Accepted coordinated moves, in order.
     pub accepted: rtrb::Consumer<AcceptedMove>,
     /// A row of samples for every tick; `None` once a reader has taken it.
@@ -83,7 +83,7 @@ pub struct Rings {
     answers: rtrb::Producer<Answer>,
     events: rtrb::Producer<Event>,
     fault_changes: rtrb::Producer<FaultChange>,
-    tag_writes: rtrb::Producer<TagWrite>,
+    instruction_writes: rtrb::Producer<InstructionWrite>,
     accepted: rtrb::Producer<AcceptedMove>,
     samples: SampleSender,
     snapshots: triple_buffer::Input<Snapshot>,
@@ -156,7 +156,7 @@ pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (room.commands + room.stops));
     let (events, event_receiver) = rtrb::RingBuffer::new(room.events);
     let (fault_changes, fault_change_receiver) = rtrb::RingBuffer::new(FAULT_CHANGES);
-    let (tag_writes, tag_write_receiver) = rtrb::RingBuffer::new(TAG_WRITES);
+    let (instruction_writes, instruction_write_receiver) = rtrb::RingBuffer::new(INSTRUCTION_WRITES);
     let (accepted, accepted_receiver) = rtrb::RingBuffer::new(ACCEPTED);
     let (samples, sample_receiver) = samples::link(machine, room.samples_ns);
     let (stop_receiver, stops) = stops::link(machine.axes.len());
@@ -171,7 +171,7 @@ pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
         answers,
         events,
         fault_changes,
-        tag_writes,
+        instruction_writes,
         accepted,
         samples,
         snapshots,
@@ -188,7 +188,7 @@ pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
         answers: answer_receiver,
         events: event_receiver,
         fault_changes: fault_change_receiver,
-        tag_writes: tag_write_receiver,
+        instruction_writes: instruction_write_receiver,
         accepted: accepted_receiver,
         samples: Some(sample_receiver),
         snapshots: snapshot_output,
@@ -333,8 +333,8 @@ impl Port for Rings {
         }
     }
 
-    fn tag_write(&mut self, write: &TagWrite) {
-        if self.tag_writes.push(*write).is_err() {
+    fn instruction_write(&mut self, write: &InstructionWrite) {
+        if self.instruction_writes.push(*write).is_err() {
             self.meter.lose_event();
         }
     }

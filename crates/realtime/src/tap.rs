@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use arcline_controller::{
-    AcceptedMove, Command, ContourRequest, Controller, Event, FaultChange, Overtaking, PlannedContour, Port, Snapshot,
-    StopRequest, TagWrite, Ticket, Trajectory,
+    AcceptedMove, Command, ContourRequest, Controller, Event, FaultChange, InstructionWrite, Overtaking,
+    PlannedContour, Port, Snapshot, StopRequest, Ticket, Trajectory,
 };
 use arcline_instruction_set::MotionControl;
 
@@ -70,8 +70,8 @@ impl Port for Tap<'_> {
         self.rings.fault_change(change);
     }
 
-    fn tag_write(&mut self, write: &TagWrite) {
-        self.rings.tag_write(write);
+    fn instruction_write(&mut self, write: &InstructionWrite) {
+        self.rings.instruction_write(write);
     }
 
     fn accepted(&mut self, accepted: &AcceptedMove) {

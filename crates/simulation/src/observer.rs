@@ -2,7 +2,7 @@
 
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_controller::{Controller, Event, FaultChange, TagWrite, Ticket};
+use arcline_controller::{Controller, Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::Call;
 
 /// Observes a simulation, tick by tick. In a tick, its methods are called in the order of their definition.
@@ -20,8 +20,8 @@ pub trait Observer {
         let _ = (change, time, machine);
     }
     /// A write of an instruction to a tag: stores it in the tag memory.
-    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
-        image.apply_tag_write(write);
+    fn instruction_written(&mut self, write: &InstructionWrite, image: &mut Image) {
+        image.apply_instruction_write(write);
     }
     /// A change of an instruction's status, s after the beginning.
     fn event(&mut self, event: &Event, time: f64, image: &Image) {

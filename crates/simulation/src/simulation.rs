@@ -150,7 +150,7 @@ impl Simulation {
         controller.plan_contours(&mut self.contour);
         controller.take_fault_changes(|change| observer.fault(change, time, machine));
         controller.end_tick(|event| events.push(*event));
-        controller.take_tag_writes(|write| observer.tag_written(write, image));
+        controller.take_instruction_writes(|write| observer.instruction_written(write, image));
         for event in events.drain(..) {
             image.apply_event(&event);
             if event.cause != Cause::Itself {

@@ -252,12 +252,12 @@ impl State {
             }
         }
         self.take_fault_changes(tick, tick);
-        while let Ok(write) = self.link.tag_writes.peek() {
+        while let Ok(write) = self.link.instruction_writes.peek() {
             if write.tick > tick {
                 break;
             }
-            self.image.apply_tag_write(write);
-            let _ = self.link.tag_writes.pop();
+            self.image.apply_instruction_write(write);
+            let _ = self.link.instruction_writes.pop();
         }
         while let Ok(answer) = self.link.answers.peek() {
             if answer.tick > tick {

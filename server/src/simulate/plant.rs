@@ -2,7 +2,7 @@
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
-use arcline_controller::{Event, FaultChange, TagWrite, Ticket};
+use arcline_controller::{Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Host, Loaded};
@@ -135,8 +135,8 @@ impl<O: Observer> Observer for Shown<'_, O> {
         self.observer.fault(change, time, machine);
     }
 
-    fn tag_written(&mut self, write: &TagWrite, image: &mut Image) {
-        take_tag_write(image, self.places, self.cell.memory_mut(), write);
+    fn instruction_written(&mut self, write: &InstructionWrite, image: &mut Image) {
+        take_instruction_write(image, self.places, self.cell.memory_mut(), write);
     }
 
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
@@ -155,7 +155,7 @@ enum Direction {
 }
 
 /// Takes the values that an instruction wrote to a tag.
-fn take_tag_write(image: &mut Image, places: &Places, memory: &mut [u8], write: &TagWrite) {
+fn take_instruction_write(image: &mut Image, places: &Places, memory: &mut [u8], write: &InstructionWrite) {
     let id = TagId(write.tag.tag());
     let tag = places.tag(id);
     if let Some(Placed { from, to, .. }) = tag
@@ -163,7 +163,7 @@ fn take_tag_write(image: &mut Image, places: &Places, memory: &mut [u8], write: 
     {
         image.store(id, bytes);
     }
-    image.apply_tag_write(write);
+    image.apply_instruction_write(write);
     if let Some(Placed { from, to, .. }) = tag
         && let Some(bytes) = memory.get_mut(from..to)
         && image.bytes(id).len() == bytes.len()

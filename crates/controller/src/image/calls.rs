@@ -7,7 +7,7 @@ use arcline_instruction_set::{
 use arcline_tag::{DataType, Elementary};
 
 use super::{Image, TagId, TagKind};
-use crate::{TagWrite, WrittenValues};
+use crate::{InstructionWrite, WrittenValues};
 
 impl Image {
     /// The instruction of an instruction tag, with its present target and operands. A target that does not exist gives a call without a target,
@@ -28,7 +28,7 @@ impl Image {
     }
 
     /// Takes over a write of an instruction to a tag. A tag that no longer exists is ignored; a restart does not retain the values.
-    pub fn apply_tag_write(&mut self, write: &TagWrite) {
+    pub fn apply_instruction_write(&mut self, write: &InstructionWrite) {
         match write.values {
             WrittenValues::Numbers(numbers) => self.apply_numbers(write.tag, numbers.as_slice()),
             WrittenValues::Bits { mask, bits } => self.apply_bits(write.tag, mask, bits),

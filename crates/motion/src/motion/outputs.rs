@@ -5,7 +5,7 @@
 use arcline_instruction_set::{AxisId, Flag};
 
 use super::{Motion, WORDS};
-use crate::events::{TagWrite, WrittenValues};
+use crate::events::{InstructionWrite, WrittenValues};
 use crate::output::TagBits;
 
 impl Motion {
@@ -60,8 +60,8 @@ impl Motion {
     /// Writes bits to a tag.
     pub(crate) fn write_word(&mut self, word: Option<TagBits>) {
         let Some(word) = word else { return };
-        if self.controls.has_room_for_tag_write() && self.words.len() < WORDS {
-            self.controls.write_to_tag(TagWrite {
+        if self.controls.has_room_for_instruction_write() && self.words.len() < WORDS {
+            self.controls.write_to_tag(InstructionWrite {
                 tick: self.clock.tick,
                 tag: word.tag,
                 values: WrittenValues::Bits {

@@ -2,8 +2,8 @@
 //!
 //! An axis has as many execution targets as configured; each has one active output cam and one pending one. Between two ticks the axis is
 //! assumed to move monotonically from one position and velocity to the other ([`interpolation`]): every edge has its exact instant there, so
-//! durations and pulses do not depend on the update period. The bits are those at the tick. Changed bits leave the tick as a
-//! [`crate::TagWrite`].
+//! durations and pulses do not depend on the update period. The bits are those at the tick. Changed bits leave the tick as an
+//! [`crate::InstructionWrite`].
 //!
 //! Not here: operands ([`crate::instructions`]), tags' memory. Real-time: nothing allocates after [`OutputCams::new`].
 
