@@ -19,7 +19,7 @@ pub(crate) async fn mode(client: &Client, command: &Mode, output: &Output) -> Re
         client.set_controller_mode(wanted).await?;
     }
     let mut mode = client.controller_mode().await?;
-    for _ in 0..LOOKS {
+    for _ in 0..MOST_READS {
         if wanted.is_none_or(|wanted| mode == wanted || mode == ControllerMode::Faulted) {
             break;
         }
@@ -36,5 +36,5 @@ pub(crate) async fn mode(client: &Client, command: &Mode, output: &Output) -> Re
 }
 
 /// The program takes a mode between two scans; a scan ends within its watchdog.
-const LOOKS: usize = 250;
+const MOST_READS: usize = 250;
 const PAUSE: Duration = Duration::from_millis(20);

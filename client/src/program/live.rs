@@ -51,7 +51,7 @@ impl Driver for Live<'_> {
     type Execution = Execution;
 
     // A look is a request.
-    const LOOKS: usize = 1;
+    const MOST_READS: usize = 1;
 
     async fn turn(&mut self, _line: usize) -> Result<(), ClientError> {
         Ok(())

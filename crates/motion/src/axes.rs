@@ -18,7 +18,7 @@ use crate::control::Controls;
 use crate::machine::MotionGroup;
 use crate::masters::MasterAt;
 use crate::masters::cam::{Cam, Source};
-use crate::masters::follower::{DrivenBy, FollowerStart, LockOperands, MasterFollower};
+use crate::masters::follower::{DrivenBy, FollowerStart, LockCondition, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::masters::master::Master;
 
@@ -120,7 +120,7 @@ impl Axes {
     pub(crate) fn follower(
         &self,
         link: &MasterLink,
-        lock: LockOperands,
+        lock: LockCondition,
         since: Instant,
         clock: &Clock,
     ) -> MasterFollower {

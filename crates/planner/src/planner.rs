@@ -160,7 +160,7 @@ impl<T: Copy> Planner<T> {
     }
 
     /// Continues the look-ahead if it was too long for one tick: to be called in every tick, after all events of [`Planner::event`].
-    pub fn look_on(&mut self, clock: &Clock) {
+    pub fn continue_look_ahead(&mut self, clock: &Clock) {
         if self.queue.continue_pass() {
             self.raise_exit(clock);
             self.schedule(clock.now(), clock);

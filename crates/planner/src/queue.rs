@@ -258,7 +258,7 @@ impl<T: Copy> Queue<T> {
             self.moves[move_index].start = self.bind(self.first.plus(move_index), end, demand);
         }
         let count = self.within(distance, MOST).max(LEAST);
-        self.look_again(count);
+        self.recompute_bounds(count);
         if let Some(pass) = &mut self.backward_pass {
             pass.work = WORK_OF_A_CHANGE;
         }
@@ -285,7 +285,7 @@ impl<T: Copy> Queue<T> {
     /// Sets the override: a share of the programmed speeds.
     pub(crate) fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
-        self.look_again(WORK);
+        self.recompute_bounds(WORK);
     }
 
     /// Bounds at slower moves of the first run, in their order.

@@ -259,8 +259,8 @@ impl<T: Copy> Travel<T> {
     }
 
     /// Continues the look-ahead, after all events of a tick.
-    pub fn look_on(&mut self, base: &TimeBase) {
-        self.planner.look_on(&base.clock());
+    pub fn continue_look_ahead(&mut self, base: &TimeBase) {
+        self.planner.continue_look_ahead(&base.clock());
     }
 
     /// Removes a pending move: the newest one of a contour, since its plan may be under way, otherwise the oldest.

@@ -66,7 +66,7 @@ fn travel(
                 break;
             }
         }
-        planner.look_on(&clock);
+        planner.continue_look_ahead(&clock);
         each(planner, &clock);
         if let Some(sample) = planner.sample(&clock) {
             assert!(sample.position[0] >= last - 1e-9, "it turns back at {last}");
@@ -166,7 +166,7 @@ fn change_all(at: &[(u64, Change)], mut each: impl FnMut(u64, f64, &Move<usize>)
                 break;
             }
         }
-        planner.look_on(&clock);
+        planner.continue_look_ahead(&clock);
         for (_, change) in at.iter().filter(|(tick, _)| *tick == clock.tick) {
             let mut limits = planner.active().expect("it is under way").motion.limits;
             change(&mut limits);

@@ -280,7 +280,7 @@ impl Driver for ProgramDriver {
     type Execution = Ticket;
 
     // Events report errors.
-    const LOOKS: usize = 0;
+    const MOST_READS: usize = 0;
 
     async fn turn(&mut self, line: usize) -> Result<(), Refused> {
         self.line = line;

@@ -126,11 +126,11 @@ impl<X: Clone> Calls<X> {
     }
 
     /// The next read begins at the oldest execution.
-    pub(crate) fn look_at_first(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.next = 0;
     }
 
-    /// The next one that runs, those of earlier looks last.
+    /// The next one that runs, those of earlier reads last.
     pub(crate) fn next_running(&mut self) -> Option<(usize, &Called<X>)> {
         let count = self.executed.len();
         let is_running = |index: &usize| {

@@ -179,7 +179,7 @@ pub trait Driver {
     type Execution: Clone;
 
     /// The number of running executions that the program reads with [`Driver::progress`] in one pause, in turn.
-    const LOOKS: usize;
+    const MOST_READS: usize;
 
     /// A statement of that line is about to make a request.
     async fn turn(&mut self, line: usize) -> Result<(), Self::Error>;

@@ -144,7 +144,7 @@ impl<X: Clone> ProgramRun<X> {
     /// An instruction erred, or, unless the policy is to keep going, a fault ended its motion.
     pub async fn finish<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
         loop {
-            self.look(driver, Turn::First).await?;
+            self.read_executions(driver, Turn::First).await?;
             self.explain(driver).await?;
             if self.calls.running() == 0 {
                 return Ok(());
@@ -302,20 +302,24 @@ impl<X: Clone> ProgramRun<X> {
         line: usize,
         pause: Pause<'_>,
     ) -> Result<(), RunError<D::Error>> {
-        self.look(driver, Turn::Next).await?;
+        self.read_executions(driver, Turn::Next).await?;
         self.settled.clear();
         let paused = driver.pause(pause).await;
         paused.map_err(|error| RunError::Driver { line, error })
     }
 
-    /// Reads running executions, [`Driver::LOOKS`] at most, and reports those that have erred.
-    async fn look<D: Driver<Execution = X>>(&mut self, driver: &mut D, turn: Turn) -> Result<(), RunError<D::Error>> {
+    /// Reads running executions, [`Driver::MOST_READS`] at most, and reports those that have erred.
+    async fn read_executions<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        turn: Turn,
+    ) -> Result<(), RunError<D::Error>> {
         if turn == Turn::First {
-            self.calls.look_at_first();
+            self.calls.restart();
         }
         let mut running = 0;
         for _ in 0..self.calls.running() {
-            if running == D::LOOKS {
+            if running == D::MOST_READS {
                 break;
             }
             let Some((index, called)) = self.calls.next_running() else {

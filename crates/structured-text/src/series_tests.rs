@@ -56,7 +56,7 @@ impl Driver for Machine {
     type Error = i16;
     type Execution = usize;
 
-    const LOOKS: usize = 0;
+    const MOST_READS: usize = 0;
 
     async fn turn(&mut self, line: usize) -> Result<(), i16> {
         if line == self.paused {

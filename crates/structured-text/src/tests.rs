@@ -566,7 +566,7 @@ impl crate::Driver for Ended {
     type Error = &'static str;
     type Execution = ();
 
-    const LOOKS: usize = 1;
+    const MOST_READS: usize = 1;
 
     async fn turn(&mut self, _line: usize) -> Result<(), &'static str> {
         Ok(())

@@ -296,12 +296,12 @@ impl Guard {
                 tokio::time::sleep(LOOK).await;
             }
             let Some(plant) = Plant::upgrade(plant) else { return };
-            self.look(&plant);
+            self.stop_due(&plant);
         }
     }
 
     /// Stops the jogs that are due, and checks the stopped ones again.
-    fn look(&self, plant: &Plant) {
+    fn stop_due(&self, plant: &Plant) {
         let now = self.now();
         // Without the lock, which another thread may hold for long, the guard assumes that a jog still runs.
         plant.try_with_executions(|runs| self.table().prune(runs));
@@ -311,7 +311,7 @@ impl Guard {
         self.stop(&silent, JogEnd::Silent);
         let again = plant
             .try_with_executions(|runs| {
-                self.table().look_again(now, |ending| {
+                self.table().due_endings(now, |ending| {
                     if runs(ending.axis, ending.ticket) {
                         JogState::Moves
                     } else {
@@ -319,7 +319,7 @@ impl Guard {
                     }
                 })
             })
-            .unwrap_or_else(|| self.table().look_again(now, |_| JogState::Moves));
+            .unwrap_or_else(|| self.table().due_endings(now, |_| JogState::Moves));
         for ending in again {
             if is_planted("jog of a lost client") || is_planted("jog of a silent client") {
                 continue;

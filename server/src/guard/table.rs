@@ -163,7 +163,7 @@ impl Table {
     }
 
     /// The stops that are not over, and from now on at full deceleration.
-    pub(super) fn look_again(&mut self, now: Duration, state_of: impl Fn(&Ending) -> JogState) -> Vec<Ending> {
+    pub(super) fn due_endings(&mut self, now: Duration, state_of: impl Fn(&Ending) -> JogState) -> Vec<Ending> {
         self.ending.retain(|ending| state_of(ending) == JogState::Moves);
         let due = self.ending.iter().filter(|ending| ending.from <= now);
         due.cloned().collect()
@@ -225,16 +225,16 @@ mod tests {
             [5, 9]
         );
         assert!(
-            table.look_again(ms(9), |_| JogState::Moves).is_empty(),
+            table.due_endings(ms(9), |_| JogState::Moves).is_empty(),
             "not at full deceleration yet"
         );
-        let again = table.look_again(ms(20), |ending| match ending.ticket {
+        let again = table.due_endings(ms(20), |ending| match ending.ticket {
             Ticket(9) => JogState::Over,
             _ => JogState::Moves,
         });
         assert_eq!(again.iter().map(|ending| ending.ticket.0).collect::<Vec<_>>(), [5]);
-        assert_eq!(table.look_again(ms(9999), |_| JogState::Moves).len(), 1, "and again");
-        assert!(table.look_again(ms(9999), |_| JogState::Over).is_empty());
+        assert_eq!(table.due_endings(ms(9999), |_| JogState::Moves).len(), 1, "and again");
+        assert!(table.due_endings(ms(9999), |_| JogState::Over).is_empty());
         assert!(!table.is_idle(), "the other jogs");
         table.forget(TWO);
         assert!(table.is_idle());

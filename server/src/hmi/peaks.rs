@@ -120,7 +120,7 @@ impl Peaks {
     }
 
     /// Takes the position, velocity and acceleration at the end of a tick; gives a limit that they exceed.
-    pub(super) fn look(
+    pub(super) fn exceeded(
         &mut self,
         axis: &Axis,
         [position, velocity, acceleration, _]: [f64; 4],

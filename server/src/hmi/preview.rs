@@ -236,7 +236,7 @@ impl Observer for Observations {
         let rows: Vec<[f64; 4]> = controller.trace().collect();
         let was: Vec<Option<f64>> = self.axes.iter().map(Peaks::position).collect();
         for ((axis, peaks), row) in machine.axes.iter().zip(&mut self.axes).zip(&rows) {
-            let Some(exceeded) = peaks.look(axis, *row, self.period) else {
+            let Some(exceeded) = peaks.exceeded(axis, *row, self.period) else {
                 continue;
             };
             let is_travel = matches!(exceeded, Exceeded::Travel { .. });

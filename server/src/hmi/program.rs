@@ -277,7 +277,7 @@ impl Driver for Live<'_> {
     type Error = Break;
     type Execution = Accepted;
 
-    const LOOKS: usize = usize::MAX;
+    const MOST_READS: usize = usize::MAX;
 
     /// Waits until the statement of a line may run.
     async fn turn(&mut self, line: usize) -> Result<(), Break> {

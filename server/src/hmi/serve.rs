@@ -300,7 +300,7 @@ async fn socket(State(shared): State<Arc<Shared>>, Extension(near): Extension<Ne
         return (StatusCode::FORBIDDEN, "Only pages of this server may connect.\n").into_response();
     }
     let peer = near.peer();
-    let session = session_of(&shared, &near, headers).and_then(|key| shared.sessions.look(key));
+    let session = session_of(&shared, &near, headers).and_then(|key| shared.sessions.find(key));
     if token.is_some() && session.is_none() {
         let text = || "a script with a token that does not hold was refused".to_owned();
         shared.plant.log_limit().warn("token", Some(peer), text);

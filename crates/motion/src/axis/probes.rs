@@ -52,7 +52,7 @@ impl Watch {
     }
 
     /// Compares the actual position with the watched one. Returns the execution whose event has come.
-    pub(crate) fn look(&mut self, now: f64) -> Option<Execution> {
+    pub(crate) fn check(&mut self, now: f64) -> Option<Execution> {
         let armed = self.armed.as_mut()?;
         let before = std::mem::replace(&mut armed.last, now);
         armed.crossing.crossed(before, now)?;

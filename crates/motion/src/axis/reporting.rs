@@ -128,9 +128,9 @@ impl Axis {
     }
 
     /// Ends the watch when the actual position passes the watched one.
-    pub(crate) fn look_for_watch(&mut self, controls: &mut Controls) {
+    pub(crate) fn check_watch(&mut self, controls: &mut Controls) {
         let now = self.actual.position - self.redefined;
-        if let Some(execution) = self.watch.look(now) {
+        if let Some(execution) = self.watch.check(now) {
             controls.end_move(execution, Flag::Pc.mask());
         }
     }

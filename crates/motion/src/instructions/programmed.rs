@@ -11,7 +11,7 @@ use arcline_planner::profile::{Limits, stop_distance};
 use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, speed_for_jerk};
 use crate::masters::displacement::Sense;
 use crate::masters::follower::DrivenBy;
-use crate::masters::follower::{LockOperands, MasterFollower};
+use crate::masters::follower::{LockCondition, MasterFollower};
 use crate::masters::links::MasterLink;
 use crate::motion::Motion;
 use crate::rotary::RotaryPosition;
@@ -212,13 +212,13 @@ pub(super) fn driven_by(motion: &Motion, lock: &LockOperands, link: &MasterLink)
     }
     Ok(DrivenBy {
         link: link.id,
-        lock: LockOperands { sense, position },
+        lock: LockCondition { sense, position },
     })
 }
 
 /// The rate of the master, which converts moving motion that a master driven one takes over (97, 98). A motion that waits for a lock takes
 /// over no motion (102).
-pub(super) fn master_rate(link: &MasterLink, lock: LockOperands, moves: bool) -> Result<MasterRate, MotionError> {
+pub(super) fn master_rate(link: &MasterLink, lock: LockCondition, moves: bool) -> Result<MasterRate, MotionError> {
     let rate = MasterFollower::rate_of(&link.master, lock.sense);
     if !moves {
         Ok(rate)

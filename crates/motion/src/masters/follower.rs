@@ -16,12 +16,12 @@ use super::master::Master;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DrivenBy {
     pub(crate) link: u32,
-    pub(crate) lock: LockOperands,
+    pub(crate) lock: LockCondition,
 }
 
 /// The lock operands of an instruction (Lock Direction and Lock Position).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LockOperands {
+pub(crate) struct LockCondition {
     pub(crate) sense: Sense,
     /// The lock position of the master, in positions that the master shows; `None`: the lock closes at once.
     pub(crate) position: Option<f64>,
@@ -32,7 +32,7 @@ pub(crate) struct LockOperands {
 pub(crate) struct FollowerStart {
     /// The link by which the motion begins.
     pub(crate) link: u32,
-    pub(crate) lock: LockOperands,
+    pub(crate) lock: LockCondition,
     /// The unwind of the master, if it is rotary.
     pub(crate) unwind: Option<f64>,
     /// An instant of the update that ends now.
@@ -58,7 +58,7 @@ impl MasterFollower {
     pub(crate) fn begin(beginning: FollowerStart, master: &Master, at: &MasterAt, clock: &Clock) -> Self {
         let FollowerStart {
             link,
-            lock: LockOperands { sense, position },
+            lock: LockCondition { sense, position },
             unwind,
             since,
         } = beginning;
@@ -197,12 +197,12 @@ mod tests {
         }
     }
 
-    fn lock(sense: Sense, position: Option<f64>) -> LockOperands {
-        LockOperands { sense, position }
+    fn lock(sense: Sense, position: Option<f64>) -> LockCondition {
+        LockCondition { sense, position }
     }
 
     /// The displacements of a follower while its master moves through positions, starting at the first.
-    fn ways(lock: LockOperands, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
+    fn ways(lock: LockCondition, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
         let clock = Clock::at(0, PERIOD_NS);
         let first = at(positions[0]);
         let master = Master::new(AxisId(0), Reference::Command, &first, &clock);
@@ -226,7 +226,7 @@ mod tests {
     }
 
     /// The reason, the lock, the master's unwind, its positions, and the displacement at each.
-    type Case<'a> = (&'a str, LockOperands, Option<f64>, &'a [f64], &'a [(f64, bool)]);
+    type Case<'a> = (&'a str, LockCondition, Option<f64>, &'a [f64], &'a [(f64, bool)]);
 
     #[test]
     fn a_way_is_how_far_the_master_has_gone_in_the_lock_direction() {

@@ -10,13 +10,13 @@ use crate::output::TagBits;
 
 impl Motion {
     /// Updates the output cams of an axis with its position at the present tick.
-    pub(super) fn look_at_outputs(&mut self, axis: AxisId) {
+    pub(super) fn update_outputs(&mut self, axis: AxisId) {
         for target in 0..self.axes[axis].outputs.len() {
             let Some(reference) = self.axes[axis].outputs.reference(target) else {
                 continue;
             };
             let point = self.axes.master_at(axis, reference, &self.clock).point;
-            let outcome = self.axes[axis].outputs.look(target, point, &self.clock);
+            let outcome = self.axes[axis].outputs.update(target, point, &self.clock);
             for execution in outcome.ended.into_iter().flatten() {
                 self.controls.end_move(execution, Flag::Pc.mask());
             }

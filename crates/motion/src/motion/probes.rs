@@ -120,9 +120,9 @@ impl Motion {
     }
 
     /// Checks the events that an axis waits for.
-    pub(super) fn look_out(&mut self, axis: AxisId) {
+    pub(super) fn check_events(&mut self, axis: AxisId) {
         self.axes[axis].take_registrations(&mut self.controls, &self.clock);
-        self.axes[axis].look_for_watch(&mut self.controls);
-        self.look_at_outputs(axis);
+        self.axes[axis].check_watch(&mut self.controls);
+        self.update_outputs(axis);
     }
 }

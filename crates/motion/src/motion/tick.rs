@@ -19,7 +19,7 @@ impl Motion {
         self.limit_commands();
         self.exchange(drives);
         self.use_feedback(drives);
-        self.look_after_transforms();
+        self.check_transforms();
         self.check_faults();
         self.finish_stops();
         self.show_status();
@@ -80,7 +80,7 @@ impl Motion {
                 self.controls.end_move(ended.execution, Flag::Pc.mask());
             }
             if self.axes[index].awaits_events() {
-                self.look_out(index);
+                self.check_events(index);
             }
             self.axes[index].fold(&self.clock);
         }

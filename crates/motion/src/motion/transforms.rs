@@ -29,7 +29,7 @@ impl Motion {
 
     /// Checks transforms once an update, after the commands: adds the robots' own displacements to the positions of their sources, brakes the
     /// transforms whose robots will be unable to follow, and ends those whose robots are unable to follow now.
-    pub(super) fn look_after_transforms(&mut self) {
+    pub(super) fn check_transforms(&mut self) {
         for id in self.transforms.ids() {
             let present = Present {
                 axes: &self.axes,

@@ -223,7 +223,12 @@ impl Target {
     }
 
     /// Updates the target with the position of the axis.
-    pub(super) fn look(&mut self, to: KinematicState, clock: &Clock, edges: &mut Vec<Edge>) -> [Option<Execution>; 2] {
+    pub(super) fn update(
+        &mut self,
+        to: KinematicState,
+        clock: &Clock,
+        edges: &mut Vec<Edge>,
+    ) -> [Option<Execution>; 2] {
         let mut ended = [None; 2];
         if self.trailing.is_none() {
             // The last bits of the previous cam have been written.

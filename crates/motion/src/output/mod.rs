@@ -65,12 +65,12 @@ impl OutputCams {
     }
 
     /// Updates a target with the present motion of the axis.
-    pub(crate) fn look(&mut self, target: usize, at: KinematicState, clock: &Clock) -> Outcome {
+    pub(crate) fn update(&mut self, target: usize, at: KinematicState, clock: &Clock) -> Outcome {
         let Some(target) = self.targets.get_mut(target) else {
             return Outcome::default();
         };
         Outcome {
-            ended: target.look(at, clock, &mut self.edges),
+            ended: target.update(at, clock, &mut self.edges),
             written: target.write(clock),
         }
     }

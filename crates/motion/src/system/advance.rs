@@ -38,7 +38,7 @@ impl Systems {
         }
         let system = &mut self[index];
         let base = system.time_base(clock);
-        system.travel.look_on(&base);
+        system.travel.continue_look_ahead(&base);
         if self[index].is_busy() {
             self[index].sample(axes, controls, clock);
         }

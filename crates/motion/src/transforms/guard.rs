@@ -123,7 +123,7 @@ impl Present<'_> {
             return Ok(());
         }
         if self.is_led_by_others(id, transform) {
-            return self.look_straight_on(transform, robot);
+            return self.check_next_update(transform, robot);
         }
         self.plan_ahead(transform, ahead);
         let duration = ahead.duration();
@@ -186,7 +186,7 @@ impl Present<'_> {
     }
 
     /// The same for a source that other targets lead, too: it is assumed to continue straight and to stop at its axes' maxima.
-    fn look_straight_on(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
+    fn check_next_update(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
         let mut robot = *robot;
         let added = self.transforms.added_to(self.axes, transform);
         let mut joints = positions(&transform.target_set_points);

@@ -55,12 +55,12 @@ impl<T: Copy> Queue<T> {
     /// Continues a backward pass that was too long for one tick. Returns true if there was one.
     pub(crate) fn continue_pass(&mut self) -> bool {
         let work = self.backward_pass.map(|pass| pass.work);
-        self.look_at(work.unwrap_or(0));
+        self.compute_bounds(work.unwrap_or(0));
         work.is_some()
     }
 
     /// Continues the backward pass over at most this number of bounds.
-    pub(super) fn look_at(&mut self, most: usize) {
+    pub(super) fn compute_bounds(&mut self, most: usize) {
         let Some(mut pass) = self.backward_pass.take() else {
             return;
         };
@@ -111,7 +111,7 @@ impl<T: Copy> Queue<T> {
     }
 
     /// Computes the bounds anew: those of the nearest moves at once, as if the others stayed the same.
-    pub(super) fn look_again(&mut self, count: usize) {
+    pub(super) fn recompute_bounds(&mut self, count: usize) {
         let nearest = self.first.plus(count);
         let all = |next: MoveNumber| BackwardPass {
             next,
@@ -119,7 +119,7 @@ impl<T: Copy> Queue<T> {
             work: WORK,
         };
         self.backward_pass = Some(all(nearest));
-        self.look_at(count);
+        self.compute_bounds(count);
         let last = self.behind();
         // `nearest` is a number of moves, of which each has one bound at most.
         self.backward_pass = (last > nearest).then(|| all(last));

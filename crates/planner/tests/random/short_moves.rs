@@ -210,7 +210,7 @@ fn run(seed: u64) -> Result<(), String> {
                 }
             }
         }
-        planner.look_on(&clock);
+        planner.continue_look_ahead(&clock);
         if stopped && planner.active().is_none() {
             return Ok(());
         }

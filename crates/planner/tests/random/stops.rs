@@ -81,7 +81,7 @@ fn until_the_stop(random: &mut Random) -> Option<(Planner<usize>, Clock)> {
             };
             planner.hand_over(at, &clock)?;
         }
-        planner.look_on(&clock);
+        planner.continue_look_ahead(&clock);
     }
     Some((planner, clock))
 }

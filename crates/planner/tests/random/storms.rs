@@ -303,7 +303,7 @@ impl<'k> Storm<'k> {
                 break;
             }
         }
-        self.planner.look_on(&self.clock);
+        self.planner.continue_look_ahead(&self.clock);
         self.check();
     }
 

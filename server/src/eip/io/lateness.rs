@@ -41,7 +41,7 @@ impl Lateness {
     }
 
     /// Gives the shortest interval that may be confirmed from now on, µs, when it is another one.
-    pub(super) fn look(&mut self, now: Duration) -> Option<u32> {
+    pub(super) fn changed_floor(&mut self, now: Duration) -> Option<u32> {
         if now < self.until {
             return None;
         }
@@ -76,13 +76,13 @@ mod tests {
             let micros = if index < late { 900 } else { 60 };
             lateness.sent(Duration::from_micros(micros));
         }
-        lateness.look(Duration::from_secs(number))
+        lateness.changed_floor(Duration::from_secs(number))
     }
 
     #[test]
     fn what_is_not_kept_is_not_confirmed_until_it_is() {
         let mut lateness = Lateness::new();
-        assert_eq!(lateness.look(Duration::from_millis(999)), None);
+        assert_eq!(lateness.changed_floor(Duration::from_millis(999)), None);
         assert_eq!(second(&mut lateness, 1, 10), None, "one of a hundred");
         assert_eq!(second(&mut lateness, 2, 11), Some(2000));
         assert_eq!(
@@ -97,10 +97,10 @@ mod tests {
             for _ in 0..100 {
                 lateness.sent(Duration::from_secs(1));
             }
-            lateness.look(Duration::from_secs(number));
+            lateness.changed_floor(Duration::from_secs(number));
         }
         assert_eq!(lateness.floor, LONGEST);
         // Without datagrams, none is late.
-        assert_eq!(lateness.look(Duration::from_secs(30)), Some(LONGEST / 2));
+        assert_eq!(lateness.changed_floor(Duration::from_secs(30)), Some(LONGEST / 2));
     }
 }

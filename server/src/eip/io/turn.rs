@@ -93,7 +93,7 @@ impl IoTurns {
         }
         apply_events(&self.device, &mut connections);
         let now = self.io.now();
-        if let Some(floor) = self.lateness.look(now) {
+        if let Some(floor) = self.lateness.changed_floor(now) {
             debug!(floor, "the shortest interval that is confirmed, µs");
             connections.set_min_interval(floor);
         }

@@ -243,7 +243,7 @@ impl Sessions {
     }
 
     /// The session of a key, as its viewer sees it.
-    pub(super) fn look(&self, key: Key) -> Option<Joined> {
+    pub(super) fn find(&self, key: Key) -> Option<Joined> {
         let known = self.known();
         let session = known.get(&key)?;
         let (Subject::User(user) | Subject::Token(user)) = &session.subject;
