@@ -8,7 +8,7 @@ use std::sync::Arc;
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Image, WriteEffect};
-use arcline_controller::machine::{DynamicsBits, Machine, Start};
+use arcline_controller::machine::{DynamicsBits, Machine, StartState};
 use arcline_controller::{Event, FaultChange, InstructionWrite, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
@@ -284,7 +284,7 @@ impl Bench {
     pub fn restarted(&self) -> Self {
         let mut project = self.project.clone();
         for (axis, shown) in project.machine.axes.iter_mut().zip(self.snapshot().axes) {
-            axis.start = Start {
+            axis.start = StartState {
                 position: shown.command[0],
                 servo_on: false,
                 homed: shown.motion_status & motion_status::AXIS_HOMED_STATUS != 0,

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use arcline_config::load;
 use arcline_controller::Snapshot;
-use arcline_controller::machine::Build;
+use arcline_controller::machine::KinematicStructure;
 use arcline_geometry::{Frame, Point};
 use arcline_instruction_set::Flag;
 use arcline_kinematics::{OrientedRobot, Pose, Robot, end_of_arm, tool_centre};
@@ -168,12 +168,12 @@ impl RobotProgram {
         let config = format!("{}{TAGS}", machine.config());
         let project = load(&config, "robot.toml").expect("the configuration is valid");
         let described = project.machine.systems[2].robot.expect("the system is a robot");
-        let mechanism = match described.build {
-            Build::Arm(geometry) => {
+        let mechanism = match described.structure {
+            KinematicStructure::Arm(geometry) => {
                 let robot = Robot::new(geometry, &described.parameters).expect("the parameters make a robot");
                 Mechanism::Arm(robot, Frame::new(Point::zeros(), Point::zeros()))
             }
-            Build::Wrist(wrist) => Mechanism::Wrist(
+            KinematicStructure::Wrist(wrist) => Mechanism::Wrist(
                 OrientedRobot::new(wrist, &described.parameters).expect("the parameters make a robot"),
                 [Pose::identity(); 2],
             ),

@@ -44,7 +44,7 @@ pub enum Input {
         on: bool,
     },
     /// A word that output cams write, or that enables them.
-    TagBits {
+    Word {
         /// The tag, by its address in the directory.
         tag: TagAddress,
         /// Its new value.

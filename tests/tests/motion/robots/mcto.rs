@@ -2,7 +2,7 @@
 
 use super::paths;
 use arcline_config::load;
-use arcline_controller::machine::Build;
+use arcline_controller::machine::KinematicStructure;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::{
     TOOL_CHANGE_ALLOWED_STATUS, TRANSFORM_SOURCE_STATUS, TRANSFORM_TARGET_STATUS,
@@ -56,7 +56,7 @@ impl Tool {
     fn of(machine: &RobotMachine, tilt: f64) -> Tool {
         let project = load(&machine.config(), "robot.toml").expect("the configuration is valid");
         let described = project.machine.systems[2].robot.expect("the system is a robot");
-        let Build::Wrist(wrist) = described.build else {
+        let KinematicStructure::Wrist(wrist) = described.structure else {
             panic!("the robot has no wrist");
         };
         Tool {

@@ -11,7 +11,7 @@ mod tool;
 mod wandering;
 
 use arcline_config::load;
-use arcline_controller::machine::Build;
+use arcline_controller::machine::KinematicStructure;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status;
 use arcline_kinematics::Robot;
@@ -29,7 +29,7 @@ const S_CURVE: &str = "300, 0, 3000, 0, 3000, 0, 1, 100, 100, 2";
 fn geometry(machine: &RobotMachine) -> Robot {
     let project = load(&machine.config(), "robot.toml").expect("the configuration is valid");
     let robot = project.machine.systems[2].robot.expect("the system is a robot");
-    let Build::Arm(geometry) = robot.build else {
+    let KinematicStructure::Arm(geometry) = robot.structure else {
         panic!("the robot has a wrist");
     };
     Robot::new(geometry, &robot.parameters).expect("the parameters make a robot")

@@ -1,7 +1,7 @@
 //! The position of a robot's tool in snapshots and traces: by the actual positions of its joints, in the frame of its base.
 
 use arcline_config::load;
-use arcline_controller::machine::Build;
+use arcline_controller::machine::KinematicStructure;
 use arcline_controller::samples;
 use arcline_instruction_set::Flag;
 use arcline_kinematics::{OrientedRobot, Pose, Robot};
@@ -18,12 +18,12 @@ fn tool(machine: &RobotMachine, bench: &Bench, tool: &Pose) -> [f64; 3] {
     for (place, joint) in joints.iter_mut().enumerate().take(machine.joints.len()) {
         *joint = bench.axis(&format!("J{}", place + 1)).actual[0];
     }
-    match described.build {
-        Build::Arm(geometry) => {
+    match described.structure {
+        KinematicStructure::Arm(geometry) => {
             let robot = Robot::new(geometry, &described.parameters).expect("the parameters make a robot");
             robot.forward([joints[0], joints[1], joints[2]]).expect("joints of it")
         }
-        Build::Wrist(wrist) => {
+        KinematicStructure::Wrist(wrist) => {
             let robot = OrientedRobot::new(wrist, &described.parameters).expect("the parameters make a robot");
             let pose = robot.forward(&joints).expect("joints of it").pose;
             (pose.position + pose.rotation * tool.position).into()

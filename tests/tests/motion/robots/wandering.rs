@@ -5,7 +5,7 @@
 //! Structured Text with the machine's configuration.
 
 use arcline_config::load;
-use arcline_controller::machine::Build;
+use arcline_controller::machine::KinematicStructure;
 use arcline_instruction_set::Flag;
 use arcline_kinematics::{OrientedRobot, Robot};
 use arcline_tests::bench::Bench;
@@ -102,9 +102,13 @@ impl Wanderer {
                    DecelerationJerk = 100, OrientationSpeed = 200, OrientationAcceleration = 2000, OrientationDeceleration = 2000 }\n";
         let project = load(&config, "robot.toml").unwrap_or_else(|error| panic!("{error:?}\n{config}"));
         let robot = project.machine.systems[2].robot.expect("the system is a robot");
-        let geometry = match robot.build {
-            Build::Arm(geometry) => Geometry::Arm(Robot::new(geometry, &robot.parameters).expect("a robot")),
-            Build::Wrist(wrist) => Geometry::Wrist(OrientedRobot::new(wrist, &robot.parameters).expect("a robot")),
+        let geometry = match robot.structure {
+            KinematicStructure::Arm(geometry) => {
+                Geometry::Arm(Robot::new(geometry, &robot.parameters).expect("a robot"))
+            }
+            KinematicStructure::Wrist(wrist) => {
+                Geometry::Wrist(OrientedRobot::new(wrist, &robot.parameters).expect("a robot"))
+            }
         };
         let count = machine.joints.len();
         let axes: Vec<&str> = if machine.is_oriented() {
