@@ -3,12 +3,12 @@
 
 /** The fields and the answer of each request, by its `do`. */
 export interface Requests {
-  /** Asks for a sign of life. */
+  /** Tests the connection: the answer is empty. */
   ping: {
     fields: {};
     answer: Done;
   };
-  /** Says that a person is at the page: without that its session is locked after a time. */
+  /** Reports the input of a person. Without such reports the server locks the session after a time. */
   active: {
     fields: {};
     answer: Done;
@@ -23,10 +23,10 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Gives control back. */
+  /** Releases control of an object. */
   release: {
     fields: {
-      /** Name of the object as it was taken. */
+      /** Name of the object, as in `take`. */
       object: string;
     };
     answer: Done;
@@ -39,24 +39,24 @@ export interface Requests {
     };
     answer: Executed;
   };
-  /** Makes the line of Structured Text of a filled form and checks it. */
+  /** Writes the values of a form as one line of Structured Text and checks it. */
   line: {
     fields: {
       /** Mnemonic. */
       instruction: string;
-      /** Values by the members of the operands; an operand that is left out has its first value. */
+      /** Values by the member names of the operands; an omitted operand has its first value. */
       operands?: Record<string, unknown>;
     };
     answer: CallLine;
   };
-  /** Jogs an axis while `keep` comes at least every 150 ms, until `jog_end`. */
+  /** Jogs an axis until `jog_end`. The page must send `keep` at least every 150 ms. */
   jog: {
     fields: {
-      /** Acceleration, position units/s²; without it the axis's maximum. */
+      /** Acceleration, position units/s²; default: the maximum of the axis. */
       accel?: number | null;
       /** Name of the axis. */
       axis: string;
-      /** Deceleration, position units/s²; without it the axis's maximum. */
+      /** Deceleration, position units/s²; default: the maximum of the axis. */
       decel?: number | null;
       /** Speed with its sign, position units/s. */
       speed: number;
@@ -79,7 +79,7 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Stops one object; without an object it stops everything, the program included, and inhibits motion until `release_stop`. Needs no control. */
+  /** Stops one object. Without an object it stops all motion and the program, and inhibits motion until `release_stop`. Needs no control. */
   stop: {
     fields: {
       /** Name of the coordinate system, axis or group. */
@@ -87,7 +87,7 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Releases a STOP of everything: instructions may begin motion again. Needs no control. */
+  /** Releases the STOP of all motion: instructions can begin motion again. Needs no control. */
   release_stop: {
     fields: {};
     answer: Done;
@@ -110,7 +110,7 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Sets the feed override that was in force before a hold. */
+  /** Restores the feed override from before the hold. */
   resume: {
     fields: {
       /** Name of the coordinate system. */
@@ -118,7 +118,7 @@ export interface Requests {
     };
     answer: Done;
   };
-  /** Simulates one instruction from the present state. Nothing moves. */
+  /** Simulates one instruction from the present state. The machine does not move. */
   preview: {
     fields: {
       /** One call as Structured Text. */
@@ -126,7 +126,7 @@ export interface Requests {
     };
     answer: Simulated;
   };
-  /** Simulates a program from the present state. Nothing moves. */
+  /** Simulates a program from the present state. The machine does not move. */
   dry_run: {
     fields: {
       /** A program as Structured Text. */
@@ -145,7 +145,7 @@ export interface Requests {
   /** Runs a program. The server runs one program at a time. */
   run: {
     fields: {
-      /** Pauses in front of the first statement. */
+      /** Whether the program pauses before its first statement. */
       step?: boolean;
       /** A program as Structured Text. */
       text: string;
@@ -157,7 +157,7 @@ export interface Requests {
     fields: {};
     answer: Done;
   };
-  /** Pauses the program in front of the next statement. */
+  /** Pauses the program before the next statement. */
   pause: {
     fields: {};
     answer: Done;
@@ -167,7 +167,7 @@ export interface Requests {
     fields: {};
     answer: Done;
   };
-  /** Ends the program; motion that it began goes on. */
+  /** Ends the program. Motion that it began continues. */
   end: {
     fields: {};
     answer: Done;
@@ -175,7 +175,7 @@ export interface Requests {
   /** Lists tags, 200 at a time, in the order of their names. */
   tags: {
     fields: {
-      /** The name behind which the list begins. */
+      /** The list begins after this name. */
       after?: string | null;
       /** Part of the name in any case, at most 100 bytes; `*` stands for any text, at most 8 times. */
       pattern?: string;
@@ -190,7 +190,7 @@ export interface Requests {
     };
     answer: Values;
   };
-  /** Reads tags now, and pushes as `values` those that have changed, at most ten times a second; instead of those watched before. */
+  /** Reads tags and watches them in place of those watched before: the push `values` has those that have changed, at most ten times a second. */
   watch: {
     fields: {
       /** At most 200 names. */
@@ -213,7 +213,7 @@ export interface Requests {
     fields: {};
     answer: RoutineList;
   };
-  /** Reads rungs or lines of a routine as they are written, at most 100. */
+  /** Reads the source of at most 100 rungs or lines of a routine. */
   rungs: {
     fields: {
       /** Number of rungs or lines. */
@@ -225,7 +225,7 @@ export interface Requests {
     };
     answer: RoutinePage;
   };
-  /** Watches rungs or lines of a routine, at most 100: their power flow and values are pushed as `look` when they have changed, at most five times a second, in place of those watched before. Without a routine it ends. */
+  /** Watches at most 100 rungs or lines of a routine in place of those watched before: the push `look` has the power flow and values of those that have changed, at most five times a second. Without a routine the viewer watches none. */
   look: {
     fields: {
       /** Number of rungs or lines. */
@@ -236,30 +236,30 @@ export interface Requests {
       instance?: string | null;
       /** Number of the routine. */
       routine?: number | null;
-      /** Version of the program that the numbers are of. */
+      /** Version of the program to which the numbers belong. */
       version?: number;
     };
     answer: Done;
   };
-  /** Lists where a tag of the controller's own program, a part of it, or the whole that it is a part of is used. */
+  /** Lists the uses of a tag of the controller's own program, of its parts, and of the tags that it is a part of. */
   uses: {
     fields: {
-      /** Program in whose scope it is named; without one it is that of the controller. */
+      /** Program whose scope has the tag; default: the scope of the controller. */
       program?: string | null;
       /** Name of the tag or of its part. */
       tag: string;
     };
     answer: UseList;
   };
-  /** Lets the controller's own program run, or stops it and all motion. */
+  /** Starts the controller's own program (Run mode), or stops it and all motion (Program mode). */
   mode: {
     fields: {
-      /** `true` lets the program run, `false` stops it. */
+      /** `true` starts the program, `false` stops it. */
       run: boolean;
     };
     answer: Done;
   };
-  /** Forces an input of a module: the controller's own program sees this value. */
+  /** Forces an input of a module: the controller's own program reads the forced value. */
   force: {
     fields: {
       /** Name of the input, such as `Local:1:I.Data.0`. */
@@ -274,15 +274,15 @@ export interface Requests {
     fields: {};
     answer: Done;
   };
-  /** Begins or ends the binary frames of samples. */
+  /** Starts or ends the binary frames of samples. */
   trace: {
     fields: {
-      /** `true` begins the frames, `false` ends them. */
+      /** `true` starts the frames, `false` ends them. */
       on: boolean;
     };
     answer: Signals;
   };
-  /** Asks for the newest samples before a tick: a binary frame comes, then the answer. At most two may wait to be read. */
+  /** Requests the newest samples before a tick. The server sends a binary frame, then the answer. At most two frames of a viewer may wait. */
   history: {
     fields: {
       /** The tick. */
@@ -293,7 +293,7 @@ export interface Requests {
   /** Lists the newest 1,000 events. */
   events: {
     fields: {
-      /** The `seq` behind which the list begins. */
+      /** The list begins after this `seq`. */
       since?: number | null;
     };
     answer: EventPage;
@@ -306,18 +306,18 @@ export type Push =
       push: "hello";
       /** Names of the signals of frames of samples, in the order of a row. */
       trace_signals: string[];
-      /** This viewer's name, as `drivers` has it. */
+      /** The name of this viewer, as in `drivers`. */
       viewer: string;
     }
   | {
-      /** Whether a user could log in on this connection. */
+      /** Whether a user can log in on this connection. */
       can_log_in: boolean;
-      /** Whether the session is locked: this viewer may look and stop until the user logs in again. */
+      /** Whether the session is locked: until the user logs in again, this viewer can only view and stop. */
       locked: boolean;
       push: "session";
       /** The role that this viewer has now: `viewer`, `operator`, `engineer` or `administrator`. */
       role: string;
-      /** The user who has logged in; null: no user has. */
+      /** The user who has logged in; null without one. */
       user: string | null;
     }
   | Status & {
@@ -344,13 +344,13 @@ export type Push =
       rows: MonitorRow[];
     };
 
-/** A move that runs. */
+/** The active move of a coordinate system. */
 export type ActiveMove = {
   /** Time to go, s; null while it is not known. */
   eta_s: number | null;
   /** Mnemonic. */
   instruction: string;
-  /** Share of its path that is done, 0 to 1. */
+  /** Completed share of its path, 0 to 1. */
   progress: number;
   /** Distance to go, position units. */
   remaining: number;
@@ -459,7 +459,7 @@ export type Catalogue = {
 
 /** The errors of a program. */
 export type Checked = {
-  /** The errors with their lines and columns; empty for a program that can run. */
+  /** The errors with their lines and columns; empty for a correct program. */
   errors: Refusal[];
 };
 
@@ -483,7 +483,7 @@ export type ConditionalMaximum = {
 
 /** A major fault. */
 export type ControllerFault = {
-  /** Mnemonic; empty: a statement. */
+  /** Mnemonic; empty for a statement. */
   instruction: string;
   /** Number of the rung or line in the file. */
   line: number;
@@ -491,9 +491,9 @@ export type ControllerFault = {
   operand: string | null;
   /** Number of the routine. */
   routine: number | null;
-  /** A sentence for people. */
+  /** A description, as a sentence. */
   text: string;
-  /** Its value. */
+  /** Value of that operand. */
   value: number | null;
 };
 
@@ -506,17 +506,17 @@ export type ControllerStatus = {
   fault: ControllerFault | null;
   /** Forced inputs. */
   forces: ForceRow[];
-  /** Time of the newest of these, µs. */
+  /** Duration of the newest scan, µs. */
   last_us: number;
-  /** Longest time of one, µs. */
+  /** Duration of the longest scan, µs. */
   longest_us: number;
-  /** Mode that was asked for: `program` or `run`. */
+  /** Requested mode: `program` or `run`. */
   mode: string;
-  /** Ticks in which the due tasks were scanned. */
+  /** Number of ticks in which due tasks were scanned. */
   scans: number;
   /** State of the program. */
   state: ControllerState;
-  /** Another number for each program that is loaded. */
+  /** A number that changes with each loaded program. */
   version: number;
 };
 
@@ -563,7 +563,7 @@ export type Elements = "per_axis" | {
 
 /** The cause that ended an instruction or cleared a fault. */
 export type EndCause = {
-  /** A sentence for people. */
+  /** A description, as a sentence. */
   text: string;
 } & ({
   by: "instruction";
@@ -633,17 +633,17 @@ export type Executed = {
 
 /** A change of an axis's faults. */
 export type FaultEvent = {
-  /** Words of those that were reset and came again at once, since their cause is still there. */
+  /** Words of the faults that were reset and set again at once, since their cause persists. */
   again: string[];
   /** Name of the axis. */
   axis: string | null;
   /** The cause that cleared the faults. */
   by: EndCause | null;
-  /** Words of the faults that went. */
+  /** Words of the faults that were cleared. */
   clear: string[];
   /** The command that the axis refused. */
   refused: RefusedCommand | null;
-  /** Words of the faults that came. */
+  /** Words of the faults that were set. */
   set: string[];
 };
 
@@ -660,9 +660,9 @@ export type FirstValue = number | [];
 
 /** A forced input. */
 export type ForceRow = {
-  /** Its name. */
+  /** Name of the input. */
   tag: string;
-  /** The value that the program sees. */
+  /** The value that the program reads. */
   value: unknown;
 };
 
@@ -674,13 +674,13 @@ export type GroupStatus = {
   name: string;
 };
 
-/** The contents of the binary frame in front of this answer. */
+/** The contents of the binary frame before this answer. */
 export type HistoryPiece = {
-  /** Ticks of a row. */
+  /** Number of ticks that a row covers. */
   every: number;
   /** Tick of its first row. */
   first: number;
-  /** Rows; 0 if the server has nothing older. */
+  /** Number of rows; 0 if the server has no older samples. */
   rows: number;
 };
 
@@ -688,23 +688,23 @@ export type HistoryPiece = {
 export type InstructionEvent = {
   /** Bits that were cleared. */
   clear: string[];
-  /** The cause that ended the instruction before its end. */
+  /** The cause that ended the instruction prematurely. */
   ended: EndCause | null;
   /** ERR. */
   err: number;
-  /** The error, where ER was set. */
+  /** The error, if ER was set. */
   error: Refusal | null;
   /** EXERR. */
   exerr: number;
   /** Mnemonic. */
   instruction: string;
-  /** The axis, coordinate system or group that it is about. */
+  /** The axis, coordinate system or group on which the instruction acts. */
   object: string | null;
   /** Bits that were set. */
   set: string[];
   /** Name of its motion control tag; empty without one. */
   tag: string;
-  /** Its line of Structured Text, where a page executed it. */
+  /** Its line of Structured Text, if a page executed it. */
   text: string | null;
   /** Number of the execution. */
   ticket: number;
@@ -720,7 +720,7 @@ export type InstructionForm = {
   object: string;
   /** Its operands in the order of the faceplate. */
   operands: OperandForm[];
-  /** One sentence. */
+  /** A description, as a sentence. */
   summary: string;
   /** Its target position dialog. */
   target_position: DialogForm | null;
@@ -730,18 +730,8 @@ export type InstructionForm = {
 
 /** A limit that a simulation would exceed. */
 export type LimitText = {
-  /** A sentence for people. */
+  /** A description, as a sentence. */
   text: string;
-};
-
-/** The state of a rung or line. */
-export type MonitorRow = {
-  /** Index in the routine, from 0. */
-  index: number;
-  /** `0` or `1` each: the rung condition, then the condition behind each element. Empty: the rung was not scanned in the program's last scan. */
-  power: string;
-  /** Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text. */
-  values: unknown[];
 };
 
 /** The machine as configured. */
@@ -762,7 +752,17 @@ export type Machine = {
   version: string;
 };
 
-/** An operand has one of some values. */
+/** The state of a rung or line. */
+export type MonitorRow = {
+  /** Index in the routine, from 0. */
+  index: number;
+  /** One digit, `0` or `1`, for the rung condition and for the condition after each element. Empty: the last scan of the program did not include the rung. */
+  power: string;
+  /** Value of each operand, or of each tag of a line; null: there is none. Whole numbers beyond 2⁵³ are text. */
+  values: unknown[];
+};
+
+/** The condition that an operand has one of these values. */
 export type OperandCondition = {
   /** Its values. */
   in: number[];
@@ -788,7 +788,7 @@ export type OperandForm = {
   object?: string | null;
   /** Range of a number; null or absent: every finite number. */
   range?: RangeForm | null;
-  /** Conditions under which it matters; null: always. */
+  /** Conditions under which the operand has an effect; null: always. */
   shown_when: OperandCondition[] | null;
   /** Condition under which one element is enough. */
   single_when?: OperandCondition | null;
@@ -823,7 +823,7 @@ export type PendingMove = {
 
 /** A program of the controller. */
 export type ProgramRow = {
-  /** Whether the task passes over the program. */
+  /** Whether the task skips the program. */
   disabled: boolean;
   /** Name of the routine that runs after a major fault. */
   fault: string | null;
@@ -844,11 +844,11 @@ export type ProgramStatus = {
   error: Refusal | null;
   /** Line of the statement that runs or comes next, from 1. */
   line: number | null;
-  /** Another number for each program. */
+  /** A number that changes with each program. */
   run: number;
   /** State. */
   state: ProgramState;
-  /** Its text, only with a new `run`. */
+  /** Its text; only with a new `run`. */
   text?: string | null;
   /** The viewer that began it. */
   viewer: string | null;
@@ -892,7 +892,7 @@ export type Refusal = {
   cause?: string | null;
   /** Column of the text, from 1. */
   column?: number | null;
-  /** The operand, axis or detail that EXERR points at. */
+  /** The operand, axis or detail that EXERR identifies. */
   concerns?: string | null;
   /** The object whose control the request needs. */
   control?: string;
@@ -908,31 +908,31 @@ export type Refusal = {
   member?: string | null;
   /** The remedy for ERR. */
   remedy?: string | null;
-  /** A sentence for people. */
+  /** The reason, as a sentence. */
   text: string;
 };
 
 /** A command position that an axis refused. */
 export type RefusedCommand = {
-  /** Position and velocity of the refused command; null where one is no number. */
+  /** Position and velocity of the refused command; null for a value that is not a number. */
   asked: [number, number];
-  /** The instruction that asked for it. */
+  /** The instruction that commanded it. */
   by: EndCause | null;
   /** Position and velocity of the last command, position units and position units/s. */
   last: [number, number];
-  /** A sentence for people. */
+  /** A description, as a sentence. */
   text: string;
 };
 
 /** The rest of a planned contour between moves that go on. */
 export type RestEvent = {
-  /** Rests of that cause since the start. */
+  /** Number of rests of that cause since the start. */
   count: number;
   /** The part that was too slow: `program`, whose next move came late, or `planner`. */
   slow: SlowPart;
   /** The coordinate system. */
   system: string | null;
-  /** A sentence for people. */
+  /** A description, as a sentence. */
   text: string;
 };
 
@@ -946,7 +946,7 @@ export type RoutineList = {
   programs: ProgramRow[];
   /** Its tasks. */
   tasks: TaskRow[];
-  /** Another number for each program that is loaded. */
+  /** A number that changes with each loaded program. */
   version: number;
 };
 
@@ -962,19 +962,19 @@ export type RoutinePage = {
 
 /** A routine. */
 export type RoutineRow = {
-  /** Rungs or lines. */
+  /** Number of rungs or lines. */
   count: number;
-  /** `ladder`, `text`, or another language, which does not run. */
+  /** `ladder` or `text`; a routine of another language does not run. */
   language: string;
   /** Name. */
   name: string;
-  /** Number, for other requests. */
+  /** Number of the routine, as in the requests. */
   routine: number;
 };
 
 /** A rung. */
 export type Rung = {
-  /** Comment; empty: none. */
+  /** Comment; empty without one. */
   comment: string;
   /** Elements from left to right. */
   elements: RungElement[];
@@ -984,13 +984,13 @@ export type Rung = {
 
 /** An element of a rung: an instruction, or a branch with legs. */
 export type RungElement = {
-  /** Index of its condition in `power` of a look. */
+  /** Index of its condition in `power` of the push `look`. */
   condition: number;
   /** Legs of a branch, from top to bottom. */
   legs?: RungElement[][];
-  /** Mnemonic; empty: a branch. */
+  /** Mnemonic; empty for a branch. */
   name?: string;
-  /** Operands, in the order of the values of a look. */
+  /** Operands, in the order of the values of the push `look`. */
   operands?: RungOperand[];
   /** Name of the instruction in words. */
   title?: string;
@@ -1036,7 +1036,7 @@ export type SimulatedEvent = {
   clear: string[];
   /** ERR. */
   err: number;
-  /** The error, where ER was set. */
+  /** The error, if ER was set. */
   error: Refusal | null;
   /** EXERR. */
   exerr: number;
@@ -1067,11 +1067,11 @@ export type SlowPart = "program" | "planner";
 
 /** The state of the machine. */
 export type Status = {
-  /** Events that the audit has lost since the start; null: there is no audit. */
+  /** Number of events that the audit has lost since the start; null without an audit. */
   audit_lost: number | null;
   /** Every axis, in the order of the configuration. */
   axes: AxisStatus[];
-  /** The controller's own program; null: it has none. */
+  /** The controller's own program; null without one. */
   controller: ControllerStatus | null;
   /** Every coordinate system, in the order of the configuration. */
   coordinate_systems: SystemStatus[];
@@ -1111,7 +1111,7 @@ export type SystemConfiguration = {
   max_speed: number;
   /** Name. */
   name: string;
-  /** Moves that its queue can hold. */
+  /** Number of moves for which its queue has room. */
   queue_depth: number;
   /** Whether the coordinate system is a robot: frames of samples have the position of its tool. */
   robot: boolean;
@@ -1131,9 +1131,9 @@ export type SystemStatus = {
   name: string;
   /** Feed override, percent. */
   override: number;
-  /** The programmed paths; only when `path_version` has changed, and not of a robot. */
+  /** The programmed paths; only when `path_version` has changed, and never for a robot. */
   path?: Paths | null;
-  /** Another number for other paths. */
+  /** A number that changes with the paths. */
   path_version: number;
   /** Pending moves, oldest first, at most 200. */
   pending: PendingMove[];
@@ -1148,7 +1148,7 @@ export type TagAccess = "read" | "read/write";
 
 /** Tags by their names. */
 export type TagPage = {
-  /** Whether there are more tags behind the last one. */
+  /** Whether more tags follow. */
   more: boolean;
   /** At most 200 tags. */
   tags: TagRow[];
@@ -1164,7 +1164,7 @@ export type TagRow = {
   name: string;
   /** Name of the data type. */
   type: string;
-  /** The value of a single value of an elementary type. */
+  /** Value, if the tag is a single value of an elementary type. */
   value?: unknown;
 };
 
@@ -1174,19 +1174,19 @@ export type TaskRow = {
   inhibited: boolean;
   /** Name. */
   name: string;
-  /** 1, the highest, to 15. */
+  /** Priority: 1, the highest, to 15. */
   priority: number;
   /** Names of its programs, in their order. */
   programs: string[];
-  /** When it runs, in words. */
+  /** Description of its trigger. */
   trigger: string;
-  /** Longest time of a run, ms. */
+  /** Watchdog time, ms. */
   watchdog_ms: number;
 };
 
 /** A line of Structured Text. */
 export type TextLine = {
-  /** Tags in it, in the order of the values of a look. */
+  /** Tags of the line, in the order of the values of the push `look`. */
   names: string[];
   /** Number in the file. */
   number: number;
@@ -1215,7 +1215,7 @@ export type UnitForm = {
 export type UseList = {
   /** Whether there are more uses. */
   more: boolean;
-  /** Full name of the tag, through aliases. */
+  /** Full name of the tag, with its aliases resolved. */
   tag: string;
   /** The uses, at most 500. */
   uses: UseRow[];
@@ -1225,11 +1225,11 @@ export type UseList = {
 export type UseRow = {
   /** Index of the rung or line in the routine, from 0. */
   index: number;
-  /** Mnemonic; empty: a statement of Structured Text. */
+  /** Mnemonic; empty for a statement of Structured Text. */
   instruction: string;
-  /** The rung or line in words. */
+  /** Description of the rung or line. */
   line: string;
-  /** The tag as it is written there. */
+  /** The text of the tag in the operand. */
   operand: string;
   /** Number of the routine. */
   routine: number;
@@ -1239,7 +1239,7 @@ export type UseRow = {
 
 /** Values of tags. */
 export type Values = {
-  /** Read-only tags among them. */
+  /** Names of the read-only tags among them. */
   read_only: string[];
   /** The value of each name, or `{error}`. Whole numbers beyond 2⁵³ are text. */
   values: Record<string, unknown>;
