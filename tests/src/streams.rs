@@ -34,6 +34,8 @@ pub const STREAMS: &[Stream] = &[
     Stream { name: "wavy",    chord: 0.15, speed: 250.0, tolerance: 0.008, course: |c| c.chord(waves) },
     Stream { name: "slots",   chord: 8.0,  speed: 250.0, tolerance: 0.01,  course: Course::slot },
     Stream { name: "islands", chord: 0.08, speed: 300.0, tolerance: 0.02,  course: Course::island },
+    Stream { name: "rows",    chord: 0.50, speed: 100.0, tolerance: 0.01,  course: |c| c.chord(rows) },
+    Stream { name: "rough",   chord: 0.50, speed: 300.0, tolerance: 0.01,  course: Course::rough },
 ];
 
 fn surface(u: f64) -> Point {
@@ -49,6 +51,14 @@ fn raster(u: f64) -> Point {
     let x = if row % 2.0 == 0.0 { on } else { 80.0 - on };
     let dome = 1.0 - ((x - 40.0) / 60.0).powi(2);
     Point::new(x, 0.4 * row + 0.2 * (x / 5.0).sin(), 12.0 * dome.max(0.0).sqrt())
+}
+
+/// Short rows to and fro.
+fn rows(u: f64) -> Point {
+    let row = (u / 15.0).floor();
+    let on = u - row * 15.0;
+    let x = if row % 2.0 == 0.0 { on } else { 15.0 - on };
+    Point::new(x, 0.2 * row, 2.0 * (x / 3.0).sin())
 }
 
 /// A sudden corner every 7 mm.
@@ -146,6 +156,19 @@ impl Course {
                     self.arc(radius.abs(), radius.signum() * core::f64::consts::FRAC_PI_2);
                 }
             }
+        }
+    }
+
+    /// Chords of a curve that was measured: each turns by an angle of its own. Now and then a long line.
+    fn rough(&mut self) {
+        let on = self.paths.len() % 257;
+        if on == 256 {
+            self.line(self.ahead(20.0));
+        } else {
+            let noise = (self.chords * 12.9898).sin() * 43_758.547;
+            self.chords += 1.0;
+            self.heading += 0.015 + 0.065 * (2.0 * (noise - noise.floor()) - 1.0);
+            self.line(self.ahead(self.chord));
         }
     }
 

@@ -30,6 +30,15 @@ pub(crate) struct Solved {
     pub(crate) times: Vec<f64>,
 }
 
+/// The end of a search that found no motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Missed {
+    /// Another curve or another timing may be within all limits.
+    Near,
+    /// The motion is so far outside its limits that only a slower start comes within them.
+    Far,
+}
+
 /// Moves from rest to rest without a stop between them.
 pub(crate) struct Section<'a> {
     moves: &'a [ContourMove],
@@ -88,12 +97,13 @@ impl<'a> Section<'a> {
         let control = self.first_guess();
         let mut work = Work::from_rest(control.points.len());
         self.run(control, &stages(self.smoothness, self.quality), &mut work)
+            .ok()
     }
 
     /// The same with a budget of work that it shares with others.
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
         let stages = stages(self.smoothness, self.quality);
-        self.run(self.first_guess(), &stages, work)
+        self.run(self.first_guess(), &stages, work).ok()
     }
 
     fn first_guess(&self) -> ControlPoints {
@@ -107,8 +117,11 @@ impl<'a> Section<'a> {
         )
     }
 
-    /// Optimises from a warm start to rest; `None` if the result is not inside the corridor and the limits.
-    pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+    /// Optimises from a warm start to rest.
+    ///
+    /// # Errors
+    /// The result is not inside the corridor and the limits.
+    pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Result<Trajectory, Missed> {
         let mut stages = stages(self.smoothness, self.quality);
         if self.quality == Quality::Smooth && self.smoothness == Smoothness::SCurve {
             // The running motion keeps the limits of the jerk; after a stage without them, the motion would not return to them.
@@ -117,7 +130,7 @@ impl<'a> Section<'a> {
                 stages.insert(0, stages[0]);
             }
         }
-        Some(self.finish(self.run(control, &stages, work)?))
+        Ok(self.finish(self.run(control, &stages, work)?))
     }
 
     /// Makes a warm start faster that is within all limits, or nearly; `None` if it does not come within them.
@@ -186,7 +199,7 @@ impl<'a> Section<'a> {
     /// Optimises a warm start that is nearly within its limits.
     pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let stages = last_stages(self.smoothness);
-        Some(self.finish(self.run(control, &stages, work)?))
+        Some(self.finish(self.run(control, &stages, work).ok()?))
     }
 
     /// The last resort for a single curve: the first guess, slowed down to its limits.
@@ -212,7 +225,7 @@ impl<'a> Section<'a> {
     }
 
     /// Runs all stages, until one has a plan or the work is used up.
-    fn run(&self, mut control: ControlPoints, stages: &[Stage], work: &mut Work) -> Option<Solved> {
+    fn run(&self, mut control: ControlPoints, stages: &[Stage], work: &mut Work) -> Result<Solved, Missed> {
         let quality = self.quality;
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
@@ -248,14 +261,14 @@ impl<'a> Section<'a> {
             }
             let now = self.run_stage(&mut control, stage, &margin, work);
             if !now.trajectory.duration().is_finite() {
-                return None;
+                return Err(Missed::Near);
             }
             let worst = margin.tighten(&now.trajectory, &control, &self.reference, &self.allowance);
             let is_plan = stage.result != StageResult::Start;
             let within = worst <= 1.0 && now.excess <= 1.0 + LIMIT_SHARE;
             // A continuation within all limits is a plan after any stage: if a later stage fails, it starts from this plan again.
             if let Some(within) = within_before.take_if(|_| is_plan && !within) {
-                return Some(self.improved(within, stage, &margin, work));
+                return Ok(self.improved(within, stage, &margin, work));
             }
             if closes_in && within {
                 within_before = Some(Solved {
@@ -264,27 +277,30 @@ impl<'a> Section<'a> {
                     times: now.times.clone(),
                 });
             }
+            if closes_in && now.excess > TUNING.smooth.far {
+                return Err(Missed::Far);
+            }
             // A motion whose excess no longer decreases does not come within its limits; a slower one may.
             let comes_nearer = last
                 .as_ref()
                 .is_none_or(|last| now.excess < TUNING.smooth.nearer * last.excess);
             if closes_in && !within && worst <= 1.0 && last_worst <= 1.0 && !comes_nearer {
-                return None;
+                return Err(Missed::Near);
             }
             // A running motion cannot wait for its continuation for long.
             let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
             if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
-                return None;
+                return Err(Missed::Near);
             }
             if is_plan && within {
-                return Some(Solved {
+                return Ok(Solved {
                     trajectory: now.trajectory,
                     control,
                     times: now.times,
                 });
             }
             if work.is_done() {
-                return within_before;
+                return within_before.ok_or(Missed::Near);
             }
             // The first repair narrows the corridor only where the curve was outside; later ones narrow all of it.
             if is_repair && quality != Quality::TimingOnly {
@@ -293,7 +309,7 @@ impl<'a> Section<'a> {
             last = Some(now);
             last_worst = worst;
         }
-        within_before
+        within_before.ok_or(Missed::Near)
     }
 
     /// A motion within all limits, made faster on its own nodes; the motion itself if that fails.

@@ -84,6 +84,8 @@ constants! {
         /// Nodes about an edge of the corridor between which the motion passes it, and halvings that find the instant.
         edge_nodes: usize = 3,
         edge_halvings: u32 = 40,
+        /// Steps of the secant method that find the instant at which the motion passes a joint.
+        joint_steps: usize = 3,
     }
 }
 
@@ -113,6 +115,11 @@ constants! {
     Smooth {
         /// Seconds between two nodes in busy stretches.
         node_s: f64 = 0.002,
+        /// Length of the pieces beside a joint, as a share of the way between two nodes, and the roughness of the joint (difference of unit vectors) from
+        /// which on the curve is held inside the corridor there too.
+        /// Never: `rough` with trapezoids 0.8 of the motion instead of 0.13; for every joint that turns: `coarse` with trapezoids 0.053 instead of 0.03.
+        joint_share: f64 = 0.4,
+        rough: f64 = 0.02,
         /// A change of direction (of a unit vector) whose corner has nodes of its own.
         sharp: f64 = 0.35,
         /// The least number of moves for a smooth curve, and the moves for each permitted sharp corner.
@@ -136,6 +143,8 @@ constants! {
         most_step: f64 = 0.8,
         /// Most repeated attempts of a continuation to close in on its limits.
         closing: usize = 3,
+        /// Excess after an attempt beyond which a further one does not come inside.
+        far: f64 = 1.8,
         /// Largest share of an excess that may remain after another attempt.
         nearer: f64 = 0.97,
         /// Most repetitions of the timing with a narrower corridor where the curve was outside.
@@ -328,6 +337,8 @@ constants! {
         /// Rest of the running motion, seconds, below which a slower instant of it is tried second.
         /// 0: `fine` with S-curves 0.33 of the motion instead of 0.18; always: `coarse` +0.65 %, `islands` +0.2 % with S-curves.
         short_s: f64 = 0.4,
+        /// Seconds by which the splice is later after an attempt that ended far outside the limits.
+        slower_s: f64 = 0.03,
         /// Rest of the running motion, seconds, from which on timing and shape are planned together.
         ample_s: f64 = 0.3,
         /// Share of the moves to plan if no plan for all is found.

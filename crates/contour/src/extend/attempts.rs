@@ -12,6 +12,8 @@ pub(crate) struct Attempt {
     pub(crate) brakings: f64,
     /// The part of dense chords that is slowed down first.
     pub(crate) slow_down: SlowDown,
+    /// The smooth curve begins where the warm start leaves the running motion, not before.
+    pub(crate) holds: bool,
 }
 
 /// The search for an extension.
@@ -37,12 +39,12 @@ impl Search<'_> {
 
 /// The attempts in their order.
 pub(crate) const ATTEMPTS: [Attempt; 6] = [
-    attempt(0.0, 1.0, SlowDown::Outside),
-    attempt(0.0, 1.0, SlowDown::Whole),
-    attempt(0.02, 1.0, SlowDown::Outside),
-    attempt(0.04, 0.7, SlowDown::Whole),
-    attempt(0.06, 0.45, SlowDown::Outside),
-    attempt(0.08, 0.25, SlowDown::Whole),
+    attempt(0.0, 1.0, SlowDown::Outside, false),
+    attempt(0.0, 1.0, SlowDown::Whole, true),
+    attempt(0.02, 1.0, SlowDown::Outside, false),
+    attempt(0.04, 0.7, SlowDown::Whole, true),
+    attempt(0.06, 0.45, SlowDown::Outside, false),
+    attempt(0.08, 0.25, SlowDown::Whole, true),
 ];
 
 /// For a short rest of the running motion: a splice at a slower instant succeeds more often than a slower motion only.
@@ -55,11 +57,12 @@ pub(crate) const SHORT_ATTEMPTS: [Attempt; 6] = [
     ATTEMPTS[5],
 ];
 
-const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown) -> Attempt {
+const fn attempt(later_s: f64, brakings: f64, slow_down: SlowDown, holds: bool) -> Attempt {
     Attempt {
         later_s,
         brakings,
         slow_down,
+        holds,
     }
 }
 

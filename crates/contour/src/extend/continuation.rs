@@ -7,7 +7,7 @@ use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::SectionStart;
 use crate::plan::{PlanningTime, plan_with};
-use crate::section::Section;
+use crate::section::{Missed, Section};
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::solve::work::Work;
@@ -34,16 +34,24 @@ pub(crate) struct Continuation<'a> {
 impl Continuation<'_> {
     /// Plans from `splice` on; the warm start follows the running motion until `leave`. `work` is the budget of all attempts on timing and shape
     /// together; the first attempt sets it.
+    ///
+    /// # Errors
+    /// No motion was found.
     pub(crate) fn plan(
         &self,
         splice: f64,
         leave: f64,
         slow_down: SlowDown,
+        holds: bool,
         work: &mut Option<Work>,
-    ) -> Option<Trajectory> {
-        self.then(splice, leave, self.quality, |section, followed, back| {
+    ) -> Result<Trajectory, Missed> {
+        let mut missed = Missed::Near;
+        let found = self.then(splice, leave, self.quality, |section, followed, back| {
             let section = section.slowing(slow_down);
-            let control = warm_start(&section, followed);
+            let mut control = warm_start(&section, followed);
+            if !holds {
+                control.held_nodes = control.kept_nodes;
+            }
             // On a fixed curve, each attempt has the whole budget, which is small.
             if self.quality == Quality::Smooth {
                 *work = None;
@@ -51,8 +59,11 @@ impl Continuation<'_> {
             let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), self.quality));
             section
                 .improve(control, work)
+                .map_err(|why| missed = why)
+                .ok()
                 .or_else(|| self.joined(&section, followed, back, work))
-        })
+        });
+        found.ok_or(missed)
     }
 
     /// The same on evenly rounded corners, from `earliest` on, from a warm start within all limits. `brakes`: the instant at which the running

@@ -15,6 +15,7 @@ use crate::extend::attempts::{ATTEMPTS, SHORT_ATTEMPTS, Search};
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
+use crate::section::Missed;
 use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
@@ -142,8 +143,11 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: 
         Search::Attempts(_, attempts) => attempts,
     };
     // A search that fails from one instant of the running motion may succeed from a later one.
-    let (mut work, mut tried) = (None, Vec::new());
+    let (mut work, mut tried, mut soonest) = (None, Vec::new(), 0.0);
     attempts.iter().find_map(|attempt| {
+        if attempt.later_s < soonest {
+            return None;
+        }
         let splice = splice(
             running,
             passed + begin,
@@ -156,11 +160,18 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: 
             Quality::Smooth => attempt.slow_down,
             Quality::Full | Quality::TimingOnly => SlowDown::Whole,
         };
-        let same = (splice, leave, slow_down);
+        let same = (splice, leave, slow_down, attempt.holds);
         if tried.contains(&same) {
             return None;
         }
         tried.push(same);
-        continuation.plan(splice, leave, slow_down, &mut work)
+        let planned = continuation.plan(splice, leave, slow_down, attempt.holds, &mut work);
+        planned
+            .map_err(|missed| {
+                if missed == Missed::Far {
+                    soonest = attempt.later_s + TUNING.extend.slower_s;
+                }
+            })
+            .ok()
     })
 }

@@ -62,7 +62,7 @@ pub fn replan(
                 quality,
             };
             let leave = leave_at(&running, splice, splice + TUNING.extend.replan_followed_s);
-            continuation.plan(splice, leave, SlowDown::Whole, &mut work)
+            continuation.plan(splice, leave, SlowDown::Whole, false, &mut work).ok()
         })?;
         Some(whole.planned_for(moves, limits))
     })

@@ -3,11 +3,11 @@
 //! Between two knots the curve may be farther off than at both, most of all where it crosses the bisector of a sharp corner. The excess that
 //! is measured there narrows the corridor of the next run.
 
-use crate::Trajectory;
 use crate::path::allowance::Allowance;
 use crate::path::reference::{ReferencePath, along};
 use crate::timing::control_points::ControlPoints;
 use crate::tuning::TUNING;
+use crate::{Point, Trajectory};
 
 /// Shares of the tolerance by arc length of the reference path.
 pub(crate) struct ToleranceMargin {
@@ -61,11 +61,14 @@ impl ToleranceMargin {
             let s = control.progress[i];
             let piece = reference.piece_at(s);
             let next = trajectory.knots[knot + 1].time;
-            let used = |time: f64| allowance.used(reference, &trajectory.at(time).position, piece, s);
-            let mut most = most_between(trajectory.knots[knot].time, next, allowance, used);
+            let at = |time: f64| trajectory.at(time).position;
+            let used = |time: f64| allowance.used(reference, &at(time), piece, s);
+            let from = trajectory.knots[knot].time;
+            let mut most = most_between(from, next, allowance, used);
             while let Some(edge) = edges.next_if(|&edge| edge < next) {
                 most = most.max(used(edge));
             }
+            for_each_joint([from, next], reference, piece, at, |time| most = most.max(used(time)));
             worst = worst.max(most);
             if most > TUNING.margin.inside {
                 let before = control.progress[i.saturating_sub(1)];
@@ -111,6 +114,36 @@ fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64)
         most = most.max(used(from + step * peak(&parts)));
     }
     most
+}
+
+/// Calls `take` with the instants between two at which the motion is as far from both pieces at a joint: there it is farthest from the reference
+/// path, which its samples miss. `hint`: a piece near the motion.
+fn for_each_joint(
+    [from, until]: [f64; 2],
+    reference: &ReferencePath,
+    hint: usize,
+    at: impl Fn(f64) -> Point,
+    mut take: impl FnMut(f64),
+) {
+    let first = reference.foot(&at(from), hint).1;
+    let last = reference.foot(&at(until), first).1;
+    for joint in first + 1..=last {
+        let (before, behind) = (&reference.pieces[joint - 1], &reference.pieces[joint]);
+        let (corner, forward) = (behind.start(), before.end_tangent() + behind.start_tangent());
+        let beyond = |time: f64| (at(time) - corner).dot(&forward);
+        let (mut low, mut high) = ((from, beyond(from)), (until, beyond(until)));
+        for _ in 0..TUNING.margin.joint_steps {
+            let part = (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
+            let time = low.0 + (high.0 - low.0) * if part.is_finite() { part } else { 0.5 };
+            let side = beyond(time);
+            if side < 0.0 {
+                low = (time, side);
+            } else {
+                high = (time, side);
+            }
+            take(time);
+        }
+    }
 }
 
 /// The instants at which the motion passes the points at which the corridor stops narrowing, ascending.

@@ -25,14 +25,18 @@ pub(crate) fn smooth(
     control: &mut ControlPoints,
 ) {
     let count = control.points.len();
-    let given = control.kept_nodes.max(TUNING.smooth.held_ends);
+    let given = control.held_nodes.max(control.kept_nodes).max(TUNING.smooth.held_ends);
     if count < given + 2 * TUNING.smooth.held_ends {
         return;
     }
     let free = given..count - TUNING.smooth.held_ends;
-    let mut rows: Vec<Row> = (given - 1..count - TUNING.smooth.held_ends)
-        .flat_map(|node| PARTS.map(|part| Row::new(node, part, reference, margin, control)))
-        .collect();
+    let is_rough = is_rough(reference);
+    let mut rows: Vec<Row> = Vec::new();
+    for node in given - 1..count - TUNING.smooth.held_ends {
+        let at_joints = is_rough.then(|| joints(node, reference, control));
+        let parts = PARTS.into_iter().chain(at_joints.into_iter().flatten());
+        rows.extend(parts.map(|part| Row::new(node, part, reference, margin, control)));
+    }
     if control.initial.is_some() {
         let beside = given + TUNING.smooth.beside_nodes;
         for row in rows.iter_mut().filter(|row| row.first < beside) {
@@ -125,7 +129,9 @@ impl Row {
     /// Widens the corridor for the running motion, which may be nearer to the wall than a smooth curve.
     fn begin(&mut self, reference: &ReferencePath, allowance: &Allowance, points: &[Point]) {
         self.update(reference, allowance, points);
-        let most = TUNING.smooth.most_begun / self.share * self.radius;
+        // Less where the curve was outside.
+        let usual = TUNING.smooth.inside_share * TUNING.margin.usual_share;
+        let most = TUNING.smooth.most_begun / usual * self.radius;
         self.begun = most.min(TUNING.smooth.beside_off * self.off.norm());
     }
 
@@ -163,6 +169,42 @@ impl Row {
             1.0
         }
     }
+}
+
+/// The shares of the span behind a knot at which the motion passes joints between pieces that are long beside the span: the curve is farthest from
+/// its path there.
+fn joints<'a>(node: usize, reference: &'a ReferencePath, control: &ControlPoints) -> impl Iterator<Item = f64> + 'a {
+    let (from, until) = (control.progress[node], control.progress[node + 1]);
+    let first = reference.piece_at(from);
+    let last = reference.piece_at(until);
+    let least = TUNING.smooth.joint_share * (until - from);
+    let is_long = move |piece: usize| reference.pieces[piece].length() >= least;
+    (first + 1..=last)
+        .filter(move |&joint| is_long(joint - 1) && is_long(joint))
+        .map(move |joint| (reference.starts[joint] - from) / (until - from))
+}
+
+/// The chords are those of a rough curve: on average, the direction changes at a joint otherwise than at its neighbours.
+fn is_rough(reference: &ReferencePath) -> bool {
+    let joints = 1..reference.pieces.len();
+    let count = joints.len() as f64;
+    joints
+        .map(|joint| roughness(reference, joint).min(TUNING.smooth.sharp))
+        .sum::<f64>()
+        > TUNING.smooth.rough * count
+}
+
+/// The difference between the change of direction at a joint and that at its neighbours: on the chords of a smooth curve it is small.
+fn roughness(reference: &ReferencePath, joint: usize) -> f64 {
+    let change = |joint: usize| {
+        let before = joint.checked_sub(1).and_then(|before| reference.pieces.get(before));
+        let pair = before.zip(reference.pieces.get(joint));
+        pair.map(|(before, behind)| behind.start_tangent() - before.end_tangent())
+    };
+    let Some(here) = change(joint) else { return 0.0 };
+    let beside = |other: Option<Point>| other.unwrap_or(here);
+    let mean = (beside(change(joint.wrapping_sub(1))) + beside(change(joint + 1))) * 0.5;
+    (here - mean).norm()
 }
 
 /// Weights of four nodes whose sum is the jerk times the root of its duration, in units of the usual time between two nodes.

@@ -16,6 +16,8 @@ pub(crate) struct ControlPoints {
     pub(crate) initial: Option<State>,
     /// The number of nodes close to the running motion, which keep their knots from run to run.
     pub(crate) kept_nodes: usize,
+    /// The number of nodes that stay on the curve of the running motion in the next smoothing.
+    pub(crate) held_nodes: usize,
 }
 
 /// Nodes and spans that a running motion determines.
@@ -32,6 +34,7 @@ impl ControlPoints {
             initial: Some(initial),
             // The end of the followed part may become faster.
             kept_nodes: (followed * 2 / 3).max(GIVEN + 1).min(followed - 1),
+            held_nodes: followed - 1,
         }
     }
 

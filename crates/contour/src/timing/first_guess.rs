@@ -55,6 +55,7 @@ pub(crate) fn first_guess(
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         initial: None,
         kept_nodes: 0,
+        held_nodes: 0,
     };
     let mut on_arc = Vec::with_capacity(grid.len());
     let mut i = 0;

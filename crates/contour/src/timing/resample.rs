@@ -83,6 +83,7 @@ pub(crate) fn resample(
         spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
         initial: None,
         kept_nodes: 0,
+        held_nodes: 0,
     }
 }
 
@@ -96,6 +97,7 @@ fn resample_continued(
 ) -> ControlPoints {
     let kept_nodes = control.kept_nodes;
     let mut fresh = control.clone();
+    fresh.held_nodes = kept_nodes;
     let whole = warp.stretched(trajectory.duration());
     let grid = continued_grid(times[..=kept_nodes].to_vec(), whole, density);
     fresh.spans = grid.windows(2).map(|pair| pair[1] - pair[0]).collect();

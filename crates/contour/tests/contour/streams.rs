@@ -1,7 +1,7 @@
 //! Streams as CAM systems post them, through a queue of 1,000 moves: dense chords, arcs between lines, sudden corners, islands of tiny
 //! moves between long ones. Within tolerance and limits, without a step at any splice, and never at rest before the end.
 
-use crate::common::{Profile, arc_through, check_peaks, distance, profile};
+use crate::common::{PROFILES, Profile, arc_through, check_peaks, distance, profile};
 use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, begin, extend};
 use proptest::prelude::*;
 
@@ -13,6 +13,8 @@ const LEAD: f64 = 0.05;
 /// A part of a toolpath.
 #[derive(Clone, Copy, Debug)]
 enum Part {
+    /// A number of chords of a curve that was measured: their length (mm), the mean change of direction at each (rad) and the spread about it.
+    Rough(usize, f64, f64, f64),
     /// A number of chords of a curve: their length (mm), the change of direction at each (rad) and its growth from chord to chord.
     Chords(usize, f64, f64, f64),
     /// A line.
@@ -27,6 +29,7 @@ fn part() -> impl Strategy<Value = Part> {
     prop_oneof![
         4 => (40..250_usize, 0.05..0.5_f64, -0.03..0.03_f64, -3e-4..3e-4_f64).prop_map(|(n, l, t, c)| Part::Chords(n, l, t, c)),
         1 => (5..40_usize, 0.01..0.1_f64, -0.2..0.2_f64, -1e-2..1e-2_f64).prop_map(|(n, l, t, c)| Part::Chords(n, l, t, c)),
+        1 => (30..150_usize, 0.1..0.5_f64, -0.02..0.02_f64, 0.0..0.06_f64).prop_map(|(n, l, t, s)| Part::Rough(n, l, t, s)),
         1 => (1.0..30.0_f64).prop_map(Part::Line),
         1 => (2.0..20.0_f64, -0.4..0.4_f64).prop_map(|(l, b)| Part::Arc(l, b)),
         1 => (-2.8..2.8_f64).prop_map(Part::Corner),
@@ -61,6 +64,13 @@ fn course(parts: &[Part], speed: f64, tolerance: f64, profile: Profile) -> Vec<C
                     go(&mut from, heading, height, length, 0.0);
                 }
             }
+            Part::Rough(count, length, turn, spread) => {
+                for k in 0..count {
+                    let noise = 43_758.547 * libm::sin(12.9898 * k as f64);
+                    heading += turn + spread * (2.0 * (noise - noise.floor()) - 1.0);
+                    go(&mut from, heading, height, length, 0.0);
+                }
+            }
             Part::Line(length) => go(&mut from, heading, height, length, 0.0),
             Part::Arc(length, bulge) => go(&mut from, heading, height, length, bulge),
             Part::Corner(turn) => heading += turn,
@@ -84,7 +94,7 @@ fn check(
     (moves, passed): (&[ContourMove], usize),
     speed: f64,
 ) -> Result<(), TestCaseError> {
-    let count = ((to - from) / 1e-3).ceil().max(1.0) as usize;
+    let count = ((to - from) / 2.5e-4).ceil().max(1.0) as usize;
     for k in 0..count {
         let t = from + (to - from) * (k as f64 + 0.37) / count as f64;
         let state = trajectory.at(t);
@@ -92,7 +102,7 @@ fn check(
         let on = passed + trajectory.move_at(t);
         let tolerance = moves[on].tolerance;
         let off = off(moves, on, &state.position);
-        prop_assert!(off <= tolerance * 1.001, "off by {off} at {t}, on move {on}");
+        prop_assert!(off <= tolerance * (1.0 + 1e-4), "off by {off} at {t}, on move {on}");
     }
     Ok(())
 }
@@ -167,5 +177,26 @@ proptest! {
         prop_assume!(moves.len() > 30);
         let (rests, _) = travel(&moves, &profile.limits(), speed)?;
         prop_assert_eq!(rests, 0);
+    }
+}
+
+/// The curve is farthest from its path where it passes a joint, between the points that are measured elsewhere: it was outside there by up to a tenth of
+/// the tolerance.
+#[test]
+fn a_curve_is_inside_where_it_passes_a_joint() {
+    let found = [
+        (0.3, 0.03, 0.01, 0.005),
+        (0.5, 0.03, 0.01, 0.005),
+        (0.5, 0.015, 0.03, 0.01),
+        (0.8, 0.03, 0.03, 0.01),
+        (0.5, 0.015, 0.065, 0.01),
+    ];
+    for (chord, turn, spread, tolerance) in found {
+        for profile in PROFILES {
+            let moves = course(&[Part::Rough(400, chord, turn, spread)], 300.0, tolerance, profile);
+            let travelled = travel(&moves, &profile.limits(), 300.0);
+            let (rests, _) = travelled.expect("it is inside");
+            assert_eq!(rests, 0, "{profile:?}, chords of {chord} at {tolerance}");
+        }
     }
 }
