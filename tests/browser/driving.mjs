@@ -238,9 +238,10 @@ export async function a_program_runs({ browser, url }) {
   // Step by step: before the first statement, before the second, and on to the end.
   const state = (words) => page.locator(".view.program .toolbar .pill", { hasText: words }).waitFor();
   await page.getByRole("button", { name: "Step" }).click();
-  await state("Paused, line 1");
+  await state("Paused, line 1 of 4");
   await page.getByRole("button", { name: "Step" }).click();
-  await state("Paused, line 2");
+  await state("Paused, line 2 of 4");
+  assert.equal(await page.locator(".view.program .toolbar progress").evaluate(({ value, max }) => value / max), 0.5, "the progress of the program");
   await page.getByRole("button", { name: "Continue" }).click();
   await state("Ended");
   // The dry run of a move that is too fast for an axis shows the peaks, and the first limit that it exceeds.

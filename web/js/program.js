@@ -46,6 +46,7 @@ export class Program {
       onchange: (source) => this.#changed(source),
     });
     this.status = h("span.pill", { role: "status" });
+    this.progress = /** @type {HTMLProgressElement} */ (h("progress", { "aria-label": "Progress of the program by lines", hidden: true }));
     const button = (/** @type {string} */ title, /** @type {string} */ picture, /** @type {() => void} */ action, kind = "") => h(kind ? `button.${kind}` : "button", { type: "button", onclick: action }, icon(picture), title);
     this.dry = button("Dry run", "eye", () => this.#dryRun());
     this.runButton = button("Run", "run", () => this.#run(), "primary");
@@ -63,7 +64,7 @@ export class Program {
     this.control = new ControlBar(app);
     this.system = segmented("Coordinate system", systems.slice(0, 6), systems[0]?.[0], (name) => this.#showSystem(name));
     this.element = h("section.view.program", { "aria-label": this.title },
-      h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, this.why, h("span.spring"), this.status,
+      h("div.toolbar", {}, this.dry, this.runButton, this.step, this.pause, this.end, this.why, h("span.spring"), this.progress, this.status,
         button("Open", "open", () => this.file.click()), button("Save", "save", () => this.#save()), this.file),
       h("div.program-body", {}, this.editor.element,
         h("div.program-side", {}, this.control.element, this.problem,
@@ -194,7 +195,11 @@ export class Program {
     this.active = program.state === "running" || program.state === "paused";
     this.paused = program.state === "paused";
     const who = this.active && program.viewer && program.viewer !== this.app.store.viewer ? ` for ${program.viewer}` : "";
-    text(this.status, `${WORDS[program.state] ?? program.state}${this.active && program.line ? `, line ${program.line}` : ""}${who}`);
+    const lines = (program.text ?? this.editor.text).trimEnd().split("\n").length;
+    text(this.status, `${WORDS[program.state] ?? program.state}${this.active && program.line ? `, line ${program.line} of ${lines}` : ""}${who}`);
+    this.progress.hidden = !this.active;
+    this.progress.max = lines;
+    this.progress.value = program.line ?? 0;
     state(this.status, "kind", COLOURS[program.state]);
     if (this.active && program.text !== undefined && program.text !== null && program.text !== this.editor.text) {
       this.editor.text = program.text;

@@ -1,5 +1,6 @@
 //! `exec` and `run`: Structured Text against a live server.
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use arcline_client::{Client, Ended, Event, OnError, Runner};
@@ -50,6 +51,7 @@ pub(crate) async fn run(client: &Client, command: &Run, output: &Output) -> Resu
     let how = How {
         keep_going: command.keep_going,
         no_wait: command.waiting.no_wait,
+        lines: text.lines().count(),
     };
     to_its_end(client, runner, &command.file, how, output).await
 }
@@ -71,6 +73,23 @@ pub(crate) struct How {
     pub(crate) keep_going: bool,
     /// The end of the text, not of the motion.
     pub(crate) no_wait: bool,
+    /// Lines of the program, for the progress of a long one.
+    pub(crate) lines: usize,
+}
+
+impl How {
+    /// The progress by lines: on a terminal, for a program whose instructions are too many to be shown one by one.
+    fn progress(&self, output: &Output) -> ProgressBar {
+        if self.lines <= MOST_NOTED_LINES || !output.is_watched() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new(self.lines as u64);
+        // The template is a constant: it is always valid.
+        match ProgressStyle::with_template("{bar:30} {percent} %  line {human_pos} of {human_len}  {elapsed}") {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
+    }
 }
 
 /// Runs the program `name`, reports its instructions, and stops its motion on Ctrl-C.
@@ -82,6 +101,8 @@ pub(crate) async fn to_its_end(
     output: &Output,
 ) -> Result<(), Failure> {
     let (mut executed, mut erred) = (0, 0);
+    let progress = how.progress(output);
+    let note = |text: &str| progress.suspend(|| output.note(text));
     let mut on_event = |event: Event<'_>| match event {
         Event::Executed { line, execution } => {
             executed += 1;
@@ -92,6 +113,8 @@ pub(crate) async fn to_its_end(
                         "instance": execution.instance, "ERR": 0, "EXERR": 0,
                     })
                 });
+            } else if !progress.is_hidden() {
+                progress.set_position(line as u64);
             } else if output.is_watched() {
                 output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
             }
@@ -99,7 +122,7 @@ pub(crate) async fn to_its_end(
         // A fault also ends the program, whose end reports it.
         Event::Ended { line, execution, ended } if how.keep_going || !is_fault(ended) => {
             let (mnemonic, target) = (execution.mnemonic, &execution.target);
-            output.note(&format!("line {line}: {mnemonic} {target} was {ended}"));
+            note(&format!("line {line}: {mnemonic} {target} was {ended}"));
         }
         Event::Ended { .. } => {}
         Event::Erred {
@@ -112,7 +135,7 @@ pub(crate) async fn to_its_end(
             // The end of the program reports the error that ended it.
             if how.keep_going {
                 let (err, exerr) = error.motion().unwrap_or_default();
-                output.note(&format!("line {line}: {mnemonic} {target}: {error}"));
+                note(&format!("line {line}: {mnemonic} {target}: {error}"));
                 if output.is_json() {
                     output.result("", || {
                         json!({
@@ -131,6 +154,7 @@ pub(crate) async fn to_its_end(
         } => Some(result),
         () = wait::interrupted() => None,
     };
+    progress.finish_and_clear();
     match result {
         Some(result) => result?,
         None => {
@@ -149,3 +173,6 @@ pub(crate) async fn to_its_end(
         Ok(())
     }
 }
+
+/// Lines of a program up to which each instruction is shown on a terminal.
+const MOST_NOTED_LINES: usize = 200;
