@@ -91,7 +91,7 @@ const CHANCE: &[(&str, &[&str], &[&str])] = &[
        "hmi/sessions/mod.rs", "limits/log_limit.rs", "live/host.rs", "live/scanner.rs", "retained/state_writer.rs", "simulate/cell.rs",
        "simulate/mod.rs", "tls/mod.rs", "trace/mod.rs"]),
     ("the clock on the wall", &["SystemTime::now"],
-     &["audit/file.rs", "audit/mod.rs", "live/host.rs", "plant/wall.rs", "tls/mod.rs"]),
+     &["audit/file.rs", "audit/mod.rs", "live/host.rs", "plant/wall_clock.rs", "tls/mod.rs"]),
     ("random numbers", &["getrandom::"],
      &["audit/file.rs", "eip/datagram.rs", "eip/device.rs", "tls/certs.rs", "users/command.rs"]),
     ("threads", &["thread::Builder", "thread::spawn", "thread::scope", "thread::sleep"],
