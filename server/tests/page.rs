@@ -45,6 +45,8 @@ fn commands_keep_the_users() {
         ("disabled",        &["users", "disable", at, "anna"],                    "",                       0, "anna cannot log in"),
         ("the list",        &["users", "list", at],                               "",                       0, "viewer         anna  disabled\nengineer       bert\n"),
         ("enabled",         &["users", "enable", at, "anna"],                     "",                       0, "anna can log in"),
+        ("logged out",      &["users", "logout", at, "anna"],                     "",                       0, "anna is logged out"),
+        ("nobody's session", &["users", "logout", at, "carl"],                    "",                       2, "there is no user \"carl\""),
         ("a password",      &["users", "passwd", at, "anna"],                     "yet another one\n",      0, "anna has another password"),
         ("nobody",          &["users", "passwd", at, "carl"],                     "yet another one\n",      2, "there is no user \"carl\""),
         ("removed",         &["users", "remove", at, "bert"],                     "",                       0, "the user bert was removed"),

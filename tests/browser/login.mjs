@@ -66,6 +66,37 @@ export async function a_login_gives_the_role({ browser, url, folder }) {
   await close(page);
 }
 
+/** An administrator sees the sessions of all users beside the own one, and ends one; its page says so and looks on as a viewer. */
+export async function an_administrator_ends_a_session({ browser, url, folder }) {
+  const [page, other] = [await open(browser, url, "machine"), await open(browser, url, "machine")];
+  await session(other, "Log in").click();
+  await logIn(other, MARKUP, PASSWORD);
+  await session(other, MARKUP).click();
+  await other.getByText("is logged in as engineer.").waitFor();
+  assert.equal(await other.locator(".sessions").count(), 0, "an engineer is not shown the sessions of others");
+  await session(page, "Log in").click();
+  await logIn(page, "bert", PASSWORD);
+  await session(page, "bert, administrator").click();
+  const rows = page.locator(".sessions tbody tr");
+  await rows.nth(1).waitFor();
+  const texts = await rows.evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+  assert.deepEqual(texts, [[MARKUP, "engineer", "127.0.0.1", "1 page", "below 1 min", "End"], ["bert", "administrator", "127.0.0.1", "1 page", "below 1 min", "this page"]]);
+  await page.screenshot({ path: `${folder}/sessions.png` });
+  await page.setViewportSize({ width: 390, height: 844 });
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(wide <= 0, `the page is ${wide} px wider than a phone`);
+  await page.screenshot({ path: `${folder}/sessions-phone.png` });
+  await page.getByRole("button", { name: /End session \d+ of/ }).click();
+  await other.getByText("an administrator ended it").waitFor();
+  await other.screenshot({ path: `${folder}/session-ended.png` });
+  await session(other, "Log in").waitFor();
+  await rows.nth(1).waitFor({ state: "detached" });
+  for (const one of [page, other]) assert.equal(await one.locator("img").count(), 0, "no element is made of a name");
+  await stop(other);
+  await close(page);
+  await close(other);
+}
+
 /** A name is text wherever it is shown, here and on the pages of others. */
 export async function a_users_name_is_text({ browser, url, folder }) {
   const [page, other] = [await open(browser, url, "machine", { phone: true }), await open(browser, url, "machine")];

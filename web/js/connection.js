@@ -11,6 +11,8 @@ const ANSWER_MS = 10_000;
 const PATIENT = { preview: 120_000, dry_run: 120_000 };
 const FIRST_PAUSE_MS = 250;
 const LONGEST_PAUSE_MS = 2000;
+/** The code of the close of a socket whose session has ended. */
+const SESSION_ENDED = 4401;
 /** The most different refusals that the connection remembers. */
 const MOST_REFUSALS = 32;
 
@@ -42,8 +44,8 @@ export function refusalOf(error) {
 }
 
 /**
- * Events: `push` with the message, `samples` with a binary frame.
- * @extends {Emitter<{ open: void, lost: void, push: Push, samples: ArrayBuffer }>}
+ * Events: `push` with the message, `samples` with a binary frame, `ended` with the reason for which the session of the page has ended.
+ * @extends {Emitter<{ open: void, lost: void, push: Push, samples: ArrayBuffer, ended: string }>}
  */
 export class Connection extends Emitter {
   /** @type {WebSocket | null} */
@@ -84,8 +86,14 @@ export class Connection extends Emitter {
     socket.onmessage = ({ data }) => {
       if (socket === this.#socket) this.#take(data);
     };
-    socket.onclose = () => {
-      if (socket === this.#socket) this.#lost();
+    socket.onclose = ({ code, reason }) => {
+      if (socket !== this.#socket) return;
+      if (code === SESSION_ENDED) {
+        this.emit("ended", reason);
+        this.#atOnce();
+      } else {
+        this.#lost();
+      }
     };
   }
 
@@ -160,10 +168,15 @@ export class Connection extends Emitter {
   /** Connects anew at once, with the cookies that the browser has now. */
   renew() {
     const old = this.#socket;
+    this.#atOnce();
+    old?.close();
+  }
+
+  /** Connects again without a pause. */
+  #atOnce() {
     this.#pause = 0;
     this.#lost();
     this.#pause = FIRST_PAUSE_MS;
-    old?.close();
   }
 
   /** A server that says nothing is gone, whatever the operating system thinks of its socket. */

@@ -2,17 +2,32 @@
 
 import { fill, h, icon, state, text } from "./dom.js";
 
+/** @import { SessionRow } from "../types/protocol.js" */
+
 /** Shortest time between two reports of input by a person to the server. */
 const ACTIVE_MS = 10_000;
 
 /** The answers of the server that a person can remedy. @type {Record<number, string>} */
 const REFUSED = { 401: "The user or the password is wrong.", 403: "Log in over HTTPS." };
 
+/** Time between two looks at the sessions of all users. */
+const LIST_MS = 2000;
+
+/** A time without input, in whole minutes. @param {number} seconds */
+function idleText(seconds) {
+  const minutes = Math.floor(seconds / 60);
+  return minutes < 1 ? "below 1 min" : minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
 /** The button in the bar and the note above the view. */
 export class Session {
   #told = -Infinity;
   #open = false;
   #key = "";
+  #leaving = false;
+  /** The sessions of all users, for an administrator. */
+  #list = h("table.sessions");
+  #listed = "";
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -21,6 +36,8 @@ export class Session {
     this.button = h("button.session", { type: "button", hidden: true, "aria-expanded": "false", "aria-controls": "session", onclick: () => this.#toggle() }, icon("lock"), this.name);
     this.note = h("div.session-note", { id: "session", role: "region", "aria-label": "Session", hidden: true });
     app.store.on("session", () => this.#update());
+    app.connection.on("ended", (reason) => this.#ended(reason));
+    setInterval(() => this.#look(), LIST_MS);
     for (const input of ["pointerdown", "keydown", "wheel"]) addEventListener(input, () => this.#active(), { capture: true, passive: true });
   }
 
@@ -64,7 +81,57 @@ export class Session {
     this.#key = key;
     if (!shown) fill(this.note);
     else if (user === null || locked) fill(this.note, this.#form(locked ? user : null));
-    else fill(this.note, h("span", {}, h("b", {}, user), ` is logged in as ${role}.`), h("button", { type: "button", onclick: () => this.#ask("/lock") }, icon("lock"), "Lock"), this.#logOut());
+    else fill(this.note, h("span", {}, h("b", {}, user), ` is logged in as ${role}.`), h("button", { type: "button", onclick: () => this.#ask("/lock") }, icon("lock"), "Lock"), this.#logOut(), role === "administrator" && h("div.sessions-box", {}, this.#list));
+    this.#look();
+  }
+
+  /** Whether the list of all sessions is shown. */
+  get #lists() {
+    return this.#list.isConnected && !this.note.hidden;
+  }
+
+  /** Asks for the sessions of all users while they are shown. */
+  async #look() {
+    if (!this.#lists || !this.app.connection.isOpen) return;
+    try {
+      this.#show((await this.app.connection.request("sessions", {})).sessions);
+    } catch {
+      // The role or the connection has gone meanwhile; the bar says so.
+    }
+  }
+
+  /** @param {SessionRow[]} sessions */
+  #show(sessions) {
+    const rows = sessions.map(({ session, user, script, role, locked, address, pages, idle_s: idle, own }) => ({
+      session, user, own, cells: [user, script ? `script, ${role}` : locked ? `${role}, locked` : role, address, pages === 1 ? "1 page" : `${pages} pages`, script ? "" : idleText(idle)],
+    }));
+    const key = JSON.stringify(rows);
+    if (key === this.#listed && this.#list.rows.length) return;
+    this.#listed = key;
+    const heads = ["Session of", "Role", "From", "Open", "Without input", ""];
+    // The focus stays on the button of its session, if that is still there.
+    const at = /** @type {HTMLElement | null} */ (this.#list.contains(document.activeElement) ? document.activeElement : null)?.dataset.session;
+    fill(this.#list, h("caption", {}, "Sessions"), h("thead", {}, h("tr", {}, heads.map((head) => h("th", { scope: "col" }, head)))),
+      h("tbody", {}, rows.map(({ session, user, own, cells }) => h("tr", {}, cells.map((cell) => h("td", {}, cell)),
+        h("td", {}, own ? "this page" : h("button", { type: "button", "data-session": session, "aria-label": `End session ${session} of ${user}`, onclick: () => this.#end(session, user) }, "End"))))));
+    if (at) /** @type {HTMLElement | null} */ (this.#list.querySelector(`[data-session="${at}"]`))?.focus();
+  }
+
+  /** @param {number} session @param {string} user */
+  async #end(session, user) {
+    try {
+      await this.app.connection.request("end_session", { session });
+      this.app.toasts.good(`The session of ${user} has ended`);
+    } catch (error) {
+      this.app.toasts.bad(`The session of ${user} was not ended`, error);
+    }
+    this.#look();
+  }
+
+  /** Says why the session has ended, unless a person at this page ended it. @param {string} reason */
+  #ended(reason) {
+    if (!this.#leaving) this.app.toasts.bad("You are logged out", { text: reason });
+    this.#leaving = false;
   }
 
   #logOut() {
@@ -115,10 +182,12 @@ export class Session {
   /** @param {"/lock" | "/logout"} path */
   async #ask(path) {
     this.#open = false;
+    this.#leaving = path === "/logout";
     try {
       const answer = await fetch(path, { method: "POST" });
       if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
     } catch (error) {
+      this.#leaving = false;
       this.app.toasts.bad(path === "/lock" ? "The page was not locked" : "You were not logged out", error);
     }
   }

@@ -13,6 +13,19 @@ export interface Requests {
     fields: {};
     answer: Done;
   };
+  /** Lists the sessions of the page: users who have logged in, and scripts that show a token. */
+  sessions: {
+    fields: {};
+    answer: SessionList;
+  };
+  /** Ends a session, at once. A script may begin another one until its token is removed. */
+  end_session: {
+    fields: {
+      /** Number of the session. */
+      session: number;
+    };
+    answer: Done;
+  };
   /** Takes control of a coordinate system and its axes, of one axis, or of the group. */
   take: {
     fields: {
@@ -1002,6 +1015,36 @@ export type RungOperand = {
   name: string;
   /** Its text in the project. */
   text: string;
+};
+
+/** The sessions of the page. */
+export type SessionList = {
+  /** In the order in which they began. */
+  sessions: SessionRow[];
+};
+
+/** A session of the page. */
+export type SessionRow = {
+  /** Address from which it began. */
+  address: string;
+  /** Time since it began, s. */
+  age_s: number;
+  /** Time since the newest input of a person, s. */
+  idle_s: number;
+  /** Whether it is locked: its pages look and stop. */
+  locked: boolean;
+  /** Whether it is the session of the viewer that asks. */
+  own: boolean;
+  /** Number of open pages. */
+  pages: number;
+  /** Role of its user or token. */
+  role: string;
+  /** Whether it is the session of a script. */
+  script: boolean;
+  /** Its number since the start of the server. */
+  session: number;
+  /** Name of its user, or of the token of its script. */
+  user: string;
 };
 
 /** The signals of the frames of samples. */

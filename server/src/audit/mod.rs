@@ -47,6 +47,8 @@ pub(crate) enum EventKind {
     Login,
     /// A session of the page ended.
     Logout,
+    /// An administrator ended a session of the page.
+    EndSession,
     /// A user or a password was wrong.
     LoginRefused,
     /// A session of the page was locked.

@@ -65,6 +65,7 @@ rights! {
     SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
     SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";
     SetInactivity:     Engineer,      "set inactivity",      "set the inactivity time-out of all connections (attribute 13 of class 0xF5)";
+    EndSessions:       Administrator, "end sessions",        "see the sessions of the page, of users and of scripts, and end them";
     Administer:        Administrator, "administer",          "request services of the security objects 0x5D, 0x5E and 0x5F, which are not implemented";
     Serve:             Administrator, "serve",               "reload the configuration and stop the motion of lost clients (the server itself only, not a client)";
 }
@@ -86,6 +87,7 @@ impl Right {
             | Self::SetUpTrace
             | Self::SetClock
             | Self::SetInactivity
+            | Self::EndSessions
             | Self::Administer => true,
             // Reading changes nothing.
             Self::Look => false,

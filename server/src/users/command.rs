@@ -71,6 +71,14 @@ pub(crate) enum UsersCommand {
         #[arg(value_name = "NAME")]
         name: String,
     },
+    /// End the sessions of a user, who can log in again.
+    Logout {
+        #[command(flatten)]
+        at: InFile,
+        /// The name.
+        #[arg(value_name = "NAME")]
+        name: String,
+    },
     /// Remove a user; the user's sessions end.
     Remove {
         #[command(flatten)]
@@ -163,6 +171,10 @@ pub(crate) fn run_users(command: &UsersCommand) -> Result<ExitCode, Failure> {
             user.is_disabled = false;
             Ok("can log in".to_owned())
         }),
+        UsersCommand::Logout { at, name } => change(&at.file, name, |user| {
+            user.logouts = user.logouts.wrapping_add(1);
+            Ok("is logged out".to_owned())
+        }),
         UsersCommand::Remove { at, name } => remove(&at.file, "user", name, |users| {
             users.users.retain(|user| user.name != *name);
         }),
@@ -222,6 +234,7 @@ fn add(file: &Path, name: &str, role: Role) -> Result<String, CommandError> {
         role,
         password,
         is_disabled: false,
+        logouts: 0,
     });
     users.write(file)?;
     Ok(format!("{}: {name} is {}\n", file.display(), role.word()))

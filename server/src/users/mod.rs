@@ -37,6 +37,15 @@ pub(crate) struct User {
     pub(crate) password: Stored,
     /// Whether the user is disabled: it cannot log in.
     pub(crate) is_disabled: bool,
+    /// How often an administrator has ended the sessions of the user by the command `users logout`.
+    pub(crate) logouts: u32,
+}
+
+impl User {
+    /// The text that a session of the user stores; a session with another one ends.
+    pub(crate) fn credential(&self) -> String {
+        format!("{} {}", self.password.text(), self.logouts)
+    }
 }
 
 /// A token of a script.
@@ -126,6 +135,7 @@ impl Users {
                 role: role_of(&row.role).map_err(|expected| wrong(&expected))?,
                 password: Stored::parse(&row.password).map_err(wrong)?,
                 is_disabled: row.disabled,
+                logouts: row.logouts,
                 name: row.name,
             });
         }
@@ -159,6 +169,7 @@ impl Users {
                     role: user.role.word().to_owned(),
                     password: user.password.text().to_owned(),
                     disabled: user.is_disabled,
+                    logouts: user.logouts,
                 })
                 .collect(),
             tokens: self
@@ -247,6 +258,12 @@ struct UserRow {
     password: String,
     #[serde(default)]
     disabled: bool,
+    #[serde(default, skip_serializing_if = "is_none")]
+    logouts: u32,
+}
+
+fn is_none(count: &u32) -> bool {
+    *count == 0
 }
 
 #[derive(Serialize, Deserialize)]

@@ -34,8 +34,8 @@ pub fn case_on(name: &str, configuration: &str) {
     );
 }
 
-/// The same against a server with users, optionally over HTTPS: `anna` is an operator, another user an engineer, and a page without a log-in a
-/// viewer. The password is that of `tests/browser/login.mjs`.
+/// The same against a server with users, optionally over HTTPS: `anna` is an operator, `bert` an administrator, another user an engineer,
+/// and a page without a log-in a viewer. The password is that of `tests/browser/login.mjs`.
 ///
 /// # Panics
 /// As [`case`].
@@ -57,6 +57,7 @@ pub fn case_with_users(name: &str, over_https: bool) {
     };
     let users = at("users.toml");
     run(&["users", "add", &users, "anna", "--role", "operator"]);
+    run(&["users", "add", &users, "bert", "--role", "administrator"]);
     run(&[
         "users",
         "add",

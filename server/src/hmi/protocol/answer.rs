@@ -13,6 +13,40 @@ use super::refusal::Refusal;
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Done {}
 
+/// The sessions of the page.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct SessionList {
+    /// In the order in which they began.
+    pub(crate) sessions: Vec<SessionRow>,
+}
+
+/// A session of the page.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct SessionRow {
+    /// Its number since the start of the server.
+    pub(crate) session: u64,
+    /// Name of its user, or of the token of its script.
+    pub(crate) user: String,
+    /// Whether it is the session of a script.
+    pub(crate) script: bool,
+    /// Role of its user or token.
+    pub(crate) role: &'static str,
+    /// Whether it is locked: its pages look and stop.
+    pub(crate) locked: bool,
+    /// Address from which it began.
+    pub(crate) address: String,
+    /// Number of open pages.
+    pub(crate) pages: usize,
+    /// Time since it began, s.
+    pub(crate) age_s: u64,
+    /// Time since the newest input of a person, s.
+    pub(crate) idle_s: u64,
+    /// Whether it is the session of the viewer that asks.
+    pub(crate) own: bool,
+}
+
 /// An instruction that was accepted.
 #[derive(Serialize, Debug)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

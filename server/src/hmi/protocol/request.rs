@@ -5,8 +5,8 @@ use serde_json::{Map, Value};
 
 use super::Asks;
 use super::answer::{
-    CallLine, Checked, Done, EventPage, Executed, HistoryPiece, RoutineList, RoutinePage, Signals, Simulated, TagPage,
-    UseList, Values,
+    CallLine, Checked, Done, EventPage, Executed, HistoryPiece, RoutineList, RoutinePage, SessionList, Signals,
+    Simulated, TagPage, UseList, Values,
 };
 
 /// Makes [`Request`], a struct for each of its variants, and the answer type of each.
@@ -48,6 +48,13 @@ requests! {
     Ping {} -> Done;
     /// Reports the input of a person. Without such reports the server locks the session after a time.
     Active {} -> Done;
+    /// Lists the sessions of the page: users who have logged in, and scripts that show a token.
+    Sessions {} -> SessionList;
+    /// Ends a session, at once. A script may begin another one until its token is removed.
+    EndSession {
+        /// Number of the session.
+        session: u64,
+    } -> Done;
     /// Takes control of a coordinate system and its axes, of one axis, or of the group.
     Take {
         /// Name of the coordinate system, axis or group.

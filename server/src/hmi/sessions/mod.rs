@@ -10,7 +10,7 @@ use std::fs;
 use std::net::IpAddr;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -20,8 +20,9 @@ use tokio::sync::{Semaphore, watch};
 use tokio::time::Instant;
 use tracing::{error, warn};
 
-pub(super) use self::session::State;
+pub(super) use self::session::{End, State};
 use self::session::{Session, Subject};
+use super::protocol::SessionRow;
 use crate::audit::{EventKind, sha256};
 use crate::limits::Lockouts;
 use crate::plant::control::ViewerId;
@@ -49,6 +50,8 @@ pub(crate) struct Sessions {
     turn: Semaphore,
     waiting: AtomicUsize,
     known: Mutex<BTreeMap<Key, Session>>,
+    /// Sessions that began since the start.
+    begun: AtomicU64,
 }
 
 /// SHA-256 of the secret of a session, hexadecimal.
@@ -107,6 +110,7 @@ impl Sessions {
             turn: Semaphore::new(1),
             waiting: AtomicUsize::new(0),
             known: Mutex::default(),
+            begun: AtomicU64::new(0),
         }
     }
 
@@ -153,9 +157,9 @@ impl Sessions {
             Some(user) => {
                 let secret = random_text().ok_or(LoginRefused::NoRandom)?;
                 if let Some(before) = before {
-                    self.end(plant, before, EventKind::Logout, "replaced");
+                    self.end(plant, before, End::Replaced);
                 }
-                let credential = user.password.text().to_owned();
+                let credential = user.credential();
                 self.begin(
                     plant,
                     peer,
@@ -221,9 +225,11 @@ impl Sessions {
         let from = format!("{peer} {}", subject.name());
         plant.record_session(from.clone(), role, EventKind::Login, String::new(), "done");
         let session = Session {
+            number: self.begun.fetch_add(1, Ordering::Relaxed) + 1,
             subject,
             role,
             credential,
+            peer,
             from,
             began: now,
             active: now,
@@ -283,14 +289,50 @@ impl Sessions {
 
     /// Ends a session, for a person.
     pub(super) fn log_out(&self, plant: &Plant, key: &Key) {
-        self.end(plant, key, EventKind::Logout, "done");
+        self.end(plant, key, End::LoggedOut);
     }
 
-    fn end(&self, plant: &Plant, key: &Key, kind: EventKind, result: &'static str) {
+    fn end(&self, plant: &Plant, key: &Key, why: End) {
         let session = self.known().remove(key);
         if let Some(session) = session {
-            session.end(plant, kind, result);
+            session.end(plant, why);
         }
+    }
+
+    /// The sessions in the order in which they began; `own` is that of the viewer who asks.
+    pub(super) fn list(&self, own: Option<&Key>, now: Instant) -> Vec<SessionRow> {
+        let known = self.known();
+        let mut rows: Vec<SessionRow> = known
+            .iter()
+            .map(|(key, session)| {
+                let (Subject::User(user) | Subject::Token(user)) = &session.subject;
+                SessionRow {
+                    session: session.number,
+                    user: user.clone(),
+                    script: matches!(session.subject, Subject::Token(_)),
+                    role: session.role.word(),
+                    locked: session.is_locked(),
+                    address: session.peer.to_string(),
+                    pages: session.viewers.len(),
+                    age_s: now.duration_since(session.began).as_secs(),
+                    idle_s: now.duration_since(session.active).as_secs(),
+                    own: own == Some(key),
+                }
+            })
+            .collect();
+        rows.sort_by_key(|row| row.session);
+        rows
+    }
+
+    /// Ends a session by its number, for an administrator: its address and its user; `None`: no session has the number.
+    pub(super) fn end_numbered(&self, plant: &Plant, number: u64) -> Option<String> {
+        let mut known = self.known();
+        let key = known.iter().find(|(_, session)| session.number == number)?.0.clone();
+        let session = known.remove(&key)?;
+        drop(known);
+        let from = session.from.clone();
+        session.end(plant, End::ByAdministrator);
+        Some(from)
     }
 
     /// Looks after sessions and the file of users, for ever.
@@ -336,15 +378,15 @@ impl Sessions {
             let holds = match &session.subject {
                 Subject::User(name) => users
                     .user(name)
-                    .filter(|user| !user.is_disabled && user.password.text() == session.credential)
+                    .filter(|user| !user.is_disabled && user.credential() == session.credential)
                     .map(|user| user.role),
                 Subject::Token(_) => users.token(&session.credential).map(|token| token.role),
             };
             let is_user = matches!(session.subject, Subject::User(_));
             match holds {
-                None => ended.push((key.clone(), "revoked")),
+                None => ended.push((key.clone(), End::Revoked)),
                 Some(_) if is_user && now.duration_since(session.began) >= self.longest => {
-                    ended.push((key.clone(), "expired"));
+                    ended.push((key.clone(), End::Expired));
                 }
                 Some(role) => {
                     if role != session.role {
@@ -359,7 +401,7 @@ impl Sessions {
         }
         for (key, why) in ended {
             if let Some(session) = known.remove(&key) {
-                session.end(plant, EventKind::Logout, why);
+                session.end(plant, why);
             }
         }
     }
@@ -376,7 +418,7 @@ fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, Session>, is_one: impl Fn
         .min_by_key(|(_, session)| session.active)
         .map(|(key, _)| key.clone());
     if let Some(session) = oldest.and_then(|key| known.remove(&key)) {
-        session.end(plant, EventKind::Logout, "too many sessions");
+        session.end(plant, End::TooMany);
     }
 }
 

@@ -209,6 +209,11 @@ async fn a_change_of_the_users_reaches_open_sessions() {
     assert_eq!(closed(&mut anna).await, Some(4401));
     let answer = page.log_in("anna", ANNA).await.expect_err("disabled");
     assert!(answer.starts_with("HTTP/1.1 401"), "{answer}");
+    page.change(|users| users.users[1].logouts += 1);
+    assert_eq!(closed(&mut bert).await, Some(4401));
+    let again = page.log_in("bert", BERT).await.expect("he can log in again");
+    let mut bert = page.page(&again).await;
+    role_of(&mut bert).await;
     page.change(|users| users.users[1].password = password::hash("another long password").expect("it is hashed"));
     assert_eq!(closed(&mut bert).await, Some(4401));
     // A file that is of no use changes nothing.
@@ -225,9 +230,132 @@ async fn a_change_of_the_users_reaches_open_sessions() {
             .collect::<Vec<_>>()
     };
     let began = std::time::Instant::now();
-    while reloads() != [true, true, true, false] {
+    while reloads() != [true, true, true, true, false] {
         assert!(began.elapsed() < SOON, "{:?}", reloads());
         tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+}
+
+/// Every role below administrator is refused, an administrator sees every session and ends one; the ended session learns why.
+#[tokio::test]
+async fn an_administrator_sees_and_ends_sessions() {
+    let page = Secured::start().await;
+    let audit = page.folder.path().join("audit");
+    let opened = crate::audit::Audit::open(&audit).expect("a writable folder");
+    page.bench.plant.set_audit(opened);
+    let cookie = page.log_in("anna", ANNA).await.expect("it is her password");
+    let (mut anna, mut second) = (page.page(&cookie).await, page.page(&cookie).await);
+    role_of(&mut anna).await;
+    for role in [Role::Operator, Role::Viewer, Role::Engineer] {
+        if role != Role::Operator {
+            page.change(|users| users.users[0].role = role);
+            assert_eq!(role_of(&mut anna).await.0, json!(role.word()));
+        }
+        for request in [json!({"do": "sessions"}), json!({"do": "end_session", "session": 1})] {
+            let refused = anna.ask(request).await.expect_err("she is no administrator");
+            let text = refused["text"].as_str().unwrap_or_default();
+            let expected = format!("the role {} may not end sessions", role.word());
+            assert!(text.starts_with(&expected), "{refused}");
+        }
+    }
+    let bearer = format!("Bearer {TOKEN}");
+    let mut script = page.viewer(&[("authorization", &bearer)]).await;
+    role_of(&mut script).await;
+    let bert = page.log_in("bert", BERT).await.expect("it is his password");
+    let mut bert = page.page(&bert).await;
+    role_of(&mut bert).await;
+    let list = bert.ask(json!({"do": "sessions"})).await.expect("an administrator may");
+    let rows = list["sessions"].as_array().expect("a list");
+    let told = |row: &Value| {
+        ["session", "user", "script", "role", "locked", "address", "pages", "own"].map(|key| row[key].clone())
+    };
+    let told: Vec<_> = rows.iter().map(told).collect();
+    #[rustfmt::skip]
+    let expected = [
+        [json!(1), json!("anna"),   json!(false), json!("engineer"),      json!(false), json!("127.0.0.1"), json!(2), json!(false)],
+        [json!(2), json!("logger"), json!(true),  json!("operator"),      json!(false), json!("127.0.0.1"), json!(1), json!(false)],
+        [json!(3), json!("bert"),   json!(false), json!("administrator"), json!(false), json!("127.0.0.1"), json!(1), json!(true)],
+    ];
+    assert_eq!(told, expected, "{list}");
+    assert!(
+        !list.to_string().contains(&crate::audit::sha256(TOKEN)),
+        "no secret and no hash of one"
+    );
+    let none = bert.ask(json!({"do": "end_session", "session": 9})).await;
+    assert_eq!(none, Err(json!({"text": "there is no session 9: it may have ended"})));
+    assert_eq!(
+        bert.ask(json!({"do": "end_session", "session": 1})).await,
+        Ok(json!({}))
+    );
+    let why = "the session has ended: an administrator ended it";
+    for viewer in [&mut anna, &mut second] {
+        assert_eq!(next_answer(viewer).await, why);
+    }
+    // The cookie is that of nobody any more.
+    let answer = page
+        .post(
+            "/lock",
+            &format!("Cookie: {cookie}\r\nOrigin: http://localhost\r\n"),
+            "",
+        )
+        .await;
+    assert!(
+        answer.starts_with("HTTP/1.1 401") && answer.ends_with("No user is logged in.\n"),
+        "{answer}"
+    );
+    assert_eq!(
+        role_of(&mut page.page(&cookie).await).await,
+        (json!("viewer"), Value::Null, false)
+    );
+    assert_eq!(
+        bert.ask(json!({"do": "end_session", "session": 2})).await,
+        Ok(json!({}))
+    );
+    assert_eq!(next_answer(&mut script).await, why);
+    assert!(writes(&mut bert).await, "the others go on");
+    page.bench.plant.close_audit();
+    let text = fs::read_to_string(audit.join("000001.jsonl")).expect("it is there");
+    let lines = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).expect("JSON"));
+    let lines = lines.filter(|line| line["what"] == "end-session" || line["what"] == "logout");
+    let told: Vec<_> = lines
+        .map(|line| ["what", "from", "object", "result"].map(|key| line[key].as_str().unwrap_or_default().to_owned()))
+        .collect();
+    let by = told[0][1].clone();
+    assert!(by.ends_with(" user:bert"), "{text}");
+    let line = |what: &str, from: &str, object: &str, result: &str| [what, from, object, result].map(str::to_owned);
+    let expected = [
+        line("end-session", &by, "session 9", "refused"),
+        line("logout", "127.0.0.1 user:anna", "", "ended by an administrator"),
+        line("end-session", &by, "session 1, 127.0.0.1 user:anna", "done"),
+        line("logout", "127.0.0.1 token:logger", "", "ended by an administrator"),
+        line("end-session", &by, "session 2, 127.0.0.1 token:logger", "done"),
+    ];
+    assert_eq!(told, expected, "{text}");
+}
+
+/// The refusal of the next message of a session: as an answer, or, if the server has closed the socket sooner, as the reason of the close.
+async fn next_answer(viewer: &mut Viewer) -> String {
+    let request = json!({"id": "next", "do": "write", "tag": "Move1.Speed", "value": 7});
+    // A socket that the server has closed takes no message.
+    let _ = viewer.socket.send(Message::text(request.to_string())).await;
+    loop {
+        match timeout(SOON, viewer.socket.next()).await.expect("in time") {
+            Some(Ok(Message::Text(text))) => {
+                let text: Value = serde_json::from_str(&text).expect("JSON");
+                if text["id"] == "next" {
+                    return text["error"]["text"].as_str().unwrap_or_default().to_owned();
+                }
+            }
+            Some(Ok(Message::Close(frame))) => {
+                let frame = frame.expect("with a reason");
+                assert_eq!(u16::from(frame.code), 4401);
+                return frame.reason.to_string();
+            }
+            Some(Ok(_)) => {}
+            other => panic!("the server closed without a reason: {other:?}"),
+        }
     }
 }
 

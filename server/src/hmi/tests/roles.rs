@@ -28,6 +28,8 @@ pub(crate) fn cases() -> Vec<(Right, Value)> {
         (Right::Look,          json!({"do": "trace", "on": true})),
         (Right::Look,          json!({"do": "history", "before": 1})),
         (Right::Look,          json!({"do": "events"})),
+        (Right::EndSessions,   json!({"do": "sessions"})),
+        (Right::EndSessions,   json!({"do": "end_session", "session": 9})),
         (Right::TakeControl,   json!({"do": "take", "object": "CS1"})),
         (Right::TakeByForce,   json!({"do": "take", "object": "CS1", "force": true})),
         (Right::Move,          json!({"do": "execute", "text": "MSO(X, C);"})),

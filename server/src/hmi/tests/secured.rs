@@ -35,6 +35,7 @@ fn users() -> Users {
         role,
         password: password::hash(secret).expect("it is hashed"),
         is_disabled: false,
+        logouts: 0,
     };
     Users {
         users: vec![

@@ -14,7 +14,7 @@ impl Viewer {
     /// Input from a person: the session is not idle.
     pub(super) fn active(&self) -> Done {
         if let Some(session) = &self.session {
-            self.shared.sessions.active(session);
+            self.shared.sessions.active(&session.key);
         }
         Done {}
     }

@@ -1,6 +1,6 @@
 //! One viewer. The thread of stops (`guard`) reads its requests and answers `stop`, `keep` and `jog_end` at once, independent of other work
 //! of the server ([`hearing`]). All other requests wait in a bounded queue; one task answers them in order ([`driving`], [`programs`],
-//! [`mod@tags`], [`logic`], [`records`]), and another one sends answers and pushes. Long computations run on threads of their own.
+//! [`mod@tags`], [`logic`], [`records`], [`sessions`]), and another one sends answers and pushes. Long computations run on threads of their own.
 //! Simulations are answered when they are done. A viewer that does not read loses its connection, and delays no other one.
 
 mod driving;
@@ -10,6 +10,7 @@ mod programs;
 mod records;
 mod requests;
 mod sending;
+mod sessions;
 mod tags;
 mod watched;
 
@@ -32,12 +33,12 @@ use self::hearing::{Heard, Hearing};
 use self::requests::{audited, moves, right};
 use self::sending::{Outgoing, Sight, send};
 use super::protocol::{self, Answer, Asks as _, Done, Push, Refusal, Request, text_of};
-use super::sessions::{Joined, Key};
+use super::sessions::Joined;
 use super::socket::Socket;
 use super::{Shared, controller, drive};
 use crate::guard::VIEWERS;
 use crate::plant::control::{MotionObject, ViewerId};
-use crate::plant::{ClientIdentity, Command, Plant, Principal};
+use crate::plant::{ClientIdentity, Command, Plant, Principal, Right};
 use crate::trace::history;
 
 /// The page of a viewer, or the script.
@@ -104,7 +105,7 @@ pub(super) async fn serve(socket: Socket, begun: Bytes, shared: Arc<Shared>, pag
         outbox: outbox.clone(),
         pieces: Arc::new(Semaphore::new(PIECES)),
         releases: releases.clone(),
-        session: session.as_ref().map(|joined| joined.key.clone()),
+        session: session.clone(),
     };
     let over = CancellationToken::new();
     let hearing = Hearing {
@@ -151,7 +152,7 @@ struct Viewer {
     /// The number of releases of the button of each axis's jog.
     releases: Arc<[AtomicU64]>,
     /// Its session.
-    session: Option<Key>,
+    session: Option<Joined>,
 }
 
 impl Viewer {
@@ -200,6 +201,12 @@ impl Viewer {
         if moves && stopped() {
             return Some(Err(Refusal::new("STOP came before this request began")));
         }
+        // Its role has gone with its session, and the socket is about to be closed. A stop is a stop.
+        if let Some(why) = self.ended()
+            && right(&request) != Right::Stop
+        {
+            return Some(Err(Refusal::new(why.text())));
+        }
         if let Err(refused) = self.shared.plant.check(Principal::Viewer(self.id), right(&request)) {
             return Some(Err(refused.into()));
         }
@@ -234,6 +241,8 @@ impl Viewer {
             Request::DryRun(request) => return self.dry_run(id, request, simulations),
             Request::Ping(request) => request.answer(Ok(Done {})),
             Request::Active(request) => request.answer(Ok(self.active())),
+            Request::Sessions(request) => request.answer(Ok(self.sessions())),
+            Request::EndSession(request) => request.answer(self.end_session(&request)),
             Request::Take(request) => request.answer(self.take(&request)),
             Request::Release(request) => request.answer(self.release(&request)),
             Request::Execute(request) => request.answer(self.execute(&request).await),

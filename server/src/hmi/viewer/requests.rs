@@ -20,6 +20,8 @@ pub(super) fn moves(request: &Request) -> bool {
         | Request::Write(_) => true,
         Request::Ping(_)
         | Request::Active(_)
+        | Request::Sessions(_)
+        | Request::EndSession(_)
         | Request::Take(_)
         | Request::Release(_)
         | Request::Line(_)
@@ -92,6 +94,7 @@ pub(super) fn right(request: &Request) -> Right {
         // They are commands of the plant: the right that each needs depends on its operands.
         Request::Execute(_) | Request::Override(_) | Request::Resume(_) | Request::Write(_) => Right::Look,
         Request::Mode(_) => Right::ChangeMode,
+        Request::Sessions(_) | Request::EndSession(_) => Right::EndSessions,
         Request::Force(_) | Request::RemoveForces(_) => Right::Force,
     }
 }

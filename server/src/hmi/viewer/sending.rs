@@ -16,7 +16,7 @@ use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
 
 use super::watched::Watched;
 use crate::hmi::protocol::{Push, Refusal, text_of};
-use crate::hmi::sessions::State;
+use crate::hmi::sessions::{End, State};
 use crate::hmi::socket::Writing;
 use crate::hmi::status::Status;
 use crate::hmi::{Shared, controller, tags};
@@ -50,7 +50,8 @@ impl Sight {
             None => std::future::pending().await,
             Some(state) => match state.changed().await {
                 Ok(()) => *state.borrow_and_update(),
-                Err(_) => State::Ended,
+                // A session says that it ends before it goes.
+                Err(_) => State::Ended(End::LoggedOut),
             },
         }
     }
@@ -105,10 +106,10 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
             },
             state = sight.changed() => match state {
                 State::Open(_) | State::Locked => Message::Text(sight.push(&shared.plant).into()),
-                State::Ended => {
+                State::Ended(why) => {
                     let close = CloseFrame {
                         code: CloseCode::Library(SESSION_ENDED),
-                        reason: "the session has ended".into(),
+                        reason: why.text().into(),
                     };
                     send_one(&mut sink, Message::Close(Some(close))).await;
                     // Its answer ends the viewer sooner; a socket that is closed before it has come loses the frame.

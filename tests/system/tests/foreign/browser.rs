@@ -82,6 +82,11 @@ fn a_login_over_https_gives_the_role() {
 }
 
 #[test]
+fn an_administrator_ends_a_session() {
+    case_with_users("an_administrator_ends_a_session", true);
+}
+
+#[test]
 fn a_users_name_is_text() {
     case_with_users("a_users_name_is_text", true);
 }
