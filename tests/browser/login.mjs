@@ -165,9 +165,27 @@ export async function what_strangers_tell_is_text({ browser, url, folder }) {
   await page.getByLabel("Name of a tag or member to watch").fill(MARKUP);
   await page.getByRole("button", { name: "Watch", exact: true }).click();
   await page.getByText(MARKUP).first().waitFor();
-  // The program of the controller: comments of rungs.
+  // The program of the controller: its file, task, program and routine, comments of rungs, a value, a line, a fault with its place.
   await go(page, "controller");
-  await page.getByText("onerror=alert(5)").first().waitFor();
+  for (const number of [5, 10, 13, 14, 15]) await page.getByText(`onerror=alert(${number})`).first().waitFor();
+  await page.getByText("<img src=x onerro…").first().waitFor();
+  await page.locator(`[data-name$="/Logic"]`).first().click();
+  await page.getByText("onerror=alert(16)").first().waitFor();
+  await page.evaluate(() => new Promise((done) => {
+    const socket = new WebSocket(`ws://${location.host}/ws`);
+    socket.onopen = () => socket.send(JSON.stringify({ id: 1, do: "write", tag: "Fail", value: true }));
+    socket.onmessage = ({ data }) => typeof data === "string" && JSON.parse(data).id === 1 && done(socket.close());
+  }));
+  await page.locator(".controller .problem", { hasText: /onerror=alert\(14\).*onerror=alert\(15\).*Bad is 12/ }).waitFor();
+  await page.getByRole("button", { name: "Show the rung" }).click();
+  await page.locator(".rung.marked", { hasText: "Recipe[Bad]" }).waitFor();
+  await page.getByLabel("Tag whose uses are shown").fill("Count");
+  await page.getByRole("button", { name: "Find" }).click();
+  await page.locator(".uses li", { hasText: "onerror=alert(15)" }).first().waitFor();
+  await page.getByLabel("Tag whose uses are shown").fill("<img src=x onerror=alert(11)>");
+  await page.getByRole("button", { name: "Find" }).click();
+  await page.locator(".tag-panel p", { hasText: "onerror=alert(11)" }).or(page.locator(".tag-full-name", { hasText: "onerror=alert(11)" })).first().waitFor();
+  await page.screenshot({ path: `${folder}/strangers-program.png` });
   // A fault of a client's making, in the events.
   await go(page, "events");
   for (const view of [...VIEWS, "controller"]) {

@@ -73,8 +73,8 @@ pub fn case_with_users(name: &str, over_https: bool) {
     run_on(name, &["--config", &at("cell.toml")], over_https);
 }
 
-/// The same against a server with the program of `tests/config/ladder.L5X`, whose comments are markup, while a client of EtherNet/IP jogs the axis X that
-/// tells of itself, in its own words, that it is an element of a page.
+/// The same against a server with the program of `tests/config/ladder.L5X`, of which every text that may be any text is markup ([`marked_up`]), while a
+/// client of EtherNet/IP jogs the axis X that tells of itself, in its own words, that it is an element of a page.
 ///
 /// # Panics
 /// As [`case`].
@@ -82,19 +82,13 @@ pub fn case_among_strangers(name: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text =
         |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
-    let program = text("ladder.L5X");
-    let comment = "<Comment><![CDATA[";
-    let program = program.replace(comment, &format!("{comment}<img src=x onerror=alert(5)> "));
-    let tag = "<Tag Name=\"Start\" TagType=\"Base\" DataType=\"BOOL\" ExternalAccess=\"Read/Write\">";
-    let description = "<Description><![CDATA[<img src=x onerror=alert(6)>]]></Description>";
-    assert!(program.contains(tag), "the fixture has another tag");
-    let program = program.replace(tag, &format!("{tag}{description}"));
-    std::fs::write(folder.path().join("ladder.L5X"), program).expect("a writable folder");
+    let project = "<img src=x onerror=alert(10)>.L5X";
+    std::fs::write(folder.path().join(project), marked_up(&text("ladder.L5X"))).expect("a writable folder");
     let file = folder.path().join("ladder.toml");
     // The client says nothing while the browser looks.
-    let patient = text("ladder.toml").replace("[server]\n", "[server]\njog_silence_ms = 0\n");
-    assert!(patient.contains("jog_silence_ms"), "the fixture has no [server]");
-    std::fs::write(&file, patient).expect("a writable folder");
+    let patient = replaced(&text("ladder.toml"), "[server]\n", "[server]\njog_silence_ms = 0\n");
+    let marked = replaced(&patient, "\"ladder.L5X\"", &format!("{project:?}"));
+    std::fs::write(&file, marked).expect("a writable folder");
     let arguments = ["--config", file.to_str().expect("UTF-8")];
     run_beside(name, &arguments, false, |server| {
         let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -105,6 +99,87 @@ pub fn case_among_strangers(name: &str) {
         let client = runtime.block_on(jog(&server.address().to_string()));
         (client.expect("the machine is at rest and has no owner"), runtime)
     });
+}
+
+/// The same against a server with the machine of `tests/config/ladder.toml` and a routine of this number of rungs, of which every second one changes in
+/// each scan of 2 ms.
+///
+/// # Panics
+/// As [`case`].
+pub fn case_of_rungs(name: &str, rungs: usize) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text =
+        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
+    let rows = (0..rungs).map(|number| {
+        let rung = match number % 2 {
+            0 => format!(
+                "ADD(D[{number}],1,D[{number}])MOD(D[{number}],7,D[{number}])EQU(D[{number}],3)OTE(B[{number}]);"
+            ),
+            _ => format!("XIC(B[{}])[XIO(B[{number}]) ,XIC(B[0]) ]OTE(B[{number}]);", number - 1),
+        };
+        format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{rung}]]></Text></Rung>")
+    });
+    let rows: String = rows.collect();
+    let project = text("ladder.L5X");
+    let place = "<Routine Name=\"Go\" Type=\"RLL\"><RLLContent>";
+    let (before, rest) = project.split_once(place).expect("the routine of the fixture");
+    let (_, after) = rest.split_once("</RLLContent>").expect("its end");
+    let project = format!("{before}{place}{rows}</RLLContent>{after}");
+    let tag = |name: &str, kind: &str| {
+        format!("<Tag Name=\"{name}\" TagType=\"Base\" DataType=\"{kind}\" Dimensions=\"1024\"/><Tag Name=\"Stop\"")
+    };
+    let project = replaced(&project, "<Tag Name=\"Stop\"", &tag("B", "BOOL"));
+    let project = replaced(&project, "<Tag Name=\"Stop\"", &tag("D", "DINT"));
+    let project = replaced(&project, "Rate=\"10\"", "Rate=\"2\"");
+    std::fs::write(folder.path().join("ladder.L5X"), project).expect("a writable folder");
+    let file = folder.path().join("ladder.toml");
+    std::fs::write(&file, text("ladder.toml")).expect("a writable folder");
+    on(name, &["--config", file.to_str().expect("UTF-8")]);
+}
+
+/// A project with markup in its comments, descriptions, names, lines and values. Names of tags that are markup are in no rung, but they are in the project.
+fn marked_up(project: &str) -> String {
+    let img = |number: u32| format!("<img src=x onerror=alert({number})>");
+    let escaped = |number: u32| img(number).replace('<', "&lt;").replace('>', "&gt;");
+    let described = |number: u32| format!("<Description><![CDATA[{}]]></Description>", img(number));
+    let named = |element: &str, name: &str, number: u32| {
+        let with = |name: &str| format!("<{element} Name=\"{name}\"");
+        (with(name), with(&escaped(number)))
+    };
+    let after = |place: &str, added: String| (place.to_owned(), format!("{place}{added}"));
+    let start = "<Tag Name=\"Start\" TagType=\"Base\" DataType=\"BOOL\" ExternalAccess=\"Read/Write\">";
+    let words = "<Tag Name=\"Words\" TagType=\"Base\" DataType=\"STRING\" ExternalAccess=\"Read/Write\"><Data Format=\"String\"";
+    let unnamed = format!("<Tag Name=\"{}\" TagType=\"Base\" DataType=\"BOOL\"/>", escaped(11));
+    let value = format!(
+        "{words} Length=\"{}\"><![CDATA['{}']]></Data></Tag><Tag Name=\"Copy\" TagType=\"Base\" DataType=\"STRING\"/>",
+        img(12).len(),
+        img(12)
+    );
+    let copy = "<Rung Number=\"9\" Type=\"N\"><Text><![CDATA[COP(Words,Copy,1);]]></Text></Rung>";
+    let first = "<Routine Name=\"Go\" Type=\"RLL\"><RLLContent>";
+    #[rustfmt::skip]
+    let changes = [
+        after(first, copy.to_owned()),
+        after("<Comment><![CDATA[", format!("{} ", img(5))),
+        after(start, described(6)),
+        ("<Tag Name=\"Stop\"".to_owned(), format!("{unnamed}{value}<Tag Name=\"Stop\"")),
+        named("Task", "Cyclic", 13),
+        named("Program", "Main", 14),
+        named("ScheduledProgram", "Main", 14),
+        named("Routine", "Go", 15),
+        ("MainRoutineName=\"Go\"".to_owned(), format!("MainRoutineName=\"{}\"", escaped(15))),
+        after("// The average of the recipe", format!(" {}", img(16))),
+        after("ExecuteEnableInFalse=\"false\">", described(17)),
+    ];
+    changes
+        .iter()
+        .fold(project.to_owned(), |project, (old, new)| replaced(&project, old, new))
+}
+
+/// A text with another part in place of each that is the old one, of which there is one or more.
+fn replaced(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "the fixture has no {old}");
+    text.replace(old, new)
 }
 
 /// A client that jogs the axis X slowly as long as it is there.
