@@ -83,6 +83,78 @@ export async function a_fault_leads_to_its_rung({ browser, url, folder }) {
   await close(page);
 }
 
+/** The share of a core that rungs may take of the page's main thread. */
+const MOST_SHARE = 0.05;
+
+/** The main thread's share of a core, and the pushes of rungs with their bytes, within a time. */
+async function load(page, metrics, ms) {
+  const before = await metrics();
+  const pushes = await page.evaluate((time) => new Promise((done) => {
+    setTimeout(() => done({ ...window.looked }), time);
+    window.looked = { pushes: 0, rows: 0, bytes: 0 };
+  }), ms);
+  const after = await metrics();
+  const share = (name) => (after[name] - before[name]) / (after.Timestamp - before.Timestamp);
+  return { ...pushes, task: share("TaskDuration"), script: share("ScriptDuration"), layout: share("LayoutDuration") + share("RecalcStyleDuration") };
+}
+
+/** A routine of 1,000 rungs that change: the page draws and watches the visible ones only, in any place, and the main thread has time. */
+export async function a_thousand_rungs_leave_time({ browser, url, folder }) {
+  const page = await open(browser, url, "machine");
+  // Counts the pushes of rungs beside the page.
+  await page.addInitScript(() => {
+    window.looked = { pushes: 0, rows: 0, bytes: 0 };
+    const Plain = window.WebSocket;
+    window.WebSocket = class extends Plain {
+      constructor(...given) {
+        super(...given);
+        this.addEventListener("message", ({ data }) => {
+          if (typeof data !== "string" || !data.startsWith('{"push":"look"')) return;
+          window.looked.pushes += 1;
+          window.looked.rows += data.split('"index":').length - 1;
+          window.looked.bytes += data.length;
+        });
+      }
+    };
+  });
+  await page.reload();
+  await go(page, "controller");
+  await rung(page, 0).waitFor();
+  await on(page, 0, ".coil").or(page.locator(".operand-value", { hasText: /^\d/ })).first().waitFor();
+  const session = await page.context().newCDPSession(page);
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const metrics = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map(({ name, value }) => [name, value]));
+  const wrong = [];
+  // Other work on the computer only adds, through caches and cores that are shared: the least of a few counts.
+  const least = async (enough) => {
+    let found = null;
+    for (let attempt = 0; attempt < 4 && !(found?.task <= enough); attempt += 1) {
+      const now = await load(page, metrics, 3000);
+      if (!found || now.task < found.task) found = now;
+    }
+    return found;
+  };
+  // The same page in a view that shows nothing of the program.
+  await go(page, "events");
+  const without = await least(0);
+  await go(page, "controller");
+  for (const [where, width, height] of [["desktop", 1360, 850], ["tall screen", 1360, 2400]]) {
+    await page.setViewportSize({ width, height });
+    await page.waitForTimeout(500);
+    const shown = await least(without.task + MOST_SHARE);
+    const drawn = await page.locator(".rung").count();
+    const percent = (share) => (100 * share).toFixed(1);
+    const own = shown.task - without.task;
+    console.log(`${where}: ${drawn} of 1,000 rungs drawn, ${percent(own)} % of a core for them, ${percent(shown.task)} % for the page (script ${percent(shown.script)}, layout ${percent(shown.layout)}), ${(shown.bytes / 3000).toFixed(1)} kB/s in ${(shown.pushes / 3).toFixed(1)} pushes a second of ${(shown.rows / shown.pushes).toFixed(1)} rungs`);
+    if (own > MOST_SHARE) wrong.push(`${where}: ${percent(own)} % of a core`);
+    assert.ok(drawn > 4 && drawn < 100, `${drawn} rungs are drawn`);
+    assert.ok(shown.pushes > 0 && shown.pushes <= 16, `${shown.pushes} pushes in 3 s`);
+  }
+  assert.deepEqual(wrong, [], "the main thread has time");
+  await picture(page, folder, "controller-thousand");
+  await close(page);
+}
+
 /** A tablet has room for the ladder; on a phone the view scrolls and nothing is wider than the page. */
 export async function a_program_fits_small_screens({ browser, url, folder }) {
   const page = await open(browser, url, "controller");

@@ -297,6 +297,15 @@ impl MonitorUpdates {
             std::future::pending::<()>().await;
         }
         let newest = self.samples.borrow_and_update().clone();
+        let rows = self.news(newest);
+        text_of(&Push::Look {
+            routine: self.routine,
+            rows,
+        })
+    }
+
+    /// The rows that differ from those that the viewer has received.
+    fn news(&mut self, newest: Vec<MonitorSample>) -> Vec<MonitorRow> {
         let before = |row: usize| self.sent.get(row);
         let rows = newest
             .iter()
@@ -309,10 +318,7 @@ impl MonitorUpdates {
         });
         let rows = rows.collect();
         self.sent = newest;
-        text_of(&Push::Look {
-            routine: self.routine,
-            rows,
-        })
+        rows
     }
 }
 
@@ -329,3 +335,6 @@ fn shown(value: &MonitoredValue) -> Value {
 fn number(value: Scalar) -> Value {
     serde_json::to_value(FloatsOnly(&TagValue::Value(value))).unwrap_or_default()
 }
+
+#[cfg(test)]
+mod tests;
