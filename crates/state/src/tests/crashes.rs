@@ -4,6 +4,7 @@
 //! disk had (system); at most the sent ones, in whole records.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::*;
 use crate::recording::{Call, Crashes, Inode, Kind, Recording, Rules};
@@ -493,14 +494,37 @@ fn play(what: &str, script: &[Step], most: usize) -> usize {
     scene.hold(what, most)
 }
 
+/// Plays as many scripts, on as many threads as there are processors: this test takes longer than all others of the crate together. Returns the
+/// contents that there were.
+fn on_all_processors(scripts: usize, play: impl Fn(usize) -> usize + Sync) -> usize {
+    let next = AtomicUsize::new(0);
+    let work = || -> usize {
+        std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed))
+            .take_while(|number| *number < scripts)
+            .map(&play)
+            .sum()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        threads
+            .into_iter()
+            .map(|thread| thread.join().expect("a script failed, see above"))
+            .sum()
+    })
+}
+
 #[test]
 fn every_crash_leaves_what_was_answered_and_nothing_that_was_not_sent() {
     let long = std::env::var_os("ARCLINE_LONG").is_some();
     let (most, scripts) = if long { (10_000, 500) } else { (1000, 20) };
-    let told: usize = SCRIPTS.iter().map(|(what, script)| play(what, script, most)).sum();
-    let drawn: usize = (0..scripts)
-        .map(|seed| play(&format!("script {seed}"), &drawn(seed), most / 10))
-        .sum();
+    let told = on_all_processors(SCRIPTS.len(), |number| {
+        let (what, script) = SCRIPTS[number];
+        play(what, script, most)
+    });
+    let drawn = on_all_processors(scripts, |seed| {
+        play(&format!("script {seed}"), &drawn(seed as u64), most / 10)
+    });
     println!("{told} and {drawn} contents of the file after a crash, and none has lost what was answered");
     assert!(told + drawn >= 100_000, "only {told} and {drawn} contents");
 }
