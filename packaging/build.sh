@@ -19,15 +19,24 @@ umask 022
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-cargo build --release --workspace --bins --locked --quiet
-# glibc, linked in: nothing of the server resolves names or users, for which a static glibc would load libraries. Named target: build scripts stay dynamic.
-RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --quiet -p arcline-server --target x86_64-unknown-linux-gnu
+built=$(cargo build --release --workspace --bins --locked --quiet --message-format=json-render-diagnostics)
+# glibc, linked in: nothing of the server resolves names or users, for which a static glibc would load libraries. Only linking depends on that flag, so
+# the program is linked once more from the library that cargo has just built; given to cargo, the flag would have every crate compiled a second time.
+library=$(python3 -c '
+import json, sys
+
+for message in map(json.loads, sys.stdin):
+    if message["reason"] == "compiler-artifact" and message["target"]["name"] == "arcline_server" and "lib" in message["target"]["kind"]:
+        print(*(file for file in message["filenames"] if file.endswith(".rlib")))
+' <<<"$built")
+rustc --edition=2024 --crate-name arcline_server --crate-type bin -C opt-level=3 -C target-feature=+crt-static \
+    -L "dependency=$target/release/deps" --extern "arcline_server=$library" -o "$work/linked" server/src/main.rs
 static=$work/arcline-server
 stripped() {
     strip --strip-all --remove-section=.comment -o "$2" "$1"
     python3 packaging/build_id.py "$2"
 }
-stripped "$target/x86_64-unknown-linux-gnu/release/arcline-server" "$static"
+stripped "$work/linked" "$static"
 
 # pages FOLDER PROGRAM...: manual pages and completions.
 pages() {
