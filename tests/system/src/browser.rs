@@ -73,7 +73,7 @@ pub fn case_with_users(name: &str, over_https: bool) {
     run_on(name, &["--config", &at("cell.toml")], over_https);
 }
 
-/// The same against a server with the program of `tests/config/ladder.L5X`, of which every text that may be any text is markup ([`marked_up`]), while a
+/// The same against a server with the program of `tests/config/ladder.L5X`, of which every text that may be any text is markup, while a
 /// client of EtherNet/IP jogs the axis X that tells of itself, in its own words, that it is an element of a page.
 ///
 /// # Panics
