@@ -36,6 +36,8 @@ export class Program {
   paused = false;
   /** Whether the error of a run or a dry run is shown. */
   failed = false;
+  /** The text whose lines were counted last. */
+  counted = { source: "", lines: 1 };
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -195,7 +197,7 @@ export class Program {
     this.active = program.state === "running" || program.state === "paused";
     this.paused = program.state === "paused";
     const who = this.active && program.viewer && program.viewer !== this.app.store.viewer ? ` for ${program.viewer}` : "";
-    const lines = (program.text ?? this.editor.text).trimEnd().split("\n").length;
+    const lines = this.active ? this.#linesOf(program.text ?? this.editor.text) : 1;
     text(this.status, `${WORDS[program.state] ?? program.state}${this.active && program.line ? `, line ${program.line} of ${lines}` : ""}${who}`);
     this.progress.hidden = !this.active;
     this.progress.max = lines;
@@ -211,6 +213,12 @@ export class Program {
     fill(this.pause, icon(this.paused ? "run" : "pause"), this.paused ? "Continue" : "Pause");
     if (program.state === "failed" && program.error) this.#fault(program.error);
     this.update();
+  }
+
+  /** The number of lines of a program; counted once for each text, as pushes of a run come often. @param {string} source */
+  #linesOf(source) {
+    if (source !== this.counted.source) this.counted = { source, lines: source.trimEnd().split("\n").length };
+    return this.counted.lines;
   }
 
   /** Removes the error of an earlier run and the mark at its line. */

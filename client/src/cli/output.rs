@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
 use std::time::UNIX_EPOCH;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value as Json, json};
 
 use arcline_client::{Ended, Execution, Flag, MotionControl};
@@ -31,6 +32,19 @@ impl Output {
     /// Whether the output is a terminal, which shows progress.
     pub(crate) fn is_watched(&self) -> bool {
         !self.json && std::io::stderr().is_terminal() && std::io::stdout().is_terminal()
+    }
+
+    /// A bar of progress by a constant template, on a terminal only.
+    pub(crate) fn bar(&self, length: u64, template: &str) -> ProgressBar {
+        if !self.is_watched() {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new(length);
+        // A constant template is always valid.
+        match ProgressStyle::with_template(template) {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
     }
 
     /// Prints one result: the text, or the object.

@@ -1,6 +1,6 @@
 //! `exec` and `run`: Structured Text against a live server.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde_json::json;
 
 use arcline_client::{Client, Ended, Event, OnError, Runner};
@@ -80,15 +80,13 @@ pub(crate) struct How {
 impl How {
     /// The progress by lines: on a terminal, for a program whose instructions are too many to be shown one by one.
     fn progress(&self, output: &Output) -> ProgressBar {
-        if self.lines <= MOST_NOTED_LINES || !output.is_watched() {
+        if self.lines <= MOST_NOTED_LINES {
             return ProgressBar::hidden();
         }
-        let bar = ProgressBar::new(self.lines as u64);
-        // The template is a constant: it is always valid.
-        match ProgressStyle::with_template("{bar:30} {percent} %  line {human_pos} of {human_len}  {elapsed}") {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        }
+        output.bar(
+            self.lines as u64,
+            "{bar:30} {percent} %  line {human_pos} of {human_len}  {elapsed}",
+        )
     }
 }
 

@@ -8,7 +8,6 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
 use arcline_client::{Client, Event, Object, ProgramError, Runner};
@@ -117,7 +116,7 @@ async fn pieces(client: &Client, source: &Source<'_>, counts: &Counts, output: &
             source: error,
         }
     };
-    let progress = progress(counts, output);
+    let progress = output.bar(counts.statements(), PROGRESS);
     let mut on_event = |event: Event<'_>| {
         if let Event::Executed { line, .. } = event {
             progress.set_position(line as u64);
@@ -149,20 +148,6 @@ async fn pieces(client: &Client, source: &Source<'_>, counts: &Counts, output: &
     Ok(())
 }
 
-/// The progress by statements with the time left; on a terminal only.
-fn progress(counts: &Counts, output: &Output) -> ProgressBar {
-    if !output.is_watched() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(counts.statements());
-    // The template is a constant: it is always valid.
-    let style = ProgressStyle::with_template("{bar:30} {percent} %  {human_pos} of {human_len}  {eta} left");
-    match style {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
-}
-
 fn start(command: &Gcode) -> Option<[f64; 3]> {
     let given = command.start.as_ref()?;
     let mut start = [0.0; 3];
@@ -177,3 +162,6 @@ fn is_inch(units: &str) -> bool {
         .iter()
         .any(|inch| units.eq_ignore_ascii_case(inch))
 }
+
+/// The progress by statements with the time left.
+const PROGRESS: &str = "{bar:30} {percent} %  {human_pos} of {human_len}  {eta} left";

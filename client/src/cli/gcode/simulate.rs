@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::json;
 
-use super::progress;
+use super::PROGRESS;
 use super::source::{Counts, Source};
 use crate::cli::output::counted;
 use crate::cli::tools::server_program;
@@ -37,7 +37,7 @@ pub(super) fn simulate(source: &Source<'_>, counts: &Counts, output: &Output) ->
         simulation.stdout.take(),
         simulation.stderr.take(),
     );
-    let progress = progress(counts, output);
+    let progress = output.bar(counts.statements(), PROGRESS);
     let (written, said, seconds) = std::thread::scope(|scope| {
         let written = scope.spawn(|| -> Result<(), Failure> {
             let Some(input) = input else { return Ok(()) };

@@ -53,13 +53,7 @@ async fn a_login_raises_the_role_and_a_logout_closes_the_socket() {
     let mut anna = page.page(&cookie).await;
     assert_eq!(role_of(&mut anna).await, (json!("operator"), json!("anna"), false));
     assert!(writes(&mut anna).await);
-    let answer = page
-        .post(
-            "/logout",
-            &format!("Cookie: {cookie}\r\nOrigin: http://localhost\r\n"),
-            "",
-        )
-        .await;
+    let answer = page.post_with("/logout", &cookie).await;
     assert!(
         answer.starts_with("HTTP/1.1 204") && answer.contains("Max-Age=0"),
         "{answer}"
@@ -145,13 +139,7 @@ async fn a_locked_page_looks_and_stops() {
     let counts = "WHILE TRUE DO Move1.Speed := Move1.Speed + 1; DELAY(0.005); END_WHILE;";
     bert.run(counts).await.expect("it runs");
     bert.program("running").await;
-    let answer = page
-        .post(
-            "/lock",
-            &format!("Cookie: {cookie}\r\nOrigin: http://localhost\r\n"),
-            "",
-        )
-        .await;
+    let answer = page.post_with("/lock", &cookie).await;
     assert!(answer.starts_with("HTTP/1.1 204"), "{answer}");
     assert_eq!(role_of(&mut bert).await, (json!("viewer"), json!("bert"), true));
     assert!(!writes(&mut bert).await, "it is locked");
@@ -291,14 +279,8 @@ async fn an_administrator_sees_and_ends_sessions() {
     for viewer in [&mut anna, &mut second] {
         assert_eq!(next_answer(viewer).await, why);
     }
-    // The cookie is that of nobody any more.
-    let answer = page
-        .post(
-            "/lock",
-            &format!("Cookie: {cookie}\r\nOrigin: http://localhost\r\n"),
-            "",
-        )
-        .await;
+    // The server no longer knows the cookie.
+    let answer = page.post_with("/lock", &cookie).await;
     assert!(
         answer.starts_with("HTTP/1.1 401") && answer.ends_with("No user is logged in.\n"),
         "{answer}"

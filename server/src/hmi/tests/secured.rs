@@ -97,6 +97,12 @@ impl Secured {
         post(stream, path, headers, body).await
     }
 
+    /// A request without a body, of a page that has the cookie of a session.
+    pub(super) async fn post_with(&self, path: &str, cookie: &str) -> String {
+        let headers = format!("Cookie: {cookie}\r\nOrigin: http://localhost\r\n");
+        self.post(path, &headers, "").await
+    }
+
     /// The cookie of a session.
     pub(super) async fn log_in(&self, user: &str, password: &str) -> Result<String, String> {
         let body = json!({"user": user, "password": password}).to_string();
