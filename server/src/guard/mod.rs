@@ -81,6 +81,10 @@ struct SignsOfLife {
     epoch: Instant,
     /// When something was heard last, µs since the epoch.
     heard: AtomicU64,
+    /// When something was heard last after a longer silence than the clients' jogs survive, µs since the epoch.
+    broken: AtomicU64,
+    /// That silence, µs.
+    silence: u64,
     /// The guard wants to watch the client's socket.
     wanted: AtomicBool,
 }
@@ -88,8 +92,12 @@ struct SignsOfLife {
 impl Signs {
     /// Something was heard.
     pub(crate) fn heard(&self) {
-        let micros = u64::try_from(self.0.epoch.elapsed().as_micros()).unwrap_or(u64::MAX);
-        self.0.heard.store(micros, Ordering::Relaxed);
+        let now = micros(self.0.epoch.elapsed());
+        let before = self.0.heard.swap(now, Ordering::AcqRel);
+        // The guard may not have looked since: a computer that stood still for as long gets this message first.
+        if now.saturating_sub(before) > self.0.silence {
+            self.0.broken.store(now, Ordering::Release);
+        }
     }
 
     /// Whether the guard wants to watch the socket; a call clears the wish.
@@ -97,8 +105,13 @@ impl Signs {
         self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
     }
 
-    fn silent_since(&self) -> Duration {
-        Duration::from_micros(self.0.heard.load(Ordering::Relaxed))
+    /// Jogs that began before this moment are those of a silent client.
+    fn silent_at(&self, now: Duration) -> Duration {
+        let heard = self.0.heard.load(Ordering::Acquire);
+        if micros(now).saturating_sub(heard) > self.0.silence {
+            return Duration::MAX;
+        }
+        Duration::from_micros(self.0.broken.load(Ordering::Acquire))
     }
 }
 
@@ -153,10 +166,11 @@ impl Guard {
     pub(crate) fn enter(&self, session: u64, identity: ClientIdentity, interface: Weak<dyn ClientInterface>) -> Signs {
         let signs = Signs(Arc::new(SignsOfLife {
             epoch: self.0.epoch,
-            heard: AtomicU64::new(0),
+            heard: AtomicU64::new(micros(self.now())),
+            broken: AtomicU64::new(0),
+            silence: self.0.silence.map_or(u64::MAX, micros),
             wanted: AtomicBool::new(false),
         }));
-        signs.heard();
         self.table().identify(session, |known| *known = identity);
         let client = Client {
             signs: signs.clone(),
@@ -198,9 +212,15 @@ impl Guard {
     /// A MAJ of an owner was sent. `runs`: whether a ticket may still run.
     pub(crate) fn begin(&self, owner: Principal, axis: AxisId, ticket: Ticket, runs: impl Fn(Ticket) -> bool) {
         let Some(session) = owner.session() else { return };
-        let held = is_button(owner);
-        let until = held.then(|| self.now() + KEEP_WITHIN);
-        self.table().begin(owner, axis, ticket, until, runs);
+        let now = self.now();
+        let jog = Jog {
+            owner,
+            axis,
+            ticket,
+            since: now,
+            until: is_button(owner).then(|| now + KEEP_WITHIN),
+        };
+        self.table().begin(session, jog, runs);
         if let Some(client) = self.clients().get(&session)
             && client.watched.is_none()
         {
@@ -263,9 +283,15 @@ impl Guard {
         axes
     }
 
-    /// The motion of an owner goes on without it.
+    /// The motion of an owner goes on without it, except for jogs that its silence has ended before.
     pub(crate) fn forget(&self, owner: Principal) {
+        if let Some(session) = owner.session() {
+            let silent = self.end_silent(session, self.now());
+            self.stop(&silent, JogEnd::Silent);
+            self.tell(&silent, JogEnd::Silent);
+        }
         self.table().forget(owner);
+        self.0.wake.notify_one();
     }
 
     /// The socket of a client has closed without a word.
@@ -332,27 +358,23 @@ impl Guard {
 
     /// Takes out the jogs of silent clients.
     fn silent(&self, now: Duration) -> Vec<Jog> {
-        let Some(silence) = self.0.silence else {
+        if self.0.silence.is_none() {
             return Vec::new();
-        };
+        }
         let jogging: Vec<u64> = self.table().jogging().collect();
-        let mut silent = Vec::new();
-        for session in jogging {
-            let clients = self.clients();
-            let Some(client) = clients.get(&session) else { continue };
-            if now.saturating_sub(client.signs.silent_since()) > silence {
-                silent.push((session, client.interface.upgrade()));
-            }
-        }
-        let mut ended = Vec::new();
-        for (session, interface) in silent {
-            let keeps = |owner| interface.as_ref().is_some_and(|interface| interface.keeps_jogs(owner));
-            ended.extend(
-                self.table()
-                    .end(now, JogEnd::Silent, |jog| is_of(jog, session) && !keeps(jog.owner)),
-            );
-        }
-        ended
+        let ended = jogging.into_iter().flat_map(|session| self.end_silent(session, now));
+        ended.collect()
+    }
+
+    /// Takes out the jogs of a client that it began before its silence.
+    fn end_silent(&self, session: u64, now: Duration) -> Vec<Jog> {
+        let (at, interface) = match self.clients().get(&session) {
+            Some(client) => (client.signs.silent_at(now), client.interface.upgrade()),
+            None => return Vec::new(),
+        };
+        let keeps = |owner| interface.as_ref().is_some_and(|interface| interface.keeps_jogs(owner));
+        let ends = |jog: &Jog| is_of(jog, session) && jog.since < at && !keeps(jog.owner);
+        self.table().end(now, JogEnd::Silent, ends)
     }
 
     fn stop(&self, jogs: &[Jog], why: JogEnd) {
@@ -395,6 +417,10 @@ impl Guard {
     }
 }
 
+fn micros(time: Duration) -> u64 {
+    u64::try_from(time.as_micros()).unwrap_or(u64::MAX)
+}
+
 fn is_of(jog: &Jog, session: u64) -> bool {
     jog.owner.session() == Some(session)
 }
@@ -402,4 +428,57 @@ fn is_of(jog: &Jog, session: u64) -> bool {
 /// Whether a button holds the jogs of an owner.
 fn is_button(owner: Principal) -> bool {
     matches!(owner, Principal::Button(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLIENT: Principal = Principal::Client {
+        session: 1,
+        connection: 0,
+    };
+
+    /// A client whose jogs end when it is silent.
+    #[derive(Debug)]
+    struct Interface;
+
+    impl ClientInterface for Interface {
+        fn keeps_jogs(&self, _: Principal) -> bool {
+            false
+        }
+
+        fn lost(&self, _: u64) {}
+    }
+
+    /// The computer stood still while the client was silent, and the client's orderly end is read before the guard looks again.
+    #[tokio::test(start_paused = true)]
+    async fn a_close_in_order_behind_a_silence_ends_the_jogs_before_it() {
+        const SILENCE: u16 = 500;
+        let project = arcline_config::load(arcline_config::DEFAULT, "default").expect("the default is valid");
+        for (silence, silent, ended) in [
+            (500, SILENCE, Vec::new()),
+            (501, SILENCE, vec![1]),
+            (60_000, SILENCE, vec![1]),
+            (60_000, 0, Vec::new()),
+        ] {
+            let (_rings, link) = arcline_realtime::link(&project.machine);
+            let guard = Guard::new(link.stops, &project.machine, silent);
+            let interface: Arc<dyn ClientInterface> = Arc::new(Interface);
+            let signs = guard.enter(1, ClientIdentity::default(), Arc::downgrade(&interface));
+            // A pause before its first jog is no silence of a jogging client.
+            tokio::time::advance(Duration::from_secs(9)).await;
+            signs.heard();
+            guard.begin(CLIENT, AxisId(0), Ticket(1), |_| true);
+            tokio::time::advance(Duration::from_millis(silence)).await;
+            signs.heard();
+            guard.begin(CLIENT, AxisId(1), Ticket(2), |_| true);
+            guard.forget(CLIENT);
+            let endings = guard.table().due_endings(guard.now(), |_| JogState::Moves);
+            let tickets: Vec<u64> = endings.iter().map(|ending| ending.ticket.0).collect();
+            assert_eq!(tickets, ended, "{silence} ms, {silent}");
+            assert!(endings.iter().all(|ending| ending.why == JogEnd::Silent));
+            assert_eq!(guard.table().jogging().count(), 0, "the rest goes on without an owner");
+        }
+    }
 }

@@ -31,8 +31,9 @@ pub(super) struct Jog {
     pub(super) owner: Principal,
     pub(super) axis: AxisId,
     pub(super) ticket: Ticket,
+    pub(super) since: Duration,
     /// The end of the jog unless its viewer confirms it; `None`: the jog needs no confirmation.
-    until: Option<Duration>,
+    pub(super) until: Option<Duration>,
 }
 
 /// A jog that is to be stopped.
@@ -71,27 +72,13 @@ impl Table {
         self.clients.remove(&session);
     }
 
-    /// A MAJ was sent; `until`: the end of the jog unless its viewer confirms it. `runs`: whether a ticket may still run; the table forgets the
-    /// others when it has many.
-    pub(super) fn begin(
-        &mut self,
-        owner: Principal,
-        axis: AxisId,
-        ticket: Ticket,
-        until: Option<Duration>,
-        runs: impl Fn(Ticket) -> bool,
-    ) {
-        let Some(session) = owner.session() else { return };
+    /// A client has sent a MAJ. `runs`: whether a ticket may still run; the table forgets the others when it has many.
+    pub(super) fn begin(&mut self, session: u64, jog: Jog, runs: impl Fn(Ticket) -> bool) {
         let jogs = &mut self.clients.entry(session).or_default().jogs;
         if jogs.len() >= MANY {
             jogs.retain(|jog| runs(jog.ticket));
         }
-        jogs.push(Jog {
-            owner,
-            axis,
-            ticket,
-            until,
-        });
+        jogs.push(jog);
     }
 
     /// A jog is still meant. `false`: it is not there, or over.
@@ -195,6 +182,16 @@ mod tests {
         Duration::from_millis(time)
     }
 
+    fn jog(owner: Principal, axis: u16, ticket: u64, until: Option<Duration>) -> Jog {
+        Jog {
+            owner,
+            axis: AxisId(axis),
+            ticket: Ticket(ticket),
+            since: Duration::ZERO,
+            until,
+        }
+    }
+
     fn tickets(jogs: &[Jog]) -> Vec<u64> {
         jogs.iter().map(|jog| jog.ticket.0).collect()
     }
@@ -202,8 +199,8 @@ mod tests {
     #[test]
     fn a_jog_ends_when_it_is_not_kept() {
         let mut table = Table::default();
-        table.begin(ONE, AxisId(0), Ticket(5), Some(ms(150)), |_| true);
-        table.begin(TWO, AxisId(1), Ticket(6), None, |_| true);
+        table.begin(1, jog(ONE, 0, 5, Some(ms(150))), |_| true);
+        table.begin(2, jog(TWO, 1, 6, None), |_| true);
         assert!(table.keep(1, AxisId(0), ms(100), ms(250)));
         assert!(!table.keep(1, AxisId(1), ms(100), ms(250)), "another axis");
         assert!(!table.keep(2, AxisId(1), ms(100), ms(250)), "it need not be kept");
@@ -217,9 +214,9 @@ mod tests {
     #[test]
     fn a_stop_is_looked_after_until_the_axis_stands() {
         let mut table = Table::default();
-        table.begin(ONE, AxisId(0), Ticket(5), None, |_| true);
-        table.begin(ONE, AxisId(0), Ticket(9), None, |_| true);
-        table.begin(TWO, AxisId(1), Ticket(6), None, |_| true);
+        table.begin(1, jog(ONE, 0, 5, None), |_| true);
+        table.begin(1, jog(ONE, 0, 9, None), |_| true);
+        table.begin(2, jog(TWO, 1, 6, None), |_| true);
         assert_eq!(
             tickets(&table.end(ms(10), JogEnd::Lost, |jog| jog.owner == ONE)),
             [5, 9]
@@ -244,7 +241,7 @@ mod tests {
     fn many_jogs_of_one_client_are_bounded_by_those_that_run() {
         let mut table = Table::default();
         for ticket in 1..=100_000 {
-            table.begin(ONE, AxisId(0), Ticket(ticket), None, |ticket| ticket.0 == 3);
+            table.begin(1, jog(ONE, 0, ticket, None), |ticket| ticket.0 == 3);
         }
         let jogs = table.end(ms(0), JogEnd::Lost, |_| true);
         assert!(jogs.len() <= MANY + 1, "{}", jogs.len());
