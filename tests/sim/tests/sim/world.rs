@@ -538,9 +538,13 @@ impl World<'_> {
     }
 }
 
-/// Runs the ready tasks of a runtime, and its clock to a time since it began, ms.
+/// Sets the clock of a runtime to a time since it began, ms, and runs its ready tasks: a task that was stalled sees the present time.
 fn turn(runtime: &Runtime, began: Instant, ms: u64) {
-    runtime.block_on(async { tokio::time::sleep_until(began + Duration::from_millis(ms)).await });
+    let time = began + Duration::from_millis(ms);
+    runtime.block_on(async {
+        tokio::time::advance(time.saturating_duration_since(Instant::now())).await;
+        tokio::time::sleep_until(time).await;
+    });
 }
 
 fn runtime() -> Runtime {
