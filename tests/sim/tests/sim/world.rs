@@ -212,7 +212,8 @@ impl World<'_> {
                 let random = self.scenario.random(actor.name);
                 let env = Environment::new(actor.name, number, self.common.clone(), random);
                 let _guard = clients.enter();
-                drop(clients.spawn((actor.act)(env)));
+                let last = Duration::from_millis(self.common.leave_from + BREAK_OFF);
+                drop(clients.spawn(tokio::time::timeout_at(clients_began + last, (actor.act)(env))));
             }
         }
         let mut faults: VecDeque<(u64, Fault)> = self.scenario.faults().into();
@@ -538,11 +539,15 @@ impl World<'_> {
     }
 }
 
-/// Sets the clock of a runtime to a time since it began, ms, and runs its ready tasks: a task that was stalled sees the present time.
+/// Runs the ready tasks of a runtime, and its clock to a time since it began, ms. Tasks that were stalled see the end of the stall.
 fn turn(runtime: &Runtime, began: Instant, ms: u64) {
     let time = began + Duration::from_millis(ms);
     runtime.block_on(async {
-        tokio::time::advance(time.saturating_duration_since(Instant::now())).await;
+        let stalled = time.saturating_duration_since(Instant::now() + MILLISECOND);
+        if !stalled.is_zero() {
+            tokio::time::advance(stalled).await;
+        }
+        // The clock goes on when no task is ready.
         tokio::time::sleep_until(time).await;
     });
 }
@@ -559,8 +564,12 @@ fn file() -> PathBuf {
     PathBuf::from("machine.state")
 }
 
-/// The time before the end at which actors leave; the server needs it to detect a client that has vanished, ms.
-const LEAVING: u64 = 5_000;
+const MILLISECOND: Duration = Duration::from_millis(1);
+/// The time before the end at which actors leave, ms. The server needs it to detect a client that has vanished, and for the last answers of a
+/// controller that does not answer.
+const LEAVING: u64 = 7_000;
+/// The time after which an actor that still waits for an answer breaks off, ms.
+const BREAK_OFF: u64 = 1_800;
 /// The longest silence before the first datagram of an I/O connection, ms (docs/IO.md).
 const FIRST_DATAGRAM: u64 = 10_100;
 /// The clock on the wall at the beginning, ms since 1970: late in 2026.

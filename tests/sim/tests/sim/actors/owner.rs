@@ -59,6 +59,8 @@ struct Owned {
     heard: Option<u64>,
     /// When the server sent its newest datagram, ms.
     sent: u64,
+    /// Its datagrams once arrived further apart than the time-out: the slow answers of its instructions were between them.
+    paused: bool,
 }
 
 impl Owned {
@@ -75,7 +77,10 @@ impl Owned {
             data: &data,
         };
         datagram.encode(&mut bytes);
-        self.heard = self.mailbox.send(&bytes).or(self.heard);
+        if let Some(arrives) = self.mailbox.send(&bytes) {
+            self.paused |= self.heard.is_some_and(|heard| arrives > heard + self.timeout);
+            self.heard = Some(arrives);
+        }
     }
 
     /// Whether the server still sends inputs, and has received outputs.
@@ -124,6 +129,7 @@ async fn own(env: &mut Environment, client: &mut Client, serial: u16) -> Answer<
         timeout: u64::from(o_to_t_api) / 1000 * (4 << multiplier),
         heard: None,
         sent: 0,
+        paused: false,
     };
     env.sometimes("the outputs have an owner");
     owned.produce();
@@ -172,7 +178,7 @@ async fn fall_silent(env: &mut Environment, owned: &mut Owned, lives: u64) {
     // The connection may have ended with the server, or the datagrams of either were lost on the way.
     let disturbed_until = env.common.post.held_until().max(env.stalled_until());
     let is_disturbed = env.lives() != lives || disturbed_until + owned.timeout >= heard;
-    if is_disturbed || owned.sent == 0 {
+    if is_disturbed || owned.paused || owned.sent == 0 {
         return;
     }
     env.sometimes("a silent owner is judged");
