@@ -15,7 +15,7 @@ use crate::junction::is_along;
 use crate::move_trajectory::{Residual, ResidualPart};
 use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
-use crate::ramp_out::{RampOut, short};
+use crate::ramp_out::{RampOut, short, stop_way};
 use crate::running::{AccelerationRemoval, InitialMotion, Move, scaled_limits};
 use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE, SPLIT_VELOCITY_SHARE};
 
@@ -35,7 +35,7 @@ impl<T: Copy> Planner<T> {
                 velocity: speed,
                 acceleration: initial.acceleration.dot(&initial.velocity) / speed,
             };
-            Profile::stop(from, &before).reach()
+            stop_way(from, &before)
         });
         let widest = widest.unwrap_or(f64::INFINITY);
         let mut initial = initial;

@@ -85,7 +85,10 @@ impl RampOut {
                     acceleration: across.norm(),
                     ..KinematicState::default()
                 };
-                let limits = self.limits.hastened(self.across);
+                let limits = Limits {
+                    deceleration: self.limits.deceleration,
+                    ..removed_by_the_greater_jerk(&self.limits).hastened(self.across)
+                };
                 let limits = hastened(from, &limits, ASIDE * self.widest, false);
                 ResidualPart::new(direction, Profile::stop(from, &limits))
             }
@@ -119,7 +122,9 @@ fn relieved(from: KinematicState, limits: &Limits, fastest: f64) -> Limits {
     limits
 }
 
-/// Limits with ramps shortened as little as necessary for a stop within a distance.
+/// Limits with braking ramps shortened as little as necessary for a stop within a distance. The deceleration rises to at most
+/// [`PEAK_SHARE`] of the mean one that the distance needs; beyond it the jerk alone does. The acceleration stays, for a return after an
+/// overshoot. `braking`: the jerk that removes an acceleration stays, too.
 fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -> Limits {
     let widest = widest * (1.0 + ROUNDING_SHARE);
     let fits = |limits: &Limits| stop_way(from, limits) <= widest;
@@ -134,19 +139,19 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
     if fits(limits) {
         return *limits;
     }
-    // Shortens only the braking, or all ramps.
+    let most = limits
+        .deceleration
+        .max(PEAK_SHARE * mean_deceleration(from, limits, widest, braking));
     let faster = |factor: f64| {
         let all = limits.hastened(factor);
-        let Some((own, all_jerk)) = limits.jerk.zip(all.jerk).filter(|_| braking) else {
-            return all;
-        };
         Limits {
             acceleration: limits.acceleration,
-            jerk: Some(Jerk {
-                acceleration: own.acceleration,
-                ..all_jerk
+            deceleration: all.deceleration.min(most),
+            jerk: all.jerk.zip(limits.jerk).map(|(all, own)| Jerk {
+                acceleration: if braking { own.acceleration } else { all.acceleration },
+                ..all
             }),
-            ..all
+            ..*limits
         }
     };
     if braking && !fits(&faster(MOST_HASTE)) {
@@ -160,6 +165,36 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
         (less, more) = (more, 2.0 * more);
     }
     faster(least(less, more, |factor| fits(&faster(factor))))
+}
+
+/// The mean deceleration of a stop within a distance; `braking`: behind the removal of the acceleration.
+fn mean_deceleration(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -> f64 {
+    let removal = limits
+        .jerk
+        .filter(|_| braking && from.acceleration > 0.0)
+        .map(|jerk| AccelerationRemovalPhase {
+            from,
+            jerk: jerk.acceleration,
+            hold: 0.0,
+        });
+    let at = removal.map_or(from, |removal| removal.end());
+    let left = widest - (at.position - from.position);
+    if left > 0.0 {
+        0.5 * at.velocity * at.velocity / left
+    } else {
+        0.0
+    }
+}
+
+/// Limits that remove an acceleration with the greater of their jerks: across the velocity, it may be the rest of a deceleration.
+fn removed_by_the_greater_jerk(limits: &Limits) -> Limits {
+    Limits {
+        jerk: limits.jerk.map(|jerk| Jerk {
+            acceleration: jerk.acceleration.max(jerk.deceleration),
+            ..jerk
+        }),
+        ..*limits
+    }
 }
 
 /// The smallest sufficient factor between an insufficient and a sufficient one.
@@ -197,7 +232,7 @@ fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
 }
 
 /// The distance of a stop that does not pass through rest.
-fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
+pub(crate) fn stop_way(from: KinematicState, limits: &Limits) -> f64 {
     Profile::after_removal(AccelerationRemovalPhase::before_rest(from, limits), from, |from| {
         Profile::stop(from, limits)
     })
@@ -235,6 +270,8 @@ pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Op
 const ASIDE: f64 = 0.1;
 /// The largest factor for braking alone.
 const MOST_HASTE: f64 = 1e6;
+/// The highest deceleration of a shortened stop, a share of the mean one: the rest of its time is left for a limited jerk.
+const PEAK_SHARE: f64 = 1.5;
 /// Most doublings of the factor for a stop, and halvings to find the smallest one.
 const DOUBLINGS: usize = 24;
 const HALVINGS: usize = 20;

@@ -12,7 +12,7 @@ struct Found {
     hardest: f64,
 }
 
-const FOUND: [Found; 3] = [
+const FOUND: [Found; 6] = [
     // A trapezoid that speeds up with a gentle rate and may brake hard, and a merge with an S-curve: its acceleration was taken away
     // slowly, so that the rest of a stop had to be three times as hard as any programmed one.
     Found {
@@ -69,6 +69,55 @@ const FOUND: [Found; 3] = [
             ("MCS(XY, S5, 2, 1, 1132.322, 0, 1, 100, 2)", 199),
         ],
         hardest: 1132.322 + 260.876,
+    },
+    // A merge onto a move that brakes gently: its stop had to be three times as hard, and its return from the overshoot speeded up three
+    // times as hard as well.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M2, 1, [-46.952, -11.316], 111.416, 0, 690.114, 0, 172.045, 0, 0, 100, 100, 2, 1, 1, 0, 5)",
+                193,
+            ),
+            (
+                "MCLM(XY, M3, 0, [-30.767, -8.979], 134.871, 0, 3255.478, 0, 54.819, 0, 0, 100, 100, 2, 1, 1, 1, 5)",
+                800,
+            ),
+        ],
+        hardest: 1.01 * 3255.478,
+    },
+    // A merge at the end of a stop: the acceleration across its last velocity was removed with the gentle jerk of an acceleration, and the
+    // velocity that this gave was braked four times as hard as programmed.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M1, 1, [19.761, -54.262], 42.107, 0, 119.587, 0, 693.145, 0, 1, 63.170, 63.170, 2, 1, 1, 0, 5)",
+                190,
+            ),
+            (
+                "MCLM(XY, M2, 1, [-18.549, 45.784], 42.107, 0, 119.587, 0, 693.145, 0, 1, 63.170, 63.170, 2, 1, 2, 0, 5)",
+                189,
+            ),
+            (
+                "MCCM(XY, M3, 1, [74.546, 30.022], 3, [37.273, 15.011], 0, 42.107, 0, 119.587, 0, 693.145, 0, 1, 63.170, 63.170, 2, 0, 2, 1, 5)",
+                157,
+            ),
+        ],
+        hardest: 1.5 * 693.145,
+    },
+    // A merge of an S-curve onto a trapezoid that speeds up: its rates and its jerks rose together until a stop was short enough, though
+    // higher jerks alone suffice.
+    Found {
+        calls: &[
+            (
+                "MCLM(XY, M1, 0, [-16.688, 2.576], 29.865, 0, 57.779, 0, 54.104, 0, 0, 100, 100, 2, 2, 2, 0, 5)",
+                227,
+            ),
+            (
+                "MCLM(XY, M2, 0, [48.130, 38.138], 198.984, 0, 57.527, 0, 62.796, 0, 1, 35.513, 35.513, 2, 1, 1, 0, 5)",
+                200,
+            ),
+        ],
+        hardest: 2.0 * 62.796,
     },
 ];
 
