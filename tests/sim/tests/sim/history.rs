@@ -15,6 +15,8 @@ pub(crate) struct History(Arc<Mutex<Inner>>);
 #[derive(Default)]
 struct Inner {
     clock: u64,
+    /// When the server has started.
+    started: u64,
     /// The value of each tag when the server started.
     initial: BTreeMap<&'static str, i32>,
     /// Values from before that start, which a loss of power may bring back: the start could not write them anew.
@@ -94,11 +96,18 @@ impl History {
         }
     }
 
-    /// A client has read a value that it asked for at a time.
+    /// A client has read a value that it asked for at a time. An answer of the server before this one, which the network held
+    /// back, is not judged.
     pub(crate) fn read(&self, tag: &'static str, value: i32, asked: u64) {
         let answered = self.clock();
-        let read = Read { value, asked, answered };
-        self.lock().reads.entry(tag).or_default().push(read);
+        let mut inner = self.lock();
+        if asked > inner.started {
+            inner
+                .reads
+                .entry(tag)
+                .or_default()
+                .push(Read { value, asked, answered });
+        }
     }
 
     /// A server has started and shows these values: the first one, or one that reads the file of another. All writes that were answered
@@ -112,6 +121,8 @@ impl History {
         let initial = std::mem::replace(&mut inner.initial, values.iter().copied().collect());
         let writes = std::mem::take(&mut inner.writes);
         inner.reads.clear();
+        inner.clock += 1;
+        inner.started = inner.clock;
         match wrote {
             Wrote::Anew => inner.older.clear(),
             Wrote::Nothing => {
