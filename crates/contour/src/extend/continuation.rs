@@ -72,7 +72,7 @@ impl Continuation<'_> {
         let &Continuation { running, limits, .. } = self;
         let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
         let first = earliest.max(brakes - TUNING.gentle.before_s);
-        let mut ways = Vec::new();
+        let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
             let speed_curve = SpeedCurve::new(&section);
             let ends = GENTLE.map(|shares| speed_curve.ends(shares));
@@ -81,15 +81,16 @@ impl Continuation<'_> {
                 let state = running.at(leave);
                 for (shares, ends) in GENTLE.into_iter().zip(&ends) {
                     if let Some(off) = speed_curve.goes_on(followed, ends, shares) {
-                        ways.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
+                        candidates.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
                         break;
                     }
                 }
             }
-            ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+            candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
             None::<()>
         });
-        ways.into_iter()
+        candidates
+            .into_iter()
             .take(TUNING.gentle.attempts)
             .find_map(|(_, leave, shares)| {
                 let splice = first.max(before(running, leave));

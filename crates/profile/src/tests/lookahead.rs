@@ -52,16 +52,16 @@ fn entry_speeds() {
     #[rustfmt::skip]
     let cases = [
         // why,                length, end, limits,  speed
-        ("no way",                0.0, 3.0, &SIMPLE, 3.0),
+        ("no distance",           0.0, 3.0, &SIMPLE, 3.0),
         ("trapezoid",             8.0, 0.0, &SIMPLE, 8.0),
         ("trapezoid to a speed",  2.0, 3.0, &SIMPLE, 5.0),
-        ("no way",                0.0, 3.0, &SMOOTH, 3.0),
+        ("no distance",           0.0, 3.0, &SMOOTH, 3.0),
         ("to rest, jerk only",    0.5, 0.0, &SMOOTH, 1.0),
         ("to rest, D held",      12.0, 0.0, &SMOOTH, 8.0),
         ("to a speed, jerk only", 3.5, 3.0, &SMOOTH, 4.0),
         ("to a speed, D held",   24.0, 4.0, &SMOOTH, 12.0),
         ("above the speed limit", 125.5e3, 0.0, &SMOOTH, 1000.0),
-        ("negative way",         -1.0, 2.0, &SMOOTH, 2.0),
+        ("negative distance",         -1.0, 2.0, &SMOOTH, 2.0),
     ];
     for (why, length, end, limits, speed) in cases {
         let found = entry_speed(length, end, limits);

@@ -24,7 +24,7 @@ fn places_ahead_are_passed_at_the_nearest_speed() {
         ("sped up as far as it goes",            0.0, 0.0,   1.0, 5.0, &SIMPLE, 2.0, true),
         ("S-curve: slowed down by 4 in 2 s",     8.0, 0.0,  12.0, 4.0, &SMOOTH, 4.0, true),
         ("no way to bring the acceleration to 0", 8.0, -4.0, 1.0, 8.0, &SMOOTH, 6.0, false),
-        ("no way at all",                        8.0, 0.0,   0.0, 2.0, &SMOOTH, 8.0, true),
+        ("no distance at all",                        8.0, 0.0,   0.0, 2.0, &SMOOTH, 8.0, true),
         ("what is no number counts as 0",   f64::NAN, 0.0,   1.0, 0.0, &SMOOTH, 0.0, true),
     ];
     for (why, velocity, acceleration, distance, wanted, limits, speed, level) in cases {

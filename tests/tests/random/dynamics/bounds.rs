@@ -38,12 +38,12 @@ impl Dynamics {
     }
 
     /// The distance to rest with it.
-    pub(crate) fn way(&self, from: KinematicState) -> f64 {
+    pub(crate) fn distance_to_rest(&self, from: KinematicState) -> f64 {
         Profile::stop(from, &self.limits()).reach()
     }
 
     /// The distance of a stop with a rate and all of its time limited in jerk.
-    pub(crate) fn way_of_a_stop(&self, from: KinematicState, rate: f64, percent: f64) -> f64 {
+    pub(crate) fn distance_of_a_stop(&self, from: KinematicState, rate: f64, percent: f64) -> f64 {
         let jerk = jerk_from_percent_of_time(from.velocity.abs(), rate, percent);
         let limits = Limits {
             speed: from.velocity.abs(),
@@ -88,21 +88,21 @@ pub(crate) struct Beside {
 
 impl Beside {
     pub(crate) fn distance(&self, at: [f64; 2]) -> f64 {
-        let way = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
+        let line = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
         let off = [at[0] - self.from[0], at[1] - self.from[1]];
-        let square = way[0] * way[0] + way[1] * way[1];
+        let square = line[0] * line[0] + line[1] * line[1];
         let share = if square > 0.0 {
-            ((off[0] * way[0] + off[1] * way[1]) / square).clamp(0.0, 1.0)
+            ((off[0] * line[0] + off[1] * line[1]) / square).clamp(0.0, 1.0)
         } else {
             0.0
         };
-        (off[0] - share * way[0]).hypot(off[1] - share * way[1])
+        (off[0] - share * line[0]).hypot(off[1] - share * line[1])
     }
 }
 
-/// The greatest distance if `way` is the bound: a path is sampled, and a call takes effect within a tick or two.
-pub(crate) fn at_most(way: f64, from: KinematicState) -> f64 {
-    1.02 * way + 0.1 + 2.0 * PERIOD * from.velocity
+/// The greatest distance if `distance` is the bound: a path is sampled, and a call takes effect within a tick or two.
+pub(crate) fn at_most(distance: f64, from: KinematicState) -> f64 {
+    1.02 * distance + 0.1 + 2.0 * PERIOD * from.velocity
 }
 
 /// The coarse update period, seconds.

@@ -184,7 +184,7 @@ fn a_merge_onto_a_contour_leads_no_further_than_its_stop() {
         speed < -30.0 && acceleration < -1900.0,
         "{speed} units/s, {acceleration} units/s²"
     );
-    let way = speed * speed / (2.0 * 785.215);
+    let stop = speed * speed / (2.0 * 785.215);
     let end = [bench.position("X") - 12.0, bench.position("Y") - 10.0];
     assert_eq!(bench.call(merged).0, 0);
     let mut furthest = 0.0_f64;
@@ -192,6 +192,6 @@ fn a_merge_onto_a_contour_leads_no_further_than_its_stop() {
         bench.tick();
         furthest = furthest.min(bench.position("Y") - end[1]);
     }
-    assert!(furthest > -(way + 0.1), "{furthest} units, a stop takes {way}");
+    assert!(furthest > -(stop + 0.1), "{furthest} units, a stop takes {stop}");
     assert_eq!(["X", "Y"].map(|axis| bench.position(axis)), end);
 }

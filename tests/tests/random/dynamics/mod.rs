@@ -128,7 +128,7 @@ impl Program {
         self.hardest[kind] = self.hardest[kind].max(rate);
     }
 
-    /// The way of the coordinate system, or of X alone.
+    /// The motion of the coordinate system along its path, or of X alone.
     fn state(&self) -> KinematicState {
         let [x, y] = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
         let speed = x[1].hypot(y[1]);
@@ -199,7 +199,7 @@ impl Program {
         if merge != 0 && from.velocity > 0.0 {
             self.coasting = None;
             let most = match before {
-                Some(before) if !arc => at_most(before.way(from), from),
+                Some(before) if !arc => at_most(before.distance_to_rest(from), from),
                 // An arc bulges, and residuals behind another merge add up.
                 _ => f64::INFINITY,
             };
@@ -272,7 +272,7 @@ impl Program {
                     why: format!("{whole} of {before:?} at {from:?}"),
                     paused: active.map(|(tag, _)| tag.clone()),
                     gone: 0.0,
-                    most: at_most(before.way(from), from),
+                    most: at_most(before.distance_to_rest(from), from),
                 });
             }
         }
@@ -313,8 +313,11 @@ impl Program {
             }
             2 => {
                 let (tag, dynamics) = (self.tag("J"), self.dynamics(2, profile));
-                let way = self.random.below(2);
-                self.execute(&format!("MAJ({axis}, {tag}, {way}, {}, {merge}, 0)", text(&dynamics)));
+                let direction = self.random.below(2);
+                self.execute(&format!(
+                    "MAJ({axis}, {tag}, {direction}, {}, {merge}, 0)",
+                    text(&dynamics)
+                ));
             }
             3 => {
                 let tag = self.tag("D");
@@ -353,8 +356,8 @@ impl Program {
             (3, before) => {
                 let (tag, dynamics) = (self.tag("J"), self.dynamics(1, profile));
                 let backwards = self.random.below(2) == 1;
-                let way = u32::from(backwards);
-                let call = format!("MAJ(X, {tag}, {way}, {}, 1, 0)", text(&dynamics));
+                let direction = u32::from(backwards);
+                let call = format!("MAJ(X, {tag}, {direction}, {}, 1, 0)", text(&dynamics));
                 if self.execute(&call) {
                     let mut whole = dynamics;
                     of_the_whole_change(JOG, &mut whole, from);
@@ -383,14 +386,14 @@ impl Program {
 
     /// A motion that turns goes no further before it does than a stop with the dynamics before it or its own would.
     fn turning(&mut self, call: &str, before: Option<(u64, Dynamics)>, from: KinematicState, turns: bool) {
-        let own = self.alone.map_or(0.0, |(_, own)| own.way(from));
+        let own = self.alone.map_or(0.0, |(_, own)| own.distance_to_rest(from));
         self.coasting = before
             .filter(|_| turns && from.velocity > 0.0)
             .map(|(_, before)| Coasting {
                 why: format!("{call} of {before:?} at {from:?}"),
                 paused: None,
                 gone: 0.0,
-                most: at_most(before.way(from).max(own), from),
+                most: at_most(before.distance_to_rest(from).max(own), from),
             });
     }
 
@@ -399,12 +402,12 @@ impl Program {
         if self.kind == Kind::Contours {
             return;
         }
-        let own = before.way_of_a_stop(from, rate, 100.0);
+        let own = before.distance_of_a_stop(from, rate, 100.0);
         self.coasting = Some(Coasting {
             why: format!("{call} of {before:?} at {from:?}"),
             paused: None,
             gone: 0.0,
-            most: at_most(before.way(from).max(own), from),
+            most: at_most(before.distance_to_rest(from).max(own), from),
         });
     }
 
@@ -578,7 +581,7 @@ const JOG: u64 = 0;
 /// Maximum Acceleration and Deceleration of X and Y, units/s².
 const AXIS_MAXIMUM: f64 = 10_000.0;
 /// The greatest number of programmed rates that act at once: two moves of a blend; or a path and its residual, which is faster
-/// if a limited jerk has to stop within the way of a trapezoid (spec/coordinated-instructions.md §6.3).
+/// if a limited jerk has to stop within the distance of a trapezoid (spec/coordinated-instructions.md §6.3).
 const OVERLAP: f64 = 2.5;
 
 #[test]
