@@ -4,10 +4,10 @@
 
 use arcline_profile::Limits;
 
-use super::pace::{Pace, PaceRequest};
+use super::pace::PaceRequest;
 use super::run::{PlanRequest, RunState, least};
 use super::{ContourQueue, requests};
-use crate::tolerance::{CREEPING_SHARE, SAME_SHARE};
+use crate::tolerance::SAME_SHARE;
 use crate::{Clock, MasterRate};
 
 impl<T: Copy> ContourQueue<T> {
@@ -86,16 +86,8 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return;
         };
-        let now = rate.in_time(run.pace.at(clock));
-        let speed = run
-            .trajectory
-            .at(now.position)
-            .velocity
-            .norm()
-            .max(CREEPING_SHARE * limits.speed);
-        let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
+        run.pace = run.stopping(limits, Some(rate), clock, time);
         run.state = RunState::Stopping;
-        run.pace = Pace::stopping(now, limits.deceleration / speed, jerk, time);
     }
 
     /// Brakes on the path from the present tick on, as fast as the limits of the axes permit. The caller ends the moves.
@@ -104,13 +96,7 @@ impl<T: Copy> ContourQueue<T> {
         let Some(run) = &mut self.run else {
             return;
         };
-        let now = run.pace.at(clock);
-        let speed = run
-            .trajectory
-            .at(now.position)
-            .velocity
-            .norm()
-            .max(CREEPING_SHARE * limits.speed);
+        let speed = run.speed_of_a_stop(run.pace.at(clock).position, limits);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration);
         let wanted = PaceRequest {
             target: 0.0,

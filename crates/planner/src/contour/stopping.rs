@@ -54,16 +54,24 @@ impl<T: Copy> ContourQueue<T> {
 }
 
 impl RunningTrajectory {
-    fn stopping(&self, limits: &Limits, rate: Option<&crate::MasterRate>, clock: &Clock, time: &Clock) -> Pace {
+    /// The pace that brakes at the rates of `limits`; as [`ContourQueue::stopping`].
+    pub(super) fn stopping(
+        &self,
+        limits: &Limits,
+        rate: Option<&crate::MasterRate>,
+        clock: &Clock,
+        time: &Clock,
+    ) -> Pace {
         let now: KinematicState = self.pace.at(clock);
         let now = rate.map_or(now, |rate| rate.in_time(now));
-        let speed = self
-            .trajectory
-            .at(now.position)
-            .velocity
-            .norm()
-            .max(CREEPING_SHARE * limits.speed);
+        let speed = self.speed_of_a_stop(now.position, limits);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);
         Pace::stopping(now, limits.deceleration / speed, jerk, time)
+    }
+
+    /// The speed at an instant of the trajectory's own time, by which the rates of a stop become those of the pace.
+    pub(super) fn speed_of_a_stop(&self, own: f64, limits: &Limits) -> f64 {
+        let speed = self.trajectory.at(own).velocity.norm();
+        speed.max(CREEPING_SHARE * limits.speed)
     }
 }
