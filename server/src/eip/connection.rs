@@ -171,7 +171,7 @@ where
         share: Share::default(),
         rate: Some(rate)
             .filter(|rate| *rate > 0)
-            .map(|rate| Rate::new(rate, Instant::now().into_std())),
+            .map(|rate| Rate::new(rate, Instant::now())),
     };
     let ended = revoked
         .run_until_cancelled(close.run_until_cancelled(connection.run()))
@@ -438,7 +438,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
     /// Whether a request is within the rate of the client's role; a stop always is.
     fn is_within_rate(&mut self, request: &Request) -> bool {
         let Some(rate) = &mut self.rate else { return true };
-        rate.allows(Instant::now().into_std()) || self.router.is_stop(request)
+        rate.allows(Instant::now()) || self.router.is_stop(request)
     }
 
     /// Answers a request, in a turn of its own if it is long work.

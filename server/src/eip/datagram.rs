@@ -52,7 +52,7 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
         if !device.settings.config.security.plain_allow.allows(peer.ip()) {
             continue;
         }
-        if !peer.ip().is_loopback() && !rate.allows(peer.ip(), std::time::Instant::now()) {
+        if !peer.ip().is_loopback() && !rate.allows(peer.ip(), tokio::time::Instant::now()) {
             continue;
         }
         let address = reachable(local, peer).await;

@@ -9,7 +9,7 @@ mod store;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use arcline_controller::machine::Machine;
 use arcline_controller::samples::{self, Column};
@@ -21,6 +21,7 @@ pub use capture::{Config, Phase, Trigger};
 use capture::Capture;
 use history::History;
 use store::Store;
+use tokio::time::Instant;
 
 /// The rows of a machine and the traces of them. Clones are the same ones.
 #[derive(Clone, Debug)]

@@ -131,7 +131,7 @@ impl Sessions {
         password: &str,
         before: Option<&Key>,
     ) -> Result<String, LoginRefused> {
-        let locked = || match self.lockouts.locked(peer, Some(name), std::time::Instant::now()) {
+        let locked = || match self.lockouts.locked(peer, Some(name), tokio::time::Instant::now()) {
             Some(left) => Err(LoginRefused::Later(left)),
             None => Ok(()),
         };
@@ -171,7 +171,7 @@ impl Sessions {
                 Ok(secret)
             }
             None => {
-                let locks = self.lockouts.failed(peer, Some(name), std::time::Instant::now());
+                let locks = self.lockouts.failed(peer, Some(name), tokio::time::Instant::now());
                 // People type passwords where names belong: only names of users are written down.
                 let known = user.map_or("a user who does not exist", |user| user.name.as_str());
                 let text = || {
