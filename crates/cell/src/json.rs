@@ -4,13 +4,13 @@ use arcline_routine::{Cell, Line};
 use arcline_tag::{TagValue, Value as Number, shortest};
 use serde_json::{Map, Value, json};
 
-use crate::values;
+use crate::decode;
 
 /// Every tag, the simulated time, and the faults.
 pub(crate) fn json(cell: &Cell, time: f64) -> String {
     let mut all = Map::new();
     for tag in cell.tags() {
-        let of_tag = values::of_tag(tag, cell.memory());
+        let of_tag = decode::of_tag(tag, cell.memory());
         all.insert(tag.full_name(), of_tag.as_ref().map_or(Value::Null, value));
     }
     all.insert("@time_s".to_owned(), json!(time));

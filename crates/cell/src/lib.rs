@@ -6,6 +6,7 @@
 #![warn(clippy::disallowed_methods)]
 
 mod binding;
+mod decode;
 mod json;
 mod names;
 mod plant;
