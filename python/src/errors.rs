@@ -63,18 +63,16 @@ pub(crate) fn program(py: Python<'_>, text: &str, line: usize) -> PyErr {
 
 /// A tag that is not there, with the nearest name that is.
 pub(crate) fn no_tag(py: Python<'_>, image: &Image, path: &str, why: &str) -> PyErr {
-    let wanted = path.to_ascii_lowercase();
-    let name = wanted.split(['.', '[']).next().unwrap_or_default();
-    let near = image
-        .tags()
-        .iter()
-        .map(|tag| {
-            (
-                strsim::damerau_levenshtein(name, &tag.name.to_ascii_lowercase()),
-                tag.name.as_str(),
-            )
-        })
-        .filter(|(distance, _)| (1..=2.max(name.len() / 3)).contains(distance))
+    let name = path.split(['.', '[']).next().unwrap_or_default();
+    no_name(py, image.tags().iter().map(|tag| tag.name.clone()), name, why)
+}
+
+/// A name that is not there, with the nearest one of those that are.
+pub(crate) fn no_name(py: Python<'_>, names: impl Iterator<Item = String>, name: &str, why: &str) -> PyErr {
+    let wanted = name.to_ascii_lowercase();
+    let near = names
+        .map(|name| (strsim::damerau_levenshtein(&wanted, &name.to_ascii_lowercase()), name))
+        .filter(|(distance, _)| (1..=2.max(wanted.len() / 3)).contains(distance))
         .min();
     let hint = near.map_or_else(String::new, |(_, near)| format!("; did you mean {near:?}?"));
     raise(py, "TagError", (format!("{why}{hint}"),))

@@ -28,11 +28,14 @@ impl<T: Send> Fair<T> {
 
     /// Works on the value with the interpreter released.
     pub(crate) fn detached<R: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut T) -> R + Send) -> R {
-        py.detach(|| {
-            let turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut value = self.value.lock().unwrap_or_else(PoisonError::into_inner);
-            drop(turn);
-            work(&mut value)
-        })
+        py.detach(|| self.free(work))
+    }
+
+    /// Works on the value, on a thread that does not have the interpreter.
+    pub(crate) fn free<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
+        let turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut value = self.value.lock().unwrap_or_else(PoisonError::into_inner);
+        drop(turn);
+        work(&mut value)
     }
 }

@@ -18,7 +18,7 @@ use crate::fair::Fair;
 use crate::inner::{Entry, Inner};
 use crate::plant::{Plant, Shared};
 use crate::signals::signal;
-use crate::values;
+use crate::{trace, values};
 
 /// Ticks between two reads of the wall clock.
 const SLICE: u64 = 1024;
@@ -36,11 +36,50 @@ pub(crate) struct Machine {
 }
 
 /// The whole ticks in a number of seconds.
-fn ticks_of(machine: &MachineConfig, seconds: f64) -> PyResult<u64> {
+pub(crate) fn ticks_of(machine: &MachineConfig, seconds: f64) -> PyResult<u64> {
     if !(0.0..1e9).contains(&seconds) {
         return Err(PyValueError::new_err(format!("{seconds} s: expected 0 to 1e9 seconds")));
     }
     Ok((seconds * 1e9 / machine.period_ns as f64).round() as u64)
+}
+
+/// The axis of a name, and the cause of a fault that it can have as bits; `None`: no bits.
+pub(crate) fn cause(
+    py: Python<'_>,
+    machine: &MachineConfig,
+    axis: &str,
+    kind: Option<&str>,
+) -> PyResult<(AxisId, u32)> {
+    let index = machine
+        .axes
+        .iter()
+        .position(|known| known.name.eq_ignore_ascii_case(axis));
+    let index = index.ok_or_else(|| {
+        let known: Vec<&str> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
+        let text = format!("there is no axis {axis:?}, only {}", known.join(", "));
+        raise(py, "TagError", (text,))
+    })?;
+    let Some(word) = kind else {
+        return Ok((AxisId::from_index(index), 0));
+    };
+    let spaced = word.replace('_', " ");
+    let fault = FAULTS
+        .iter()
+        .find(|fault| fault.word.replace('_', " ").eq_ignore_ascii_case(&spaced));
+    let Some(fault) = fault else {
+        let words: Vec<&str> = FAULTS.iter().map(|fault| fault.word).collect();
+        return Err(PyValueError::new_err(format!(
+            "{word:?} is no fault, expected one of {}",
+            words.join(", ")
+        )));
+    };
+    let bits = FaultSet::default().with(fault.kind).bits();
+    if bits & !FaultSet::possible(!machine.axes[index].is_virtual()).bits() != 0 {
+        return Err(PyValueError::new_err(format!(
+            "{axis} is a virtual axis and cannot have that fault"
+        )));
+    }
+    Ok((AxisId::from_index(index), bits))
 }
 
 impl Machine {
@@ -217,20 +256,10 @@ impl Machine {
                 .map(|name| signal(py, &simulation, name))
                 .collect::<PyResult<Vec<_>>>()?
         };
-        let array = out.unwrap_or_else(|| PyArray2::zeros(py, [steps, signals.len()], false));
+        let array = trace::array(py, steps, signals.len(), out)?;
         let mut rows: PyReadwriteArray2<'py, f64> = array.try_readwrite()?;
-        let shape = rows.as_array().dim();
-        if shape != (steps, signals.len()) {
-            let (rows, columns) = shape;
-            return Err(PyValueError::new_err(format!(
-                "out is {rows} by {columns}, expected {steps} by {}",
-                signals.len()
-            )));
-        }
         let width = signals.len();
-        let mut left = rows
-            .as_slice_mut()
-            .map_err(|_| PyValueError::new_err("out is not contiguous in C order"))?;
+        let mut left = trace::contiguous(&mut rows)?;
         let mut steps_left = steps;
         while steps_left > 0 {
             let slice = steps_left.min(SLICE as usize * 8);
@@ -249,48 +278,7 @@ impl Machine {
     #[pyo3(signature = (axis, kind, at=None))]
     fn fault(&self, py: Python<'_>, axis: &str, kind: Option<&str>, at: Option<f64>) -> PyResult<()> {
         let machine = self.configured(py)?;
-        let known = || {
-            machine
-                .axes
-                .iter()
-                .map(|axis| axis.name.as_str())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        let index = machine
-            .axes
-            .iter()
-            .position(|known| known.name.eq_ignore_ascii_case(axis));
-        let index = index.ok_or_else(|| {
-            raise(
-                py,
-                "TagError",
-                (format!("there is no axis {axis:?}, only {}", known()),),
-            )
-        })?;
-        let bits = match kind {
-            None => 0,
-            Some(word) => {
-                let spaced = word.replace('_', " ");
-                let fault = FAULTS
-                    .iter()
-                    .find(|fault| fault.word.replace('_', " ").eq_ignore_ascii_case(&spaced));
-                let Some(fault) = fault else {
-                    let words: Vec<&str> = FAULTS.iter().map(|fault| fault.word).collect();
-                    return Err(PyValueError::new_err(format!(
-                        "{word:?} is no fault, expected one of {}",
-                        words.join(", ")
-                    )));
-                };
-                FaultSet::default().with(fault.kind).bits()
-            }
-        };
-        let possible = FaultSet::possible(!machine.axes[index].is_virtual()).bits();
-        if bits & !possible != 0 {
-            return Err(PyValueError::new_err(format!(
-                "{axis} is a virtual axis and cannot have that fault"
-            )));
-        }
+        let (axis, bits) = cause(py, &machine, axis, kind)?;
         let mut inner = self.lock(py)?;
         let tick = match at {
             None => inner.tick(),
@@ -299,12 +287,8 @@ impl Machine {
         if tick < inner.tick() {
             return Err(PyValueError::new_err("that time has passed"));
         }
-        inner
-            .faults
-            .entry(tick)
-            .or_default()
-            .push((AxisId::from_index(index), bits));
-        inner.note(Entry::Fault(tick, index as u16, bits));
+        inner.faults.entry(tick).or_default().push((axis, bits));
+        inner.note(Entry::Fault(tick, axis.0, bits));
         inner.inject_due();
         Ok(())
     }

@@ -1,18 +1,21 @@
-//! `simulate`: a program from its beginning to its end, as `arcline-server simulate` runs it.
+//! `simulate`: a program from its beginning to its end, or a project until its condition holds, as `arcline-server simulate` runs them.
 
 use std::fs::File;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use arcline_cell::{End, Limits};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event};
-use arcline_simulation::{Observer, Options, Record, Runner};
+use arcline_simulation::{Observer, Options, Record, Runner, Simulation};
 use arcline_structured_text::Interpreter;
-use numpy::PyArray2;
+use numpy::{PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::cell::{self, Given, major_fault, no_condition, on_deep_stack};
 use crate::errors;
 use crate::inner::{parsed, policy, simulation};
 use crate::plant::{Plant, Shared};
@@ -29,7 +32,78 @@ struct RunRecords<'s> {
     tick: u64,
     /// Real time is over: a signal of Python has come.
     interrupted: Option<PyErr>,
+    /// The same, of a run on another thread.
+    over: &'s AtomicBool,
     plant: Option<Shared>,
+}
+
+impl<'s> RunRecords<'s> {
+    fn create(
+        signals: &'s [Signal],
+        trace_csv: Option<&str>,
+        events_jsonl: Option<&str>,
+        over: &'s AtomicBool,
+        plant: Option<Shared>,
+    ) -> PyResult<Self> {
+        let create = |path: Option<&str>| -> PyResult<Option<Record>> {
+            let Some(path) = path else { return Ok(None) };
+            let file = File::create(path).map_err(|error| cannot_write(path, &error))?;
+            Ok(Some(Record::new(Box::new(file))))
+        };
+        Ok(RunRecords {
+            trace: create(trace_csv)?,
+            events: create(events_jsonl)?,
+            signals,
+            columns: Columns::new(signals),
+            rows: Vec::new(),
+            tick: 0,
+            interrupted: None,
+            over,
+            plant,
+        })
+    }
+
+    /// Ends the files, and makes the result of the run: `(error, seconds, ticks, positions, trace)`.
+    fn result<'py>(
+        mut self,
+        py: Python<'py>,
+        error: Option<PyErr>,
+        simulation: &Simulation,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        for record in [self.trace.take(), self.events.take()].into_iter().flatten() {
+            record.finish()?;
+        }
+        let positions = PyDict::new(py);
+        let axes = simulation.machine().axes.iter();
+        for (axis, values) in axes.zip(simulation.controller().trace()) {
+            positions.set_item(&axis.name, values[0])?;
+        }
+        let width = self.signals.len();
+        let rows = self.rows.len() / width.max(1);
+        let trace = PyArray2::zeros(py, [rows, width], false);
+        trace.try_readwrite()?.as_slice_mut()?.copy_from_slice(&self.rows);
+        let error = error.map(|error| error.into_value(py));
+        (error, simulation.time(), self.tick, positions, trace).into_pyobject(py)
+    }
+}
+
+fn cannot_write(path: &str, error: &std::io::Error) -> PyErr {
+    PyOSError::new_err((error.raw_os_error(), error.to_string(), path.to_owned()))
+}
+
+/// Refuses tags, which a whole run does not record.
+fn of_axes(py: Python<'_>, signals: &[Signal]) -> PyResult<()> {
+    if signals.iter().any(Signal::is_tag) {
+        return Err(errors::raise(
+            py,
+            "ArclineError",
+            (
+                "simulate traces CommandPosition, CommandVelocity, CommandAcceleration and ActualPosition of axes; \
+                 Machine.trace and Cell.trace trace tags",
+            ),
+        ));
+    }
+    Ok(())
 }
 
 impl Observer for RunRecords<'_> {
@@ -59,7 +133,9 @@ impl Observer for RunRecords<'_> {
         if tick.is_multiple_of(4096) {
             self.interrupted = Python::attach(|py| py.check_signals().err());
         }
-        self.interrupted.is_none() && !self.plant.as_ref().is_some_and(Shared::has_failed)
+        self.interrupted.is_none()
+            && !self.over.load(Ordering::Relaxed)
+            && !self.plant.as_ref().is_some_and(Shared::has_failed)
     }
 }
 
@@ -96,31 +172,9 @@ pub(crate) fn simulate<'py>(
         .iter()
         .map(|name| signal(py, &simulation, name))
         .collect::<PyResult<Vec<_>>>()?;
-    if signals.iter().any(Signal::is_tag) {
-        return Err(errors::raise(
-            py,
-            "ArclineError",
-            (
-                "simulate traces CommandPosition, CommandVelocity, CommandAcceleration and ActualPosition of axes; Machine.trace traces tags",
-            ),
-        ));
-    }
-    let create = |path: Option<&str>| -> PyResult<Option<Record>> {
-        let Some(path) = path else { return Ok(None) };
-        let file = File::create(path)
-            .map_err(|error| PyOSError::new_err((error.raw_os_error(), error.to_string(), path.to_owned())))?;
-        Ok(Some(Record::new(Box::new(file))))
-    };
-    let mut records = RunRecords {
-        trace: create(trace_csv)?,
-        events: create(events_jsonl)?,
-        signals: &signals,
-        columns: Columns::new(&signals),
-        rows: Vec::new(),
-        tick: 0,
-        interrupted: None,
-        plant: shared,
-    };
+    of_axes(py, &signals)?;
+    let over = AtomicBool::new(false);
+    let mut records = RunRecords::create(&signals, trace_csv, events_jsonl, &over, shared)?;
     let options = Options {
         until,
         policy: policy(wait, keep_going),
@@ -131,24 +185,69 @@ pub(crate) fn simulate<'py>(
     if let Some(error) = records.interrupted.take().or(failed) {
         return Err(error);
     }
-    for record in [records.trace.take(), records.events.take()].into_iter().flatten() {
-        record.finish()?;
-    }
-    let positions = PyDict::new(py);
     let simulation = runner.simulation();
-    for (axis, values) in machine.axes.iter().zip(simulation.controller().trace()) {
-        positions.set_item(&axis.name, values[0])?;
-    }
-    let width = signals.len();
-    let rows = records.rows.len() / width.max(1);
-    let trace = PyArray2::zeros(py, [rows, width], false);
-    {
-        use numpy::PyArrayMethods as _;
-        let mut array = trace.try_readwrite()?;
-        if let Ok(slice) = array.as_slice_mut() {
-            slice.copy_from_slice(&records.rows);
+    records.result(py, errors::ended(py, &end), &simulation)
+}
+
+/// Runs a project until an expression is true, or for a time: as [`simulate`].
+#[pyfunction]
+#[pyo3(
+    name = "_simulate_project",
+    signature = (project, config, set, signals, until, longest, scan_phase, allow_missing, trace_csv, events_jsonl, tags_json)
+)]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn simulate_project<'py>(
+    py: Python<'py>,
+    project: &str,
+    config: Option<&str>,
+    set: Vec<(String, Bound<'py, PyAny>)>,
+    signals: Vec<String>,
+    until: Option<&str>,
+    longest: f64,
+    scan_phase: Option<u64>,
+    allow_missing: bool,
+    trace_csv: Option<&str>,
+    events_jsonl: Option<&str>,
+    tags_json: Option<&str>,
+) -> PyResult<Bound<'py, PyTuple>> {
+    let given = Given::read(py, project, config, scan_phase, allow_missing)?;
+    let mut cell = given.load(py)?;
+    let signals = signals
+        .iter()
+        .map(|name| signal(py, cell.simulation(), name))
+        .collect::<PyResult<Vec<_>>>()?;
+    of_axes(py, &signals)?;
+    let over = AtomicBool::new(false);
+    // A cell goes to another thread, but is not shared with one.
+    let moved = &mut cell;
+    let condition = on_deep_stack(py, &over, move || until.map(|text| moved.condition(text)).transpose())?;
+    let condition = condition.map_err(|reason| no_condition(py, &cell, until.unwrap_or_default(), &reason))?;
+    let mut records = RunRecords::create(&signals, trace_csv, events_jsonl, &over, None)?;
+    let end = match on_deep_stack(py, &over, || cell.begin(&mut records))? {
+        Err(fault) => End::Fault(fault),
+        Ok(()) => {
+            for (path, value) in set {
+                cell::write(py, &mut cell, &path, &values::given(&value)?)?;
+            }
+            let limits = Limits {
+                until: condition.as_ref(),
+                ticks: u64::MAX,
+                time: longest,
+            };
+            on_deep_stack(py, &over, || cell.run(limits, &mut records))?
         }
+    };
+    if let Some(path) = tags_json {
+        let text = cell.tags_json() + "\n";
+        std::fs::write(path, text).map_err(|error| cannot_write(path, &error))?;
     }
-    let error = errors::ended(py, &end).map(|error| error.into_value(py));
-    (error, simulation.time(), records.tick, positions, trace).into_pyobject(py)
+    let error = match (&end, until) {
+        (End::Fault(fault), _) => Some(major_fault(py, fault)),
+        (End::Time, Some(until)) => {
+            let text = format!("{until} did not become true in {longest} s of simulated time");
+            Some(errors::raise(py, "TimeoutError", (text,)))
+        }
+        _ => None,
+    };
+    records.result(py, error, cell.simulation())
 }

@@ -45,7 +45,8 @@ fn is_array(image: &Image, path: &TagPath) -> bool {
     image.locate(&first).is_ok_and(|(_, place)| place.bit.is_none())
 }
 
-fn object(py: Python<'_>, value: &TagValue) -> PyResult<Py<PyAny>> {
+/// A value as an object.
+pub(crate) fn object(py: Python<'_>, value: &TagValue) -> PyResult<Py<PyAny>> {
     Ok(match value {
         TagValue::Value(Value::Bool(on)) => PyBool::new(py, *on).to_owned().into_any().unbind(),
         TagValue::Value(Value::Real(number)) => PyFloat::new(py, f64::from(*number)).into_any().unbind(),

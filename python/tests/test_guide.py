@@ -15,13 +15,14 @@ PROGRAM = os.environ.get("ARCLINE_SERVER_PROGRAM") or shutil.which("arcline-serv
 
 def test_the_tests_of_the_guide(pytester):
     tests = {block.splitlines()[0][2:]: block for block in BLOCKS if block.startswith("# test_")}
-    assert set(tests) == {"test_cell.py", "test_client.py"}
+    assert set(tests) == {"test_cell.py", "test_project.py", "test_client.py"}
+    shutil.copy(GUIDE.parent.parent.parent / "tests" / "config" / "Cell.L5X", pytester.path)
     for name, text in tests.items():
         if name == "test_client.py" and PROGRAM is None:
             continue
         (pytester.path / name).write_text(text)
     result = pytester.runpytest_subprocess("-p", "no:cacheprovider", "-W", "error::pytest.PytestUnknownMarkWarning")
-    result.assert_outcomes(passed=4 + (PROGRAM is not None))
+    result.assert_outcomes(passed=13 + (PROGRAM is not None))
 
 
 def test_the_example_of_the_guide():

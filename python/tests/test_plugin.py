@@ -9,6 +9,7 @@ import sys
 import textwrap
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -59,6 +60,42 @@ def test_a_machine_of_its_own_for_each_test_and_the_trace_of_a_failed_one(pytest
     lines = kept.read_text().splitlines()
     assert lines[0].startswith("tick,time_s,X.CommandPosition") and lines[1].startswith("0,0,0,0,500,0")
     assert len(lines) > 100
+
+
+def test_the_project_that_the_mark_names_and_the_trace_of_a_failed_test(pytester):
+    shutil.copy(Path(__file__).parent.parent.parent / "tests" / "config" / "Cell.L5X", pytester.path)
+    pytester.makepyfile(
+        """
+        import arcline
+        import pytest
+
+        @pytest.mark.arcline(project="Cell.L5X")
+        def test_moves(cell):
+            cell.set("Start", 1)
+            assert cell.run_until("Done", 10) > 0.0
+            assert cell["X.CommandPosition"] == 25.0
+
+        @pytest.mark.arcline(project="Cell.L5X")
+        def test_fails(cell):
+            assert cell["Start"] is False and cell.time == 0.0
+            cell["Start"] = 1
+            cell.run(0.1)
+            cell["Target"] = 12.5
+            cell.run_until("Done", 0.2)
+
+        def test_has_no_project(cell):
+            pass
+        """
+    )
+    result = pytester.runpytest_subprocess("--arcline-trace", "kept", "-W", "error::pytest.PytestUnknownMarkWarning")
+    result.assert_outcomes(passed=1, failed=1, errors=1)
+    result.stdout.fnmatch_lines(["*the fixture cell needs @pytest.mark.arcline(project='Cell.L5X')*"])
+    result.stdout.fnmatch_lines(["*trace of the cell*", "*test_fails.csv*"])
+    (kept,) = (pytester.path / "kept").glob("*.csv")
+    lines = kept.read_text().splitlines()
+    assert lines[0].startswith("tick,time_s,X.CommandPosition") and lines[1].startswith("0,0,0,")
+    assert [int(line.split(",")[0]) for line in lines[1:]] == list(range(76)), "from tick 0 to the last at 0.3 s"
+    assert float(lines[-1].split(",")[2]) > 0.0
 
 
 @needs_server

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use arcline_cell::{Surroundings, UnknownParts};
 use arcline_config::{IoListen, Project, ServerConfig};
 use arcline_controller::image::Image;
 use arcline_realtime::Clock;
@@ -18,7 +19,7 @@ use crate::audit::{self, Audit, EventKind};
 use crate::cli::{Failure, OrOff, RunArgs, project};
 use crate::eip::{BindError, Listener, Settings};
 use crate::hmi::{self, Hmi, ListenSettings, Sessions};
-use crate::live::{self, UnknownParts};
+use crate::live;
 use crate::plant::{Mode, Plant, Principal};
 use crate::retained::{ChangeTracker, Retained, StateWriter};
 use crate::systemd::Supervisor;
@@ -126,7 +127,7 @@ fn program_of(
         mode,
         unknown_parts,
         has_machine,
-        around: live::Surroundings::of(controller),
+        around: Surroundings::of(controller),
     })
 }
 

@@ -27,6 +27,16 @@ pub struct Import {
     pub report: Report,
 }
 
+/// Reads the machine of an L5X file that has its own program: the tags are the program's, which [`crate::logic()`] reads.
+///
+/// # Errors
+/// As [`import()`].
+pub fn machine(text: &str, file: &str) -> Result<Project, L5xError> {
+    let mut project = import(text, file)?.project;
+    project.tags.clear();
+    Ok(project)
+}
+
 /// Reads an L5X file. `file` only names the text in errors. At most [`MAX_TEXT`](crate::MAX_TEXT) bytes are read; a DTD is
 /// refused.
 ///

@@ -23,7 +23,7 @@ mod text;
 
 pub use error::{L5xError, Problem};
 pub use export::export;
-pub use import::{Import, import};
+pub use import::{Import, import, machine};
 pub use logic::logic;
 pub use report::{Group, Reason, Report};
 pub use scan::{MAX_ATTRIBUTES, MAX_DEPTH, MAX_TEXT};

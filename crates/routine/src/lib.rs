@@ -39,5 +39,8 @@ pub use rll::Rung;
 pub use run::{Fault, Host, Pace};
 pub use st::Text;
 
+/// Stack of a thread that loads or scans a project, bytes: routines call one another, and expressions are deep.
+pub const STACK: usize = 256 << 20;
+
 #[cfg(test)]
 mod tests;

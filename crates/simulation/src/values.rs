@@ -1,7 +1,7 @@
 //! Values for tags by name, before a run or at the present tick.
 
 use arcline_controller::image::{ReadError, WriteError};
-use arcline_tag::{Fraction, Misfit, PathSegment, TagPath, WriteValue};
+use arcline_tag::{Fraction, Location, Misfit, PathSegment, TagPath, WriteValue};
 
 use crate::calls::Origin;
 use crate::end::Refused;
@@ -19,6 +19,44 @@ pub enum NotWritten {
     /// The tag cannot hold the value, or is read-only.
     #[error("{0}")]
     Value(String),
+}
+
+/// A value as a part of a tag holds it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Encoded {
+    /// A bit, counted from the first byte of the part.
+    Bit(u8, bool),
+    /// Bytes from the first one of the part.
+    Bytes(Vec<u8>),
+}
+
+/// Encodes a value other than an array for the part of a tag that `text` names.
+///
+/// # Errors
+/// The part cannot hold the value.
+pub fn encoded(text: &str, location: &Location, value: &WriteValue) -> Result<Encoded, NotWritten> {
+    if let Some(bit) = location.bit {
+        return match value {
+            WriteValue::Bool(on) => Ok(Encoded::Bit(bit, *on)),
+            WriteValue::Integer(number @ 0..=1) => Ok(Encoded::Bit(bit, *number == 1)),
+            _ => Err(NotWritten::Value(format!("{text} is a BOOL: expected true or false"))),
+        };
+    }
+    let mut bytes = vec![0; location.data_type.size()];
+    match value.encode(&location.data_type, Fraction::Refuse, &mut bytes) {
+        Ok(()) => Ok(Encoded::Bytes(bytes)),
+        Err(error) => {
+            let why = match error {
+                Misfit::OutOfRange => "cannot hold that value",
+                Misfit::Fraction => "holds whole numbers only",
+                Misfit::Kind => "holds values of another kind",
+            };
+            Err(NotWritten::Value(format!(
+                "{text} is a {} and {why}",
+                location.data_type.name()
+            )))
+        }
+    }
 }
 
 impl Simulation {
@@ -46,31 +84,17 @@ impl Simulation {
         let mut misfit = None;
         let written = self.write(Origin::default(), |image| {
             let (id, location) = image.locate(path)?;
-            if let Some(bit) = location.bit {
-                let on = match value {
-                    WriteValue::Bool(on) => *on,
-                    WriteValue::Integer(number @ 0..=1) => *number == 1,
-                    _ => {
-                        misfit = Some(format!("{text} is a BOOL: expected true or false"));
-                        return Ok(None);
-                    }
-                };
-                return image.write_bit(id, location.offset, bit, on);
+            match encoded(text, &location, value) {
+                Ok(Encoded::Bit(bit, on)) => image.write_bit(id, location.offset, bit, on),
+                Ok(Encoded::Bytes(bytes)) => image.write(id, location.offset, &bytes),
+                Err(error) => {
+                    misfit = Some(error);
+                    Ok(None)
+                }
             }
-            let mut bytes = vec![0; location.data_type.size()];
-            if let Err(error) = value.encode(&location.data_type, Fraction::Refuse, &mut bytes) {
-                let why = match error {
-                    Misfit::OutOfRange => "cannot hold that value",
-                    Misfit::Fraction => "holds whole numbers only",
-                    Misfit::Kind => "holds values of another kind",
-                };
-                misfit = Some(format!("{text} is a {} and {why}", location.data_type.name()));
-                return Ok(None);
-            }
-            image.write(id, location.offset, &bytes)
         });
         if let Some(misfit) = misfit {
-            return Err(NotWritten::Value(misfit));
+            return Err(misfit);
         }
         match written {
             Ok(_) => Ok(()),

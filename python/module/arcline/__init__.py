@@ -9,11 +9,14 @@
 
 from arcline._arcline import DEFAULT_CONFIG, Batch, __version__
 from arcline.cases import campaign, chunks, simulate_many
+from arcline.cell import Cell
 from arcline.errors import (
     ArclineError,
     ConfigError,
+    MajorFault,
     MotionError,
     ProgramError,
+    ProjectError,
     TagError,
     TagValueError,
     TimeoutError,
@@ -25,14 +28,17 @@ __all__ = [
     "DEFAULT_CONFIG",
     "ArclineError",
     "Batch",
+    "Cell",
     "ConfigError",
     "Event",
     "Feedback",
     "Machine",
+    "MajorFault",
     "MotionError",
     "Plant",
     "Program",
     "ProgramError",
+    "ProjectError",
     "Result",
     "SetPoints",
     "TagError",

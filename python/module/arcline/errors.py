@@ -38,6 +38,56 @@ class ProgramError(ArclineError):
         return self.text
 
 
+class ProjectError(ArclineError):
+    """A controller project that cannot be read, or of which parts do not run."""
+
+    def __init__(self, text: str, findings: list[str]) -> None:
+        super().__init__(text, findings)
+        #: The error in words.
+        self.text = text
+        #: The parts that do not run, each with its place.
+        self.findings = findings
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class MajorFault(ArclineError):
+    """A major fault of a controller project that no fault routine cleared: its tasks have stopped."""
+
+    def __init__(
+        self,
+        type: int,
+        code: int,
+        program: str,
+        routine: str,
+        rung: int | None,
+        line: int | None,
+        instruction: str,
+        text: str,
+    ) -> None:
+        super().__init__(type, code, program, routine, rung, line, instruction, text)
+        #: The type of the fault, such as 4 of the program.
+        self.type = type
+        #: Its code, such as 20 of a subscript out of range.
+        self.code = code
+        #: The program.
+        self.program = program
+        #: The routine; of an add-on instruction its name and routine.
+        self.routine = routine
+        #: The number of the rung; None: the routine is Structured Text.
+        self.rung = rung
+        #: The number of the line; None: the routine is ladder.
+        self.line = line
+        #: The instruction.
+        self.instruction = instruction
+        #: The fault in words, with the operand and its value.
+        self.text = text
+
+    def __str__(self) -> str:
+        return self.text
+
+
 class MotionError(ArclineError):
     """An instruction that erred.
 

@@ -242,24 +242,60 @@ def simulate(
     *,
     set: Mapping[str, Any] | None = None,
     trace: Sequence[str] = (),
-    until: float = 3600.0,
+    until: float | str | None = None,
+    max_seconds: float = 60.0,
     queue_full: str = "wait",
     keep_going: bool = False,
+    scan_phase: int | None = None,
+    allow_missing: bool = False,
     trace_csv: str | os.PathLike[str] | None = None,
     events_jsonl: str | os.PathLike[str] | None = None,
+    tags_json: str | os.PathLike[str] | None = None,
     plant: Plant | None = None,
     plant_axes: Sequence[str] | None = None,
 ) -> Result:
-    """Runs a program from its beginning until it and all motion have ended, as ``arcline-server simulate`` does.
+    """Runs a program from its beginning until it and all motion have ended, or a controller project, as ``arcline-server simulate`` does.
 
     ``program`` is a text, or a file when it ends with ``.st`` or is a path. ``trace`` names signals of axes; ``trace_csv`` and ``events_jsonl``
-    are files, the same bytes as those of ``--trace`` and ``--events``. ``plant`` and ``plant_axes`` are those of :class:`Machine`; an exception of
-    the plant ends the run and is raised.
+    are files, the same bytes as those of ``--trace`` and ``--events``. ``until`` is the longest simulated time, 3600 s if not given. ``plant`` and
+    ``plant_axes`` are those of :class:`Machine`; an exception of the plant ends the run and is raised.
+
+    A file that ends with ``.L5X`` is a project, which runs until the expression ``until`` is true, and for ``max_seconds`` at most; without
+    ``until`` for ``max_seconds``. ``scan_phase`` and ``allow_missing`` are those of :class:`Cell`; ``tags_json`` is a file, the same bytes as
+    that of ``--tags``. The error of the result is a :class:`MajorFault`, or a :class:`TimeoutError` when the expression did not become true.
+    :class:`Cell` runs a project step by step.
 
     >>> r = simulate("MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);", trace=["X.CommandPosition"])
     >>> r.positions["X"], r.trace.shape, float(r.trace.max())
     (5.0, (201, 1), 5.0)
     """
+    name = os.fspath(program)
+    if "\n" not in name and name.lower().endswith(".l5x"):
+        others = {"queue_full": queue_full != "wait", "keep_going": keep_going, "plant": plant, "plant_axes": plant_axes}
+        for what in (what for what, given in others.items() if given):
+            raise TypeError(f"{what} is for programs in Structured Text, not for projects")
+        if not isinstance(until, (str, type(None))):
+            raise TypeError("until of a project is an expression of tags; max_seconds is its longest time")
+        return Result(
+            *_arcline._simulate_project(
+                name,
+                None if config is None else os.fspath(config),
+                list((set or {}).items()),
+                list(trace),
+                until,
+                max_seconds,
+                scan_phase,
+                allow_missing,
+                None if trace_csv is None else os.fspath(trace_csv),
+                None if events_jsonl is None else os.fspath(events_jsonl),
+                None if tags_json is None else os.fspath(tags_json),
+            )
+        )
+    of_projects = {"scan_phase": scan_phase is not None, "allow_missing": allow_missing, "tags_json": tags_json is not None}
+    for what in (what for what, given in of_projects.items() if given):
+        raise TypeError(f"{what} is for projects (.L5X), not for programs in Structured Text")
+    if isinstance(until, str):
+        raise TypeError("until of a program in Structured Text is its longest time in seconds")
     is_file = not isinstance(program, str) or (program.endswith(".st") and "\n" not in program)
     text = Path(program).read_text() if is_file else str(program)
     if queue_full not in ("wait", "error"):
@@ -269,7 +305,7 @@ def simulate(
         None if config is None else os.fspath(config),
         list((set or {}).items()),
         list(trace),
-        until,
+        3600.0 if until is None else until,
         queue_full == "wait",
         keep_going,
         None if trace_csv is None else os.fspath(trace_csv),

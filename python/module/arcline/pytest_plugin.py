@@ -1,7 +1,9 @@
-"""Fixtures for pytest: ``machine``, a machine in this process, and ``server``, a real server on free ports.
+"""Fixtures for pytest: ``machine``, a machine in this process, ``cell``, a controller project in this process, and ``server``, a real server on free
+ports.
 
-``@pytest.mark.arcline(config="machine.toml", clock="step")`` before a test says of what machine, and on which clock the server is.
-``--arcline-trace DIR`` keeps the trace of the machine of a test that fails, as CSV, and as SVG where ``arcline`` is on the path.
+``@pytest.mark.arcline(config="machine.toml", clock="step")`` before a test says of what machine, and on which clock the server is;
+``@pytest.mark.arcline(project="Cell.L5X")`` names the project, with ``config``, ``scan_phase`` and ``allow_missing`` as for :class:`arcline.Cell`.
+``--arcline-trace DIR`` keeps the trace of the machine or the cell of a test that fails, as CSV, and as SVG where ``arcline`` is on the path.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from arcline.cell import Cell
+from arcline.errors import MajorFault
 from arcline.machine import Machine
 from arcline.server import Server
 
@@ -25,12 +29,16 @@ SIGNALS = ("CommandPosition", "CommandVelocity", "CommandAcceleration", "ActualP
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("arcline")
     group.addoption(
-        "--arcline-trace", metavar="DIR", help="keep the traces of the machines of failed tests in this folder"
+        "--arcline-trace", metavar="DIR", help="keep the traces of the machines and cells of failed tests in this folder"
     )
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "arcline(config=None, clock='real'): the machine of the fixtures machine and server")
+    config.addinivalue_line(
+        "markers",
+        "arcline(config=None, clock='real', project=None, scan_phase=None, allow_missing=False): "
+        "the machine of the fixtures machine, cell and server",
+    )
 
 
 @pytest.hookimpl(wrapper=True)
@@ -42,9 +50,12 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     server = fixtures.get("server")
     if isinstance(server, Server):
         report.sections.append(("log of arcline-server", server.log))
-    machine, folder = fixtures.get("machine"), item.config.getoption("--arcline-trace")
-    if isinstance(machine, Machine) and folder:
-        report.sections.append(("trace of the machine", "\n".join(map(str, keep_trace(machine, Path(folder), item.nodeid)))))
+    folder = item.config.getoption("--arcline-trace")
+    for name in ("machine", "cell"):
+        traced = fixtures.get(name)
+        if isinstance(traced, (Machine, Cell)) and folder:
+            test = item.nodeid if name == "machine" or "machine" not in fixtures else f"{item.nodeid}-cell"
+            report.sections.append((f"trace of the {name}", "\n".join(map(str, keep_trace(traced, Path(folder), test)))))
     return report
 
 
@@ -60,6 +71,20 @@ def machine(request: pytest.FixtureRequest) -> Machine:
 
 
 @pytest.fixture
+def cell(request: pytest.FixtureRequest) -> Cell:
+    """The controller project that the mark names, on the virtual clock, in this process."""
+    given = _given(request)
+    if "project" not in given:
+        pytest.fail("the fixture cell needs @pytest.mark.arcline(project='Cell.L5X') before the test", pytrace=False)
+    return Cell(
+        given["project"],
+        given.get("config"),
+        scan_phase=given.get("scan_phase"),
+        allow_missing=given.get("allow_missing", False),
+    )
+
+
+@pytest.fixture
 def server(request: pytest.FixtureRequest) -> Iterator[Server]:
     """A real server on free ports."""
     given = _given(request)
@@ -67,20 +92,35 @@ def server(request: pytest.FixtureRequest) -> Iterator[Server]:
         yield server
 
 
-def keep_trace(machine: Machine, folder: Path, test: str) -> list[Path]:
-    """Writes what a machine has done to a file of the test, by doing it again. Returns the files."""
-    config, seed, journal = machine._journal()
-    again = Machine(config, seed=seed)
+def _again(traced: Machine | Cell) -> tuple[Machine | Cell, list[tuple[Any, ...]]]:
+    """The same at its beginning, and what was done with it."""
+    if isinstance(traced, Machine):
+        config, seed, journal = traced._journal()
+        return Machine(config, seed=seed), journal
+    project, config_of_cell, scan_phase, allow_missing, journal = traced._journal()
+    return Cell(project, config_of_cell, scan_phase=scan_phase, allow_missing=allow_missing), journal
+
+
+def keep_trace(traced: Machine | Cell, folder: Path, test: str) -> list[Path]:
+    """Writes what a machine or a cell has done to a file of the test, by doing it again. Returns the files."""
+    again, journal = _again(traced)
     names = [f"{axis}.{signal}" for axis in again.axes for signal in SIGNALS]
     rows: list[Any] = []
     for entry in journal:
         if entry[0] != "step":
             again._replay([entry])
             continue
-        first, period = again.tick, again.period
-        values = again.trace(names, entry[1])
+        first = again.tick
+        values = np.zeros((entry[1], len(names)))
+        try:
+            again.trace(names, entry[1], out=values)
+        except MajorFault:
+            # The tick in which the tasks stop has a row too.
+            pass
+        if isinstance(again, Cell):
+            first = again.tick + 1 - entry[1]
         ticks = np.arange(first, first + entry[1])
-        rows.append(np.column_stack([ticks, ticks * period, values]))
+        rows.append(np.column_stack([ticks, ticks * again.period, values]))
     folder.mkdir(parents=True, exist_ok=True)
     csv = folder / (re.sub(r"[^\w.-]+", "-", test).strip("-") + ".csv")
     with csv.open("w") as file:

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
+use arcline_cell::{Placed, Places};
 use arcline_controller::image::{ChangedPart, ForeignChanges, Image, TagId};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Mnemonic, MotionControl, MotionError, TagAddress};
 use arcline_routine::{Cell, Host, Pace};
 use time::OffsetDateTime;
 
-use super::names::{Placed, Places};
 use crate::plant::{ANSWER_WITHIN, Command, Outcome, Plant, Principal, Program};
 
 /// Lets a moment pass while an instruction waits for the tick.

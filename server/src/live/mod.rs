@@ -1,10 +1,9 @@
 //! The controller's own program on the running machine (spec/programs.md §14): the tasks of an L5X project on a thread of their own,
 //! below the tick, which they can never delay. Clients see its tags in the tag memory and write between two rungs.
 //!
-//! Not here: the execution of routines (`arcline-routine`), and a project on a virtual clock (`simulate`).
+//! Not here: the execution of routines (`arcline-routine`), the names of a machine for them, and a project on a virtual clock (`arcline-cell`).
 
 mod host;
-mod names;
 mod scanner;
 #[cfg(test)]
 mod tests;
@@ -15,59 +14,16 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcline_config::{ControllerConfig, Project as Configuration};
+use arcline_cell::{LoadError, Places, Surroundings, UnknownParts, remove_others};
+use arcline_config::Project as Configuration;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
-use arcline_routine::source::{Answer, Project, Wire};
-use arcline_routine::{Cell, Finding, FindingKind, Listing, Loaded};
+use arcline_routine::source::Project;
+use arcline_routine::{Cell, Listing};
 
 use crate::cli::Failure;
 use crate::plant::{Mode, Plant, Program, machine_changes};
-use names::remove_others;
-pub(crate) use names::{Names, NotPlaced, Placed, Places};
 use scanner::Scanner;
-
-/// The reason for which a project does not run on a machine.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum LoadError {
-    /// Parts of it do not run.
-    #[error("{first}; {count} parts of the project do not run{}", others(.rest))]
-    Findings {
-        /// The first one.
-        first: Box<Finding>,
-        /// Further ones.
-        rest: Vec<Finding>,
-        /// All.
-        count: usize,
-    },
-    /// A tag cannot be one of the machine.
-    #[error(transparent)]
-    Tag(#[from] NotPlaced),
-}
-
-/// Further findings, a line each.
-fn others(rest: &[Finding]) -> String {
-    rest.iter().map(|finding| format!("\n  {finding}")).collect()
-}
-
-/// The treatment of instructions, routines and tasks that do not run.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum UnknownParts {
-    /// The server names them and refuses the project.
-    Refused,
-    /// The server names them and passes over them.
-    Allowed,
-}
-
-/// The findings that keep a project from running. A tag of an unknown type, or of a module without
-/// data, is left out: routines that name it do not compile.
-pub(crate) fn blocking(findings: &[Finding], unknown_parts: UnknownParts) -> impl Iterator<Item = &Finding> {
-    findings.iter().filter(move |finding| match finding.kind {
-        FindingKind::Error => true,
-        FindingKind::Type | FindingKind::Module => false,
-        _ => unknown_parts == UnknownParts::Refused,
-    })
-}
 
 /// A project that is to take the place of another one.
 #[derive(Clone, Debug)]
@@ -120,43 +76,6 @@ struct Order {
     answer: mpsc::SyncSender<Result<(), String>>,
 }
 
-/// The surroundings that a configuration gives a program.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Surroundings {
-    /// The answers to its messages.
-    answers: Vec<Answer>,
-    wires: Vec<Wire>,
-}
-
-impl Surroundings {
-    pub(crate) fn of(controller: &ControllerConfig) -> Self {
-        let answers = controller.messages.iter().map(|row| Answer {
-            service: row.service,
-            class: row.class,
-            instance: row.instance,
-            attribute: row.attribute,
-            data: row.answer.clone(),
-            delay_ms: row.delay_ms,
-            error: row.error,
-        });
-        let wires = controller.wires.iter().map(|wire| Wire {
-            from: wire.from.clone(),
-            to: wire.to.clone(),
-            delay_ms: wire.delay_ms,
-        });
-        Surroundings {
-            answers: answers.collect(),
-            wires: wires.collect(),
-        }
-    }
-
-    /// Gives them to the program.
-    pub(crate) fn surround(&self, source: &mut Project) {
-        source.answers.clone_from(&self.answers);
-        source.wires.clone_from(&self.wires);
-    }
-}
-
 /// Reads the program of a project's file.
 fn read(file: &Path, around: &Surroundings) -> Result<Project, Failure> {
     let text = crate::l5x::read(file)?;
@@ -169,10 +88,8 @@ fn read(file: &Path, around: &Surroundings) -> Result<Project, Failure> {
 /// The configuration of the machine that a project's file describes. Its tags are the program's.
 pub(crate) fn configuration(file: &Path) -> Result<Configuration, Failure> {
     let text = crate::l5x::read(file)?;
-    let import = arcline_l5x::import(&text, &file.display().to_string());
-    let mut project = import.map_err(|error| Failure::usage(error.to_string()))?.project;
-    project.tags.clear();
-    Ok(project)
+    let machine = arcline_l5x::machine(&text, &file.display().to_string());
+    machine.map_err(|error| Failure::usage(error.to_string()))
 }
 
 impl Prepared {
@@ -210,7 +127,7 @@ impl Prepared {
         let pause = Duration::from_nanos(plant.machine().period_ns / 4).clamp(MOMENT, Duration::from_millis(5));
         let thread = std::thread::Builder::new()
             .name("arcline-program".to_owned())
-            .stack_size(STACK);
+            .stack_size(arcline_routine::STACK);
         let thread = thread.spawn(move || {
             while !ended.load(Ordering::Acquire) {
                 let order = ordered.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -293,22 +210,9 @@ fn bind(
     source: &Project,
     unknown_parts: UnknownParts,
 ) -> Result<Bound, LoadError> {
-    let mut directory = Names::new(machine, image);
-    let Loaded {
-        mut cell,
-        findings,
-        names,
-    } = arcline_routine::load(source, &mut directory);
-    let mut wrong = blocking(&findings, unknown_parts).cloned();
-    if let Some(first) = wrong.next() {
-        let rest: Vec<Finding> = wrong.collect();
-        return Err(LoadError::Findings {
-            first: Box::new(first),
-            count: rest.len() + 1,
-            rest: rest.into_iter().take(SHOWN).collect(),
-        });
-    }
-    let places = directory.place(&mut cell, source)?;
+    let arcline_cell::Bound {
+        cell, places, names, ..
+    } = arcline_cell::bind(machine, image, source, unknown_parts)?;
     Ok(Bound {
         cell,
         places,
@@ -335,7 +239,3 @@ fn rebind(
 const MOMENT: Duration = Duration::from_micros(100);
 /// Longest wait for the end of a scan.
 const REPLACED_WITHIN: Duration = Duration::from_secs(10);
-/// Further findings that are shown.
-const SHOWN: usize = 20;
-/// Stack of the thread that scans, bytes: routines call one another.
-const STACK: usize = 256 << 20;

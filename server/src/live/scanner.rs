@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use arcline_cell::{LoadError, Places, UnknownParts};
 use arcline_routine::source::Project;
 use arcline_routine::{Cell, Fault};
 
 use super::host::{LiveHost, Pause};
-use super::names::Places;
-use super::{Bound, LoadError, Replacement, UnknownParts, rebind};
+use super::{Bound, Replacement, rebind};
 use crate::audit::EventKind;
 use crate::plant::{Mode, Plant, Principal, Program, ProgramState};
 

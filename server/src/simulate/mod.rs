@@ -6,11 +6,9 @@
 mod args;
 mod batch;
 mod cell;
-mod cell_tags;
 mod output;
 mod outside;
 mod pieces;
-mod plant;
 mod summary;
 
 use std::io::{self, BufReader, BufWriter};

@@ -29,14 +29,15 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("arcline-cases",           &["arcline-simulation", "arcline-mcap"]),
     ("arcline-routine",         &["arcline-instruction-set", "arcline-tag"]),
     ("arcline-l5x",             &["arcline-config", "arcline-routine"]),
+    ("arcline-cell",            &["arcline-simulation", "arcline-routine"]),
     ("arcline-state",           &[]),
     ("arcline-gcode",           &[]),
     ("arcline-plot",            &[]),
     ("arcline-testing",         &[]),
     ("arcline-client",          &["arcline-proto", "arcline-structured-text", "arcline-instruction-set", "arcline-tag",
                                   "arcline-gcode", "arcline-mcap", "arcline-plot"]),
-    ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-cases", "arcline-l5x", "arcline-state",
-                                  "arcline-proto", "arcline-structured-text", "arcline-routine"]),
+    ("arcline-server",          &["arcline-realtime", "arcline-simulation", "arcline-cases", "arcline-cell", "arcline-l5x",
+                                  "arcline-state", "arcline-proto", "arcline-structured-text", "arcline-routine"]),
 ];
 
 /// Packages below the real-time thread: no thread, clock, file, socket or log.
@@ -56,6 +57,7 @@ const BEFORE_REALTIME: &[&str] = &[
     "arcline-controller",
     "arcline-config",
     "arcline-simulation",
+    "arcline-cell",
     "arcline-proto",
     "arcline-gcode",
 ];

@@ -4,70 +4,51 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
-use arcline_routine::source::Project;
-use arcline_routine::{Cell, Host, Loaded};
+use arcline_routine::{Cell, Host};
 use arcline_simulation::{Observer, Origin, Simulation};
 
-use crate::live::{Names, NotPlaced, Placed, Places, UnknownParts, blocking};
+use crate::names::{Names, Placed, Places};
 
 /// A machine under control of a project.
-pub(super) struct Plant {
+#[derive(Debug)]
+pub(crate) struct Plant {
     simulation: Simulation,
     /// The positions of the project's tags.
     places: Places,
 }
 
 impl Plant {
-    pub(super) fn new(simulation: Simulation) -> Self {
-        Plant {
-            simulation,
-            places: Places::default(),
-        }
-    }
-
-    /// Loads a project on the machine, and makes its tags tags of the machine.
-    pub(super) fn load(&mut self, source: &Project, unknown_parts: UnknownParts) -> Result<Loaded, NotPlaced> {
-        let machine = self.simulation.machine().clone();
-        let mut names = Names::new(&machine, self.simulation.image_mut());
-        let mut loaded = arcline_routine::load(source, &mut names);
-        if blocking(&loaded.findings, unknown_parts).next().is_none() {
-            self.places = names.place(&mut loaded.cell, source)?;
-        }
-        Ok(loaded)
+    /// A machine, and the places of the tags of the project that was bound to it.
+    pub(crate) fn new(simulation: Simulation, places: Places) -> Self {
+        Plant { simulation, places }
     }
 
     /// Looks for names of the machine, for code that is compiled while the machine runs.
-    pub(super) fn with_names<R>(&self, look: impl FnOnce(&mut Names<'_>) -> R) -> R {
+    pub(crate) fn with_names<R>(&self, look: impl FnOnce(&mut Names<'_>) -> R) -> R {
         let mut copy = self.simulation.image().clone();
         look(&mut Names::new(self.simulation.machine(), &mut copy))
     }
 
-    pub(super) fn machine(&self) -> &Machine {
-        self.simulation.machine()
+    pub(crate) fn simulation(&self) -> &Simulation {
+        &self.simulation
     }
 
-    /// Instructions of motion that were executed.
-    pub(super) fn executed(&self) -> u64 {
-        self.simulation.executed()
+    pub(crate) fn simulation_mut(&mut self) -> &mut Simulation {
+        &mut self.simulation
     }
 
-    pub(super) fn tick(&self) -> u64 {
-        self.simulation.tick()
-    }
-
-    /// Simulated time at the present tick, s.
-    pub(super) fn time(&self) -> f64 {
-        self.simulation.time()
+    pub(crate) fn places(&self) -> &Places {
+        &self.places
     }
 
     /// Begins a tick, and shows the machine's state to the project.
-    pub(super) fn begin_tick(&mut self, cell: &mut Cell) {
+    pub(crate) fn begin_tick(&mut self, cell: &mut Cell) {
         self.simulation.begin();
         self.show(cell.memory_mut());
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment.
-    fn show(&mut self, memory: &mut [u8]) {
+    pub(crate) fn show(&mut self, memory: &mut [u8]) {
         self.simulation.show_now();
         for (at, id) in &self.places.objects {
             let bytes = self.simulation.image().bytes(*id);
@@ -78,13 +59,13 @@ impl Plant {
         }
     }
 
-    /// Ends the tick and passes its events to the project's tags and to the observer.
-    pub(super) fn end_tick(&mut self, cell: &mut Cell, observer: &mut impl Observer) {
+    /// Ends the tick and passes its events to the project's tags and to the observer. False: the observer ends the run.
+    pub(crate) fn end_tick(&mut self, cell: &mut Cell, observer: &mut impl Observer) -> bool {
         let places = &self.places;
         self.simulation.end(&mut Shown { places, cell, observer });
         self.show(cell.memory_mut());
-        let (tick, machine) = (self.tick(), self.simulation.machine().clone());
-        observer.tick(tick, &machine, self.simulation.controller_mut());
+        let (tick, machine) = (self.simulation.tick(), self.simulation.machine().clone());
+        observer.tick(tick, &machine, self.simulation.controller_mut())
     }
 
     /// Brings the bytes of a tag that a call names from the project to the machine's tags, or back.
@@ -212,20 +193,76 @@ impl Host for Plant {
     }
 
     fn date(&self, now: u64) -> [i32; 7] {
-        let start = time::Date::from_calendar_date(START.0, time::Month::January, START.1);
-        let Ok(start) = start else { return [0; 7] };
-        let at = start.midnight() + std::time::Duration::from_nanos(now);
-        [
-            at.year(),
-            i32::from(u8::from(at.month())),
-            i32::from(at.day()),
-            i32::from(at.hour()),
-            i32::from(at.minute()),
-            i32::from(at.second()),
-            at.microsecond() as i32,
-        ]
+        date(now)
     }
 }
 
-/// Year, and day of January, on which a simulation begins.
-const START: (i32, u8) = (2026, 1);
+/// The date at a virtual time, ns: a simulation begins on 1 January 2026. Year, month, day, hour, minute, second, microsecond.
+fn date(now: u64) -> [i32; 7] {
+    let seconds = now / 1_000_000_000;
+    let (mut day, mut year) = (seconds / 86_400, FIRST_YEAR);
+    let is_leap = |year: i32| year % 4 == 0 && year % 100 != 0 || year % 400 == 0;
+    let days = |year: i32| if is_leap(year) { 366 } else { 365 };
+    while day >= days(year) {
+        day -= days(year);
+        year += 1;
+    }
+    let mut month = 1;
+    for length in [
+        31,
+        if is_leap(year) { 29 } else { 28 },
+        31,
+        30,
+        31,
+        30,
+        31,
+        31,
+        30,
+        31,
+        30,
+    ] {
+        if day < length {
+            break;
+        }
+        day -= length;
+        month += 1;
+    }
+    let of_day = |unit: u64, count: u64| (seconds / unit % count) as i32;
+    let microsecond = (now / 1_000 % 1_000_000) as i32;
+    [
+        year,
+        month,
+        day as i32 + 1,
+        of_day(3_600, 24),
+        of_day(60, 60),
+        of_day(1, 60),
+        microsecond,
+    ]
+}
+
+/// The year in which a simulation begins.
+const FIRST_YEAR: i32 = 2026;
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    #[test]
+    fn dates_of_virtual_times() {
+        const DAY: u64 = 86_400_000_000_000;
+        #[rustfmt::skip]
+        let cases = [
+            ("the beginning",                     0,                                     [2026, 1, 1, 0, 0, 0, 0]),
+            ("a microsecond before the next day", DAY - 1_000,                           [2026, 1, 1, 23, 59, 59, 999_999]),
+            ("the next month",                    31 * DAY,                              [2026, 2, 1, 0, 0, 0, 0]),
+            ("the last day of the year",          364 * DAY + 3_661_000_000_000,         [2026, 12, 31, 1, 1, 1, 0]),
+            ("the next year",                     365 * DAY,                             [2027, 1, 1, 0, 0, 0, 0]),
+            ("a leap day",                        (365 + 365 + 31 + 28) * DAY,           [2028, 2, 29, 0, 0, 0, 0]),
+            ("the day behind it",                 (365 + 365 + 31 + 29) * DAY,           [2028, 3, 1, 0, 0, 0, 0]),
+            ("the last day of a leap year",       (365 + 365 + 365) * DAY,               [2028, 12, 31, 0, 0, 0, 0]),
+        ];
+        for (why, now, expected) in cases {
+            assert_eq!(date(now), expected, "{why}");
+        }
+    }
+}

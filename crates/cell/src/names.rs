@@ -1,6 +1,4 @@
 //! The names of a machine for the routines of a project, and where the project's tags stand in the tag memory.
-//!
-//! `simulate` and the running server bind a project in the same way. The execution of a project is not here.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +11,8 @@ use arcline_routine::{Cell, Directory, Tag};
 use arcline_tag::{Elementary, PathSegment, TagPath, TagType};
 
 /// The names of a machine, for a project that is being loaded.
-pub(crate) struct Names<'m> {
+#[derive(Debug)]
+pub struct Names<'m> {
     machine: &'m Machine,
     image: &'m mut Image,
     attributes: Vec<(&'static Attribute, u16)>,
@@ -27,13 +26,13 @@ pub(crate) struct Names<'m> {
 
 /// The positions of a project's tags.
 #[derive(Debug, Default)]
-pub(crate) struct Places {
+pub struct Places {
     /// The tags that clients see too, by their first byte in the project's memory.
-    pub(crate) tags: Vec<Placed>,
+    pub tags: Vec<Placed>,
     /// Axes, coordinate systems and the group: first byte in the project's memory, and the tag.
-    pub(crate) objects: Vec<(u32, TagId)>,
+    pub objects: Vec<(u32, TagId)>,
     /// The attributes that the project reads or sets.
-    pub(crate) attributes: Vec<(&'static Attribute, u16)>,
+    pub attributes: Vec<(&'static Attribute, u16)>,
     /// The inputs of axes that its wires lead to.
     inputs: Vec<(AxisId, WiredInput)>,
 }
@@ -58,25 +57,26 @@ impl WiredInput {
 
 /// A tag in both memories.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub struct Placed {
     /// The first byte in the project's memory.
-    pub(crate) from: usize,
+    pub from: usize,
     /// Its end there.
-    pub(crate) to: usize,
+    pub to: usize,
     /// The tag.
-    pub(crate) id: TagId,
+    pub id: TagId,
 }
 
 /// A tag of a project that cannot stand in the tag memory.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("tag {name}: {error}")]
-pub(crate) struct NotPlaced {
+pub struct NotPlaced {
     name: String,
     error: TableError,
 }
 
 impl<'m> Names<'m> {
-    pub(crate) fn new(machine: &'m Machine, image: &'m mut Image) -> Self {
+    /// The names of a machine and of the tags in its memory.
+    pub fn new(machine: &'m Machine, image: &'m mut Image) -> Self {
         Names {
             machine,
             image,
@@ -91,7 +91,7 @@ impl<'m> Names<'m> {
     ///
     /// # Errors
     /// The first tag for which there is no place; some tags are placed then.
-    pub(crate) fn place(self, cell: &mut Cell, project: &Project) -> Result<Places, NotPlaced> {
+    pub fn place(self, cell: &mut Cell, project: &Project) -> Result<Places, NotPlaced> {
         let Names {
             image,
             attributes,
@@ -148,7 +148,7 @@ impl<'m> Names<'m> {
 }
 
 /// Removes the tags of a program that the project of another cell does not have, or has with another type.
-pub(crate) fn remove_others(image: &mut Image, cell: &Cell) {
+pub fn remove_others(image: &mut Image, cell: &Cell) {
     let wanted = wanted(cell, image).into_iter();
     let wanted: BTreeMap<String, TagType> = wanted
         .map(|(_, tag)| (full_name(&tag).to_ascii_lowercase(), tag.tag_type))
@@ -178,12 +178,12 @@ fn wanted(cell: &Cell, image: &mut Image) -> Vec<(usize, PlainTag)> {
 
 impl Places {
     /// The place of a tag.
-    pub(crate) fn tag(&self, id: TagId) -> Option<Placed> {
+    pub fn tag(&self, id: TagId) -> Option<Placed> {
         self.tags.iter().find(|tag| tag.id == id).copied()
     }
 
     /// The command to the machine when a wire gives the input of this number a value.
-    pub(crate) fn input(&self, number: u32, on: bool) -> Option<Input> {
+    pub fn input(&self, number: u32, on: bool) -> Option<Input> {
         let (axis, input) = *self.inputs.get(number as usize)?;
         Some(match input {
             WiredInput::HomeSwitch => Input::HomeSwitch { axis, on },
@@ -193,7 +193,7 @@ impl Places {
     }
 
     /// The tag that has a byte of the project's memory.
-    pub(crate) fn tag_at(&self, at: usize) -> Option<Placed> {
+    pub fn tag_at(&self, at: usize) -> Option<Placed> {
         let behind = self.tags.partition_point(|tag| tag.from <= at);
         let tag = self.tags.get(behind.checked_sub(1)?)?;
         (at < tag.to).then_some(*tag)

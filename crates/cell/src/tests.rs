@@ -1,0 +1,222 @@
+//! A project on the virtual clock: its run, and its tags by name.
+
+use arcline_simulation::{Blind, NotWritten};
+use arcline_tag::{TagPath, TagValue, Value, WriteValue};
+
+use crate::{End, Limits, LoadError, SimulatedCell, UnknownParts};
+
+const CELL: &str = include_str!("../../../tests/config/Cell.L5X");
+
+fn load(text: &str, unknown_parts: UnknownParts) -> Result<SimulatedCell, LoadError> {
+    let machine = arcline_l5x::machine(text, "Cell.L5X").expect("a machine");
+    let source = arcline_l5x::logic(text, "Cell.L5X").expect("a program");
+    SimulatedCell::load(&machine, source, unknown_parts)
+}
+
+fn begun(text: &str) -> SimulatedCell {
+    let mut cell = load(text, UnknownParts::Refused).expect("it runs");
+    cell.begin(&mut Blind).expect("a prescan without a fault");
+    cell
+}
+
+/// The project of the tests with more tags and other rungs.
+fn with(tags: &str, rungs: &[&str]) -> String {
+    let rungs: String = (0..)
+        .zip(rungs)
+        .map(|(number, text)| format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{text}]]></Text></Rung>"))
+        .collect();
+    let begin = CELL
+        .find("<Rung Number=\"0\" Type=\"N\"><Text><![CDATA[XIC(Start)")
+        .expect("the first rung");
+    let end = begin + CELL[begin..].find("</RLLContent>").expect("an end");
+    let text = format!("{}{rungs}{}", &CELL[..begin], &CELL[end..]);
+    text.replacen("</Tags>", &format!("{tags}</Tags>"), 1)
+}
+
+fn path(text: &str) -> TagPath {
+    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+fn value(cell: &mut SimulatedCell, text: &str) -> TagValue {
+    cell.value(&path(text))
+        .unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+fn number(cell: &mut SimulatedCell, text: &str) -> f64 {
+    value(cell, text)
+        .as_f64()
+        .unwrap_or_else(|| panic!("{text} is no number"))
+}
+
+fn ticks(cell: &mut SimulatedCell, ticks: u64) -> End {
+    let limits = Limits {
+        until: None,
+        ticks,
+        time: f64::INFINITY,
+    };
+    cell.run(limits, &mut Blind)
+}
+
+#[test]
+fn a_project_runs_to_its_condition_as_often_as_it_is_run() {
+    let run = || {
+        let mut cell = begun(CELL);
+        cell.write("Start", &WriteValue::Bool(true)).expect("a tag");
+        let until = cell
+            .condition("Done AND Program:Main.Settle.ACC >= 50")
+            .expect("a condition");
+        let limits = Limits {
+            until: Some(&until),
+            ticks: u64::MAX,
+            time: 10.0,
+        };
+        assert_eq!(cell.run(limits, &mut Blind), End::Reached);
+        (cell.time(), cell.tags_json(), number(&mut cell, "X.CommandPosition"))
+    };
+    let (time, json, position) = run();
+    assert!(time > 0.2 && time < 2.0, "{time}");
+    assert_eq!(position, 25.0);
+    assert_eq!((time, json, position), run());
+}
+
+#[test]
+fn a_run_ends_at_its_limits() {
+    let mut cell = begun(CELL);
+    assert!(cell.is_open());
+    assert_eq!((ticks(&mut cell, 0), cell.is_open()), (End::Time, true));
+    assert_eq!(
+        (ticks(&mut cell, 1), cell.tick(), cell.is_open()),
+        (End::Time, 0, false)
+    );
+    assert_eq!((ticks(&mut cell, 2), cell.tick()), (End::Time, 2));
+    let limits = Limits {
+        until: None,
+        ticks: u64::MAX,
+        time: 0.1,
+    };
+    assert_eq!(cell.run(limits, &mut Blind), End::Time);
+    assert_eq!(cell.time(), 0.1);
+}
+
+#[test]
+fn tags_are_read_and_written_by_name() {
+    let tags = "<Tag Name=\"Grid\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"2 3\"/>\
+        <Tag Name=\"Flags\" TagType=\"Base\" DataType=\"BOOL\" Dimensions=\"40\"/>\
+        <Tag Name=\"Word\" TagType=\"Base\" DataType=\"STRING\"/>";
+    let mut cell = begun(&with(tags, &["MOV(7,Grid[1,2]);", "OTE(Flags[33]);"]));
+    ticks(&mut cell, 1);
+    #[rustfmt::skip]
+    let numbers = [
+        ("a tag",                               "Target",                 25.0),
+        ("a member",                            "Batch.Speed",            80.0),
+        ("an element of a member",              "Batch.Steps[2]",         6.0),
+        ("an alias",                            "Middle",                 5.0),
+        ("an alias, in another case",           "middle",                 5.0),
+        ("a tag that clients do not see",       "Secret",                 0.0),
+        ("a tag of a program",                  "Program:Main.Settle.PRE", 50.0),
+        ("an element of a table",               "Grid[1,2]",              7.0),
+        ("an element of an array of BOOLs",     "Flags[33]",              1.0),
+        ("its neighbour",                       "Flags[34]",              0.0),
+        ("a bit of a number",                   "Fixed.2",                1.0),
+        ("a member of an axis",                 "X.CommandPosition",      0.0),
+    ];
+    for (why, text, expected) in numbers {
+        assert!(cell.has(&path(text)), "{why}: {text}");
+        assert_eq!(number(&mut cell, text), expected, "{why}: {text}");
+    }
+    let dint = |number| TagValue::Value(Value::Dint(number));
+    let row = |numbers: [i32; 3]| TagValue::Array(numbers.map(dint).to_vec());
+    assert_eq!(value(&mut cell, "Batch.Steps"), row([4, 5, 6]));
+    let grid = TagValue::Array(vec![row([0, 0, 0]), row([0, 0, 7])]);
+    assert_eq!(value(&mut cell, "Grid"), grid);
+    let TagValue::Array(flags) = value(&mut cell, "Flags") else {
+        panic!("Flags is an array")
+    };
+    let on = |bit: usize| TagValue::Value(Value::Bool(bit == 33));
+    assert_eq!(flags, (0..40).map(on).collect::<Vec<_>>());
+
+    #[rustfmt::skip]
+    let writes = [
+        ("a number",                     "Target",           "12.5",     "Target",         12.5),
+        ("a constant",                   "Fixed",            "13",       "Fixed",          13.0),
+        ("a tag that clients do not see", "Secret",          "4",        "Secret",         4.0),
+        ("an alias",                     "Middle",           "50",       "Batch.Steps[1]", 50.0),
+        ("the first elements",           "Batch.Steps",      "[1, 2]",   "Batch.Steps[1]", 2.0),
+        ("a bit of an array of BOOLs",   "Flags[39]",        "true",     "Flags[39]",      1.0),
+        ("a bit of a number",            "Fixed.0",          "0",        "Fixed",          12.0),
+        ("a tag of a program",           "Program:Main.Settle.PRE", "7", "Program:main.settle.pre", 7.0),
+    ];
+    for (why, text, new, read, expected) in writes {
+        let Ok(new) = new.parse();
+        cell.write(text, &new).unwrap_or_else(|error| panic!("{why}: {error}"));
+        assert_eq!(number(&mut cell, read), expected, "{why}");
+    }
+    let row = WriteValue::Array(vec![WriteValue::Integer(1), WriteValue::Integer(9)]);
+    cell.write("Grid", &WriteValue::Array(vec![row])).expect("a table");
+    assert_eq!(number(&mut cell, "Grid[0,1]"), 9.0);
+    cell.write("Word", &WriteValue::Text("ready".to_owned()))
+        .expect("a text");
+    assert_eq!(value(&mut cell, "Word"), TagValue::Text("ready".to_owned()));
+}
+
+#[test]
+fn values_that_do_not_fit_are_refused_with_the_tag() {
+    let tags = "<Tag Name=\"Flags\" TagType=\"Base\" DataType=\"BOOL\" Dimensions=\"40\"/>\
+        <Tag Name=\"Word\" TagType=\"Base\" DataType=\"STRING\"/>";
+    let mut cell = begun(&with(tags, &["NOP();"]));
+    #[rustfmt::skip]
+    let cases = [
+        ("no path",            "Batch..Speed",   "1",       "no path of a tag"),
+        ("no tag",             "Targt",          "1",       "there is no tag \"Targt\""),
+        ("no member",          "Batch.Sped",     "1",       "did you mean \"Speed\"?"),
+        ("no element",         "Batch.Steps[3]", "1",       "index 3 is out of range"),
+        ("no bit",             "Flags[40]",      "true",    "index 40 is out of range"),
+        ("no whole number",    "Fixed",          "1.5",     "Fixed is a DINT and holds whole numbers only"),
+        ("a number too large", "Fixed",          "1e12",    "Fixed is a DINT and cannot hold that value"),
+        ("no truth",           "Flags[3]",       "2",       "Flags[3] is a BOOL"),
+        ("a text for a number", "Target",        "'ab'",    "Target is a REAL and holds values of another kind"),
+        ("one in an array",    "Batch.Steps",    "[1, 2.5]", "Batch.Steps[1] is a DINT"),
+        ("a read-only tag of the machine", "X.ActualPosition", "1", "X.ActualPosition"),
+    ];
+    for (why, text, new, expected) in cases {
+        let Ok(new) = new.parse();
+        let error = cell.write(text, &new).expect_err(why);
+        assert!(error.to_string().contains(expected), "{why}: {error}");
+    }
+    let long = WriteValue::Text("x".repeat(83));
+    assert!(matches!(cell.write("Word", &long), Err(NotWritten::Value(_))));
+}
+
+#[test]
+fn a_major_fault_stops_the_tasks_and_says_where() {
+    let text = with(
+        "<Tag Name=\"At\" TagType=\"Base\" DataType=\"DINT\"/>",
+        &["MOV(0,Batch.Steps[At]);"],
+    );
+    let mut cell = begun(&text);
+    assert_eq!(ticks(&mut cell, 10), End::Time);
+    cell.write("At", &WriteValue::Integer(3)).expect("a tag");
+    let End::Fault(fault) = ticks(&mut cell, 10) else {
+        panic!("a subscript out of range is a major fault")
+    };
+    let words = "major fault 4/20 (subscript out of range) in Main/Go rung 0, MOV: At is 3";
+    assert_eq!(fault.to_string(), words);
+    let tick = cell.tick();
+    assert_eq!(ticks(&mut cell, 10), End::Fault(fault.clone()));
+    assert_eq!((cell.tick(), cell.faults().collect()), (tick, vec![fault]));
+}
+
+#[test]
+fn parts_that_do_not_run_are_named_or_passed_over() {
+    let text = with("", &["PID(Batch);", "NOP();"]);
+    let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+        panic!("PID is not supported")
+    };
+    let words = "Main/Go rung 0: instruction PID is not supported; 1 parts of the project do not run";
+    assert_eq!(
+        (parts.summary(), parts.to_string()),
+        (words.to_owned(), words.to_owned())
+    );
+    let cell = load(&text, UnknownParts::Allowed).expect("the rest runs");
+    assert_eq!(cell.findings(), parts.findings);
+}
