@@ -11,6 +11,7 @@ use arcline_proto::discovery;
 use bytes::Bytes;
 use tokio::net::UdpSocket;
 use tokio::task::JoinSet;
+use tokio::time::Instant;
 use tracing::debug;
 
 use super::device::Device;
@@ -52,7 +53,7 @@ pub(super) async fn serve(socket: &UdpSocket, local: SocketAddr, device: &Arc<De
         if !device.settings.config.security.plain_allow.allows(peer.ip()) {
             continue;
         }
-        if !peer.ip().is_loopback() && !rate.allows(peer.ip(), tokio::time::Instant::now()) {
+        if !peer.ip().is_loopback() && !rate.allows(peer.ip(), Instant::now()) {
             continue;
         }
         let address = reachable(local, peer).await;
