@@ -3,7 +3,7 @@
 
 use arcline_controller::image::{ReadError, TagId};
 use arcline_routine::Tag;
-use arcline_simulation::{Encoded, NotWritten, encoded};
+use arcline_simulation::{Encoded, NotWritten, by_element, encoded};
 use arcline_tag::{DataType, Elementary, Location, PathError, PathSegment, TagPath, TagValue, WriteValue};
 
 use crate::decode::{array, text_layout, truth, truths};
@@ -65,21 +65,10 @@ impl SimulatedCell {
     /// # Errors
     /// The tag does not exist, or cannot hold the value.
     pub fn write(&mut self, text: &str, value: &WriteValue) -> Result<(), NotWritten> {
-        let path: TagPath = text
-            .parse()
-            .map_err(|error: PathError| NotWritten::Path(text.to_owned(), error.to_string()))?;
-        self.write_at(text, &path, value)
+        by_element(text, value, &mut |text, path, value| self.write_one(text, path, value))
     }
 
-    fn write_at(&mut self, text: &str, path: &TagPath, value: &WriteValue) -> Result<(), NotWritten> {
-        if let WriteValue::Array(elements) = value {
-            for (index, element) in (0..).zip(elements) {
-                let mut of_element = path.clone();
-                of_element.0.push(PathSegment::Element(index));
-                self.write_at(&format!("{text}[{index}]"), &of_element, element)?;
-            }
-            return Ok(());
-        }
+    fn write_one(&mut self, text: &str, path: &TagPath, value: &WriteValue) -> Result<(), NotWritten> {
         let part = self.part(path).map_err(NotWritten::Read)?;
         let at = match part.memory {
             Memory::Project(at) => at,

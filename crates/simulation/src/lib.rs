@@ -30,4 +30,4 @@ pub use record::Record;
 pub use runner::{Limits, Locked, Options, Passed, Piece, Runner};
 pub use signals::{AXIS_SIGNALS, Columns, NoSignal, Signal, sample};
 pub use simulation::Simulation;
-pub use values::{Encoded, NotWritten, encoded};
+pub use values::{Encoded, NotWritten, by_element, encoded};

@@ -59,6 +59,37 @@ pub fn encoded(text: &str, location: &Location, value: &WriteValue) -> Result<En
     }
 }
 
+/// Parses a path, and hands a value to `write`; an array by its elements, each with its own path.
+///
+/// # Errors
+/// The text is no path, or the first error of `write`: the elements behind it are not written.
+pub fn by_element(
+    text: &str,
+    value: &WriteValue,
+    write: &mut impl FnMut(&str, &TagPath, &WriteValue) -> Result<(), NotWritten>,
+) -> Result<(), NotWritten> {
+    let path: TagPath = text
+        .parse()
+        .map_err(|error: arcline_tag::PathError| NotWritten::Path(text.to_owned(), error.to_string()))?;
+    each(text, &path, value, write)
+}
+
+fn each(
+    text: &str,
+    path: &TagPath,
+    value: &WriteValue,
+    write: &mut impl FnMut(&str, &TagPath, &WriteValue) -> Result<(), NotWritten>,
+) -> Result<(), NotWritten> {
+    let WriteValue::Array(elements) = value else {
+        return write(text, path, value);
+    };
+    (0..).zip(elements).try_for_each(|(index, element)| {
+        let mut of_element = path.clone();
+        of_element.0.push(PathSegment::Element(index));
+        each(&format!("{text}[{index}]"), &of_element, element, write)
+    })
+}
+
 impl Simulation {
     /// Writes a value to the tag of a path; for an array, to its first elements. A write to `EnableIn` executes its instruction at
     /// the present tick.
@@ -66,21 +97,10 @@ impl Simulation {
     /// # Errors
     /// The tag does not exist, or cannot hold the value.
     pub fn write_tag(&mut self, text: &str, value: &WriteValue) -> Result<(), NotWritten> {
-        let path: TagPath = text
-            .parse()
-            .map_err(|error: arcline_tag::PathError| NotWritten::Path(text.to_owned(), error.to_string()))?;
-        self.write_at(text, &path, value)
+        by_element(text, value, &mut |text, path, value| self.write_one(text, path, value))
     }
 
-    fn write_at(&mut self, text: &str, path: &TagPath, value: &WriteValue) -> Result<(), NotWritten> {
-        if let WriteValue::Array(elements) = value {
-            for (index, element) in (0..).zip(elements) {
-                let mut of_element = path.clone();
-                of_element.0.push(PathSegment::Element(index));
-                self.write_at(&format!("{text}[{index}]"), &of_element, element)?;
-            }
-            return Ok(());
-        }
+    fn write_one(&mut self, text: &str, path: &TagPath, value: &WriteValue) -> Result<(), NotWritten> {
         let mut misfit = None;
         let written = self.write(Origin::default(), |image| {
             let (id, location) = image.locate(path)?;

@@ -15,13 +15,13 @@ use arcline_controller::machine::Machine;
 use arcline_controller::samples::{self, Column};
 use arcline_instruction_set::Mnemonic;
 use arcline_realtime::Samples;
+use tokio::time::Instant;
 
 pub use capture::{Config, Phase, Trigger};
 
 use capture::Capture;
 use history::History;
 use store::Store;
-use tokio::time::Instant;
 
 /// The rows of a machine and the traces of them. Clones are the same ones.
 #[derive(Clone, Debug)]
