@@ -167,3 +167,45 @@ export async function probe(page, axis) {
   }, axis);
   await until(page, "samples", () => window.samples.length > 0);
 }
+
+/** What each frame of `slowness` takes on the computer whose times the limits are, ms of the main thread. */
+const REFERENCE_MS = 5;
+
+/**
+ * How much longer this computer takes for a frame than the one that limits of time were made on, at least 1. The frame is a drawing that needs
+ * nothing of the page: eight lines of 3,000 columns each, as many as Trends may draw.
+ */
+export async function slowness(browser) {
+  const page = await browser.newPage({ viewport: DESKTOP });
+  await page.setContent('<canvas width="1200" height="600"></canvas>');
+  const session = await page.context().newCDPSession(page);
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const task = async () => (await session.send("Performance.getMetrics")).metrics.find(({ name }) => name === "TaskDuration").value;
+  let least = Infinity;
+  for (let attempt = 0; attempt < 3; attempt += 1) {
+    const before = await task();
+    const frames = await page.evaluate((ms) => new Promise((done) => {
+      const pen = document.querySelector("canvas").getContext("2d");
+      const began = performance.now();
+      let count = 0;
+      const frame = () => {
+        count += 1;
+        pen.clearRect(0, 0, 1200, 600);
+        for (let line = 0; line < 8; line += 1) {
+          pen.beginPath();
+          for (let column = 0; column < 3000; column += 1) {
+            pen.lineTo(0.4 * column, 300 + 30 * line + 200 * Math.sin(0.01 * (column + 7 * count) * (1 + line)));
+          }
+          pen.stroke();
+        }
+        if (performance.now() - began < ms) requestAnimationFrame(frame);
+        else done(count);
+      };
+      requestAnimationFrame(frame);
+    }), 1000);
+    least = Math.min(least, (1000 * ((await task()) - before)) / frames);
+  }
+  await page.close();
+  console.log(`reference: ${least.toFixed(2)} ms of the main thread for a frame`);
+  return Math.max(1, least / REFERENCE_MS);
+}

@@ -2,6 +2,7 @@
 // A column, one pixel wide or a few where there are many lines, shows the least and the greatest value of its ticks, so no peak is lost at any zoom.
 
 import { clock, decimals, duration, fixed, niceStep, short } from "./format.js";
+import { Pen } from "./pen.js";
 
 /** @import { Samples, Series } from "./samples.js" */
 /** @import { Palette } from "./theme.js" */
@@ -220,24 +221,23 @@ function drawLine(context, column, { colour, dashes = [] }, x, y) {
   context.lineJoin = "bevel";
   context.setLineDash(dashes);
   context.beginPath();
-  let pen = false;
+  const pen = new Pen(context);
   let last = 0;
   for (let k = 0; k < column.length; k += 3) {
     const [low, high] = [column[k + 1], column[k + 2]];
     if (Number.isNaN(low)) {
-      pen = false;
+      pen.lift();
       continue;
     }
     const at = x(column[k]);
     const side = k && high !== low ? (at - x(column[k - 3])) / 4 : 0;
     // The nearer end first, so that a falling line is not drawn as a saw.
     const [near, far] = last - low > high - last ? [high, low] : [low, high];
-    if (pen) context.lineTo(at - side, y(near));
-    else context.moveTo(at - side, y(near));
-    if (far !== near) context.lineTo(at + side, y(far));
+    pen.to(at - side, y(near));
+    if (far !== near) pen.to(at + side, y(far));
     last = far;
-    pen = true;
   }
+  pen.lift();
   context.stroke();
   context.setLineDash([]);
 }

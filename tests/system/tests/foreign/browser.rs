@@ -1,6 +1,6 @@
 //! The HMI in a real browser, against a real server. The scripts in `tests/browser` have the expectations.
 
-use arcline_system_tests::browser::{case, case_among_strangers, case_of_rungs, case_on, case_with_users};
+use arcline_system_tests::browser::{case, case_among_strangers, case_on, case_with_users};
 
 macro_rules! cases {
     ($($name:ident),* $(,)?) => {
@@ -62,11 +62,6 @@ cases_of_a_cell! {
 }
 
 #[test]
-fn frames_leave_time() {
-    case_on("frames_leave_time", "eight.toml");
-}
-
-#[test]
 fn a_robots_tool_is_drawn() {
     case_on("a_robots_tool_is_drawn", "../../docs/images/tool-path.toml");
 }
@@ -99,11 +94,6 @@ fn a_program_is_seen() {
 #[test]
 fn a_fault_leads_to_its_rung() {
     case_on("a_fault_leads_to_its_rung", "ladder.toml");
-}
-
-#[test]
-fn a_thousand_rungs_leave_time() {
-    case_of_rungs("a_thousand_rungs_leave_time", 1000);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! A thousand clients at once, strangers who take places, implicit I/O at its shortest intervals, a million lines of G-code: each needs the machine for itself.
+//! A thousand clients at once, strangers who take places, implicit I/O at its shortest intervals, a million lines of G-code, the page's
+//! frames: each needs the machine for itself.
 //!
 //! `cargo test --workspace --test load`, or `.ci/run load`.
 
@@ -6,6 +7,7 @@ mod crowd;
 mod flood;
 mod gcode;
 mod io_scanner;
+mod page;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
