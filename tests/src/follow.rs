@@ -12,7 +12,7 @@ pub fn machine(period_ms: f64) -> String {
         text += &format!(
             "[[axis]]\nname = \"{name}\"\ntype = \"{kind}\"\nunits = \"mm\"\nmax_speed = 1000.0\n\
              max_acceleration = 5000.0\nmax_deceleration = 4000.0\nmax_acceleration_jerk = 100000.0\n\
-             max_deceleration_jerk = 100000.0\n{more}"
+             max_deceleration_jerk = 100000.0\ncommand_limits = {{ enabled = true }}\n{more}"
         );
     };
     for place in 1..=5 {
@@ -62,7 +62,14 @@ name = "Profile"
 type = "CAM_PROFILE[2]"
 "#;
 
+/// The same machine; masters may lead its virtual axes faster than drives could follow.
+#[must_use]
+pub fn without_command_limits(period_ms: f64) -> String {
+    machine(period_ms).replace("command_limits = { enabled = true }\n", "")
+}
+
 /// [`machine`] at 1 ms, at tick 0.
+#[must_use]
 pub fn bench() -> Bench {
     Bench::with(&machine(1.0))
 }

@@ -155,10 +155,13 @@ impl RobotMachine {
         );
         let mut tags = String::new();
         let mut axis = |name: &str, units: &str, speed: f64, position: f64| {
+            // Angles of an orientation may change by 180 degrees while the tool does not turn.
+            let is_angle_of_tool = name.starts_with('R');
             text += &format!(
                 "[[axis]]\nname = \"{name}\"\ntype = \"virtual\"\nunits = \"{units}\"\nmax_speed = {speed:?}\n\
-                 max_acceleration = {:?}\nstart = {{ position = {position:?} }}\n",
-                speed * 20.0
+                 max_acceleration = {:?}\ncommand_limits = {{ enabled = {:?} }}\nstart = {{ position = {position:?} }}\n",
+                speed * 20.0,
+                !is_angle_of_tool
             );
         };
         let axes = self.joints.len();

@@ -351,7 +351,7 @@ impl System {
     }
 
     /// A coordinated move that a master drives uses the axis.
-    pub(crate) fn followers(&self, axis: AxisId) -> bool {
+    pub(crate) fn is_driven_by_master(&self, axis: AxisId) -> bool {
         self.follower.is_some() && self.has(axis)
     }
 

@@ -174,6 +174,14 @@ fn of_machine(text: &mut Text, plant: &Plant) {
     for (name, axis) in axes() {
         text.value(&[("axis", name)], axis.position_error);
     }
+    text.family(
+        "arcline_axis_refused_commands_total",
+        "counter",
+        "Set-points beyond the command limits, which did not go out.",
+    );
+    for (name, axis) in axes() {
+        text.value(&[("axis", name)], f64::from(axis.refused_commands));
+    }
     let systems = || {
         machine
             .systems

@@ -3,7 +3,7 @@
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::{GEARING_LOCK_STATUS, GEARING_STATUS};
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::follow::{bench, machine};
+use arcline_tests::follow::{bench, machine, without_command_limits};
 
 /// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
@@ -48,7 +48,7 @@ fn ratios_and_directions() {
         ("a clutch in percent",       "Same, 1.5, 1, 1, Command, Real, Enabled, 1, %ofMaximum", 1.5),
     ];
     for (why, operands, ratio) in cases {
-        let mut bench = bench();
+        let mut bench = Bench::with(&without_command_limits(1.0));
         assert_eq!(bench.call(&format!("MAG(A1, B1, G, {operands})")), OK, "{why}");
         assert_eq!(bench.bits("G"), "EN DN IP", "{why}");
         assert_eq!(gearing(&bench, "A1"), (true, true), "{why}: the master stands");

@@ -6,7 +6,7 @@ use arcline_instruction_set::predefined::axis_event::{
 };
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::follow::machine;
+use arcline_tests::follow::{machine, without_command_limits};
 
 /// The operands from Speed on: a trapezoid at 100 units/s.
 const TRAPEZOID: &str = "100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2";
@@ -22,7 +22,7 @@ fn with_encoders(period_ms: f64) -> Bench {
     let tags = "[[tag]]\nname = \"Encoder\"\ntype = \"LREAL\"\n[[tag]]\nname = \"Turns\"\ntype = \"REAL[2]\"\n\
                 [[tag]]\nname = \"Marks\"\ntype = \"DINT\"\n[[tag]]\nname = \"Mark\"\ntype = \"BOOL\"\n\
                 [[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[2]\"\n";
-    let own = machine(period_ms).replacen(
+    let own = without_command_limits(period_ms).replacen(
         "name = \"A1\"\n",
         "name = \"A1\"\nregistration = { input_1 = \"Mark\", input_2 = \"Marks.3\" }\n",
         1,

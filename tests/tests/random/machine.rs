@@ -114,7 +114,7 @@ fn turning() -> String {
     for axis in &AXES[LINEAR..] {
         let _ = writeln!(
             text,
-            "[[axis]]\nname = \"{axis}\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\n\
+            "[[axis]]\nname = \"{axis}\"\ntype = \"virtual\"\nmax_speed = 1000.0\nmax_acceleration = 10000.0\ncommand_limits = {{ enabled = true }}\n\
              max_deceleration = {STOP_RATE:?}"
         );
     }

@@ -84,6 +84,8 @@ pub(crate) struct Generator {
     pub(crate) ending: bool,
     /// The position at which it began, in its frame.
     pub(super) origin: f64,
+    /// Its displacement at the last tick.
+    pub(super) last_displacement: f64,
     /// Displacements by all generators of the axis at its beginning.
     pub(super) others: Displacements,
     /// The offset by which the position was redefined since its beginning.
@@ -113,6 +115,7 @@ impl Generator {
             coordinated: false,
             ending: false,
             origin: 0.0,
+            last_displacement: 0.0,
             others: Displacements::default(),
             shift: 0.0,
         }

@@ -99,6 +99,7 @@ impl Sum {
         generator.now.position = present;
         generator.origin = present;
         generator.shift = 0.0;
+        generator.last_displacement = 0.0;
         generator.others = self.displacements();
         self.generators[kind as usize] = Some(generator);
         self.active |= kind.bit();
@@ -208,14 +209,30 @@ impl Sum {
         self.active().filter(|(kind, _)| *kind != GeneratorKind::MasterOffset)
     }
 
-    /// The generator with the highest speed; a velocity that is NaN counts as the highest.
-    pub(crate) fn fastest(&self) -> Option<(GeneratorKind, &Generator)> {
-        let speed = |generator: &Generator| {
-            let speed = generator.now.velocity.abs();
-            if speed.is_nan() { f64::INFINITY } else { speed }
+    /// Keeps the displacement of each generator, for [`Sum::suspect`] at the next tick.
+    pub(crate) fn keep_displacements(&mut self) {
+        for kind in kinds(self.active) {
+            if let Some(generator) = self.get_mut(kind) {
+                generator.last_displacement = generator.displacement();
+            }
+        }
+    }
+
+    /// The generator that most likely causes a command that the axis cannot follow: the one whose displacement since the last tick, of
+    /// `period` s, disagrees most with its own velocity; if all agree, the fastest.
+    pub(crate) fn suspect(&self, period: f64) -> Option<(GeneratorKind, &Generator)> {
+        let number = |value: f64| if value.is_nan() { f64::INFINITY } else { value };
+        let jump = |generator: &Generator| {
+            let step = generator.displacement() - generator.last_displacement;
+            let jump = number((step - generator.now.velocity * period).abs());
+            // An acceleration that is no jump makes a difference, too, which is small beside the distance.
+            if jump > 0.5 * step.abs() { jump } else { 0.0 }
         };
-        self.moving()
-            .max_by(|(_, one), (_, other)| speed(one).total_cmp(&speed(other)))
+        let order = |generator: &Generator| [jump(generator), number(generator.now.velocity.abs())];
+        self.moving().max_by(|(_, one), (_, other)| {
+            let [[jump, speed], [other_jump, other_speed]] = [order(one), order(other)];
+            jump.total_cmp(&other_jump).then(speed.total_cmp(&other_speed))
+        })
     }
 
     /// Position, velocity and acceleration of the axis.

@@ -28,9 +28,9 @@ impl Motion {
             if self.axes[id].dormant {
                 continue;
             }
-            let Some(command) = self.refused_command(id) else {
-                continue;
-            };
+            let command = self.refused_command(id);
+            self.axes[id].sum.keep_displacements();
+            let Some(command) = command else { continue };
             refused.insert(id);
             first = first.or(Some(id));
             self.axes[id].faults.refuse(command);
@@ -62,7 +62,7 @@ impl Motion {
             return true;
         }
         let before = [last.position, last.velocity];
-        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.followers(id));
+        let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.is_driven_by_master(id));
         axis.command_limits
             .allow(before, next, follows, axis, self.clock.period())
     }
@@ -71,9 +71,9 @@ impl Motion {
     fn refusal(&mut self, id: AxisId, next: &KinematicState) -> RefusedCommand {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         let (redefined, before) = (axis.redefined, [last.position, last.velocity]);
-        let fastest = axis.sum.fastest();
-        let execution = fastest.and_then(|(_, generator)| generator.execution);
-        let source = fastest.map(|(kind, _)| kind);
+        let suspect = axis.sum.suspect(self.clock.period());
+        let execution = suspect.and_then(|(_, generator)| generator.execution);
+        let source = suspect.map(|(kind, _)| kind);
         let execution = match source {
             Some(GeneratorKind::System) => {
                 let mut systems = self.systems.iter_mut();
@@ -97,6 +97,9 @@ impl Motion {
             let before = axes;
             for system in self.systems.iter().filter(|system| system.is_busy()) {
                 axes.join(&system.description.axes);
+                if system.masters().any(|master| axes.contains(master)) {
+                    system.description.axes.iter().for_each(|axis| axes.insert(*axis));
+                }
             }
             for (_, transform) in self.transforms.iter() {
                 if transform.axes().any(|axis| axes.contains(axis)) {
@@ -157,8 +160,8 @@ impl Motion {
 }
 
 impl CommandLimits {
-    /// A set-point may follow the last one. The acceleration of an axis that follows a master or is being homed depends on its master or its
-    /// drive, so only its speed is limited.
+    /// A set-point may follow the last one: its speed, its distance and its change of velocity are those of an axis within these limits. The
+    /// acceleration of an axis that follows a master or is being homed depends on its master or its drive, so only its speed is limited.
     fn allow(
         &self,
         [position, velocity]: [f64; 2],
@@ -175,14 +178,19 @@ impl CommandLimits {
             return true;
         }
         let speed = self.speed * axis.dynamics.speed;
-        let rate = axis.dynamics.acceleration.max(axis.dynamics.deceleration);
+        let change = self.acceleration * axis.dynamics.acceleration.max(axis.dynamics.deceleration) * period;
         // Rounding of positions far from 0.
         let rounding = COMMAND_SHARE * position.abs().max(speed * period);
-        step.abs() <= speed * period + rounding
-            && next.velocity.abs() <= speed
-            && ((next.velocity - velocity).abs() <= self.acceleration * rate * period
-                || axis.is_driven_home()
-                || follows())
+        if step.abs() > speed * period + rounding || next.velocity.abs() > speed {
+            return false;
+        }
+        // Beside the mean of the velocities at both ends, an acceleration of at most a moves an axis by at most a t^2 / 4, and a velocity that
+        // changes at once by half of what it changes.
+        let changed = (next.velocity - velocity).abs();
+        let jump = (step - 0.5 * (velocity + next.velocity) * period).abs();
+        (changed <= change && jump <= (0.25 * change + 0.5 * changed) * period + rounding)
+            || axis.is_driven_home()
+            || follows()
     }
 }
 

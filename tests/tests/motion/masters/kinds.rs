@@ -4,7 +4,7 @@
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::axis_fault;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::follow::machine;
+use arcline_tests::follow::without_command_limits;
 
 use super::axes::planned;
 
@@ -14,7 +14,7 @@ fn bench() -> Bench {
         "{}[[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 1000.0\nmax_acceleration = 5000.0\n\
          feed = {{ tag = \"Encoder\", interval_ms = 8.0, timeout_ms = 50.0 }}\n\
          [[tag]]\nname = \"Encoder\"\ntype = \"LREAL\"\n",
-        machine(1.0)
+        without_command_limits(1.0)
     ))
 }
 

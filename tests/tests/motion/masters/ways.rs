@@ -7,7 +7,7 @@ use arcline_instruction_set::BlendedSequence;
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::MOVE_PENDING_QUEUE_FULL_STATUS;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::follow::machine;
+use arcline_tests::follow::without_command_limits;
 use arcline_tests::random::Random;
 
 /// The axes of the slave.
@@ -25,7 +25,7 @@ fn cases() -> u64 {
 /// The machine for gears with queues of a depth, and `E`, which an update later is where the tag `Encoder` says.
 fn bench(period: f64, depth: usize) -> Bench {
     let deep = format!("command_tolerance = 4.0\nqueue_depth = {depth}");
-    let own = machine(period).replace("command_tolerance = 0.5", &deep);
+    let own = without_command_limits(period).replace("command_tolerance = 0.5", &deep);
     Bench::with(&format!(
         "{own}[[axis]]\nname = \"E\"\ntype = \"feedback\"\nmax_speed = 1000.0\nmax_acceleration = 5000.0\n\
          feed = {{ tag = \"Encoder\", interval_ms = {period:?}, timeout_ms = 50.0 }}\n\

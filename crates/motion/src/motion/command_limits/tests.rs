@@ -170,6 +170,10 @@ impl Run {
 fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
     type Defect = fn(&mut Motion);
     let jump: Defect = |motion| motion.axes[AxisId(0)].sum.redefine(5.0);
+    // A velocity that reaches so far in one update is inside the limits.
+    let near: Defect = |motion| motion.axes[AxisId(1)].sum.redefine(1.9);
+    let back: Defect = |motion| motion.axes[AxisId(0)].sum.redefine(-0.2);
+    let jog: Defect = |motion| motion.axes[AxisId(2)].sum.redefine(1.7);
     let no_number: Defect = |motion| motion.axes[AxisId(1)].sum.redefine(f64::NAN);
     let runaway: Defect = |motion| {
         let limits = Limits {
@@ -206,6 +210,9 @@ fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
     let cases = [
         // why,                                  defect,    refused,                     who stands afterwards
         ("X of a line 5 units further on",        jump,      (0, "coordinated motion"), [true, true, false]),
+        ("Y of a line 1.9 units further on",      near,      (1, "coordinated motion"), [true, true, false]),
+        ("X of a line 0.2 units further back",    back,      (0, "coordinated motion"), [true, true, false]),
+        ("a jog 1.7 units further on",            jog,       (2, "MAJ"),                [false, false, true]),
         ("Y of a line at a position that is none", no_number, (1, "coordinated motion"), [true, true, false]),
         ("a jog that accelerates 10,000 times",   runaway,   (2, "MAJ"),                [false, false, true]),
         ("a jog that stands 1,000 units behind",  far,       (2, "MAJ"),                [false, false, true]),
@@ -259,7 +266,9 @@ fn limits_are_those_of_the_axis() {
     let cases = [
         // why,                                enabled, speed, acceleration, acts
         ("as they are by default",               true,   4.0,   100.0,        true),
-        ("a speed that allows it",               true,   20.0,  100.0,        false),
+        ("a speed that allows it",               true,   20.0,  100.0,        true),
+        ("an acceleration that allows it",       true,   4.0,   5000.0,       true),
+        ("both",                                 true,   20.0,  5000.0,       false),
         ("switched off",                         false,  4.0,   100.0,        false),
     ];
     for (why, enabled, speed, acceleration, acts) in cases {
@@ -313,11 +322,99 @@ fn a_slave_stops_with_its_master() {
 }
 
 #[test]
+fn a_system_stops_with_its_master() {
+    // The less the system moves for a unit of its master, the less its own set-points show of the defect.
+    for (ratio, refused) in [
+        (0.9, &[(0, "coordinated motion"), (2, "MAJ")][..]),
+        (0.3, &[(2, "MAJ")]),
+        (0.001, &[(2, "MAJ")]),
+    ] {
+        let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
+        motion.begin(1, &mut AtSetPoints);
+        let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
+        motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
+        let master = [("Master Axis", Argument::Object(2)), ("Master Reference", number(1.0))];
+        let shown = motion.execute(Ticket(2), &call(Mnemonic::Mdcc, 0, 1, &master));
+        assert_eq!((shown.err, shown.exerr), (0, 0), "MDCC");
+        let line = [
+            ("Position", Argument::Array(RealArray::from_slice(&[6000.0, 0.0]))),
+            ("Speed", number(ratio)),
+            ("Speed Units", number(4.0)),
+            ("Accel Rate", number(1.0)),
+            ("Accel Units", number(4.0)),
+            ("Decel Rate", number(1.0)),
+            ("Decel Units", number(4.0)),
+            ("Accel Jerk", number(100.0)),
+            ("Decel Jerk", number(100.0)),
+            ("Jerk Units", number(6.0)),
+            ("Lock Direction", number(1.0)),
+            ("Termination Type", number(1.0)),
+        ];
+        let shown = motion.execute(Ticket(3), &call(Mnemonic::Mclm, 0, 2, &line));
+        assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
+        motion.finish(|_| ());
+        for tick in 2..400 {
+            motion.begin(tick, &mut AtSetPoints);
+            motion.finish(|_| ());
+        }
+        let [[_, x], ..] = sent(&motion);
+        assert!((x - 200.0 * ratio).abs() < 1e-9, "{ratio}: X follows at {x}");
+        motion.axes[AxisId(2)].sum.redefine(5.0);
+        let run = run(&mut motion, 400);
+        run.assert_smooth("a master and a coordinate system");
+        assert_eq!(run.refused(), refused, "{ratio}");
+        assert_eq!(
+            run.sent.last().expect("ticks").map(|[_, velocity]| velocity),
+            [0.0; 3],
+            "{ratio}"
+        );
+        assert!(!motion.systems[SystemId(0)].is_busy(), "{ratio}");
+    }
+}
+
+#[test]
+fn the_report_names_the_generator_that_jumped() {
+    let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
+    motion.begin(1, &mut AtSetPoints);
+    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
+    motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
+    let slow: Vec<_> = [("Position", number(500.0)), ("Speed", number(20.0))]
+        .into_iter()
+        .chain(RATES)
+        .collect();
+    let shown = motion.execute(Ticket(2), &call(Mnemonic::Mam, 2, 1, &slow));
+    assert_eq!((shown.err, shown.exerr), (0, 0), "MAM");
+    motion.finish(|_| ());
+    for tick in 2..400 {
+        motion.begin(tick, &mut AtSetPoints);
+        motion.finish(|_| ());
+    }
+    let now = motion.clock.now();
+    let slow = motion.axes[AxisId(2)].sum.get_mut(GeneratorKind::Move).expect("moves");
+    let limits = Limits {
+        speed: 20.0,
+        acceleration: 1000.0,
+        deceleration: 1000.0,
+        jerk: None,
+    };
+    let further = KinematicState {
+        position: slow.now.position + 1.0,
+        ..slow.now
+    };
+    slow.follow(Profile::to_velocity(further, 20.0, &limits), now);
+    let run = run(&mut motion, 400);
+    run.assert_smooth("a move beside a jog");
+    assert_eq!(run.refused(), [(2, "MAM")]);
+    let by = run.faults[0].refused.expect("one").by;
+    assert!(matches!(by, Cause::Instruction { ticket: Ticket(2), .. }), "{by:?}");
+}
+
+#[test]
 fn a_defect_behind_a_transform_stops_both_of_its_sides() {
     // A displacement of the target leads back to the source, so both sides would jump.
-    for (why, axis) in [
-        ("the target 5 units further on", 2),
-        ("the source 5 units further on", 0),
+    for (why, axis, source) in [
+        ("the target 5 units further on", 2, "a transform"),
+        ("the source 5 units further on", 0, "coordinated motion"),
     ] {
         let mut machine = machine(CommandLimits::default(), ExceptionAction::StopPlanner);
         let second = Axis {
@@ -356,7 +453,7 @@ fn a_defect_behind_a_transform_stops_both_of_its_sides() {
         motion.axes[AxisId(axis)].sum.redefine(5.0);
         let run = run(&mut motion, 400);
         run.assert_smooth(why);
-        assert_eq!(run.refused(), [(0, "coordinated motion"), (2, "a transform")], "{why}");
+        assert_eq!(run.refused(), [(0, source), (2, "a transform")], "{why}");
         assert_eq!(
             run.sent.last().expect("ticks").map(|[_, velocity]| velocity),
             [0.0; 3],
