@@ -46,9 +46,11 @@ pub(crate) use self::types::{member_types, tag_types};
 /// All that is wrong, in the order of the file.
 pub(crate) fn project(text: &str, file: &str) -> Result<Project, Vec<ConfigError>> {
     let errors = RefCell::new(Vec::new());
+    let line_ends: Vec<usize> = text.match_indices('\n').map(|(offset, _)| offset).collect();
     let source = Source {
         file,
         text,
+        line_ends: &line_ends,
         errors: &errors,
     };
     let project = parse(source);
@@ -67,6 +69,7 @@ pub(crate) fn default_server() -> ServerConfig {
     let source = Source {
         file: "",
         text: "",
+        line_ends: &[],
         errors: &errors,
     };
     server(&Section::root(source, &DeTable::default(), &ROOT))

@@ -21,6 +21,8 @@ use crate::words::Words;
 pub(crate) struct Source<'t> {
     pub(crate) file: &'t str,
     pub(crate) text: &'t str,
+    /// The offsets of all ends of lines of the text.
+    pub(crate) line_ends: &'t [usize],
     pub(crate) errors: &'t RefCell<Vec<ConfigError>>,
 }
 
@@ -38,8 +40,7 @@ impl Source<'_> {
     }
 
     pub(crate) fn line(&self, offset: usize) -> usize {
-        let before = self.text.as_bytes().iter().take(offset);
-        before.filter(|byte| **byte == b'\n').count() + 1
+        self.line_ends.partition_point(|end| *end < offset) + 1
     }
 
     /// The text of a value as it stands in the file, shortened when it is long.

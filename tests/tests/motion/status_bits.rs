@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use arcline_controller::image::{Health, Image};
 use arcline_instruction_set::{FAULTS, FaultKind, FaultWord, Flag, predefined};
+use arcline_tag::TagPath;
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::follow::CAM_TAGS;
 use arcline_tests::robots::PATH_TAGS;
@@ -476,6 +477,7 @@ fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl 
         .lines()
         .map(|step| step.split_once(' ').expect("a tick and a step"))
         .peekable();
+    let places: Vec<Place> = bits.iter().map(|bit| Place::of(bit, &image)).collect();
     let mut traces = vec![Vec::new(); bits.len()];
     let mut health = Health::default();
     for tick in 0..=last {
@@ -506,8 +508,8 @@ fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl 
         bench.tick_seen(|bench| {
             image.apply_health(&health);
             image.apply_snapshot(&bench.snapshot());
-            for (bit, trace) in bits.iter().zip(&mut traces) {
-                trace.push(value(bench, &image, bit));
+            for (place, trace) in places.iter().zip(&mut traces) {
+                trace.push(place.value(bench, &image));
             }
         });
         if happens {
@@ -518,17 +520,32 @@ fn traces(config: &str, last: u64, steps: &str, bits: &[String], mut look: impl 
     traces
 }
 
-fn value(bench: &Bench, image: &Image, bit: &str) -> bool {
-    let (tag, member) = bit.split_once('.').expect("a member");
-    if image.find(tag).is_none() {
+/// The place of a bit: in a control tag of the bench, or in the tags of the machine.
+enum Place {
+    Control(String, Flag),
+    Tag(TagPath),
+}
+
+impl Place {
+    fn of(bit: &str, image: &Image) -> Self {
+        let (tag, member) = bit.split_once('.').expect("a member");
+        if image.find(tag).is_some() {
+            return Self::Tag(bit.parse().expect("a path"));
+        }
         let flag = Flag::ALL.iter().find(|flag| flag.name() == member).expect("a flag");
-        return bench.control(tag).has(*flag);
+        Self::Control(tag.to_owned(), *flag)
     }
-    let value = image.read(&bit.parse().expect("a path")).expect("a bit");
-    match value.to_string().as_str() {
-        "1" | "true" => true,
-        "0" | "false" => false,
-        other => panic!("{bit} is {other}"),
+
+    fn value(&self, bench: &Bench, image: &Image) -> bool {
+        let path = match self {
+            Self::Control(tag, flag) => return bench.control(tag).has(*flag),
+            Self::Tag(path) => path,
+        };
+        match image.read(path).expect("a bit").to_string().as_str() {
+            "1" | "true" => true,
+            "0" | "false" => false,
+            other => panic!("{path} is {other}"),
+        }
     }
 }
 
@@ -551,6 +568,7 @@ fn every_bit_is_set_and_cleared_at_its_tick() {
     let config = machine("");
     let mut wrong = Vec::new();
     let mut covered = BTreeSet::new();
+    let constants = Constants::new();
     for (name, last, steps) in SCENARIOS {
         let rows: Vec<&Row> = ROWS.iter().filter(|(scenario, ..)| scenario == name).collect();
         assert!(!rows.is_empty(), "{name} shows nothing");
@@ -581,7 +599,7 @@ fn every_bit_is_set_and_cleared_at_its_tick() {
             };
             let rows: Vec<_> = rows.filter(|(bit, ..)| !is_virtual || known(bit)).collect();
             let bits: Vec<String> = rows.iter().map(|(bit, ..)| bit.clone()).collect();
-            let look = |image: &Image| wrong.extend(constant_bits(image).map(|bit| format!("{name}: {bit}")));
+            let look = |image: &Image| wrong.extend(constants.wrong(image).map(|bit| format!("{name}: {bit}")));
             let found = traces(&config, *last, &named(steps), &bits, look);
             for ((bit, first, expected), trace) in rows.iter().zip(found) {
                 let changes = changes(&trace);
@@ -631,33 +649,59 @@ fn shown_fault(word: &str, bit: &arcline_tag::Member, offset: u32) -> Option<Fau
         .flatten()
 }
 
-/// Constant bits that have changed.
-fn constant_bits(image: &Image) -> impl Iterator<Item = String> {
-    let mut wrong = Vec::new();
-    for tag in TAGS {
-        let template = template(tag);
-        let bytes = image.bytes(image.find(tag).expect("a tag").id);
-        for bit in template.members.iter().filter(|member| member.bit.is_some()) {
-            let word = host(&template, bit);
-            let is = bytes[bit.offset as usize] & (1 << bit.bit.unwrap_or(0)) != 0;
+/// The bits and words of every tag that never change in these scenarios.
+struct Constants(Vec<(&'static str, Vec<Constant>)>);
+
+/// Some bits of a byte that have one value throughout.
+struct Constant {
+    name: String,
+    byte: usize,
+    mask: u8,
+    is_set: bool,
+}
+
+impl Constants {
+    fn new() -> Self {
+        Self(TAGS.map(|tag| (tag, Self::of(&template(tag)))).into())
+    }
+
+    fn of(template: &arcline_tag::Template) -> Vec<Constant> {
+        let bits = template.members.iter().filter(|member| member.bit.is_some());
+        let bits = bits.filter_map(|bit| {
+            let word = host(template, bit);
             let offset = template.member(&word).map_or(0, |word| word.offset);
             let never = NEVER.iter().any(|(name, _)| *name == bit.name)
                 || NEVER_WORDS.iter().any(|(name, _)| *name == word) && shown_fault(&word, bit, offset).is_none();
             let always = ALWAYS.iter().any(|(name, _)| *name == bit.name);
-            if (never && is) || (always && !is) {
-                wrong.push(format!("{tag}.{} is {is}", bit.name));
-            }
-        }
-        for word in ["ModulesFaulted", "AxesConfigurationFaulted", "AxesInhibitedStatus"] {
-            if let Some(word) = template.member(word) {
-                let offset = word.offset as usize;
-                if bytes[offset..offset + 4] != [0; 4] {
-                    wrong.push(format!("{tag}.{} is not 0", word.name));
-                }
-            }
-        }
+            (never || always).then(|| Constant {
+                name: bit.name.clone(),
+                byte: bit.offset as usize,
+                mask: 1 << bit.bit.unwrap_or(0),
+                is_set: always,
+            })
+        });
+        let words = ["ModulesFaulted", "AxesConfigurationFaulted", "AxesInhibitedStatus"];
+        let words = words.into_iter().filter_map(|word| template.member(word));
+        let bytes = words.flat_map(|word| (0..4).map(move |byte| (word.name.clone(), word.offset as usize + byte)));
+        let zero = bytes.map(|(name, byte)| Constant {
+            name,
+            byte,
+            mask: 0xFF,
+            is_set: false,
+        });
+        bits.chain(zero).collect()
     }
-    wrong.into_iter()
+
+    /// Those that do not have their value.
+    fn wrong(&self, image: &Image) -> impl Iterator<Item = String> {
+        self.0.iter().flat_map(|(tag, constants)| {
+            let bytes = image.bytes(image.find(tag).expect("a tag").id);
+            let wrong = constants
+                .iter()
+                .filter(|constant| (bytes[constant.byte] & constant.mask != 0) != constant.is_set);
+            wrong.map(move |constant| format!("{tag}.{} is {}", constant.name, !constant.is_set))
+        })
+    }
 }
 
 #[test]
