@@ -65,6 +65,16 @@ impl AxisMove {
             .in_force(|other| other == kind || (self.merges() && other.is_single_axis()))
     }
 
+    /// The limits whose speed is a programmed one: the present speed, at which Merge Speed Current continues, may exceed the speed of the motion
+    /// before by half, and must not count as programmed at the next merge.
+    fn without_present_speed(&self, limits: Limits, before: Option<&Limits>) -> Limits {
+        let programmed = before.filter(|_| self.keeps_speed());
+        Limits {
+            speed: programmed.map_or(limits.speed, |before| limits.speed.min(before.speed)),
+            ..limits
+        }
+    }
+
     /// Begins a move or a jog from the motion that it takes over, along the profile that `plan` makes from it.
     pub(super) fn begin(
         &self,
@@ -98,6 +108,7 @@ impl AxisMove {
             Goal::Position(_) => dynamics.limits(),
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
         };
+        let limits = self.without_present_speed(limits, before.as_ref());
         let removal_phase = removal_phase(motion.axes[axis].bounds, from, &limits, before.as_ref());
         let profile = Profile::after_removal(removal_phase, from, plan);
         let start = follower.map_or(motion.clock, |follower| follower.clock()).now();

@@ -195,3 +195,31 @@ fn a_merge_onto_a_contour_leads_no_further_than_its_stop() {
     assert!(furthest > -(stop + 0.1), "{furthest} units, a stop takes {stop}");
     assert_eq!(["X", "Y"].map(|axis| bench.position(axis)), end);
 }
+
+/// Merge Speed Current programs no speed: a present speed that overshoots the programmed one by half does not raise the bound of the next merge.
+#[test]
+fn a_chain_of_merges_at_the_present_speed_keeps_the_bound_of_one() {
+    for speed in [200, 10] {
+        for merge in [
+            format!("MAJ(X, J#, 0, {speed}, 0, 50, 0, 50, 0, 1, 100, 100, 2, 1, 1)"),
+            format!("MAM(X, J#, 0, 50000, {speed}, 0, 50, 0, 50, 0, 1, 100, 100, 2, 1, 1)"),
+            format!("MAJ(X, J#, 0, {speed}, 0, 2000, 0, 50, 0, 1, 5, 100, 2, 1, 1)"),
+        ] {
+            let mut bench = Bench::new();
+            bench.call("MAM(X, M0, 0, 50000, 200, 0, 2000, 0, 2000, 0, 1, 100, 100, 2, 1, 0)");
+            let mut fastest = 0.0_f64;
+            for number in 0..60 {
+                for _ in 0..100 {
+                    bench.tick();
+                    fastest = fastest.max(bench.axis("X").command[1].abs());
+                }
+                let call = merge.replace('#', &number.to_string());
+                assert_eq!(bench.call(&call).0, 0, "{call}");
+            }
+            assert!(
+                fastest <= 300.0 + 1e-6,
+                "{merge}: {fastest} units/s, programmed are 200"
+            );
+        }
+    }
+}

@@ -113,7 +113,8 @@ impl Program {
     /// Speed, rates and jerks of a kind of motion.
     fn dynamics(&mut self, kind: usize, profile: u64) -> Dynamics {
         let speed = self.random.between(10.0, FASTEST);
-        let (up, down, jerk) = (self.rate(), self.rate(), self.random.between(20.0, 100.0));
+        let jerk = 2.0 * 50.0_f64.powf(self.random.between(0.0, 1.0));
+        let (up, down) = (self.rate(), self.rate());
         self.largest[kind] = self.largest[kind].max(speed);
         self.harder(kind, up.max(down));
         Dynamics {
@@ -122,6 +123,23 @@ impl Program {
             deceleration: down,
             jerk: (profile == 1).then_some(jerk),
         }
+    }
+
+    /// The same, and Merge Speed. With Current, the motion continues at its present speed; only jerks in percent of time depend on the Speed.
+    fn merging_dynamics(&mut self, kind: usize, profile: u64, moves: bool) -> (Dynamics, u32) {
+        let largest = self.largest;
+        let dynamics = self.dynamics(kind, profile);
+        if !moves || self.random.below(2) == 0 {
+            return (dynamics, 0);
+        }
+        self.largest = largest;
+        (
+            Dynamics {
+                speed: 10.0,
+                ..dynamics
+            },
+            1,
+        )
     }
 
     fn harder(&mut self, kind: usize, rate: f64) {
@@ -302,12 +320,14 @@ impl Program {
     fn axis(&mut self) {
         let axis = ["X", "Y"][self.random.below(2) as usize];
         let (profile, merge) = (self.random.below(2), self.random.below(3) / 2);
+        // A move that continued at a present speed of nearly 0 beside others would take hours.
+        let current = u64::from(self.bench.axis(axis).command[1].abs() > 5.0) * self.random.below(2);
         match self.random.below(5) {
             0 | 1 => {
                 let (tag, dynamics) = (self.tag("A"), self.dynamics(1, profile));
                 let to = self.random.between(-60.0, 60.0);
                 self.execute(&format!(
-                    "MAM({axis}, {tag}, 0, {to:.3}, {}, {merge}, 0)",
+                    "MAM({axis}, {tag}, 0, {to:.3}, {}, {merge}, {current})",
                     text(&dynamics)
                 ));
             }
@@ -315,7 +335,7 @@ impl Program {
                 let (tag, dynamics) = (self.tag("J"), self.dynamics(2, profile));
                 let direction = self.random.below(2);
                 self.execute(&format!(
-                    "MAJ({axis}, {tag}, {direction}, {}, {merge}, 0)",
+                    "MAJ({axis}, {tag}, {direction}, {}, {merge}, {current})",
                     text(&dynamics)
                 ));
             }
@@ -337,6 +357,19 @@ impl Program {
         }
     }
 
+    /// Merges at the present speed again and again, each from the acceleration that the one before it left.
+    fn again(&mut self, call: &str, tag: &str, current: u32) {
+        if current == 0 || self.random.below(2) == 0 {
+            return;
+        }
+        for number in 0..self.random.below(10) {
+            let ticks = 10 + self.random.below(150);
+            self.run(ticks);
+            self.coasting = None;
+            self.execute(&call.replacen(tag, &format!("{tag}N{number}"), 1));
+        }
+    }
+
     /// An instruction of X in place of the one before it.
     fn alone(&mut self) {
         let profile = self.random.below(2);
@@ -344,25 +377,29 @@ impl Program {
         let velocity = self.bench.axis("X").command[1];
         match (self.random.below(6), self.alone) {
             (0..=2, before) => {
-                let (tag, dynamics) = (self.tag("A"), self.dynamics(1, profile));
+                let tag = self.tag("A");
+                let (dynamics, current) = self.merging_dynamics(1, profile, velocity != 0.0);
                 let to = self.random.between(-60.0, 60.0);
-                let call = format!("MAM(X, {tag}, 0, {to:.3}, {}, 1, 0)", text(&dynamics));
+                let call = format!("MAM(X, {tag}, 0, {to:.3}, {}, 1, {current})", text(&dynamics));
                 let turns = (to - self.bench.position("X")) * velocity < 0.0;
                 if self.execute(&call) {
                     self.alone = Some((1, dynamics));
                     self.turning(&call, before, from, turns);
+                    self.again(&call, &tag, current);
                 }
             }
             (3, before) => {
-                let (tag, dynamics) = (self.tag("J"), self.dynamics(1, profile));
+                let tag = self.tag("J");
+                let (dynamics, current) = self.merging_dynamics(1, profile, velocity != 0.0);
                 let backwards = self.random.below(2) == 1;
                 let direction = u32::from(backwards);
-                let call = format!("MAJ(X, {tag}, {direction}, {}, 1, 0)", text(&dynamics));
+                let call = format!("MAJ(X, {tag}, {direction}, {}, 1, {current})", text(&dynamics));
                 if self.execute(&call) {
                     let mut whole = dynamics;
                     of_the_whole_change(JOG, &mut whole, from);
                     self.alone = Some((JOG, whole));
                     self.turning(&call, before, from, backwards == (velocity > 0.0));
+                    self.again(&call, &tag, current);
                 }
             }
             (4, Some((kind, _))) => {
@@ -518,6 +555,10 @@ impl Program {
             if matches!(self.kind, Kind::Superposed | Kind::OneAxis) {
                 self.execute(&format!("MAS({axis}, {tag}, 1, 1, 500, 0, 1, 100, 2)"));
                 self.harder(1, 500.0);
+            }
+            // A move that continues at a present speed of nearly 0 would take hours.
+            if self.kind == Kind::OneAxis {
+                self.execute(&format!("MAS({axis}, {tag}M, 2, 1, 500, 0, 1, 100, 2)"));
             }
         }
         let tag = self.tag("C");
