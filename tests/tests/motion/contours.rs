@@ -384,3 +384,37 @@ fn a_contour_begins_where_another_motion_has_brought_its_axis() {
         );
     }
 }
+
+/// Along chords of a circle, and through the wide roundings of a square, the speed is constant once it is up.
+#[test]
+fn accel_and_decel_status_do_not_flicker_along_chords() {
+    const SPEED: f64 = 20.0;
+    const RADIUS: f64 = 50.0;
+    for (profile, count) in [0, 1]
+        .into_iter()
+        .flat_map(|profile| [4, 60, 120, 240].map(|count| (profile, count)))
+    {
+        let mut bench = Bench::replacing(
+            "name = \"XY\"",
+            "name = \"XY\"\ncorner = \"precise\"\nqueue_depth = 300",
+        );
+        for number in 0..count {
+            let angle = std::f64::consts::TAU * f64::from(number + 1) / f64::from(count);
+            let (x, y) = (RADIUS * angle.sin(), RADIUS * (1.0 - angle.cos()));
+            let dynamics = format!("{SPEED}, 0, 500, 0, 500, 0, {profile}, 100, 100, 2");
+            let call = format!("MCLM(XY, M{number}, 0, [{x}, {y}], {dynamics}, 2, 0, 0, 0)");
+            assert_eq!(bench.call(&call), OK, "{call}");
+        }
+        let last = format!("M{}", count - 1);
+        let mut shown = vec![0];
+        while !bench.control(&last).has(Flag::Pc) {
+            bench.tick();
+            let now = bench.system("XY").motion_status & (cms::ACCEL_STATUS | cms::DECEL_STATUS);
+            if shown.last() != Some(&now) {
+                shown.push(now);
+            }
+        }
+        let expected = [0, cms::ACCEL_STATUS, 0, cms::DECEL_STATUS, 0];
+        assert_eq!(shown, expected, "{count} chords, profile {profile}");
+    }
+}

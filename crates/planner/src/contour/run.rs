@@ -9,7 +9,7 @@ use arcline_geometry::Point;
 use arcline_profile::{Jerk, KinematicState, Phase};
 
 use super::pace::Pace;
-use crate::tolerance::{SAME_INSTANT_S, STEADY_SHARE};
+use crate::tolerance::{RIPPLE_S, SAME_INSTANT_S, STEADY_SHARE};
 use crate::{Instant, Sample};
 
 /// A requested plan.
@@ -96,7 +96,7 @@ impl RunningTrajectory {
                 velocity: speed,
                 acceleration: tangential,
             },
-            phase: self.phase(&velocity, tangential, pace.velocity),
+            phase: self.phase(own, &velocity, tangential, &pace),
             rotation_state: None,
         }
     }
@@ -108,25 +108,45 @@ impl RunningTrajectory {
     }
 
     /// The phase of the speed along the curve. A planned contour always has a small tangential acceleration: less than a hundredth of the
-    /// limits of the move and the axes in that direction, at the present pace, counts as steady.
-    fn phase(&self, velocity: &Point, tangential: f64, pace: f64) -> Phase {
+    /// limits of the move and the axes in that direction, at the present pace, counts as steady, and so does a ripple of the speed, an
+    /// acceleration that the time before or after the instant does not continue.
+    fn phase(&self, own: f64, velocity: &Point, tangential: f64, pace: &KinematicState) -> Phase {
         let speed = velocity.norm();
         let axes = self.trajectory.axes().acceleration;
         let most = (0..3).fold(f64::INFINITY, |most, axis| {
             most.min(axes[axis] * speed / velocity[axis].abs())
         });
         let rates = self.trajectory.rates(self.passed);
-        // Close to rest, any acceleration counts.
-        let creeps = rates.is_none_or(|rates| speed < STEADY_SHARE * pace * rates.speed);
-        let share = if creeps { 0.0 } else { STEADY_SHARE * pace * pace };
-        let slight = |programmed: Option<f64>| share * programmed.map_or(most, |rate| most.min(rate));
-        if tangential > slight(rates.map(|rates| rates.acceleration)) {
-            Phase::Accelerating
-        } else if -tangential > slight(rates.map(|rates| rates.deceleration)) {
-            Phase::Decelerating
+        let rate = if tangential > 0.0 {
+            rates.map(|rates| rates.acceleration)
         } else {
-            Phase::Steady
+            rates.map(|rates| rates.deceleration)
+        };
+        let rate = rate.map_or(most, |rate| most.min(rate));
+        // Close to rest, any acceleration counts.
+        let creeps = rates.is_none_or(|rates| speed < STEADY_SHARE * pace.velocity * rates.speed);
+        let share = if creeps { 0.0 } else { STEADY_SHARE };
+        if tangential.abs() <= share * pace.velocity * pace.velocity * rate {
+            return Phase::Steady;
         }
+        let lasts = || {
+            let means = [own - RIPPLE_S, own + RIPPLE_S].map(|other| self.mean_acceleration(own, other));
+            let enough = |mean: f64| mean * tangential.signum() > 2.0 * share * rate;
+            means.into_iter().flatten().all(enough)
+        };
+        match tangential > 0.0 {
+            _ if pace.acceleration == 0.0 && !lasts() => Phase::Steady,
+            true => Phase::Accelerating,
+            false => Phase::Decelerating,
+        }
+    }
+
+    /// The mean acceleration along the curve between an instant of the trajectory's own time and another one, or an end of the trajectory;
+    /// `None` at this end.
+    fn mean_acceleration(&self, own: f64, other: f64) -> Option<f64> {
+        let other = other.clamp(0.0, self.trajectory.duration());
+        let speed = |own: f64| self.trajectory.at(own).velocity.norm();
+        ((other - own).abs() > SAME_INSTANT_S).then(|| (speed(other) - speed(own)) / (other - own))
     }
 }
 
