@@ -83,7 +83,7 @@ constants! {
         close: f64 = 0.5,
         /// Nodes about an edge of the corridor between which the motion passes it, and halvings that find the instant.
         edge_nodes: usize = 3,
-        edge_halvings: u32 = 40,
+        edge_halvings: usize = 40,
         /// Steps of the secant method that find the instant at which the motion passes a joint.
         joint_steps: usize = 3,
     }

@@ -8,6 +8,7 @@
 use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point as Vector, Rotation, angle_rates, angles};
 use arcline_profile::KinematicState;
+use arcline_profile::numeric::try_bisect;
 
 use super::present::Present;
 use super::robot::RobotMap;
@@ -214,18 +215,14 @@ impl Present<'_> {
         source: &mut impl FnMut(f64) -> SideState,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
-        let [mut low, mut high] = span.ends;
+        let [low, high] = span.ends;
         let rises = span.joints[0][span.index].velocity > 0.0;
-        for _ in 0..HALVES {
-            let middle = 0.5 * (low + high);
-            let joints = robot.target_of(&source(middle))?;
+        // Each sample is checked; the point itself is of no use.
+        try_bisect(low, high, HALVES, |share| {
+            let joints = robot.target_of(&source(share))?;
             self.verify_joints(transform, &joints, limits)?;
-            if (joints[span.index].velocity > 0.0) == rises {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+            Ok((joints[span.index].velocity > 0.0) != rises)
+        })?;
         Ok(())
     }
 
@@ -281,7 +278,7 @@ const STEPS: u16 = 32;
 const SAMPLES: u16 = 400;
 /// Reversals of joints that are searched for, and halvings of a step for one.
 const EXTREMES: u16 = 24;
-const HALVES: u16 = 18;
+const HALVES: usize = 18;
 /// Between two samples of a path, speeds and rates of joints are assumed to be within this share of those at one of them.
 const LOOKED_AT_SHARE: f64 = 0.98;
 /// Degrees.
