@@ -12,7 +12,9 @@ use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 use crate::move_trajectory::{Residual, ResidualPart};
 use crate::planner::Planner;
 use crate::running::{InitialMotion, Move};
-use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
+use crate::tolerance::{
+    LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE, TIGHTER_SPIRAL_RATIO,
+};
 use crate::{Clock, Instant};
 
 /// The share of the limits of the axes for a path.
@@ -265,7 +267,7 @@ impl AxisLimitShare {
         match &self.path {
             Path::Line(line) => self.on_line(own, &(line.direction() - self.drift)),
             Path::Arc(arc) => {
-                let curvature = TIGHTER / arc.radius().min(arc.end_radius());
+                let curvature = TIGHTER_SPIRAL_RATIO / arc.radius().min(arc.end_radius());
                 self.on_arc(own, &arc.normal(), curvature)
             }
         }
@@ -350,5 +352,3 @@ const HALF: f64 = 0.5;
 const MOST_RATE: f64 = 2.0;
 /// Samples of the sum of both.
 const SAMPLES: u32 = 100;
-/// Factor by which an accepted spiral may be tighter than its radius.
-const TIGHTER: f64 = 1.05;

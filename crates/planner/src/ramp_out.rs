@@ -12,7 +12,7 @@ use crate::junction::braking;
 use crate::move_trajectory::ResidualPart;
 use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
-use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
+use crate::tolerance::{ASIDE_SHARE, NO_ACCELERATION_SHARE, ROUNDING_SHARE};
 
 /// The terminated motion, and the parameters of its ramping out.
 #[derive(Clone, Copy)]
@@ -90,7 +90,7 @@ impl RampOut {
                     deceleration: self.limits.deceleration,
                     ..removed_by_the_greater_jerk(&self.limits).hastened(self.across)
                 };
-                let limits = hastened(from, &limits, ASIDE * self.widest, false);
+                let limits = hastened(from, &limits, ASIDE_SHARE * self.widest, false);
                 ResidualPart::new(direction, Profile::stop(from, &limits))
             }
             None => nothing,
@@ -255,8 +255,6 @@ pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Op
     }
 }
 
-/// The largest displacement by an acceleration across the velocity, as a share of the stop.
-const ASIDE: f64 = 0.1;
 /// The largest factor for braking alone.
 const MOST_HASTE: f64 = 1e6;
 /// The highest deceleration of a shortened stop, a share of the mean one: the rest of its time is left for a limited jerk.

@@ -15,7 +15,7 @@ use super::robot::RobotMap;
 use super::sides::SideState;
 use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
-use crate::tolerance::{NO_MOTION_UNITS, ORIGIN_STEP_SHARE};
+use crate::tolerance::{JOINT_FAR_DEG, NO_MOTION_UNITS, ORIGIN_STEP_SHARE, SAMPLED_LIMIT_SHARE};
 
 /// The motion of a coordinate system along a path.
 struct MovedPath<'a> {
@@ -31,7 +31,7 @@ impl PathLimits {
     fn slow(&mut self, joint: &KinematicState, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
         let [speed, acceleration, deceleration] =
-            [speed, acceleration, deceleration].map(|limit| LOOKED_AT_SHARE * limit);
+            [speed, acceleration, deceleration].map(|limit| SAMPLED_LIMIT_SHARE * limit);
         self.speed = self.speed.min(speed / slope);
         let least = 0.5 * acceleration.min(deceleration);
         self.speed = self.speed.min((least / bend).sqrt());
@@ -268,7 +268,7 @@ fn turns_far(robot: &RobotMap, before: &SideState, after: &SideState, length: f6
         let gone = after.position - before.position;
         // The deviation of the cubic through both ends, in its middle, from the mean of the velocities.
         let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * length);
-        robot.turns(index) && (gone.abs() > FAR_DEG || bent.abs() > FAR_DEG)
+        robot.turns(index) && (gone.abs() > JOINT_FAR_DEG || bent.abs() > JOINT_FAR_DEG)
     })
 }
 
@@ -279,7 +279,3 @@ const SAMPLES: u16 = 400;
 /// Reversals of joints that are searched for, and halvings of a step for one.
 const EXTREMES: u16 = 24;
 const HALVES: usize = 18;
-/// Between two samples of a path, speeds and rates of joints are assumed to be within this share of those at one of them.
-const LOOKED_AT_SHARE: f64 = 0.98;
-/// Degrees.
-const FAR_DEG: f64 = 5.0;
