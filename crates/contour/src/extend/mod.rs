@@ -3,22 +3,21 @@
 //! From the splice on, the new motion starts with the position, velocity and acceleration of the running one. The part before the splice
 //! stays the same, to the last bit. Position units and seconds.
 
-mod attempts;
 mod continuation;
 mod gentle;
 pub(crate) mod replan;
+mod search;
 mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::attempts::{ATTEMPTS, SHORT_ATTEMPTS, Search};
 use crate::extend::continuation::{Continuation, cut, leave_at};
+use crate::extend::search::Search;
 use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
 use crate::section::Missed;
-use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
 /// Continues a running trajectory with `moves`. The first of them are its own remaining moves, from its `passed`-th on; the others follow, and
@@ -77,9 +76,9 @@ pub fn extend(
     };
     let left = running.duration() - now;
     let attempts = if left < TUNING.extend.short_s {
-        &SHORT_ATTEMPTS
+        &TUNING.attempts.short
     } else {
-        &ATTEMPTS
+        &TUNING.attempts.usual
     };
     let all = |quality| plan(Search::Attempts(quality, attempts), 1.0);
     let few = |quality| plan(Search::Attempts(quality, attempts), TUNING.extend.less_share);
@@ -100,7 +99,7 @@ pub fn extend(
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let together = (arcs == 0 && is_ample)
-            .then(|| plan(Search::Attempts(Quality::Full, &ATTEMPTS[..1]), 1.0))
+            .then(|| plan(Search::Attempts(Quality::Full, &TUNING.attempts.usual[..1]), 1.0))
             .flatten();
         together.or_else(gently).or_else(|| few(Quality::Smooth))
     };

@@ -3,8 +3,7 @@
 use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
 use crate::plan::{PlanningTime, can_pass, qualities};
-use crate::solve::relax::SlowDown;
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Trajectory};
 
 /// Plans a running trajectory anew: `moves` (the first of them is its active one, its `passed`-th) have other speeds or rates than those of the
