@@ -20,22 +20,39 @@ use crate::solve::stages::Quality;
 use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
-/// Continues a running trajectory with `moves`. The first of them are its own remaining moves, from its `passed`-th on; the others follow, and
-/// the plan includes as many of them as take about a second. `now` is the present time of the motion on it, and until `earliest` it must stay
-/// unchanged. Seconds of its own time.
+/// A trajectory in execution, and the moves with which its rest is planned.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtensionRequest<'a> {
+    /// The trajectory.
+    pub running: &'a Trajectory,
+    /// Its moves that are complete.
+    pub passed: usize,
+    /// Its own remaining moves, from its `passed`-th on, and others that follow.
+    pub moves: &'a [ContourMove],
+    /// The limits of the axes.
+    pub limits: &'a AxisLimits,
+    /// The present time of the motion on it, seconds.
+    pub now: f64,
+    /// The instant until which it must stay unchanged, seconds.
+    pub earliest: f64,
+}
+
+/// Continues a running trajectory with the moves of a request, of which the plan includes as many as take about a second. The request has seconds of the
+/// trajectory's own time.
 ///
 /// The result keeps the time of the running trajectory and numbers its moves from `moves[0]` on. It equals the running one from `now` until
 /// [`Trajectory::splice`], so it can replace it at any instant between. `None`: there is no move to extend it with, it is too late, or no plan
 /// was found; then the running trajectory continues to its end at rest, which is always safe.
 #[must_use]
-pub fn extend(
-    running: &Trajectory,
-    passed: usize,
-    moves: &[ContourMove],
-    limits: &AxisLimits,
-    now: f64,
-    earliest: f64,
-) -> Option<Trajectory> {
+pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
+    let &ExtensionRequest {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        earliest,
+    } = request;
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
     // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them.
     let begins = passed
