@@ -213,14 +213,15 @@ constants! {
         /// 2 ms: +0.02 %, a third less work.
         node_s: f64 = 0.001,
         /// The least number of nodes of a whole motion, and the largest of its busy part: alone, for each piece, and in total.
-        /// Fewer plan short motions worse; more of them take longer: arcs
-        /// of minutes with 24,000 nodes took minutes to plan, and have at most 4,000 now. Other values are not measured.
+        /// Fewer plan short motions worse, more take longer: arcs of minutes with 24,000 nodes took minutes to plan, and have at most 4,000 now. Other
+        /// values are not measured.
         least_nodes: f64 = 160.0,
         most_nodes_alone: f64 = 4000.0,
         most_nodes_each: f64 = 200.0,
         most_nodes: f64 = 24_000.0,
         /// Seconds beside a busy stretch in which nodes stay close, and the growth of the distance per second beyond.
-        /// Longer or less growth takes more nodes in long cruises, shorter leaves the ramps beside a busy stretch fewer. Not measured.
+        /// A longer time or less growth takes more nodes in long cruises, a shorter time leaves fewer to the ramps beside a busy
+        /// stretch. Not measured.
         quiet_s: f64 = 0.25,
         growth: f64 = 0.08,
         /// Most busy stretches whose quiet neighbourhood counts.
@@ -382,8 +383,7 @@ constants! {
         end_nodes: usize = 4,
         /// The share of a limit that counts as full for a continuation: close to its limit, the hull of the spline is a little wider
         /// than the motion itself, which is measured at the end.
-        /// More leaves fewer attempts without a difference that is measured at the end, less counts more of the running motion as outside. Not
-        /// measured.
+        /// A larger share refuses continuations of which only the hull is outside, a smaller one leaves more to the measurement. Not measured.
         near_full: f64 = 0.9995,
         /// Further steps for each weight in which relaxed limits close in.
         /// 12: no difference here.
