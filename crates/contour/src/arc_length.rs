@@ -4,6 +4,8 @@
 //! exact if the direction stays). Real-time: bounded, nothing allocates but [`Trajectory::measure_arc_lengths`]. Units: position
 //! units and seconds.
 
+use arcline_profile::numeric::newton;
+
 use crate::tolerance::LENGTH_SHARE;
 use crate::trajectory::{Knot, Trajectory};
 
@@ -55,27 +57,11 @@ impl Trajectory {
             return Some(knot.time);
         };
         let wanted = from - self.arc_lengths[index];
-        let (mut low, mut high) = (0.0, next.time - knot.time);
-        let mut at = 0.5 * high;
-        for _ in 0..MOST_STEPS {
-            let off = length(knot, at) - wanted;
-            if off < 0.0 {
-                low = at;
-            } else {
-                high = at;
-            }
-            let speed = knot.at(at).velocity.norm();
-            let newton = at - off / speed;
-            at = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if high - low <= LENGTH_SHARE * high {
-                break;
-            }
-        }
-        Some(knot.time + at)
+        let off = |at: f64| (length(knot, at) - wanted, knot.at(at).velocity.norm());
+        let seconds = newton(0.0, next.time - knot.time, MOST_STEPS, off, |step| {
+            step.is_closed(LENGTH_SHARE).then_some(step.next)
+        });
+        Some(knot.time + seconds)
     }
 }
 
@@ -93,7 +79,7 @@ const POINTS: [(f64, f64); 2] = [
 ];
 const MIDDLE: f64 = 128.0 / 225.0;
 /// Steps of the bracketed Newton method.
-const MOST_STEPS: u32 = 40;
+const MOST_STEPS: usize = 40;
 
 #[cfg(test)]
 mod tests {

@@ -28,8 +28,8 @@ mod trajectory;
 mod tuning;
 
 pub use arcline_geometry::{Path, Point};
-pub use extend::extend;
 pub use extend::replan::replan;
+pub use extend::{ExtensionRequest, extend};
 pub use limits::{AxisLimits, Rates};
 pub use plan::{begin, plan};
 pub use trajectory::{Peaks, Piece, State, Trajectory};

@@ -10,7 +10,6 @@ use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Corners, Stretch, round};
 use crate::path::smooth::smooth;
 use crate::solve::measure::{Measured, measured};
-use crate::solve::relax::SlowDown;
 use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
 use crate::solve::work::Work;
@@ -19,7 +18,7 @@ use crate::timing::first_guess::first_guess;
 use crate::timing::resample::{project, resample};
 use crate::tolerance::LIMIT_SHARE;
 use crate::trajectory::MoveEnd;
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Trajectory};
 
 /// The result of a section.

@@ -17,7 +17,7 @@ pub trait Drives: fmt::Debug + Send {
     /// Sends the set-points of the present tick to all drives, and takes their feedback. The tick calls it once: it must not block or allocate.
     /// `feedback` holds the feedback of the last exchange.
     ///
-    /// The feedback may be of the present tick, as that of the simulated machine, or some ticks old, as that of a fieldbus.
+    /// The feedback may be of the present tick, as that of a model in the same process, or some ticks old, as that of a fieldbus.
     ///
     /// # Errors
     /// [`ExchangeLost`] if no feedback came: the contents of `feedback` are then invalid.
@@ -145,7 +145,7 @@ pub struct WrittenInput {
 pub enum DriveInput {
     /// A registration input: 0 or 1.
     Registration(usize),
-    /// The home switch: active if this input or the switch of the simulated machine is.
+    /// The home switch: active if this input or a switch that the drive itself reads is.
     Home,
     /// The drive holds the axis only while this input is active. A drive whose input was never written ignores it.
     Enable,
@@ -192,7 +192,7 @@ pub enum Following {
     /// Only the feedback shows it.
     #[default]
     Measured,
-    /// The axis follows without an error at any instant, as some simulated drives do.
+    /// The axis follows without an error at any instant.
     Exact,
 }
 

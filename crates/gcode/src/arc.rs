@@ -3,20 +3,15 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::Problem;
+use crate::tolerance::{
+    MOST_RADIUS_DIFFERENCE_MM, PART_SHARE, RADIUS_DIFFERENCE_MM, RADIUS_DIFFERENCE_SHARE, SAME_POINT_MM,
+};
 
 /// Two coordinates of the plane, the first axis turning to the second counterclockwise.
 pub(crate) type Flat = [f64; 2];
 
-/// Longest part of an arc: three points of a longer one would say too little about its centre.
-const LONGEST: f64 = 1.5 * PI;
-/// Difference of the radii at start and end that is always allowed, mm.
-const SLACK: f64 = 0.005;
-/// Difference that is never allowed, mm.
-const LIMIT: f64 = 0.5;
-/// In between, as a part of the radius.
-const PART: f64 = 1e-3;
-/// Points nearer than this are one point, mm.
-const SAME: f64 = 1e-6;
+/// Longest part of an arc, radians: three points of a longer one would say too little about its centre.
+const LONGEST_PART_RAD: f64 = 1.5 * PI;
 
 /// An arc that has been checked.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -36,13 +31,15 @@ impl Arc {
     pub(crate) fn about(start: Flat, end: Flat, center: Flat, is_ccw: bool, scale: f64) -> Result<Self, Problem> {
         let (a, b) = (sub(start, center), sub(end, center));
         let (start_radius, end_radius) = (a[0].hypot(a[1]), b[0].hypot(b[1]));
-        if start_radius <= SAME * scale {
+        if start_radius <= SAME_POINT_MM * scale {
             return Err(Problem::NoArc {
                 what: "the centre of the arc is its start",
             });
         }
         let difference = (start_radius - end_radius).abs();
-        if difference > LIMIT * scale || difference > SLACK * scale && difference > PART * start_radius {
+        if difference > MOST_RADIUS_DIFFERENCE_MM * scale
+            || difference > RADIUS_DIFFERENCE_MM * scale && difference > RADIUS_DIFFERENCE_SHARE * start_radius
+        {
             return Err(Problem::Radii {
                 start: start_radius,
                 end: end_radius,
@@ -50,7 +47,7 @@ impl Arc {
         }
         let angle = a[1].atan2(a[0]);
         let chord = sub(end, start);
-        let sweep = if chord[0].hypot(chord[1]) <= SAME * scale {
+        let sweep = if chord[0].hypot(chord[1]) <= SAME_POINT_MM * scale {
             TAU
         } else {
             let turned = (b[1].atan2(b[0]) - angle).rem_euclid(TAU);
@@ -70,14 +67,14 @@ impl Arc {
     pub(crate) fn with_radius(start: Flat, end: Flat, radius: f64, is_ccw: bool, scale: f64) -> Result<Self, Problem> {
         let chord = sub(end, start);
         let distance = chord[0].hypot(chord[1]);
-        if distance <= SAME * scale {
+        if distance <= SAME_POINT_MM * scale {
             return Err(Problem::NoArc {
                 what: "an arc with R ends where it starts: a full circle needs its centre",
             });
         }
         let squared = radius * radius - 0.25 * distance * distance;
         // Half a circle whose radius was rounded.
-        let slack = SLACK * scale * radius.abs();
+        let slack = RADIUS_DIFFERENCE_MM * scale * radius.abs();
         if squared < -slack {
             return Err(Problem::TooShort { radius, distance });
         }
@@ -98,7 +95,7 @@ impl Arc {
     /// Via and end point of each part, as few parts as are short enough.
     pub(crate) fn parts(&self) -> impl Iterator<Item = (Flat, Flat)> {
         // A rounding error must not make a part more.
-        let count = (self.sweep.abs() / LONGEST - 1e-9).ceil().max(1.0);
+        let count = (self.sweep.abs() / LONGEST_PART_RAD - PART_SHARE).ceil().max(1.0);
         let this = *self;
         (0..count as usize).map(move |part| {
             let share = |halves: f64| (part as f64 + halves) / count;

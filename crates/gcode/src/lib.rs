@@ -31,6 +31,7 @@ mod error;
 mod modal;
 mod program;
 mod text;
+mod tolerance;
 mod words;
 
 pub use error::{GcodeError, Problem};

@@ -1,14 +1,11 @@
 //! The modal state from line to line, and the effect of a line: first the modes, then the dwell, then the motion.
 
 use crate::arc::Arc;
+use crate::tolerance::{NO_MOTION_MM, STRAIGHT_ARC_MM};
 use crate::words::Word;
 use crate::{Corner, GcodeError, Motion, Options, Problem, Speed};
 
 const MM_PER_INCH: f64 = 25.4;
-/// A distance shorter than this is no motion, mm.
-const NOTHING: f64 = 1e-6;
-/// An arc shorter than this is a line, mm.
-const STRAIGHT: f64 = 1e-4;
 const SECONDS_PER_MINUTE: f64 = 60.0;
 
 /// The modal state.
@@ -210,7 +207,7 @@ impl Modes {
 
     fn straight(&mut self, end: [f64; 3], speed: Speed, then: &mut dyn FnMut(Motion)) {
         let square: f64 = end.iter().zip(&self.position).map(|(a, b)| (a - b).powi(2)).sum();
-        if square.sqrt() > NOTHING * self.mm {
+        if square.sqrt() > NO_MOTION_MM * self.mm {
             let corner = self.corner;
             then(Motion::Line { end, speed, corner });
         }
@@ -240,7 +237,7 @@ impl Modes {
                 },
             ));
         }
-        if (end[normal] - self.position[normal]).abs() > NOTHING * self.mm {
+        if (end[normal] - self.position[normal]).abs() > NO_MOTION_MM * self.mm {
             let letter = AXES[normal];
             let column = line.word(letter).map_or(word.column, |word| word.column);
             return Err(line.at(column, Problem::Helix { letter }));
@@ -273,7 +270,7 @@ impl Modes {
             }
         };
         let arc = arc.map_err(|problem| line.at(word.column, problem))?;
-        if arc.length() < STRAIGHT * self.mm {
+        if arc.length() < STRAIGHT_ARC_MM * self.mm {
             self.straight(end, speed, then);
             return Ok(());
         }

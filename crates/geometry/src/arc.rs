@@ -8,7 +8,8 @@ use core::f64::consts::{PI, TAU};
 
 use crate::line::norm;
 use crate::tolerance::{
-    CIRCULAR_RATIO, COLLINEAR_SINE, HALF_CIRCLE_SHARE, NEWTON_STEP_SHARE, SAME_POINT_UNITS, SAME_RADIUS_SHARE,
+    CIRCULAR_RATIO, COLLINEAR_SINE, HALF_CIRCLE_SHARE, LARGEST_MISMATCH_SHARE, NEWTON_STEP_SHARE, SAME_POINT_UNITS,
+    SAME_RADIUS_SHARE, SMALLEST_RADIUS_UNITS,
 };
 use crate::{PathPoint, Point};
 
@@ -230,11 +231,11 @@ impl Arc {
         }
         let radius = signed.abs();
         let half = 0.5 * length;
-        let least = SMALLEST_RADIUS.max(half * (1.0 - HALF_CIRCLE_SHARE));
+        let least = SMALLEST_RADIUS_UNITS.max(half * (1.0 - HALF_CIRCLE_SHARE));
         if radius < least {
             return Err(ArcError::SmallRadius {
                 radius,
-                least: SMALLEST_RADIUS.max(half),
+                least: SMALLEST_RADIUS_UNITS.max(half),
             });
         }
         // Factored: no cancellation near the half circle.
@@ -458,13 +459,13 @@ impl Arc {
 /// Distances of start and end from the centre, checked.
 fn radii(start: Point, end: Point, center: Point) -> Result<(f64, f64), ArcError> {
     let (r1, r2) = (norm(start - center), norm(end - center));
-    if (r1 - r2).abs() > LARGEST_MISMATCH * r1 {
+    if (r1 - r2).abs() > LARGEST_MISMATCH_SHARE * r1 {
         return Err(ArcError::RadiusMismatch { start: r1, end: r2 });
     }
-    if r1 < SMALLEST_RADIUS {
+    if r1 < SMALLEST_RADIUS_UNITS {
         return Err(ArcError::SmallRadius {
             radius: r1,
-            least: SMALLEST_RADIUS,
+            least: SMALLEST_RADIUS_UNITS,
         });
     }
     Ok((r1, r2))
@@ -486,10 +487,6 @@ fn turn_axis(direction: Direction) -> Point {
     Point::new(0.0, 0.0, if direction.is_counter_clockwise() { 1.0 } else { -1.0 })
 }
 
-/// Least radius, position units (ERR 49).
-const SMALLEST_RADIUS: f64 = 0.001;
-/// Largest relative difference of the radii (ERR 46).
-const LARGEST_MISMATCH: f64 = 0.15;
 /// Newton steps from arc length to angle; two or three suffice inside the arc.
 const NEWTON_STEPS: usize = 8;
 /// Gauss-Legendre nodes and weights, eight points on -1..1.

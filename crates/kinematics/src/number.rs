@@ -9,6 +9,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use arcline_profile::KinematicState;
 
+use crate::tolerance::{
+    LEAST_BEND_AT_REST_SHARE, LEAST_BEND_IN_MOTION_SHARE, NEAREST_AT_REST_SHARE, NEAREST_IN_MOTION_SHARE,
+};
+
 /// A real number, alone or with its derivatives by time.
 pub trait Number:
     Copy
@@ -25,11 +29,12 @@ pub trait Number:
     + Mul<f64, Output = Self>
 {
     /// The least distance of an arm from the axis of its first joint, as a share of its reach: during a motion the joint speeds must be finite.
-    const NEAREST: f64;
+    const NEAREST_SHARE: f64;
 
-    /// The least bend of two links from stretched or folded: the least `1 - |cos|` of the angle between them. A negative value permits
+    /// The least bend of two links from stretched or folded: the least `1 - |cos|` of the angle between them, or the same share of
+    /// the squares of which it is a quotient. A negative value permits
     /// rounding.
-    const LEAST_BEND: f64;
+    const LEAST_BEND_SHARE: f64;
 
     /// A constant number.
     fn constant(value: f64) -> Self;
@@ -53,8 +58,8 @@ pub trait Number:
 }
 
 impl Number for f64 {
-    const NEAREST: f64 = 1e-9;
-    const LEAST_BEND: f64 = -1e-9;
+    const NEAREST_SHARE: f64 = NEAREST_AT_REST_SHARE;
+    const LEAST_BEND_SHARE: f64 = LEAST_BEND_AT_REST_SHARE;
 
     fn constant(value: f64) -> Self {
         value
@@ -82,8 +87,8 @@ impl Number for f64 {
 }
 
 impl Number for KinematicState {
-    const NEAREST: f64 = 1e-6;
-    const LEAST_BEND: f64 = 1e-6;
+    const NEAREST_SHARE: f64 = NEAREST_IN_MOTION_SHARE;
+    const LEAST_BEND_SHARE: f64 = LEAST_BEND_IN_MOTION_SHARE;
 
     fn constant(position: f64) -> Self {
         KinematicState::at_rest(position)

@@ -10,7 +10,7 @@ use crate::error::{GeometryError, KinematicsError};
 use crate::number::Number;
 use crate::pose::{DEGREES, Pose, product, turn_x, turn_y, turn_z};
 use crate::robot::{Arm, Elbow, Geometry, Parameters, Robot};
-use crate::tolerance::{OFF_ANGLE_SINE, OFF_PLANE_UNITS, STRAIGHT_COSINE};
+use crate::tolerance::{NEAREST_AT_REST_SHARE, OFF_ANGLE_SINE, OFF_PLANE_UNITS};
 
 /// The construction of a robot with a wrist, by the names of its joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -335,8 +335,8 @@ fn forearm<N: Number>(base: N, lift: N) -> Matrix3<N> {
 /// J4, J5, J6 of `Rx(J4) * Ry(-J5) * Rx(J6)`. If J5 is 0 at rest, J4 is 0, too.
 fn hand_joints<N: Number>(m: &Matrix3<N>, flip: bool) -> Result<[N; 3], KinematicsError> {
     let square = m[(1, 0)] * m[(1, 0)] + m[(2, 0)] * m[(2, 0)];
-    if square.value() < N::NEAREST * N::NEAREST {
-        if N::NEAREST > STRAIGHT_COSINE {
+    if square.value() < N::NEAREST_SHARE * N::NEAREST_SHARE {
+        if N::NEAREST_SHARE > NEAREST_AT_REST_SHARE {
             return Err(KinematicsError::Origin);
         }
         let straight = if m[(0, 0)].value() < 0.0 { 180.0 } else { 0.0 };

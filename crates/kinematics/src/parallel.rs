@@ -94,7 +94,7 @@ impl Arms {
 
     /// The distance of the plate from the plane of the elbows, from its square in units of `1 / scale`.
     fn height<N: Number>(&self, square: N, scale: f64) -> Result<N, KinematicsError> {
-        if square.value() < N::LEAST_BEND * self.rod * self.rod * scale {
+        if square.value() < N::LEAST_BEND_SHARE * self.rod * self.rod * scale {
             return Err(KinematicsError::Reach { joint: 0 });
         }
         Ok(root(square))
@@ -108,7 +108,7 @@ impl Arms {
         let w = out * out + across * across + z * z + (self.upper * self.upper - self.rod * self.rod);
         let square = p * p + q * q;
         let left = square - w * w;
-        if square.value() <= 0.0 || left.value() < N::LEAST_BEND * square.value() {
+        if square.value() <= 0.0 || left.value() < N::LEAST_BEND_SHARE * square.value() {
             return Err(KinematicsError::Reach { joint });
         }
         // Both solutions turn the direction (p, q) by the same angle; the elbow outside has the larger cosine.

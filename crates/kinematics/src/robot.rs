@@ -263,7 +263,7 @@ impl Robot {
                     _ => {
                         let square = x * x + y * y;
                         let reach = links.first + links.second;
-                        if square.value() <= N::NEAREST * N::NEAREST * reach * reach {
+                        if square.value() <= N::NEAREST_SHARE * N::NEAREST_SHARE * reach * reach {
                             return Err(KinematicsError::Origin);
                         }
                         let out = square.sqrt();

@@ -31,14 +31,14 @@ impl TwoLinks {
         let (a, b) = (self.first, self.second);
         let square = u * u + w * w;
         let (longest, shortest) = ((a + b) * (a + b), (a - b) * (a - b));
-        if square.value() <= N::NEAREST * N::NEAREST * longest {
+        if square.value() <= N::NEAREST_SHARE * N::NEAREST_SHARE * longest {
             return Err(KinematicsError::Origin);
         }
         let inverse = 1.0 / (2.0 * a * b);
         // 1 - cos and 1 + cos of the bend, neither with a significant cancellation.
         let stretched = (N::constant(longest) - square) * inverse;
         let folded = (square - shortest) * inverse;
-        if stretched.value().min(folded.value()) < N::LEAST_BEND {
+        if stretched.value().min(folded.value()) < N::LEAST_BEND_SHARE {
             return Err(KinematicsError::Reach { joint: bend });
         }
         let product = stretched * folded;

@@ -374,7 +374,7 @@ impl Termination {
 }
 
 /// Axes of a coordinate system with their indices.
-pub(crate) fn numbered(axes: &[AxisId]) -> impl Iterator<Item = (AxisIndex, AxisId)> {
+pub(crate) fn numbered(axes: &[AxisId]) -> impl Iterator<Item = (AxisIndex, AxisId)> + Clone {
     (0..).map(AxisIndex).zip(axes.iter().copied())
 }
 

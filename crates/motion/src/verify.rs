@@ -4,8 +4,9 @@
 //! Step 1 (control tag) is in `control`, step 5 (operands) in the catalogue, step 10 (geometry) and the conflicts of step 11 with the
 //! instructions. Steps 2 and 3 cannot fail: the controller is always in Run, and a machine has exactly one group.
 
-use arcline_instruction_set::{AxisId, AxisIndex, Culprit, MotionError};
+use core::iter;
 
+use arcline_instruction_set::{AxisId, AxisIndex, Culprit, MotionError};
 use arcline_planner::geometry::Point;
 
 use crate::axes::Axes;
@@ -13,59 +14,89 @@ use crate::axis::Axis;
 use crate::axis::state::AxisState;
 use crate::system::{Activity, System, component, numbered};
 
-/// Step 8: no axis is shut down, and every axis has its servo on and no fault. The axis with the lowest index is reported first.
-pub(crate) fn axes_ready(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    axes_on(system, axes)?;
-    match first(system, axes, Axis::is_faulted) {
-        Some(member) => Err(MotionError::AxisInFaultedState(member)),
-        None => Ok(()),
-    }
+/// Axes to check, each with the index that an error reports: the axes of a coordinate system, or one axis alone. A check reports the first of
+/// them that fails it.
+pub(crate) trait Members<'a>: Iterator<Item = (AxisIndex, &'a Axis)> + Clone {}
+
+impl<'a, I: Iterator<Item = (AxisIndex, &'a Axis)> + Clone> Members<'a> for I {}
+
+/// The axes of a coordinate system in its order.
+pub(crate) fn members<'a>(system: &'a System, axes: &'a Axes) -> impl Members<'a> {
+    among(&system.description.axes, axes)
+}
+
+/// One axis, which is the operand of its instruction.
+pub(crate) fn alone(axis: &Axis) -> impl Members<'_> {
+    iter::once((AxisIndex(0), axis))
+}
+
+/// Step 8: no axis is shut down, and every axis has its servo on and no fault.
+pub(crate) fn ready<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    switched_on(members.clone())?;
+    not_faulted(members)
 }
 
 /// Step 8 of a stop: no axis is shut down, and every axis has its servo on, except those that a fault has switched off.
-pub(crate) fn axes_on(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    if let Some(member) = first(system, axes, |axis| axis.state == AxisState::Shutdown) {
-        return Err(MotionError::ShutdownState(member));
-    }
-    match first(system, axes, Axis::is_off) {
-        Some(member) => Err(MotionError::ServoOffState(member)),
-        None => Ok(()),
-    }
+pub(crate) fn switched_on<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    not_shut_down(members.clone())?;
+    none(members, Axis::is_off, MotionError::ServoOffState)
 }
 
-/// Step 8, after [`axes_ready`]: no axis is being homed. The axis with the lowest index is reported first.
-pub(crate) fn not_homing(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    match first(system, axes, Axis::is_homed_actively) {
-        Some(member) => Err(MotionError::HomeInProcess(member)),
-        None => Ok(()),
-    }
+/// Step 8: no axis is shut down; the servo may be off.
+pub(crate) fn not_shut_down<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    let shut_down = |axis: &Axis| axis.state == AxisState::Shutdown;
+    none(members, shut_down, MotionError::ShutdownState)
 }
 
-/// Step 9: the system and each axis have the rates to stop every motion that begins.
-pub(crate) fn stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(), MotionError> {
+/// Step 8: no axis has a fault; the servo may be off.
+pub(crate) fn not_faulted<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    none(members, Axis::is_faulted, MotionError::AxisInFaultedState)
+}
+
+/// Step 8, after [`ready`]: no active sequence homes an axis.
+pub(crate) fn not_homing<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    none(members, Axis::is_homed_actively, MotionError::HomeInProcess)
+}
+
+/// Step 9: every axis has a deceleration to stop with.
+pub(crate) fn stoppable<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    let without = |axis: &Axis| axis.dynamics.deceleration <= 0.0;
+    none(members, without, |member| {
+        MotionError::ZeroMaxDecel(Culprit::Axis(member))
+    })
+}
+
+/// Step 9, after [`stoppable`]: every axis has a jerk to stop an S-curve with.
+pub(crate) fn stoppable_by_jerk<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    let without = |axis: &Axis| axis.dynamics.deceleration_jerk <= 0.0;
+    none(members, without, |member| {
+        MotionError::ZeroMaxDecelJerk(Culprit::Axis(member))
+    })
+}
+
+/// Step 9: a coordinate system and each of its axes have the rates to stop every motion that begins.
+pub(crate) fn system_stoppable(system: &System, axes: &Axes, s_curve: bool) -> Result<(), MotionError> {
     if system.description.max_deceleration <= 0.0 {
         return Err(MotionError::ZeroMaxDecel(Culprit::CoordinateSystem));
     }
-    if let Some(member) = first(system, axes, |axis| axis.dynamics.deceleration <= 0.0) {
-        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(member)));
-    }
+    stoppable(members(system, axes))?;
     if !s_curve {
         return Ok(());
     }
     if system.description.max_deceleration_jerk <= 0.0 {
         return Err(MotionError::ZeroMaxDecelJerk(Culprit::CoordinateSystem));
     }
-    match first(system, axes, |axis| axis.dynamics.deceleration_jerk <= 0.0) {
-        Some(member) => Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(member))),
-        None => Ok(()),
-    }
+    stoppable_by_jerk(members(system, axes))
 }
 
-/// Step 11: no stop of this system or of one of its axes is under way.
-pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionError> {
-    if let Some(member) = first(system, axes, Axis::is_stopping) {
-        return Err(MotionError::NotAllowedWhileStopping(member));
-    }
+/// Step 11: no stop of a whole axis is under way.
+pub(crate) fn not_stopping<'a>(members: impl Members<'a>) -> Result<(), MotionError> {
+    none(members, Axis::is_stopping, MotionError::NotAllowedWhileStopping)
+}
+
+/// Step 11: no stop of a coordinate system or of one of its axes is under way.
+pub(crate) fn system_not_stopping(system: &System, axes: &Axes) -> Result<(), MotionError> {
+    not_stopping(members(system, axes))?;
     // A failed transform also stops moves on their path.
     if system.activity == Activity::Stopping || system.stop.is_some_and(|stop| stop.of_moves) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
@@ -73,20 +104,36 @@ pub(crate) fn not_stopping(system: &System, axes: &Axes) -> Result<(), MotionErr
     Ok(())
 }
 
-/// Step 12, overtravel: no axis outside of its travel moves further out.
-pub(crate) fn no_overtravel(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
-    let out = |(member, axis): (AxisIndex, AxisId)| {
-        let axis = axes.get(axis);
-        axis.is_some_and(|axis| axis.faults.forbids(component(end, member) - axis.command.position))
-    };
-    if numbered(system.description.linear()).any(out) {
+/// Step 12, overtravel: no axis outside of its travel moves further out. `direction`: a number with the sign of an axis's motion.
+pub(crate) fn no_overtravel<'a>(
+    mut members: impl Members<'a>,
+    direction: impl Fn(AxisIndex, &Axis) -> f64,
+) -> Result<(), MotionError> {
+    if members.any(|(member, axis)| axis.faults.forbids(direction(member, axis))) {
         return Err(MotionError::OvertravelCondition);
     }
     Ok(())
 }
 
-fn first(system: &System, axes: &Axes, at_fault: impl Fn(&Axis) -> bool) -> Option<AxisIndex> {
-    let mut members = numbered(&system.description.axes);
-    let found = members.find(|(_, axis)| axes.get(*axis).is_some_and(&at_fault));
-    found.map(|(index, _)| index)
+/// Step 12, overtravel, of a path of the linear axes of a coordinate system.
+pub(crate) fn no_overtravel_to(system: &System, axes: &Axes, end: &Point) -> Result<(), MotionError> {
+    no_overtravel(among(system.description.linear(), axes), |member, axis| {
+        component(end, member) - axis.command.position
+    })
+}
+
+fn among<'a>(ids: &'a [AxisId], axes: &'a Axes) -> impl Members<'a> {
+    numbered(ids).filter_map(move |(member, id)| axes.get(id).map(|axis| (member, axis)))
+}
+
+/// No axis is at fault; otherwise the error of the first that is.
+fn none<'a>(
+    mut members: impl Members<'a>,
+    at_fault: impl Fn(&Axis) -> bool,
+    error: impl Fn(AxisIndex) -> MotionError,
+) -> Result<(), MotionError> {
+    match members.find(|(_, axis)| at_fault(axis)) {
+        Some((member, _)) => Err(error(member)),
+        None => Ok(()),
+    }
 }

@@ -240,7 +240,7 @@ impl<T: Copy> Planner<T> {
         } else if profile.arrives() {
             profile.duration()
         } else {
-            NEVER
+            NEVER_S
         };
         running.trajectory.start = clock.now().after(distance, clock);
         running.trajectory.approach = Some(approach);
@@ -364,4 +364,4 @@ fn taking(limits: &Limits) -> Option<f64> {
 }
 
 /// Seconds to an instant that never comes.
-const NEVER: f64 = 1e9;
+const NEVER_S: f64 = 1e9;

@@ -5,7 +5,7 @@ use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Profile}
 use crate::junction::{Junction, junction};
 use crate::look_ahead::{EndQuality, turns_back};
 use crate::move_trajectory::{Approach, MoveTrajectory};
-use crate::planner::Planner;
+use crate::planner::{Planner, RunStart};
 use crate::running::{AccelerationRemoval, Move, Running};
 use crate::tolerance::DISTANCE_SHARE;
 use crate::{Clock, Instant};
@@ -47,7 +47,11 @@ impl<T: Copy> Planner<T> {
             Junction::Blend { .. } if early => {
                 self.tail = Some(last.trajectory);
                 self.tail_turns = last.turn_limits();
-                self.run(next, KinematicState::default(), at, None, true, clock);
+                let start = RunStart {
+                    blended: true,
+                    ..RunStart::new(KinematicState::default(), at)
+                };
+                self.run(next, start, clock);
             }
             Junction::Overtake { .. } if early && self.overtake(&last, next, at, clock) => {}
             Junction::Pass { .. } | Junction::Overtake { .. } if early => {
@@ -61,7 +65,11 @@ impl<T: Copy> Planner<T> {
                     has_other_limits: last.has_other_limits || last.trajectory.offset != 0.0,
                 };
                 let blended = matches!(between, Junction::Overtake { .. });
-                self.run(next, passing(end), start, None, blended, clock);
+                let start = RunStart {
+                    blended,
+                    ..RunStart::new(passing(end), start)
+                };
+                self.run(next, start, clock);
                 if let Some(running) = &mut self.active {
                     running.trajectory.approach = Some(approach);
                     running.begun = at;
@@ -73,7 +81,7 @@ impl<T: Copy> Planner<T> {
                 } else {
                     KinematicState::default()
                 };
-                self.run(next, from, at, None, false, clock);
+                self.run(next, RunStart::new(from, at), clock);
             }
         }
         self.active_data()

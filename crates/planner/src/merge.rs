@@ -17,7 +17,7 @@ use crate::path_with_residual::PathWithResidual;
 use crate::planner::Planner;
 use crate::ramp_out::{RampOut, short, stop_way};
 use crate::running::{AccelerationRemoval, InitialMotion, Move, scaled_limits};
-use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE, SPLIT_VELOCITY_SHARE};
+use crate::tolerance::{LEAST_PATH_SQUARED_SHARE, NO_ACCELERATION_SHARE, ROUNDING_SHARE, SPLIT_VELOCITY_SHARE};
 
 impl<T: Copy> Planner<T> {
     /// Starts a move at the present tick from another motion.
@@ -189,7 +189,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
         };
         // A velocity along the path within rounding counts as across it.
         let forward = along.velocity * square.sqrt();
-        if square < LEAST_WAY || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
+        if square < LEAST_PATH_SQUARED_SHARE || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
             return None;
         }
         let parts = out.parts(
@@ -214,5 +214,3 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
 /// Factors for a faster removal of an acceleration across the velocity.
 const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 const SPLITTINGS: usize = 32;
-/// Square of the least share of a path that the compensation must leave.
-const LEAST_WAY: f64 = 0.01;

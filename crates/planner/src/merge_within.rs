@@ -9,11 +9,13 @@ use arcline_contour::AxisLimits;
 use arcline_geometry::{Path, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
+use crate::Clock;
 use crate::move_trajectory::{Residual, ResidualPart};
-use crate::planner::Planner;
+use crate::planner::{Planner, RunStart};
 use crate::running::{InitialMotion, Move};
-use crate::tolerance::{LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE};
-use crate::{Clock, Instant};
+use crate::tolerance::{
+    LEAST_RATE_UNITS, NO_ACCELERATION_SHARE, NO_COMPONENT_SINE, ROUNDING_SHARE, TIGHTER_SPIRAL_RATIO,
+};
 
 /// The share of the limits of the axes for a path.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +52,7 @@ impl<T: Copy> Planner<T> {
                 velocity: initial.velocity.norm(),
                 acceleration: motion.path.start_tangent().dot(&initial.acceleration),
             };
-            self.run_within(motion, from, clock.now(), None, whole, clock);
+            self.run_within(motion, RunStart::new(from, clock.now()), whole, clock);
             return;
         }
         let plan = residual_beside(&motion, &initial, axes).unwrap_or_else(|| {
@@ -69,15 +71,11 @@ impl<T: Copy> Planner<T> {
             start: clock.now(),
             share: 1.0,
         };
-        let start = clock.now().after(plan.wait, clock);
-        self.run_within(
-            motion,
-            KinematicState::default(),
-            start,
-            Some(residual),
-            plan.within,
-            clock,
-        );
+        let start = RunStart {
+            residual: Some(residual),
+            ..RunStart::new(KinematicState::default(), clock.now().after(plan.wait, clock))
+        };
+        self.run_within(motion, start, plan.within, clock);
     }
 
     /// The permitted limits for a change of the active move.
@@ -102,18 +100,10 @@ impl<T: Copy> Planner<T> {
         }
     }
 
-    fn run_within(
-        &mut self,
-        mut motion: Move<T>,
-        from: KinematicState,
-        at: Instant,
-        residual: Option<Residual>,
-        within: AxisLimitShare,
-        clock: &Clock,
-    ) {
+    fn run_within(&mut self, mut motion: Move<T>, start: RunStart, within: AxisLimitShare, clock: &Clock) {
         motion.limits = within.limits(&motion.limits);
         self.within = Some(within);
-        self.run(motion, from, at, residual, false, clock);
+        self.run(motion, start, clock);
     }
 }
 
@@ -265,7 +255,7 @@ impl AxisLimitShare {
         match &self.path {
             Path::Line(line) => self.on_line(own, &(line.direction() - self.drift)),
             Path::Arc(arc) => {
-                let curvature = TIGHTER / arc.radius().min(arc.end_radius());
+                let curvature = TIGHTER_SPIRAL_RATIO / arc.radius().min(arc.end_radius());
                 self.on_arc(own, &arc.normal(), curvature)
             }
         }
@@ -350,5 +340,3 @@ const HALF: f64 = 0.5;
 const MOST_RATE: f64 = 2.0;
 /// Samples of the sum of both.
 const SAMPLES: u32 = 100;
-/// Factor by which an accepted spiral may be tighter than its radius.
-const TIGHTER: f64 = 1.05;

@@ -5,6 +5,7 @@
 //! Bounded; no allocation.
 
 use arcline_geometry::{Path, Point};
+use arcline_profile::numeric::bisect;
 use arcline_profile::{AccelerationRemovalPhase, KinematicState, Limits, Phase, Profile};
 
 use crate::move_trajectory::ResidualPart;
@@ -38,21 +39,20 @@ impl PathWithResidual<'_> {
             return Some(free);
         }
         let held = |wait| held(from, limits, removal, wait, &plan);
-        let mut longest = self.until();
+        let longest = self.until();
         let mut best = held(longest);
         if !self.is_within_bound(&best) {
             return None;
         }
-        let mut shortest = 0.0;
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (shortest + longest);
-            let tried = held(middle);
-            if self.is_within_bound(&tried) {
-                (best, longest) = (tried, middle);
-            } else {
-                shortest = middle;
+        // The last profile within the bound is that of the shortest wait.
+        bisect(0.0, longest, HALVINGS, |wait| {
+            let tried = held(wait);
+            let within = self.is_within_bound(&tried);
+            if within {
+                best = tried;
             }
-        }
+            within
+        });
         Some(best)
     }
 
@@ -217,7 +217,8 @@ fn held(
     removal_phase.then(&plan(removal_phase.end(), limits))
 }
 
-const BISECTIONS: usize = 6;
+/// Halvings of the wait before a hold ends.
+const HALVINGS: usize = 6;
 const MOST_JOINTS: usize = 64;
 /// Parts of the time between two joints.
 /// Intervals between two instants; their ends are samples.

@@ -60,6 +60,30 @@ impl CancelledPath {
     }
 }
 
+/// The beginning of a move that becomes the active one.
+#[derive(Clone, Copy)]
+pub(crate) struct RunStart {
+    /// The motion along its path.
+    pub(crate) from: KinematicState,
+    pub(crate) at: Instant,
+    /// Terminated motion that ramps out beside it.
+    pub(crate) residual: Option<Residual>,
+    /// Its predecessor moves with it at first.
+    pub(crate) blended: bool,
+}
+
+impl RunStart {
+    /// From a motion along the path, alone.
+    pub(crate) fn new(from: KinematicState, at: Instant) -> RunStart {
+        RunStart {
+            from,
+            at,
+            residual: None,
+            blended: false,
+        }
+    }
+}
+
 impl<T: Copy> Planner<T> {
     /// A planner at rest with room for `depth` pending moves. `corner_step`: the largest velocity step of each axis at a corner that is not
     /// tangent, units/s. The only allocation.
@@ -138,7 +162,7 @@ impl<T: Copy> Planner<T> {
     pub fn start(&mut self, motion: Move<T>, at: Instant, clock: &Clock) {
         self.tail = None;
         self.queue.forget_corners();
-        self.run(motion, KinematicState::default(), at, None, false, clock);
+        self.run(motion, RunStart::new(KinematicState::default(), at), clock);
     }
 
     /// Adds a move at the end of the queue. The end of the active move may change with it.
@@ -304,15 +328,13 @@ impl<T: Copy> Planner<T> {
         self.trail.iter().map(|beyond| &beyond.path)
     }
 
-    pub(crate) fn run(
-        &mut self,
-        motion: Move<T>,
-        from: KinematicState,
-        at: Instant,
-        residual: Option<Residual>,
-        blended: bool,
-        clock: &Clock,
-    ) {
+    pub(crate) fn run(&mut self, motion: Move<T>, start: RunStart, clock: &Clock) {
+        let RunStart {
+            from,
+            at,
+            residual,
+            blended,
+        } = start;
         let trajectory = MoveTrajectory {
             path: motion.path,
             rotation: motion.rotation,
@@ -338,7 +360,7 @@ impl<T: Copy> Planner<T> {
         removal: AccelerationRemoval,
         clock: &Clock,
     ) {
-        self.run(motion, from, clock.now(), None, false, clock);
+        self.run(motion, RunStart::new(from, clock.now()), clock);
         let Some(mut running) = self.active else { return };
         running.removal = removal;
         let (plan, profile) = self.planned(&running, from);
@@ -357,7 +379,11 @@ impl<T: Copy> Planner<T> {
         along: Option<Profile>,
         clock: &Clock,
     ) {
-        self.run(motion, from, clock.now(), Some(residual), false, clock);
+        let start = RunStart {
+            residual: Some(residual),
+            ..RunStart::new(from, clock.now())
+        };
+        self.run(motion, start, clock);
         if let (Some(running), Some(along)) = (&mut self.active, along) {
             running.trajectory.profile = along;
             self.schedule(clock.now(), clock);

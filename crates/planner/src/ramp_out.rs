@@ -5,13 +5,14 @@
 //! allocation.
 
 use arcline_geometry::Point;
+use arcline_profile::numeric::bisect_factor;
 use arcline_profile::{AccelerationRemovalPhase, Jerk, KinematicState, Limits, Profile};
 
 use crate::junction::braking;
 use crate::move_trajectory::ResidualPart;
 use crate::planner::Planner;
 use crate::running::{InitialMotion, scaled_limits};
-use crate::tolerance::{NO_ACCELERATION_SHARE, ROUNDING_SHARE};
+use crate::tolerance::{ASIDE_SHARE, NO_ACCELERATION_SHARE, ROUNDING_SHARE};
 
 /// The terminated motion, and the parameters of its ramping out.
 #[derive(Clone, Copy)]
@@ -89,7 +90,7 @@ impl RampOut {
                     deceleration: self.limits.deceleration,
                     ..removed_by_the_greater_jerk(&self.limits).hastened(self.across)
                 };
-                let limits = hastened(from, &limits, ASIDE * self.widest, false);
+                let limits = hastened(from, &limits, ASIDE_SHARE * self.widest, false);
                 ResidualPart::new(direction, Profile::stop(from, &limits))
             }
             None => nothing,
@@ -164,7 +165,7 @@ fn hastened(from: KinematicState, limits: &Limits, widest: f64, braking: bool) -
         }
         (less, more) = (more, 2.0 * more);
     }
-    faster(least(less, more, |factor| fits(&faster(factor))))
+    faster(bisect_factor(less, more, HALVINGS, |factor| fits(&faster(factor))))
 }
 
 /// The mean deceleration of a stop within a distance; `braking`: behind the removal of the acceleration.
@@ -197,19 +198,6 @@ fn removed_by_the_greater_jerk(limits: &Limits) -> Limits {
     }
 }
 
-/// The smallest sufficient factor between an insufficient and a sufficient one.
-fn least(mut less: f64, mut more: f64, fits: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = (less * more).sqrt();
-        if fits(middle) {
-            more = middle;
-        } else {
-            less = middle;
-        }
-    }
-    more
-}
-
 /// Limits that remove an acceleration earlier, as little as necessary, and with no more than the jerk of the deceleration. A slow removal
 /// with a shorter braking behind it would need a far higher deceleration.
 fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
@@ -226,9 +214,10 @@ fn removed_sooner(limits: &Limits, fits: &impl Fn(&Limits) -> bool) -> Limits {
     if !fits(&with(jerk.deceleration)) {
         return with(jerk.deceleration);
     }
-    with(least(jerk.acceleration, jerk.deceleration, |removal| {
+    let removal = bisect_factor(jerk.acceleration, jerk.deceleration, HALVINGS, |removal| {
         fits(&with(removal))
-    }))
+    });
+    with(removal)
 }
 
 /// The distance of a stop that does not pass through rest.
@@ -266,8 +255,6 @@ pub(crate) fn forward(from: KinematicState, limits: &Limits, ceiling: f64) -> Op
     }
 }
 
-/// The largest displacement by an acceleration across the velocity, as a share of the stop.
-const ASIDE: f64 = 0.1;
 /// The largest factor for braking alone.
 const MOST_HASTE: f64 = 1e6;
 /// The highest deceleration of a shortened stop, a share of the mean one: the rest of its time is left for a limited jerk.

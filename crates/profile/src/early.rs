@@ -8,6 +8,7 @@
 
 use crate::builder::Trial;
 use crate::limits::{SCurve, Side};
+use crate::numeric::newton;
 use crate::peak::{ramp_and_slope, ramp_time};
 use crate::tolerance::{NEWTON_STEP_SHARE, ROUNDED_SHARE};
 
@@ -58,28 +59,16 @@ pub(crate) fn passed_with(v: f64, b: f64, x: f64, c: f64, limits: &SCurve) -> f6
 
 /// The zero of `f` between `below`, where `f` is not above 0, and `above`, where it is not below. `f` returns its value and derivative and is not
 /// evaluated at the ends. At most `MAX_STEPS` steps.
-fn solve(mut below: f64, mut above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
-    let mut at = 0.5 * (below + above);
-    for _ in 0..MAX_STEPS {
-        let (error, slope) = f(at);
-        if error < 0.0 {
-            below = at;
-        } else {
-            above = at;
-        }
-        let newton = at - error / slope;
-        let (low, high) = (below.min(above), below.max(above));
+fn solve(below: f64, above: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
+    newton(below, above, MAX_STEPS, f, |step| {
+        let [low, high] = step.bracket;
         // Quadratic convergence: the step after one this small is below rounding.
-        if (newton - at).abs() <= NEWTON_STEP_SHARE * at {
-            return newton.clamp(low, high);
+        if (step.newton - step.at).abs() <= NEWTON_STEP_SHARE * step.at {
+            Some(step.newton.clamp(low, high))
+        } else {
+            step.is_closed(ROUNDED_SHARE).then_some(step.next)
         }
-        let inside = newton > low && newton < high;
-        at = if inside { newton } else { 0.5 * (below + above) };
-        if high - low <= ROUNDED_SHARE * high {
-            break;
-        }
-    }
-    at
+    })
 }
 
 const MAX_STEPS: usize = 64;

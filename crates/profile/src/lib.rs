@@ -35,7 +35,7 @@ mod tests;
 
 pub use bounded::{AccelerationRemovalPhase, Bounds, MOST_OVERSHOOT};
 pub use kinematic_state::KinematicState;
-pub use limits::{Jerk, Limits, jerk_from_percent_of_time, percent_of_time_from_jerk};
+pub use limits::{Jerk, Limits, jerk_from_percent_of_time};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
 pub use passing::{Passing, passing_speed};
 pub use profile::{Phase, Profile};

@@ -30,12 +30,6 @@ pub fn jerk_from_percent_of_time(speed: f64, acceleration: f64, percent: f64) ->
     acceleration * acceleration / speed * (200.0 / percent - 1.0)
 }
 
-/// The share of the ramp time with jerk in per cent, inverse of [`jerk_from_percent_of_time`].
-#[must_use]
-pub fn percent_of_time_from_jerk(speed: f64, acceleration: f64, jerk: f64) -> f64 {
-    200.0 / (1.0 + jerk * speed / (acceleration * acceleration))
-}
-
 /// Limits for the S-curve's arithmetic: positive, finite, of a size whose products stay finite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SCurve {

@@ -92,6 +92,8 @@ fn guess(more: f64, low: f64, held: f64, jerky: f64) -> f64 {
 
 /// Solves `length(w) = distance` for `0 <= w <= most`, starting at `start`. From above Newton is
 /// monotone, since the length is convex in `y = sqrt(w)`.
+///
+/// Its own loop beside [`crate::numeric::newton`], as its steps are in `y`, begin at an estimate, and may end on an end of the bracket.
 fn solve(length: &impl Fn(f64) -> (f64, f64), distance: f64, start: f64, most: f64) -> f64 {
     let (mut below, mut above) = (0.0, most);
     let mut w = start.max(0.0);

@@ -12,7 +12,8 @@ use crate::peak::{self, Peak};
 use crate::profile::Profile;
 use crate::ramp::{approach, change_by, ramp};
 use crate::tolerance::{
-    ABOVE_ROUNDING_SHARE, CLOSE_DISPLACEMENT_SHARE, DISPLACEMENT_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE,
+    ABOVE_ROUNDING_SHARE, CLOSE_DISPLACEMENT_SHARE, DISPLACEMENT_SHARE, LEAST_VELOCITY_SHARE, ROUNDED_SHARE,
+    SAMPLED_POSITION_SHARE,
 };
 use crate::{early, root};
 
@@ -145,7 +146,7 @@ fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
     };
     let state = builder.segment(first).0;
     let (v, b) = (-state.v, state.a);
-    if v < LEAST_SHARE * b * b * side.per_jerk {
+    if v < LEAST_VELOCITY_SHARE * b * b * side.per_jerk {
         return false;
     }
     let c = early::passed_with(v, b, x - state.x, c, limits);
@@ -154,9 +155,6 @@ fn leave_for_rest(builder: &mut Builder<'_>, x: f64, limits: &SCurve) -> bool {
     builder.set(0.0, c);
     true
 }
-
-/// Below this share of the velocity change that its deceleration implies, a velocity has too few digits for differences of closed forms.
-const LEAST_SHARE: f64 = 1e-3;
 
 /// Rewinds the builder to the instant from which the ramp to `end_speed` ends at `x`.
 fn leave_early(builder: &mut Builder<'_>, x: f64, end_speed: f64, limits: &SCurve) {

@@ -6,6 +6,7 @@
 use crate::KinematicState;
 use crate::builder::{Builder, MAX_SEGMENTS};
 use crate::limits::{Limits, Shape, sane};
+use crate::numeric::newton;
 use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE};
 use crate::{position, ramp, trapezoid};
 
@@ -332,38 +333,24 @@ impl Segment {
 
     /// The time within `length` at which the position, monotone here, is `s`.
     pub(crate) fn time_to(&self, s: f64, length: f64) -> f64 {
-        let (mut low, mut high) = (0.0, length);
         let rising = self.at(length).position >= self.state.position;
-        let mut u = 0.5 * length;
-        for _ in 0..64 {
+        let (below, above) = if rising { (0.0, length) } else { (length, 0.0) };
+        let miss = |u: f64| {
             let state = self.at(u);
-            let error = state.position - s;
-            if error == 0.0 {
-                return u;
-            }
-            if (error < 0.0) == rising {
-                low = u
+            (state.position - s, state.velocity)
+        };
+        newton(below, above, MAX_STEPS, miss, |step| {
+            if step.value == 0.0 || step.is_closed(BRACKET_SHARE) {
+                Some(step.at)
             } else {
-                high = u
+                ((step.next - step.at).abs() <= ROUNDED_SHARE * step.at).then_some(step.next)
             }
-            if high - low <= BRACKET_SHARE * high {
-                break;
-            }
-            let newton = u - error / state.velocity;
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - u).abs() <= ROUNDED_SHARE * u {
-                return next;
-            }
-            u = next;
-        }
-        u
+        })
     }
 }
 
+/// Most steps to an instant.
+const MAX_STEPS: usize = 64;
 /// Multiplication, since a division takes three times as long.
 const SIXTH: f64 = 1.0 / 6.0;
 

@@ -1,6 +1,5 @@
 //! A section that is planned from an instant of a running trajectory. Position units and seconds.
 
-use crate::extend::attempts::{GENTLE, GENTLE_AND_SMOOTH};
 use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
@@ -8,12 +7,11 @@ use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::SectionStart;
 use crate::plan::{PlanningTime, plan_with};
 use crate::section::{Missed, Section};
-use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::solve::work::Work;
 use crate::timing::control_points::GIVEN;
 use crate::trajectory::{Knot, State};
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
 
 /// A running trajectory and the moves that continue it.
@@ -75,11 +73,11 @@ impl Continuation<'_> {
         let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
             let speed_curve = SpeedCurve::new(&section);
-            let ends = GENTLE.map(|shares| speed_curve.ends(shares));
+            let ends = TUNING.gentle.shares.map(|shares| speed_curve.ends(shares));
             for leave in leaves(running, first, until) {
                 let followed = Running { leave, ..from };
                 let state = running.at(leave);
-                for (shares, ends) in GENTLE.into_iter().zip(&ends) {
+                for (shares, ends) in TUNING.gentle.shares.into_iter().zip(&ends) {
                     if let Some(off) = speed_curve.goes_on(followed, ends, shares) {
                         candidates.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
                         break;
@@ -117,7 +115,7 @@ impl Continuation<'_> {
             .find_map(|(_, leave)| {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                    let control = gentle_and_smooth(&section, followed, &GENTLE_AND_SMOOTH)?;
+                    let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares)?;
                     let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
                     section.hasten(control, &mut work)
                 })

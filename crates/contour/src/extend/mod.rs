@@ -3,40 +3,56 @@
 //! From the splice on, the new motion starts with the position, velocity and acceleration of the running one. The part before the splice
 //! stays the same, to the last bit. Position units and seconds.
 
-mod attempts;
 mod continuation;
 mod gentle;
 pub(crate) mod replan;
+mod search;
 mod splice;
 mod warm_start;
 mod warm_start_joined;
 
-use crate::extend::attempts::{ATTEMPTS, SHORT_ATTEMPTS, Search};
 use crate::extend::continuation::{Continuation, cut, leave_at};
+use crate::extend::search::Search;
 use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{can_pass, is_dense};
 use crate::section::Missed;
-use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
-/// Continues a running trajectory with `moves`. The first of them are its own remaining moves, from its `passed`-th on; the others follow, and
-/// the plan includes as many of them as take about a second. `now` is the present time of the motion on it, and until `earliest` it must stay
-/// unchanged. Seconds of its own time.
+/// A trajectory in execution, and the moves with which its rest is planned.
+#[derive(Clone, Copy, Debug)]
+pub struct ExtensionRequest<'a> {
+    /// The trajectory.
+    pub running: &'a Trajectory,
+    /// Its moves that are complete.
+    pub passed: usize,
+    /// Its own remaining moves, from its `passed`-th on, and others that follow.
+    pub moves: &'a [ContourMove],
+    /// The limits of the axes.
+    pub limits: &'a AxisLimits,
+    /// The present time of the motion on it, seconds.
+    pub now: f64,
+    /// The instant until which it must stay unchanged, seconds.
+    pub earliest: f64,
+}
+
+/// Continues a running trajectory with the moves of a request, of which the plan includes as many as take about a second. The request has seconds of the
+/// trajectory's own time.
 ///
 /// The result keeps the time of the running trajectory and numbers its moves from `moves[0]` on. It equals the running one from `now` until
 /// [`Trajectory::splice`], so it can replace it at any instant between. `None`: there is no move to extend it with, it is too late, or no plan
 /// was found; then the running trajectory continues to its end at rest, which is always safe.
 #[must_use]
-pub fn extend(
-    running: &Trajectory,
-    passed: usize,
-    moves: &[ContourMove],
-    limits: &AxisLimits,
-    now: f64,
-    earliest: f64,
-) -> Option<Trajectory> {
+pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
+    let &ExtensionRequest {
+        running,
+        passed,
+        moves,
+        limits,
+        now,
+        earliest,
+    } = request;
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
     // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them.
     let begins = passed
@@ -77,9 +93,9 @@ pub fn extend(
     };
     let left = running.duration() - now;
     let attempts = if left < TUNING.extend.short_s {
-        &SHORT_ATTEMPTS
+        &TUNING.attempts.short
     } else {
-        &ATTEMPTS
+        &TUNING.attempts.usual
     };
     let all = |quality| plan(Search::Attempts(quality, attempts), 1.0);
     let few = |quality| plan(Search::Attempts(quality, attempts), TUNING.extend.less_share);
@@ -100,7 +116,7 @@ pub fn extend(
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let together = (arcs == 0 && is_ample)
-            .then(|| plan(Search::Attempts(Quality::Full, &ATTEMPTS[..1]), 1.0))
+            .then(|| plan(Search::Attempts(Quality::Full, &TUNING.attempts.usual[..1]), 1.0))
             .flatten();
         together.or_else(gently).or_else(|| few(Quality::Smooth))
     };

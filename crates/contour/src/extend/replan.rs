@@ -3,26 +3,25 @@
 use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
 use crate::plan::{PlanningTime, can_pass, qualities};
-use crate::solve::relax::SlowDown;
-use crate::tuning::TUNING;
-use crate::{AxisLimits, ContourMove, Trajectory};
+use crate::tuning::{SlowDown, TUNING};
+use crate::{ExtensionRequest, Trajectory};
 
-/// Plans a running trajectory anew: `moves` (the first of them is its active one, its `passed`-th) have other speeds or rates than those of the
+/// Plans a running trajectory anew: the moves of the request (the first of them is its active one) have other speeds or rates than those of the
 /// plan, and the trajectory runs at a `pace` within all of them.
 ///
-/// As [`crate::extend`], but from the first instant on, for about a second. The result has real time: own seconds divided by the pace, as have
-/// `now` and `earliest`.
+/// As [`crate::extend`], but from the first instant on, for about a second. The result has real time: own seconds divided by the pace, as has
+/// the request.
 #[must_use]
-pub fn replan(
-    running: &Trajectory,
-    pace: f64,
-    passed: usize,
-    moves: &[ContourMove],
-    limits: &AxisLimits,
-    now: f64,
-    earliest: f64,
-) -> Option<Trajectory> {
-    let running = running.at_pace(pace);
+pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
+    let &ExtensionRequest {
+        passed,
+        moves,
+        limits,
+        now,
+        earliest,
+        ..
+    } = request;
+    let running = request.running.at_pace(pace);
     let old = running
         .moves()
         .checked_sub(passed)

@@ -95,7 +95,7 @@ impl Allowance {
 
     /// The permitted deviation of the curve from a piece at an arc length.
     pub(crate) fn at(&self, reference: &ReferencePath, piece: usize, s: f64) -> f64 {
-        self.within(reference, piece, s, [STRAIGHT, 1.0])
+        self.within(reference, piece, s, [STRAIGHT_SHARE, 1.0])
     }
 
     /// The deviation that the optimisation permits: beside corners somewhat less, as it does not examine the curve between the nodes.
@@ -131,7 +131,7 @@ impl Allowance {
 
     /// The curve must keep close to a piece between the roundings of its corners, for this tolerance.
     fn keeps_close(&self, reference: &ReferencePath, piece: usize, tolerance: f64) -> bool {
-        !self.anywhere[piece] && reference.pieces[piece].length() > LONG * tolerance
+        !self.anywhere[piece] && reference.pieces[piece].length() > LONG_TOLERANCES * tolerance
     }
 
     /// The curve must keep close to some piece.
@@ -234,7 +234,8 @@ impl Allowance {
         if tolerance <= 0.0 {
             return 0.0;
         }
-        let near = piece.saturating_sub(NEIGHBOURS)..=(piece + NEIGHBOURS).min(reference.pieces.len() - 1);
+        let near = piece.saturating_sub(TUNING.corridor.near_pieces)
+            ..=(piece + TUNING.corridor.near_pieces).min(reference.pieces.len() - 1);
         if !near.clone().any(|near| self.keeps_close(reference, near, tolerance)) {
             return off / tolerance;
         }
@@ -269,10 +270,10 @@ fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
         let length = reference.pieces[piece].length() / before.min(behind);
         if is_line { length } else { f64::INFINITY }
     };
-    let is_short = |piece: usize| long_of(piece) <= LONGEST_CHORD;
+    let is_short = |piece: usize| long_of(piece) <= LONGEST_CHORD_TOLERANCES;
     let is_chord = |piece: usize| {
         let (most, long) = (most(piece), long_of(piece));
-        let flat = long <= LONGEST_FLAT_CHORD && long * most / 8.0 <= 0.5;
+        let flat = long <= LONGEST_FLAT_CHORD_TOLERANCES && long * most / 8.0 <= 0.5;
         // The neighbours of the first and the last piece are unknown.
         let inner = piece > 0 && piece < last;
         let among = inner && most <= TUNING.smooth.sharp && (piece - 1..=piece + 1).all(is_short);
@@ -290,12 +291,11 @@ fn opened(distance: f64, reach: f64) -> f64 {
     }
 }
 
-/// The curve keeps close to a piece longer than this number of tolerances, unless it is a chord of a curve ([`Deviation::Corners`]).
-const LONG: f64 = 50.0;
-/// Most tolerances of a chord's length: between flat corners, and among others with small changes of direction.
-const LONGEST_FLAT_CHORD: f64 = 100.0;
-const LONGEST_CHORD: f64 = 250.0;
-/// Share of the tolerance on pieces that the curve keeps close to.
-const STRAIGHT: f64 = 0.01;
-/// Pieces before and behind that a point may belong to.
-const NEIGHBOURS: usize = 2;
+/// The curve keeps close to a piece longer than this number of tolerances, unless it is a chord of a curve ([`Deviation::Corners`],
+/// spec/motion-core.md §6.4).
+const LONG_TOLERANCES: f64 = 50.0;
+/// Most tolerances of a chord's length: between flat corners, and among others with small changes of direction (spec/motion-core.md §6.4).
+const LONGEST_FLAT_CHORD_TOLERANCES: f64 = 100.0;
+const LONGEST_CHORD_TOLERANCES: f64 = 250.0;
+/// Share of the tolerance on pieces that the curve keeps close to (spec/motion-core.md §6.4).
+const STRAIGHT_SHARE: f64 = 0.01;

@@ -3,6 +3,8 @@
 //! Between two knots the curve may be farther off than at both, most of all where it crosses the bisector of a sharp corner. The excess that
 //! is measured there narrows the corridor of the next run.
 
+use arcline_profile::numeric::bisect;
+
 use crate::path::allowance::Allowance;
 use crate::path::reference::{ReferencePath, along};
 use crate::timing::control_points::ControlPoints;
@@ -132,6 +134,7 @@ fn for_each_joint(
         let (corner, forward) = (behind.start(), before.end_tangent() + behind.start_tangent());
         let beyond = |time: f64| (at(time) - corner).dot(&forward);
         let (mut low, mut high) = ((from, beyond(from)), (until, beyond(until)));
+        // Its own loop, as it divides the bracket in proportion to the values at its ends, and every instant that it tries is a sample.
         for _ in 0..TUNING.margin.joint_steps {
             let part = (low.1 / (low.1 - high.1)).clamp(0.0, 1.0);
             let time = low.0 + (high.0 - low.0) * if part.is_finite() { part } else { 0.5 };
@@ -160,20 +163,12 @@ fn edges(
     };
     let time = |(piece, s): (usize, f64)| {
         let near = control.progress.partition_point(|&p| p < s).clamp(1, last);
-        let (mut low, mut high) = (
-            knot_time(near.saturating_sub(TUNING.margin.edge_nodes)),
-            knot_time((near + TUNING.margin.edge_nodes).min(last)),
-        );
-        for _ in 0..TUNING.margin.edge_halvings {
-            let middle = 0.5 * (low + high);
-            let q = trajectory.at(middle).position;
-            if reference.starts[piece] + along(&reference.pieces[piece], &q) < s {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
+        let before = knot_time(near.saturating_sub(TUNING.margin.edge_nodes));
+        let behind = knot_time((near + TUNING.margin.edge_nodes).min(last));
+        bisect(before, behind, TUNING.margin.edge_halvings, |time| {
+            let q = trajectory.at(time).position;
+            reference.starts[piece] + along(&reference.pieces[piece], &q) >= s
+        })
     };
     let mut times: Vec<f64> = allowance.edges(reference).into_iter().map(time).collect();
     times.sort_by(f64::total_cmp);

@@ -34,5 +34,5 @@ pub(crate) fn reach_of_lines(before: &Path, behind: &Path, tolerance: f64, smoot
     }
 }
 
-/// Largest length of a rounding from its corner, in tolerances ([`crate::Deviation::Corners`]).
+/// Largest length of a rounding from its corner, in tolerances ([`crate::Deviation::Corners`], spec/motion-core.md §6.4).
 pub(crate) const MOST_REACH_TOLERANCES: f64 = 10.0;

@@ -2,8 +2,10 @@
 //!
 //! It determines the distance of a point from the reference path, and rounds no corner. Lengths in position units.
 
-use crate::Point;
 use arcline_geometry::{Arc, Path};
+
+use crate::Point;
+use crate::tuning::TUNING;
 
 /// The programmed pieces of one section, none of them of zero length.
 #[derive(Clone, Debug)]
@@ -44,7 +46,9 @@ impl ReferencePath {
         let mut least = (foot - q).norm_squared();
         loop {
             let centre = at;
-            for other in centre.saturating_sub(REACH)..=(centre + REACH).min(last) {
+            for other in
+                centre.saturating_sub(TUNING.corridor.foot_pieces)..=(centre + TUNING.corridor.foot_pieces).min(last)
+            {
                 if other == centre {
                     continue;
                 }
@@ -118,6 +122,3 @@ fn nearest_on_arc(arc: &Arc, q: &Point) -> Point {
         arc.end()
     }
 }
-
-/// Pieces to either side that are examined: a short piece may hide a nearer one behind it.
-const REACH: usize = 2;

@@ -10,8 +10,7 @@ use crate::Point;
 use crate::limits::Bounds;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
-use crate::solve::relax::SlowDown;
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 
 /// The problem of one stage.
 pub(crate) struct Problem<'a> {

@@ -4,16 +4,7 @@
 use crate::Point;
 use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
-use crate::tuning::TUNING;
-
-/// The part of a continuation's timing that is slowed down if it begins outside its limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SlowDown {
-    /// The nodes outside, and those that lead there.
-    Outside,
-    /// All nodes.
-    Whole,
-}
+use crate::tuning::{SlowDown, TUNING};
 
 impl Problem<'_> {
     /// Lengthens all spans until every limit is kept with a margin.

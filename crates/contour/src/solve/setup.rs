@@ -6,11 +6,10 @@ use crate::path::allowance::Allowance;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
 use crate::solve::problem::{Limits, Problem};
-use crate::solve::relax::SlowDown;
 use crate::solve::stages::Quality;
 use crate::timing::control_points::{ControlPoints, GIVEN};
 use crate::tolerance::{LEAST_LENGTH_UNITS, SAME_CONTROL_POINT_UNITS, SAME_POINT_UNITS};
-use crate::tuning::TUNING;
+use crate::tuning::{SlowDown, TUNING};
 
 /// The conditions of a stage.
 pub(crate) struct Conditions<'a> {

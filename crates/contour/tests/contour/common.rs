@@ -1,6 +1,8 @@
 //! Machines, moves and measures that all tests of contours share. Position units and seconds.
 
-use arcline_contour::{AxisLimits, ContourMove, Deviation, Path, Peaks, Point, Trajectory, extend, plan};
+use arcline_contour::{
+    AxisLimits, ContourMove, Deviation, ExtensionRequest, Path, Peaks, Point, Trajectory, extend, plan,
+};
 use arcline_geometry::{Arc, CirclePoint, Dimension, Direction};
 use proptest::prelude::*;
 
@@ -171,7 +173,15 @@ pub(crate) fn travel(
         let on_it = running.move_at(now);
         passed += on_it;
         let next = (known + windows.moves).min(moves.len());
-        if let Some(longer) = extend(&running, on_it, &moves[passed..next], limits, now, now + LEAD) {
+        let request = ExtensionRequest {
+            running: &running,
+            passed: on_it,
+            moves: &moves[passed..next],
+            limits,
+            now,
+            earliest: now + LEAD,
+        };
+        if let Some(longer) = extend(&request) {
             joined(&Extended {
                 running: &running,
                 now,

@@ -1,7 +1,7 @@
 //! Trajectories that are extended while they run: the same tolerance, limits and time as one whole plan, without a stop.
 
 use crate::common::{Extended, LEAD, PROFILES, Profile, SPEED, Travelled, Windows, ahead, off, profile, travel};
-use arcline_contour::{ContourMove, Path, Point, Trajectory, extend, plan};
+use arcline_contour::{ContourMove, ExtensionRequest, Path, Point, Trajectory, extend, plan};
 use proptest::prelude::*;
 
 const TOLERANCE: f64 = 0.05;
@@ -128,7 +128,15 @@ fn a_stop_between_two_windows_needs_no_splice() {
     moves[1].tolerance = 0.0;
     let limits = Profile::SCurve.limits();
     let running = plan(&moves[..2], &limits);
-    let longer = extend(&running, 0, &moves, &limits, 0.0, LEAD).expect("a stop is at the joint");
+    let request = ExtensionRequest {
+        running: &running,
+        passed: 0,
+        moves: &moves,
+        limits: &limits,
+        now: 0.0,
+        earliest: LEAD,
+    };
+    let longer = extend(&request).expect("a stop is at the joint");
     assert_eq!(longer.splice(), running.duration());
     assert_eq!(longer.moves(), 3);
     assert_eq!(longer.at(running.duration()).velocity, Point::zeros());
@@ -141,8 +149,20 @@ fn nothing_new_and_too_late_are_refused() {
     let moves = polyline(&[(20.0, 0.0), (20.0, 0.5)], Profile::Trapezoid);
     let limits = Profile::Trapezoid.limits();
     let running = plan(&moves[..1], &limits);
-    assert_eq!(extend(&running, 0, &moves[..1], &limits, 0.0, LEAD), None);
     let end = running.duration();
-    assert_eq!(extend(&running, 0, &moves, &limits, end - 0.01, end - 0.001), None);
-    assert_eq!(extend(&running, 1, &moves[1..], &limits, end, end), None);
+    for (why, passed, moves, now, earliest) in [
+        ("no other move", 0, &moves[..1], 0.0, LEAD),
+        ("too late", 0, &moves[..], end - 0.01, end - 0.001),
+        ("at its end", 1, &moves[1..], end, end),
+    ] {
+        let request = ExtensionRequest {
+            running: &running,
+            passed,
+            moves,
+            limits: &limits,
+            now,
+            earliest,
+        };
+        assert_eq!(extend(&request), None, "{why}");
+    }
 }

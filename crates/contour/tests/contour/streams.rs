@@ -2,7 +2,7 @@
 //! moves between long ones. Within tolerance and limits, without a step at any splice, and never at rest before the end.
 
 use crate::common::{PROFILES, Profile, arc_through, check_peaks, distance, profile};
-use arcline_contour::{AxisLimits, ContourMove, Path, Point, Trajectory, begin, extend};
+use arcline_contour::{AxisLimits, ContourMove, ExtensionRequest, Path, Point, Trajectory, begin, extend};
 use proptest::prelude::*;
 
 const QUEUE: usize = 1000;
@@ -144,7 +144,15 @@ fn travel(moves: &[ContourMove], limits: &AxisLimits, speed: f64) -> Result<(usi
         passed += on;
         now = ask;
         let queue = &moves[passed..(passed + QUEUE).min(moves.len())];
-        if let Some(longer) = extend(&running, on, queue, limits, now, now + LEAD) {
+        let request = ExtensionRequest {
+            running: &running,
+            passed: on,
+            moves: queue,
+            limits,
+            now,
+            earliest: now + LEAD,
+        };
+        if let Some(longer) = extend(&request) {
             check_splice(&running, &longer, now, limits)?;
             running = longer;
             retry = 0.0;

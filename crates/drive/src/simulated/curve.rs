@@ -114,6 +114,9 @@ impl Curve {
     }
 
     /// The zero between two instants with opposite signs on a monotone piece: Newton's steps, each with a halving.
+    ///
+    /// Its own loop beside [`arcline_profile::numeric::newton`], as each step divides the bracket twice: at its own instant and in the
+    /// middle.
     fn zero(&self, mut left: f64, mut right: f64, rises: bool) -> f64 {
         let slope = self.slope();
         let mut t = 0.5 * (left + right);

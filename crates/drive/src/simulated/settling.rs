@@ -5,15 +5,16 @@
 //! tolerance, and its use. Units: position units, seconds.
 
 use arcline_profile::KinematicState;
+use arcline_profile::numeric::bisect;
 
 use super::Drive;
 use super::tolerance::GRAIN_SHARE;
 use crate::Saturation;
 
 /// Halvings of a span: to the last bit of a period.
-const HALVINGS: u32 = 60;
+const HALVINGS: usize = 60;
 /// Steps along an oscillation within one period, and halvings of the last one.
-const STEPS: u32 = 32;
+const STEPS: usize = 32;
 
 /// Drives at the beginning of a period in which their commands come to rest.
 #[derive(Clone, Copy, Debug)]
@@ -59,16 +60,8 @@ impl<const N: usize> Settling<N> {
         if distance(available) <= self.tolerance {
             return Some(available);
         }
-        let (mut inside, mut outside) = (0.0, available);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            if distance(middle) <= self.tolerance {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        Some(inside)
+        let inside = |before: f64| distance(before) <= self.tolerance;
+        Some(bisect(available, 0.0, HALVINGS, inside))
     }
 
     fn swings_within(&self, available: f64) -> Option<f64> {
@@ -91,19 +84,8 @@ impl<const N: usize> Settling<N> {
     }
 
     /// The instant between two, in seconds from the beginning of the period, at which the axes came within the tolerance.
-    fn entered(&self, mut outside: f64, mut inside: f64) -> f64 {
-        for _ in 0..STEPS {
-            let middle = 0.5 * (inside + outside);
-            if middle <= outside || middle >= inside {
-                break;
-            }
-            if self.seen(middle).distance <= self.tolerance {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
-        }
-        inside
+    fn entered(&self, outside: f64, inside: f64) -> f64 {
+        bisect(outside, inside, STEPS, |at| self.seen(at).distance <= self.tolerance)
     }
 
     fn seen(&self, at: f64) -> Seen {

@@ -1,7 +1,7 @@
 //! The common part of MAM, MAJ and MCD: verification, the motion that a merge takes over, and the start of a generator.
 
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
-use arcline_instruction_set::{AxisId, AxisIndex, Culprit, Flag, MotionError};
+use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError};
 use arcline_planner::MasterRate;
 use arcline_planner::profile::{AccelerationRemovalPhase, Bounds, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
@@ -10,12 +10,12 @@ use super::programmed::{self, Programmed};
 use crate::axis::Axis;
 use crate::axis::generator::{Generator, Goal, ProgrammedMotion};
 use crate::axis::generator_kind::GeneratorKind;
-use crate::axis::state::AxisState;
 use crate::dynamics::Dynamics;
 use crate::events::{Events, MoveEvents};
 use crate::execution::Execution;
 use crate::masters::follower::DrivenBy;
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 /// The operands that MAM and MAJ share.
 #[derive(Clone, Copy, Debug)]
@@ -220,74 +220,11 @@ pub(super) fn verify_axis(axis: &Axis, s_curve: bool) -> Result<(), MotionError>
     if axis.feeding.is_some() {
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
-    ready(axis)?;
-    not_homing(axis)?;
-    stoppable(axis)?;
-    if s_curve && axis.dynamics.deceleration_jerk <= 0.0 {
-        return Err(MotionError::ZeroMaxDecelJerk(Culprit::Axis(AxisIndex(0))));
+    verify::ready(alone(axis))?;
+    verify::not_homing(alone(axis))?;
+    verify::stoppable(alone(axis))?;
+    if s_curve {
+        verify::stoppable_by_jerk(alone(axis))?;
     }
     Ok(())
-}
-
-/// Checks that the axis has a rate to stop with.
-pub(super) fn stoppable(axis: &Axis) -> Result<(), MotionError> {
-    if axis.dynamics.deceleration <= 0.0 {
-        return Err(MotionError::ZeroMaxDecel(Culprit::Axis(AxisIndex(0))));
-    }
-    Ok(())
-}
-
-/// Checks that no stop of the whole axis is under way.
-pub(super) fn not_stopping(axis: &Axis) -> Result<(), MotionError> {
-    if axis.is_stopping() {
-        return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
-    }
-    Ok(())
-}
-
-/// Checks that no active sequence homes the axis.
-pub(super) fn not_homing(axis: &Axis) -> Result<(), MotionError> {
-    if axis.is_homed_actively() {
-        return Err(MotionError::HomeInProcess(AxisIndex(0)));
-    }
-    Ok(())
-}
-
-/// Checks that the axis is not shut down, its servo is on, and it has no fault.
-pub(super) fn ready(axis: &Axis) -> Result<(), MotionError> {
-    switched_on(axis)?;
-    not_faulted(axis)
-}
-
-/// Checks that the axis has no fault; the servo may be off.
-pub(super) fn not_faulted(axis: &Axis) -> Result<(), MotionError> {
-    if axis.is_faulted() {
-        return Err(MotionError::AxisInFaultedState(AxisIndex(0)));
-    }
-    Ok(())
-}
-
-/// The check of a stop: the axis is not shut down, and its servo is on unless a fault has switched it off.
-pub(super) fn switched_on(axis: &Axis) -> Result<(), MotionError> {
-    not_shut_down(axis)?;
-    if axis.is_off() {
-        return Err(MotionError::ServoOffState(AxisIndex(0)));
-    }
-    Ok(())
-}
-
-/// Checks that an axis outside of its travel moves in a direction that leads back.
-pub(super) fn no_overtravel(axis: &Axis, direction: f64) -> Result<(), MotionError> {
-    if axis.faults.forbids(direction) {
-        return Err(MotionError::OvertravelCondition);
-    }
-    Ok(())
-}
-
-/// Checks that the axis is not shut down; the servo may be off.
-pub(super) fn not_shut_down(axis: &Axis) -> Result<(), MotionError> {
-    match axis.state {
-        AxisState::Shutdown => Err(MotionError::ShutdownState(AxisIndex(0))),
-        _ => Ok(()),
-    }
 }

@@ -4,7 +4,6 @@ use arcline_instruction_set::enumerations::GearDirection;
 use arcline_instruction_set::operands::OperandValue;
 use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError, OperandIndex};
 
-use super::axis_moves;
 use crate::axis::Axis;
 use crate::axis::camming::Offset;
 use crate::axis::generator::{Equation, Generator};
@@ -15,6 +14,7 @@ use crate::masters::cam::{Cam, CamProgram, Pending, Source};
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::range;
+use crate::verify::{self, alone};
 
 /// The sign of the profile: 1 adds it, -1 subtracts it. Without an earlier cam, Reverse means Opposite and Unchanged means Same.
 pub(super) fn sign(direction: GearDirection, before: Option<f64>) -> f64 {
@@ -36,7 +36,7 @@ pub(super) fn on_turn(axis: &Axis, position: &OperandValue<f64>) -> Result<(), M
 
 /// Checks that neither a stop of the whole axis nor one of this kind of cam is under way.
 pub(super) fn not_stopping(axis: &Axis, kind: GeneratorKind) -> Result<(), MotionError> {
-    axis_moves::not_stopping(axis)?;
+    verify::not_stopping(alone(axis))?;
     if axis.sum.get(kind).is_some_and(|generator| generator.stopping) {
         return Err(MotionError::NotAllowedWhileStopping(AxisIndex(0)));
     }

@@ -15,6 +15,7 @@ use crate::masters::gear::Gear;
 use crate::masters::master::Master;
 use crate::motion::Motion;
 use crate::order::{DependencyCycle, Follower};
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -41,7 +42,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Clutch::Disabled => None,
     };
     axis_moves::verify_axis(&motion.axes[axis], false)?;
-    axis_moves::not_stopping(&motion.axes[axis])?;
+    verify::not_stopping(alone(&motion.axes[axis]))?;
     let order = motion.plan_order(Follower::Axis(axis, master));
     let order = order.map_err(|DependencyCycle| MotionError::MasterAxisConflict)?;
     let running = motion.axes[axis].gear().map(|gear| gear.ratio);

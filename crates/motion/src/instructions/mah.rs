@@ -2,11 +2,11 @@
 
 use arcline_instruction_set::{Call, MotionError};
 
-use super::axis_moves::{not_faulted, not_homing, not_shut_down, not_stopping, ready, stoppable};
 use crate::axis::Axis;
 use crate::execution::Execution;
 use crate::machine::{HomeInputs, HomeMode, HomeSequence};
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -15,19 +15,19 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let active = state.home.mode == HomeMode::Active;
     verify_configuration(state)?;
     if active && state.home.sequence != HomeSequence::Immediate {
-        ready(state)?;
+        verify::ready(alone(state))?;
     } else {
-        not_shut_down(state)?;
+        verify::not_shut_down(alone(state))?;
         if active {
-            not_faulted(state)?;
+            verify::not_faulted(alone(state))?;
         }
     }
-    not_homing(state)?;
+    verify::not_homing(alone(state))?;
     if active {
         if state.in_motion() || state.home.sequence != HomeSequence::Immediate {
-            stoppable(state)?;
+            verify::stoppable(alone(state))?;
         }
-        not_stopping(state)?;
+        verify::not_stopping(alone(state))?;
     }
     if motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);

@@ -11,6 +11,7 @@ use crate::axis::generator::Goal;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -33,7 +34,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     programmed.verify_link(link)?;
     let driven_by = programmed.driven_by(motion, link)?;
     axis_moves::verify_axis(state, programmed.is_s_curve())?;
-    axis_moves::not_stopping(state)?;
+    verify::not_stopping(alone(state))?;
     let mut dynamics = programmed.dynamics(&state.dynamics)?;
     let driven = operands.driven(motion, axis, GeneratorKind::Jog, driven_by)?;
     if operands.keeps_speed() {
@@ -43,7 +44,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         JogDirection::Forward => dynamics.speed,
         JogDirection::Reverse => -dynamics.speed,
     };
-    axis_moves::no_overtravel(state, velocity)?;
+    verify::no_overtravel(alone(state), |_, _| velocity)?;
     let beginning = MoveStart {
         execution,
         dynamics,

@@ -17,6 +17,7 @@ use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
 use crate::rotary::RotaryPosition;
+use crate::verify::{self, alone};
 
 /// The destination of the move as programmed.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +133,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if destination.is_rotary() && state.unwind.is_none() {
         return Err(MotionError::AxisModeNotRotary);
     }
-    axis_moves::not_stopping(state)?;
+    verify::not_stopping(alone(state))?;
     let target = destination.target(state)?;
     let moved = match state.cam_master(GeneratorKind::PositionCam) {
         Some(master) if kind == GeneratorKind::MasterOffset => &motion.axes[master],
@@ -144,7 +145,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let maxima = match state.cam_master(GeneratorKind::PositionCam) {
         Some(master) if kind == GeneratorKind::MasterOffset => &motion.axes[master].dynamics,
         _ => {
-            axis_moves::no_overtravel(state, displacement)?;
+            verify::no_overtravel(alone(state), |_, _| displacement)?;
             &state.dynamics
         }
     };

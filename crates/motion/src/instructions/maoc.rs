@@ -4,7 +4,6 @@ use arcline_instruction_set::enumerations::ExecutionSchedule;
 use arcline_instruction_set::operands::{Maoc, Operands};
 use arcline_instruction_set::{AxisId, Call, Flag, MotionError, TagAddress};
 
-use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use super::mapc::crossing;
 use crate::call_data::ReceivedData;
@@ -12,6 +11,7 @@ use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
 use crate::motion::Motion;
 use crate::output::{ArmedCam, Arming, TagBits};
+use crate::verify::{self, alone};
 
 /// Ranges in the order of the faceplate.
 fn verify(motion: &Motion, axis: AxisId, operands: &Maoc, call: &Call) -> Result<(), MotionError> {
@@ -78,7 +78,7 @@ pub(super) fn execute(
         cam_arm_position,
         position_reference,
     } = operands;
-    not_shut_down(&motion.axes[axis])?;
+    verify::not_shut_down(alone(&motion.axes[axis]))?;
     let target = target(motion, axis, *execution_target)?;
     let (cam, [output_bits, input_bits]) = data.output_cam()?;
     let program = ArmedCam {

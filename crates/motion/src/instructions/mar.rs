@@ -5,9 +5,9 @@ use arcline_instruction_set::enumerations::{RegistrationTrigger, Windowed};
 use arcline_instruction_set::operands::Mar;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::axis_moves::not_shut_down;
 use crate::execution::Execution;
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -24,7 +24,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         Windowed::Enabled => Some([*min_position, *max_position]),
     };
     let state = &mut motion.axes[axis];
-    not_shut_down(state)?;
+    verify::not_shut_down(alone(state))?;
     let input = *input_number as usize - 1;
     let Some(registration) = state.registrations.get_mut(input).filter(|input| input.exists) else {
         return Err(MotionError::InstructionNotSupported);

@@ -5,12 +5,12 @@ use arcline_instruction_set::operands::{Mas, StopOperands};
 use arcline_instruction_set::{Call, Flag, MotionError};
 use arcline_planner::profile::{Jerk, Limits};
 
-use super::axis_moves::{stoppable, switched_on};
 use super::programmed::{positive, stop_change};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::dynamics::{Maxima, resolve, speed_for_jerk};
 use crate::execution::Execution;
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 /// Deceleration and jerk of the stop of a motion at `speed`; the maxima are those of the axis.
 fn limits(operands: &StopOperands, own: &Maxima, speed: f64, s_curve: bool) -> Result<Limits, MotionError> {
@@ -61,8 +61,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let Mas { stop_type, rates } = motion.operands(call)?;
     let stopped = stopped(*stop_type);
     let state = &motion.axes[axis];
-    switched_on(state)?;
-    stoppable(state)?;
+    verify::switched_on(alone(state))?;
+    verify::stoppable(alone(state))?;
     let initiated = Flag::Dn.mask() | Flag::Ip.mask();
     if matches!(stopped, Stopped::All | Stopped::Kind(GeneratorKind::Home)) {
         motion.axes[axis].end_passive_homing(&mut motion.controls);

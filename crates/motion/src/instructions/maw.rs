@@ -4,11 +4,11 @@ use arcline_instruction_set::enumerations::WatchTrigger;
 use arcline_instruction_set::operands::Maw;
 use arcline_instruction_set::{Call, Flag, MotionError};
 
-use super::axis_moves::not_shut_down;
 use super::camming::on_turn;
 use crate::execution::Execution;
 use crate::masters::displacement::{Crossing, Sense};
 use crate::motion::Motion;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -18,7 +18,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     } = motion.operands(call)?;
     let state = &mut motion.axes[axis];
     on_turn(state, &position)?;
-    not_shut_down(state)?;
+    verify::not_shut_down(alone(state))?;
     if state.watch.is_armed() {
         return Err(MotionError::ExecutionCollision);
     }

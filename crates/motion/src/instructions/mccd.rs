@@ -10,7 +10,7 @@ use crate::execution::Execution;
 use crate::machine::CoordinateSystem;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned};
-use crate::verify;
+use crate::verify::{self, members};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
@@ -54,14 +54,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let active = system.active().filter(|_| system.activity == Activity::Moving);
     let driven = active.is_some_and(|active| active.driven_by.is_some());
     operands.verify_mode(driven)?;
-    verify::axes_ready(&motion.systems[index], &motion.axes)?;
-    verify::not_homing(&motion.systems[index], &motion.axes)?;
+    verify::ready(members(&motion.systems[index], &motion.axes))?;
+    verify::not_homing(members(&motion.systems[index], &motion.axes))?;
     let s_curve = active.is_some_and(|active| active.dynamics.is_s_curve());
-    verify::stoppable(&motion.systems[index], &motion.axes, s_curve)?;
+    verify::system_stoppable(&motion.systems[index], &motion.axes, s_curve)?;
     let system = &mut motion.systems[index];
     let active = match (system.activity, system.active()) {
         (Activity::Moving, Some(active)) => *active,
-        (Activity::Stopping, _) => return verify::not_stopping(system, &motion.axes),
+        (Activity::Stopping, _) => return verify::system_not_stopping(system, &motion.axes),
         _ => return Err(MotionError::IllegalDynamicChange),
     };
     let maxima = maxima(&system.description);

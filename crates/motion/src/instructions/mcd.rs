@@ -12,6 +12,7 @@ use crate::axis::generator_kind::GeneratorKind;
 use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::tolerance::DISTANCE_SHARE;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -60,7 +61,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     operands.verify_mode(follower.is_some())?;
     let running = state.sum.get(kind).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
-    axis_moves::not_stopping(state)?;
+    verify::not_stopping(alone(state))?;
     let (maxima, bounds) = (state.dynamics, state.bounds);
     let Some(generator) = state.sum.get_mut(kind) else {
         return Err(MotionError::IllegalDynamicChange);

@@ -28,7 +28,7 @@ use crate::path_data::{DynamicsData, PathData};
 use crate::range;
 use crate::system::Termination;
 use crate::system::heading;
-use crate::verify;
+use crate::verify::{self, members};
 
 /// Checks that the members of the path are in their ranges (13), and that reserved ones are 0 (99).
 fn verify_path(path: &PathData, operand: OperandIndex) -> Result<(), MotionError> {
@@ -100,9 +100,9 @@ pub(super) fn execute(
     if !system.travel.can_turn() {
         return Err(MotionError::FeatureNotSupported);
     }
-    verify::axes_ready(system, &motion.axes)?;
-    verify::not_homing(system, &motion.axes)?;
-    verify::stoppable(
+    verify::ready(members(system, &motion.axes))?;
+    verify::not_homing(members(system, &motion.axes))?;
+    verify::system_stoppable(
         system,
         &motion.axes,
         tags.dynamics.profile == Some(VelocityProfile::SCurve),
@@ -128,7 +128,7 @@ pub(super) fn execute(
     }
     let path = path_move.path.shifted(&-shift);
     moves::verify_conflicts(motion, index, Merge::Disabled)?;
-    verify::no_overtravel(&motion.systems[index], &motion.axes, &path.end())?;
+    verify::no_overtravel_to(&motion.systems[index], &motion.axes, &path.end())?;
     let joints = JointLimits {
         path: moves::path_limits(motion, index, &path_move.path, path_move.rotation.as_ref(), headings[0])?,
         corner: f64::INFINITY,

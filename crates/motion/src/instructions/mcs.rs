@@ -12,7 +12,7 @@ use crate::motion::Motion;
 use crate::stop::{AxisSet, Stop};
 use crate::transforms::cancel::Release;
 use crate::transforms::transform::Transform;
-use crate::verify;
+use crate::verify::{self, members};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let index = motion.target_system(call)?;
@@ -21,8 +21,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         rates: operands,
     } = motion.operands(call)?;
     verify_units(motion, index, &operands)?;
-    verify::axes_on(&motion.systems[index], &motion.axes)?;
-    verify::stoppable(&motion.systems[index], &motion.axes, motion.systems[index].is_s_curve())?;
+    verify::switched_on(members(&motion.systems[index], &motion.axes))?;
+    verify::system_stoppable(&motion.systems[index], &motion.axes, motion.systems[index].is_s_curve())?;
     let rates = rates(motion, index, &operands)?;
     if *stop_type == McsStopType::All {
         verify_sharing(motion, index, &operands)?;
@@ -209,7 +209,7 @@ fn verify_sharing(motion: &Motion, index: SystemId, operands: &StopOperands) -> 
         if other == index || !motion.systems[other].is_busy() || !shares(motion, index, other) {
             continue;
         }
-        verify::stoppable(&motion.systems[other], &motion.axes, motion.systems[other].is_s_curve())?;
+        verify::system_stoppable(&motion.systems[other], &motion.axes, motion.systems[other].is_s_curve())?;
         rates(motion, other, operands)?;
     }
     Ok(())

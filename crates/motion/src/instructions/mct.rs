@@ -16,7 +16,7 @@ use crate::transforms::TransformId;
 use crate::transforms::robot::{Joints, RobotMap};
 use crate::transforms::sides::Positions;
 use crate::transforms::transform::{Map, Transform};
-use crate::verify;
+use crate::verify::{self, members};
 
 /// Largest angle of an orientation, degrees.
 const LARGEST_ANGLE: f64 = 360.0;
@@ -109,9 +109,9 @@ pub(super) fn begin(
     verify_linear(motion, &transform.target)?;
     for index in [transform.source_system, target] {
         let system = &motion.systems[index];
-        verify::axes_ready(system, &motion.axes)?;
-        verify::not_homing(system, &motion.axes)?;
-        verify::stoppable(system, &motion.axes, true)?;
+        verify::ready(members(system, &motion.axes))?;
+        verify::not_homing(members(system, &motion.axes))?;
+        verify::system_stoppable(system, &motion.axes, true)?;
     }
     let order = verify_chain(motion, target, &transform)?;
     verify_at_rest(motion, &transform)?;

@@ -19,7 +19,7 @@ use crate::masters::links::MasterLink;
 use crate::motion::AcceptedMove;
 use crate::motion::Motion;
 use crate::system::{Activity, Planned, System, Termination};
-use crate::verify;
+use crate::verify::{self, members};
 
 /// The operands that every coordinated move has besides its path.
 #[derive(Clone, Copy, Debug)]
@@ -100,10 +100,10 @@ pub(super) fn execute(
     if system.description.axis_limits == LimitPolicy::Enforce && master.is_some() {
         return Err(MotionError::FeatureNotSupported);
     }
-    verify::axes_ready(system, &motion.axes)?;
-    verify::not_homing(system, &motion.axes)?;
+    verify::ready(members(system, &motion.axes))?;
+    verify::not_homing(members(system, &motion.axes))?;
     let dynamics = programmed.dynamics(&Maxima::from(&system.description))?;
-    verify::stoppable(system, &motion.axes, dynamics.is_s_curve())?;
+    verify::system_stoppable(system, &motion.axes, dynamics.is_s_curve())?;
     let (termination, ending) = operands.termination(&system.description)?;
     // The queue continues in the frame in which it began; the operands refer to the present positions.
     let (start, shift) = match merge {
@@ -113,7 +113,7 @@ pub(super) fn execute(
     let in_positions = path(motion, system, start + shift)?;
     let path = in_positions.shifted(&-shift);
     verify_conflicts(motion, index, merge)?;
-    verify::no_overtravel(system, &motion.axes, &path.end())?;
+    verify::no_overtravel_to(system, &motion.axes, &path.end())?;
     // A queued move starts with the orientation at the end of the queue, and keeps it.
     let (still, queued_heading) = match merge {
         Merge::Disabled => (
@@ -321,7 +321,7 @@ pub(super) fn verify_conflicts(motion: &Motion, index: SystemId, merge: Merge) -
     if merge == Merge::Disabled && system.activity == Activity::Moving && system.travel.is_full() {
         return Err(MotionError::CoordinateSystemQueueFull);
     }
-    verify::not_stopping(system, &motion.axes)?;
+    verify::system_not_stopping(system, &motion.axes)?;
     if merge == Merge::AllMotion {
         return Ok(());
     }

@@ -5,10 +5,10 @@ use arcline_instruction_set::enumerations::{RedefineType, Reference};
 use arcline_instruction_set::operands::Mrp;
 use arcline_instruction_set::{Call, MotionError};
 
-use super::axis_moves::{not_homing, not_shut_down};
 use crate::execution::Execution;
 use crate::motion::Motion;
 use crate::range;
+use crate::verify::{self, alone};
 
 pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) -> Result<(), MotionError> {
     let axis = motion.target_axis(call)?;
@@ -21,8 +21,8 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     if *redefine_type == RedefineType::Absolute && state.unwind.is_some_and(|turn| !(0.0..turn).contains(&*position)) {
         return Err(position.out_of_range());
     }
-    not_shut_down(state)?;
-    not_homing(state)?;
+    verify::not_shut_down(alone(state))?;
+    verify::not_homing(alone(state))?;
     if state.homing().is_some() || motion.is_redefining(axis) {
         return Err(MotionError::RedefinePositionInProcess);
     }

@@ -15,7 +15,7 @@ use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_PRIMARY_AXES;
 use crate::system::{Activity, System, component, numbered};
-use crate::tolerance::{AT_ONCE_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
+use crate::tolerance::{ANGLES_AT_ONCE_DEG, ANGLES_FAR_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
 
 /// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
@@ -91,8 +91,8 @@ fn shown_at_end(rotation: &Rotation, from: &Point) -> (Point, bool) {
     for _ in 0..MOST_SAMPLES {
         let share = f64::min(here + step, 1.0);
         let there = angles(&rotation.at(share).orientation, &at);
-        if (there.x - at.x).abs().max((there.z - at.z).abs()) > FAR_DEG {
-            if step * rotation.angle() > AT_ONCE_DEG {
+        if (there.x - at.x).abs().max((there.z - at.z).abs()) > ANGLES_FAR_DEG {
+            if step * rotation.angle() > ANGLES_AT_ONCE_DEG {
                 step *= 0.5;
                 continue;
             }
@@ -241,5 +241,3 @@ impl System {
 const SAMPLES: u32 = 16;
 /// Most samples, with steps that are halved close to straight up.
 const MOST_SAMPLES: u32 = 200;
-/// Degrees of Rx or Rz in a step.
-const FAR_DEG: f64 = 60.0;

@@ -19,6 +19,7 @@ use crate::axes::Axes;
 use crate::axis::Axis;
 use crate::axis::generator::Generator;
 use crate::axis::generator_kind::GeneratorKind;
+use crate::tolerance::JOINT_AT_ONCE_DEG;
 
 /// A part of the computation of the transform with this index in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -365,7 +366,7 @@ fn within_speeds(
     for (index, axis) in transform.target.iter().enumerate() {
         let (now, before) = (&now[index], &before[index]);
         if guard::too_far(before, now, axes[*axis].dynamics.speed, period) {
-            let at_once = (now.position - before.position).abs() > guard::AT_ONCE_DEG;
+            let at_once = (now.position - before.position).abs() > JOINT_AT_ONCE_DEG;
             return Err(if at_once {
                 MotionError::TransformAtOrigin
             } else {

@@ -16,7 +16,10 @@ use super::sides::{SideState, positions};
 use super::transform::{Map, Transform};
 use crate::axis::generator_kind::GeneratorKind;
 use crate::machine::MAX_SYSTEM_AXES;
-use crate::tolerance::{JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, SHORTEST_SAMPLE_INTERVAL_S};
+use crate::tolerance::{
+    JOINT_AT_ONCE_DEG, JOINT_DISTANCE_SHARE, JOINT_SPEED_SHARE, JOINT_UNITS, ODD_SPEED_SHARE, SAMPLE_ERROR_SHARE,
+    SHORTEST_SAMPLE_INTERVAL_S,
+};
 
 /// The future of a transform.
 #[derive(Clone, Copy, Debug)]
@@ -345,7 +348,7 @@ impl StopAhead<'_> {
         for index in 0..self.transform.target.len() {
             let distance = (next.joint(index).position - before.joint(index).position).abs();
             if distance > self.bounds[index].speed * width * (1.0 + JOINT_DISTANCE_SHARE) + JOINT_UNITS {
-                if distance > AT_ONCE_DEG {
+                if distance > JOINT_AT_ONCE_DEG {
                     return Err(MotionError::TransformAtOrigin);
                 }
                 verdict = verdict.and(Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8))));
@@ -361,17 +364,9 @@ pub(super) fn too_far(before: &KinematicState, now: &KinematicState, speed: f64,
         || (now.position - before.position).abs() > speed * period * (1.0 + SAMPLE_ERROR_SHARE) + JOINT_UNITS
 }
 
-/// Excess of a joint's speed over its Maximum Speed from which the source leads it no longer: the error between two samples of a
-/// stop.
-const SAMPLE_ERROR_SHARE: f64 = 0.02;
-/// A joint with a larger displacement, in degrees, between two samples at the smallest distance turns at once.
-pub(super) const AT_ONCE_DEG: f64 = 10.0;
 /// Samples of a stop, evenly spaced in time.
 const SAMPLES: u8 = 4;
 /// Most additional samples between these.
 const CLOSER: u8 = 32;
 /// Nested intervals.
 const DEPTH: usize = 14;
-/// Difference between the speed of a joint in the middle of an interval and the mean of those at the ends, as a share of its Maximum Speed,
-/// above which the interval is divided.
-const ODD_SPEED_SHARE: f64 = 0.25;

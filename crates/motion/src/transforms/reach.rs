@@ -8,13 +8,14 @@
 use arcline_instruction_set::{AxisId, AxisIndex, MotionError, SystemId};
 use arcline_planner::geometry::{Path, Point as Vector, Rotation, angle_rates, angles};
 use arcline_profile::KinematicState;
+use arcline_profile::numeric::try_bisect;
 
 use super::present::Present;
 use super::robot::RobotMap;
 use super::sides::SideState;
 use super::transform::{Map, Transform};
 use crate::dynamics::PathLimits;
-use crate::tolerance::{NO_MOTION_UNITS, ORIGIN_STEP_SHARE};
+use crate::tolerance::{JOINT_FAR_DEG, NO_MOTION_UNITS, ORIGIN_STEP_SHARE, SAMPLED_LIMIT_SHARE};
 
 /// The motion of a coordinate system along a path.
 struct MovedPath<'a> {
@@ -30,7 +31,7 @@ impl PathLimits {
     fn slow(&mut self, joint: &KinematicState, speed: f64, [acceleration, deceleration]: [f64; 2]) {
         let (slope, bend) = (joint.velocity.abs(), joint.acceleration.abs());
         let [speed, acceleration, deceleration] =
-            [speed, acceleration, deceleration].map(|limit| LOOKED_AT_SHARE * limit);
+            [speed, acceleration, deceleration].map(|limit| SAMPLED_LIMIT_SHARE * limit);
         self.speed = self.speed.min(speed / slope);
         let least = 0.5 * acceleration.min(deceleration);
         self.speed = self.speed.min((least / bend).sqrt());
@@ -214,18 +215,14 @@ impl Present<'_> {
         source: &mut impl FnMut(f64) -> SideState,
         limits: &mut PathLimits,
     ) -> Result<(), MotionError> {
-        let [mut low, mut high] = span.ends;
+        let [low, high] = span.ends;
         let rises = span.joints[0][span.index].velocity > 0.0;
-        for _ in 0..HALVES {
-            let middle = 0.5 * (low + high);
-            let joints = robot.target_of(&source(middle))?;
+        // Each sample is checked; the point itself is of no use.
+        try_bisect(low, high, HALVES, |share| {
+            let joints = robot.target_of(&source(share))?;
             self.verify_joints(transform, &joints, limits)?;
-            if (joints[span.index].velocity > 0.0) == rises {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+            Ok((joints[span.index].velocity > 0.0) != rises)
+        })?;
         Ok(())
     }
 
@@ -271,7 +268,7 @@ fn turns_far(robot: &RobotMap, before: &SideState, after: &SideState, length: f6
         let gone = after.position - before.position;
         // The deviation of the cubic through both ends, in its middle, from the mean of the velocities.
         let bent = 1.5 * (gone - 0.5 * (before.velocity + after.velocity) * length);
-        robot.turns(index) && (gone.abs() > FAR_DEG || bent.abs() > FAR_DEG)
+        robot.turns(index) && (gone.abs() > JOINT_FAR_DEG || bent.abs() > JOINT_FAR_DEG)
     })
 }
 
@@ -281,8 +278,4 @@ const STEPS: u16 = 32;
 const SAMPLES: u16 = 400;
 /// Reversals of joints that are searched for, and halvings of a step for one.
 const EXTREMES: u16 = 24;
-const HALVES: u16 = 18;
-/// Between two samples of a path, speeds and rates of joints are assumed to be within this share of those at one of them.
-const LOOKED_AT_SHARE: f64 = 0.98;
-/// Degrees.
-const FAR_DEG: f64 = 5.0;
+const HALVES: usize = 18;

@@ -104,7 +104,7 @@ impl<'a> Guard<'a> {
     }
 
     fn allows_segment(&self, segment: &Segment, left: &mut usize) -> Verdict {
-        let cells = (segment.length / CELL).ceil().max(1.0);
+        let cells = (segment.length / CELL_S).ceil().max(1.0);
         for cell in 0..cells as usize {
             let Some(less) = left.checked_sub(1) else {
                 return Verdict::Exceeded;
@@ -139,7 +139,7 @@ impl<'a> Guard<'a> {
     }
 
     fn allows_cell(&self, segment: &Segment, begin: f64, end: f64, left: &mut usize) -> bool {
-        let steps = ((end - begin) / STEP).ceil().max(1.0);
+        let steps = ((end - begin) / STEP_S).ceil().max(1.0);
         let width = (end - begin) / steps;
         let (mut before, _) = segment.at(begin);
         let mut time_index = self.trajectory.piece_at(before);
@@ -291,5 +291,6 @@ impl Segment {
 /// Most cells and samples for one ramp; a ramp that needs more is not allowed.
 const WORK: usize = 1500;
 /// Seconds of a ramp that are examined as a whole before they are sampled.
-const CELL: f64 = 0.004;
-const STEP: f64 = 0.000_5;
+const CELL_S: f64 = 0.004;
+/// Seconds between two samples of a ramp.
+const STEP_S: f64 = 0.000_5;

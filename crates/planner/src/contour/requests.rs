@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use arcline_contour::{AxisLimits, ContourMove, Rates, Trajectory, extend, replan};
+use arcline_contour::{AxisLimits, ContourMove, ExtensionRequest, Rates, Trajectory, extend, replan};
 use arcline_profile::stop_distance;
 
 use super::ContourQueue;
@@ -51,9 +51,27 @@ impl Extension {
             earliest,
             anew,
         } = self;
+        let request = ExtensionRequest {
+            running: trajectory,
+            passed: *passed,
+            moves,
+            limits,
+            now: *now,
+            earliest: *earliest,
+        };
         match *anew {
-            Some(pace) => replan(trajectory, pace, *passed, moves, limits, now / pace, earliest / pace),
-            None => extend(trajectory, *passed, moves, limits, *now, *earliest),
+            Some(pace) => {
+                let (now, earliest) = (now / pace, earliest / pace);
+                replan(
+                    &ExtensionRequest {
+                        now,
+                        earliest,
+                        ..request
+                    },
+                    pace,
+                )
+            }
+            None => extend(&request),
         }
     }
 }

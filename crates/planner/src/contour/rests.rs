@@ -38,7 +38,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Records the arrival of a move: it is late if the contour that it should have continued has just ended.
     pub(super) fn count_late_move(&mut self, time: &Clock) {
-        if self.open_end.take().is_some_and(|end| end.elapsed(time) < LATE) {
+        if self.open_end.take().is_some_and(|end| end.elapsed(time) < LATE_S) {
             self.rests.starved = self.rests.starved.wrapping_add(1);
             self.is_late = true;
         }
@@ -46,4 +46,4 @@ impl<T: Copy> ContourQueue<T> {
 }
 
 /// Seconds after the end of a contour within which an arriving move counts as its late continuation.
-const LATE: f64 = 1.0;
+const LATE_S: f64 = 1.0;

@@ -1,37 +1,48 @@
 //! The tuned constants of [`super::requests`] for the time of planning. Those of the plans themselves are `arcline_contour`'s.
 //!
-//! No experiment determines them: the streams of `tests/tests/motion/streams.rs` and paths outside of the repository verify them.
+//! The streams of `tests/tests/motion/streams.rs` and paths outside of the repository verify them together. No experiment that changes one of them alone
+//! is recorded: each states what it trades, and is not measured.
 
 /// Seconds for which the first move of an open contour waits for others, and the end of a trajectory in execution for another move: clients
-/// send moves one by one.
+/// send moves one by one. More time delays a contour of one move, less begins a stream with fewer moves. Not measured.
 pub(super) const GATHER_S: f64 = 0.01;
-/// The same after a contour for which moves arrived too slowly, while the waiting moves last no longer than `LEAST_BEGUN_S`.
+/// The same after a contour for which moves arrived too slowly, while the waiting moves last no longer than `LEAST_BEGUN_S`. More time makes each rest
+/// longer, less makes rests more frequent. Not measured.
 pub(super) const LONGEST_GATHER_S: f64 = 0.1;
-/// Waiting moves of at least this duration, seconds, begin at once.
+/// Waiting moves of at least this duration, seconds, begin at once. Fewer seconds may end before the first extension is planned, more delay the beginning.
+/// Not measured.
 pub(super) const LEAST_BEGUN_S: f64 = 0.1;
-/// A trajectory is extended when the waiting moves are at least its planned ones divided by this number.
+/// A trajectory is extended when the waiting moves are at least its planned ones divided by this number. A larger one extends more often, and plans the
+/// end of the trajectory more often. Not measured.
 pub(super) const FEW_MOVES: usize = 4;
-/// The same while more than `AMPLE_S` of the trajectory are left.
+/// The same while more than `AMPLE_S` of the trajectory are left: then fewer extensions, of more moves each, are in time. Not measured.
 pub(super) const FEW_MOVES_LATER: usize = 2;
-/// A trajectory with at least this rest need not be extended soon, seconds.
+/// A trajectory with at least this rest need not be extended soon, seconds. More extends earlier with fewer moves. Not measured.
 pub(super) const AMPLE_S: f64 = 0.5;
-/// A trajectory with at most this rest is extended in any case, seconds.
+/// A trajectory with at most this rest is extended in any case, seconds. More extends for few moves, less leaves no time to plan. Not measured.
 pub(super) const NEAR_S: f64 = 0.5;
-/// Seconds for planning the first extension. Later ones get the planning time of the last one, times `PLANNING_MARGIN`.
+/// Seconds for planning the first extension, and the least for later ones, which get the planning time of the last one, times `PLANNING_MARGIN`. More
+/// splices later, so that less of the trajectory can change; less makes plans late. Not measured; an extension that was found took 6 to 10 ms
+/// on dense chords (`contour/NOTES.md`, *Extensions of dense chords*).
 pub(super) const PLANNING_S: f64 = 0.03;
-/// Most seconds for planning an extension.
+/// Most seconds for planning an extension: a late plan doubles the time of the next one, and without a bound a trajectory would never be long enough. Not
+/// measured.
 pub(super) const MOST_PLANNING_S: f64 = 3.0;
-/// Time for a plan, as a multiple of the planning time of the last one.
+/// Time for a plan, as a multiple of the planning time of the last one: more splices later, less makes plans late. Not measured.
 pub(super) const PLANNING_MARGIN: f64 = 1.5;
-/// Share of a trajectory's rest that must pass before a failed extension is tried again.
+/// Share of a trajectory's rest that must pass before a failed extension is tried again. Less repeats the failure from almost the same state, more leaves
+/// less rest for the next attempt. Not measured.
 pub(super) const RETRY_SHARE: f64 = 0.3;
-/// The same for a failed plan of the rest.
+/// The same for a failed plan of the rest: smaller, as the motion continues at its pace meanwhile and does not come to rest. Not measured.
 pub(super) const RETRY_ANEW_SHARE: f64 = 0.1;
-/// Seconds without a change after which moves that changed are planned anew.
+/// Seconds without a change after which moves that changed are planned anew. Less plans for each step of an override that is turned, more stays longer at
+/// the pace of the old plan. Not measured.
 pub(super) const UNCHANGED_S: f64 = 0.1;
-/// Duration of a long move, seconds.
+/// Duration of a long move, seconds: such a move is planned at full speed under a low override, as a plan anew within it could not raise its speed in
+/// time. Less plans more moves faster than they are travelled, more lets an override rise late. Not measured.
 pub(super) const LONG_MOVE_S: f64 = 0.7;
-/// The least pace, as a share of the planned one, at which a slower trajectory is planned anew.
+/// The least pace, as a share of the planned one, at which a slower trajectory is planned anew: a plan for a lower one would take several times as long
+/// as the present one, and be replaced when the override rises. Not measured.
 pub(super) const LEAST_PACE_SHARE: f64 = 0.2;
-/// The least rest of a trajectory that is planned anew, seconds.
+/// The least rest of a trajectory that is planned anew, seconds: a plan of less is not in time. Not measured.
 pub(super) const LEAST_LEFT_S: f64 = 0.1;
