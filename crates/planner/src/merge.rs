@@ -189,7 +189,7 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
         };
         // A velocity along the path within rounding counts as across it.
         let forward = along.velocity * square.sqrt();
-        if square < LEAST_WAY || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
+        if square < LEAST_SHARE_SQUARED || forward.is_nan() || forward <= ROUNDING_SHARE * velocity.norm() {
             return None;
         }
         let parts = out.parts(
@@ -215,4 +215,4 @@ fn split<T>(motion: &Move<T>, out: &RampOut) -> Option<Pieces> {
 const ACROSS: [f64; 3] = [1.0, 4.0, f64::INFINITY];
 const SPLITTINGS: usize = 32;
 /// Square of the least share of a path that the compensation must leave.
-const LEAST_WAY: f64 = 0.01;
+const LEAST_SHARE_SQUARED: f64 = 0.01;

@@ -199,7 +199,7 @@ impl<T: Copy> Planner<T> {
         let passed = self.queue.is_passed_to();
         let corner = self.queue.corner();
         let cancelled = self.queue.pop()?;
-        self.trail_ends |= !self.leads_over(self.trail.len(), passed);
+        self.trail_ends |= !self.continues_onto(self.trail.len(), passed);
         if !self.trail_ends {
             self.trail.push_back(CancelledPath {
                 path: cancelled.path,
@@ -209,9 +209,9 @@ impl<T: Copy> Planner<T> {
         Some(cancelled.data)
     }
 
-    /// The profile of the active move, or its exit speed, leads onto the pending move with this index. `is_passed_to`: there is no
+    /// The profile of the active move, or its exit speed, continues onto the pending move with this index. `is_passed_to`: there is no
     /// rest before that move.
-    fn leads_over(&self, index: usize, is_passed_to: bool) -> bool {
+    fn continues_onto(&self, index: usize, is_passed_to: bool) -> bool {
         self.active
             .is_some_and(|running| index < running.joined || (running.exit > 0.0 && is_passed_to))
     }
@@ -255,12 +255,12 @@ impl<T: Copy> Planner<T> {
         self.trail.truncate(followed);
     }
 
-    /// The paths along which a stop that began now could lead, with the highest speeds at the corners before them: those of cancelled moves,
+    /// The paths along which a stop that began now could continue, with the highest speeds at the corners before them: those of cancelled moves,
     /// and those of the pending moves whose paths [`Planner::cancel_pending`] would keep.
     pub(crate) fn paths_of_stop(&self) -> impl Iterator<Item = (&Path, f64)> {
         let pending = (self.trail.len()..).zip(self.queue.junctions());
         let followed = pending
-            .take_while(|(index, (_, passed, _))| !self.trail_ends && self.leads_over(*index, *passed))
+            .take_while(|(index, (_, passed, _))| !self.trail_ends && self.continues_onto(*index, *passed))
             .map(|(_, (motion, _, corner))| (&motion.path, corner * motion.parameter.speed));
         self.trail
             .iter()

@@ -44,7 +44,7 @@ impl GeneratorKind {
     ];
 
     /// The kinds whose profile can be a function of a master's displacement.
-    pub(crate) const GUIDED: [GeneratorKind; 3] =
+    pub(crate) const MASTER_DRIVEN: [GeneratorKind; 3] =
         [GeneratorKind::Move, GeneratorKind::Jog, GeneratorKind::MasterOffset];
 
     /// A single-axis instruction begins it; merges and stops of the axis end it.

@@ -238,13 +238,13 @@ impl Sum {
     /// Position, velocity and acceleration of the axis.
     pub(crate) fn command(&self) -> KinematicState {
         let mut total = KinematicState::default();
-        let mut lead = None;
+        let mut first = None;
         for (kind, generator) in self.moving() {
             total.velocity += generator.now.velocity;
             total.acceleration += generator.now.acceleration;
-            lead = lead.or(Some(kind));
+            first = first.or(Some(kind));
         }
-        total.position = match lead.and_then(|kind| self.seen_from(kind, None)) {
+        total.position = match first.and_then(|kind| self.seen_from(kind, None)) {
             Some(position) => position,
             None => self.rest,
         };

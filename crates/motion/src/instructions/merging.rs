@@ -59,7 +59,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
         return own;
     }
     let mut all = own;
-    let mut programmed = own.map_or(Point::zeros(), |own| way_of_path(motion, index) * own.speed);
+    let mut programmed = own.map_or(Point::zeros(), |own| path_direction(motion, index) * own.speed);
     for (axis, programmed) in system.description.linear().iter().zip(programmed.iter_mut()) {
         let sum = &motion.axes.get(*axis)?.sum;
         let single = |kind: GeneratorKind| kind.is_single_axis() || kind == GeneratorKind::System && own.is_none();
@@ -85,7 +85,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
 }
 
 /// The direction of the coordinated motion of a system; zeros at rest.
-fn way_of_path(motion: &Motion, index: SystemId) -> Point {
+fn path_direction(motion: &Motion, index: SystemId) -> Point {
     let now = |axis: &Axis| axis.sum.motion_of(|kind| kind == GeneratorKind::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
     let acceleration = command(motion, index, |axis| now(axis).acceleration);
