@@ -253,7 +253,7 @@ impl System {
     }
 
     /// Seconds until the end of the active move, or until its successor becomes active, as planned now. `None` if the time is unknown:
-    /// no move is active, it is held or stopped, or a master leads it.
+    /// no move is active, it is held or stopped, or it is master driven.
     pub(crate) fn time_left(&self, time: &Clock) -> Option<f64> {
         if self.activity != Activity::Moving || self.follower.is_some() {
             return None;

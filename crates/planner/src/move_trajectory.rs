@@ -292,7 +292,7 @@ impl Approach {
 }
 
 impl Residual {
-    /// A residual that ramps out beside a path. A compensation that leads away from the target makes the distance longer than the path; the path
+    /// A residual that ramps out beside a path. A compensation away from the target makes the distance longer than the path; the path
     /// is then slower by that factor.
     pub(crate) fn new(parts: [ResidualPart; 3], start: Instant, path: &Path) -> Self {
         Residual {

@@ -31,9 +31,11 @@ impl PathWithResidual<'_> {
         removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
-        let free = Profile::after_removal(forward(from, limits, self.bound / self.max_displacement_per_unit()), from, |from| {
-            plan(from, limits)
-        });
+        let free = Profile::after_removal(
+            forward(from, limits, self.bound / self.max_displacement_per_unit()),
+            from,
+            |from| plan(from, limits),
+        );
         if self.is_within_bound(&free) {
             return Some(free);
         }

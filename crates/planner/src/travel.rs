@@ -338,7 +338,7 @@ impl<T: Copy> Travel<T> {
         })
     }
 
-    /// The rate of that variable if a master leads.
+    /// The rate of that variable if the contour is master driven.
     fn contour_rate(&self, base: &TimeBase) -> MasterRate {
         let rate = base.master.as_ref().map(|master| master.rate).unwrap_or_default();
         MasterRate {

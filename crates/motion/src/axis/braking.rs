@@ -47,7 +47,7 @@ impl Axis {
         }
     }
 
-    /// The stop of an axis that would lead a robot out of its reach: at the axis's maxima, with no less jerk than the programmed jerk of
+    /// The stop of an axis that would move a robot out of its reach: at the axis's maxima, with no less jerk than the programmed jerk of
     /// the generators that move it.
     pub(crate) fn guarded_stop(&self) -> Limits {
         let mut limits = self.dynamics.stop(self.is_s_curve());
@@ -77,7 +77,7 @@ impl Axis {
         stop.stopping = true;
         stop.brake = Some(*limits);
         stop.s_curve = limits.jerk.is_some();
-        stop.parting = self.is_parting();
+        stop.after_transform = self.stops_after_transform();
         stop.coordinated = self.has_coordinated_motion();
         self.after_stop = AfterStop::Hold;
         self.sum.set_position(from.position);
@@ -115,7 +115,7 @@ impl Axis {
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
         if let Some(earlier) = self.sum.get(GeneratorKind::Stop) {
-            (stop.parting, stop.coordinated) = (earlier.parting, earlier.coordinated);
+            (stop.after_transform, stop.coordinated) = (earlier.after_transform, earlier.coordinated);
         }
         let started_at = self.started_at;
         for kind in GeneratorKind::ALL {

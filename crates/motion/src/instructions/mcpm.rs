@@ -169,7 +169,7 @@ struct PathMove {
 }
 
 impl PathMove {
-    /// The move from a point and an orientation in the queue's frame; `shift` leads from that frame to the present one. The turns counter of J6
+    /// The move from a point and an orientation in the queue's frame; `shift` is the displacement from that frame to the present one. The turns counter of J6
     /// counts whole turns of Rz; that of J4, which turns the opposite way, counts them negatively. The counters of an absolute move are those at
     /// its end; those of an incremental move add turns to its path.
     fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> PathMove {

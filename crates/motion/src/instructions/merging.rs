@@ -97,7 +97,7 @@ fn path_direction(motion: &Motion, index: SystemId) -> Point {
 /// including coordinated motion of other systems. Axes that the new move does not use brake separately.
 pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     motion.systems.end_travel(index, &mut motion.controls);
-    motion.systems[index].part_axes(&mut motion.axes);
+    motion.systems[index].release_axes_in_motion(&mut motion.axes);
     if merge != Merge::AllMotion {
         return;
     }

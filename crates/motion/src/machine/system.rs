@@ -40,7 +40,7 @@ pub struct CoordinateSystem {
     pub deviation: Deviation,
     /// The axes' own limits lower the path speed, or do not.
     pub axis_limits: LimitPolicy,
-    /// The limits of the joints of robots that a transform leads lower the path speed, or do not.
+    /// The limits of the joints of robots that a transform moves lower the path speed, or do not.
     pub joint_limits: LimitPolicy,
     /// The robot whose joints are the axes of the system; `None`: it is Cartesian.
     pub robot: Option<Robot>,

@@ -1,4 +1,4 @@
-//! A slave axis that a cam leads: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
+//! A slave axis that follows a cam: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
 //!
 //! The slave's displacement since the lock of the cam is a function of the master's displacement since then, whatever the update period,
 //! and nothing is integrated: the lock and the ends of the profile are positions of the master, not ticks. Time is a master that moves at

@@ -1,7 +1,7 @@
 //! The map of a transform from the positions of one side to the other: between two Cartesian frames, or to a robot's joints and back.
 //!
-//! A robot's joints are followed through whole turns: they stay close to their last positions, and so do the angles of an orientation that
-//! joints lead. Not here: the side that leads the other one ([`super::compute`]). Real-time: nothing allocates.
+//! A robot's joints are followed through whole turns: they stay close to their last positions, and so do the angles of an orientation
+//! that follows from joints. Not here: the side that moves the other one ([`super::compute`]). Real-time: nothing allocates.
 //! Units: position units, degrees of joints and of orientation, seconds.
 
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};

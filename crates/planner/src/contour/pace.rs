@@ -33,7 +33,7 @@ pub(super) struct Pace {
     ramp: Profile,
     start: Instant,
     wanted: PaceRequest,
-    /// Index of the active ramp; [`NONE`] if it does not lead to the requested pace.
+    /// Index of the active ramp; [`NONE`] if it does not end at the requested pace.
     under_way: usize,
     /// Index of the ramp to try next.
     next: usize,

@@ -112,7 +112,7 @@ impl Target {
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
-                    let over = self.leave(position, at);
+                    let over = self.end_active(position, at);
                     if let Some(free) = ended.iter_mut().find(|ended| ended.is_none()) {
                         *free = over;
                     }
@@ -162,7 +162,7 @@ impl Target {
         let now = clock.now();
         self.expire(now, clock);
         self.let_pass(now);
-        (self.locked, self.leads, self.in_transition) = (false, false, false);
+        (self.locked, self.pending_sets_bits, self.in_transition) = (false, false, false);
         let Some(program) = self.cams[ACTIVE].program.as_ref() else {
             return;
         };
@@ -199,9 +199,9 @@ impl Target {
                 }
             })
         };
-        self.leads = self.cams[PENDING].cam().is_some_and(|cam| {
+        self.pending_sets_bits = self.cams[PENDING].cam().is_some_and(|cam| {
             (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
         });
-        self.in_transition = self.leads || self.lags();
+        self.in_transition = self.pending_sets_bits || self.lags();
     }
 }

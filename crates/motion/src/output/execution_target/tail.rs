@@ -27,7 +27,7 @@ pub(super) struct CamExit {
 
 impl Target {
     /// Ends the active cam at a position; the pending one takes over. Returns the instruction of the ended cam.
-    pub(super) fn leave(&mut self, position: f64, at: Instant) -> Option<Execution> {
+    pub(super) fn end_active(&mut self, position: f64, at: Instant) -> Option<Execution> {
         let zero = self.zero();
         let middle = |start: f64, end: f64| 0.5 * (start + end);
         let forward = self.cams[ACTIVE]
