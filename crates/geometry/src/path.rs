@@ -37,8 +37,8 @@ impl Path {
 
     /// A path that stays at a point for a length: the path of a rotation alone, whose length has its own unit.
     #[must_use]
-    pub fn standing(at: Point, length: f64) -> Path {
-        Path::Line(Line::standing(at, length))
+    pub fn stationary(at: Point, length: f64) -> Path {
+        Path::Line(Line::stationary(at, length))
     }
 
     /// The path stays at a point for a length.

@@ -184,12 +184,12 @@ fn what_moves_stays_off_a_straight_wrist() {
     // J5 is 5 at its internal 0.
     let joints = [10.0, 50.0, -40.0, 20.0, 5.0, 30.0];
     let taken = robot.forward(&joints).expect("joints");
-    let standing = robot
+    let at_rest = robot
         .inverse(&taken.pose, taken.configuration, taken.turns)
         .expect("it stands");
-    assert!(apart(&robot.forward(&standing).expect("joints").pose, &taken.pose) < 1e-9);
+    assert!(apart(&robot.forward(&at_rest).expect("joints").pose, &taken.pose) < 1e-9);
     let moving = robot.inverse(
-        &taken.pose.standing::<KinematicState>(),
+        &taken.pose.constant::<KinematicState>(),
         taken.configuration,
         taken.turns,
     );

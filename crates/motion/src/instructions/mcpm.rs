@@ -186,7 +186,7 @@ impl PathMove {
         };
         let mut path = Path::line(*start, end);
         if path.length() == 0.0 {
-            path = Path::standing(*start, rotation.angle());
+            path = Path::stationary(*start, rotation.angle());
         }
         PathMove {
             path,

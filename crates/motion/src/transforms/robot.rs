@@ -84,7 +84,7 @@ impl RobotMap {
     /// `joints`: their positions, which determine the solution of the arm.
     pub(crate) fn new(frame: Frame, robot: Robot, side: Joints, joints: Positions) -> Self {
         let arm = Arm::default();
-        RobotMap::standing(Mechanism::Arm { frame, robot, arm }, side, joints)
+        RobotMap::at_joints(Mechanism::Arm { frame, robot, arm }, side, joints)
     }
 
     /// The target is a robot with a wrist; `joints` and `source` are the positions of both sides.
@@ -112,10 +112,10 @@ impl RobotMap {
                 wrist.angles = angles(point.coordinates());
             }
         }
-        RobotMap::standing(Mechanism::Wrist(wrist), Joints::Target, joints)
+        RobotMap::at_joints(Mechanism::Wrist(wrist), Joints::Target, joints)
     }
 
-    fn standing(mechanism: Mechanism, side: Joints, joints: Positions) -> Self {
+    fn at_joints(mechanism: Mechanism, side: Joints, joints: Positions) -> Self {
         let mut map = RobotMap {
             mechanism,
             side,
