@@ -162,10 +162,10 @@ const STOP_ROBOT: [&str; 2] = ["MCS(CART, Stop1, 0, 0, 100, 0, 0, 100, 2)", "MGS
 /// Both machines with their calls.
 const SCANS: [(Of, &[&str]); 2] = [(Of::Axes, CALLS), (Of::Robot, ROBOT_CALLS)];
 
-/// A number of a call: its place in the text, and whether it may make an axis fast.
-type Slot = (std::ops::Range<usize>, bool);
+/// A number of a call: its range in the text, and whether it may make an axis fast.
+type NumberRange = (std::ops::Range<usize>, bool);
 
-fn slots(call: &str) -> Vec<Slot> {
+fn number_ranges(call: &str) -> Vec<NumberRange> {
     let mut found = Vec::new();
     let mut from = 0;
     while let Some(open) = call[from..].find(['{', '<']).map(|at| from + at) {
@@ -181,7 +181,7 @@ fn slots(call: &str) -> Vec<Slot> {
 fn with(call: &str, given: &[(usize, &str)]) -> String {
     let mut text = String::new();
     let mut from = 0;
-    for (place, (range, _)) in slots(call).into_iter().enumerate() {
+    for (place, (range, _)) in number_ranges(call).into_iter().enumerate() {
         text += &call[from..range.start];
         let own = &call[range.start + 1..range.end - 1];
         text += given
@@ -243,8 +243,8 @@ impl Scan {
                 None => accepted = self.bench.call(statement.trim()) == OK,
             }
         }
-        let slots = slots(call);
-        self.fast |= accepted && given.iter().any(|(place, _)| slots[*place].1);
+        let ranges = number_ranges(call);
+        self.fast |= accepted && given.iter().any(|(index, _)| ranges[*index].1);
         // Faster than the axis can follow: the command limits act.
         self.bench.refusals_expected = self.fast;
         self.run(ticks);
@@ -299,7 +299,7 @@ impl Scan {
 fn no_wild_number_alone_moves_an_axis() {
     for (of, calls) in SCANS {
         for call in calls {
-            for place in 0..slots(call).len() {
+            for place in 0..number_ranges(call).len() {
                 for moving in [false, true] {
                     let mut scan = Scan::new(of, moving);
                     for value in WILD {
@@ -344,7 +344,7 @@ fn no_wild_numbers_together_move_an_axis() {
         let mut scan = Scan::new(of, random.below(2) == 0);
         for _ in 0..12 {
             let call = random.one_of(calls);
-            let count = slots(call).len() as u64;
+            let count = number_ranges(call).len() as u64;
             let given: Vec<(usize, &str)> = (0..2)
                 .map(|_| (random.below(count) as usize, *random.one_of(WILD)))
                 .collect();
