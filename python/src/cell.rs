@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{MutexGuard, mpsc};
 use std::time::Duration;
 
-use arcline_cell::{End, Limits, LoadError, SimulatedCell, UnknownParts};
+use arcline_cell::{End, RunLimits, LoadError, SimulatedCell, UnknownParts};
 use arcline_config::Project;
 use arcline_controller::Controller;
 use arcline_controller::machine::Machine as MachineConfig;
@@ -237,7 +237,7 @@ impl Inner {
 
     /// Runs ticks, and returns how many passed.
     fn run(&mut self, ticks: u64, until: Option<&str>, observer: &mut Sampler<'_>) -> End {
-        let limits = Limits {
+        let limits = RunLimits {
             until: until.and_then(|text| self.conditions.get(text)),
             ticks,
             time: f64::INFINITY,

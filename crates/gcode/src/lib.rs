@@ -34,7 +34,7 @@ mod text;
 mod words;
 
 pub use error::{GcodeError, Problem};
-pub use program::{Corner, Motion, Options, Program, Reader, Speed, Step};
+pub use program::{Corner, Motion, Options, Program, ProgramReader, Speed, Step};
 pub use text::StructuredText;
 
 /// Longest text that is read, bytes.

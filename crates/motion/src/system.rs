@@ -11,10 +11,10 @@ mod take_over;
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, Trajectory};
 use arcline_instruction_set::{AxisId, AxisIndex, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::{AxisLimits, Trajectory};
 use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
@@ -193,7 +193,7 @@ impl System {
     ) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == LimitPolicy::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
-        planner.set_bounds(description.dynamics_bits);
+        planner.set_dynamics_bits(description.dynamics_bits);
         let travel = if contours {
             let queue = ContourQueue::new(description.queue_depth).deviating(description.deviation);
             Travel::contours(planner, queue)

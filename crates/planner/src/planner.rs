@@ -5,7 +5,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Bounds, KinematicState, Limits, Profile};
+use arcline_profile::{DynamicsBits, KinematicState, Limits, Profile};
 
 use crate::look_ahead::Plan;
 use crate::merge_within::AxisLimitShare;
@@ -42,7 +42,7 @@ pub struct Planner<T> {
     /// The share of the limits of the axes for the active move, if they are enforced.
     pub(crate) within: Option<AxisLimitShare>,
     /// The Dynamics Configuration Bits.
-    pub(crate) bounds: Bounds,
+    pub(crate) dynamics_bits: DynamicsBits,
 }
 
 /// A path behind the active one, of a move that was cancelled.
@@ -76,13 +76,13 @@ impl<T: Copy> Planner<T> {
             trail_ends: false,
             plans: 0,
             within: None,
-            bounds: Bounds::ALL,
+            dynamics_bits: DynamicsBits::ALL,
         }
     }
 
     /// Sets the Dynamics Configuration Bits for later instructions. At first all are set.
-    pub fn set_bounds(&mut self, bounds: Bounds) {
-        self.bounds = bounds;
+    pub fn set_dynamics_bits(&mut self, dynamics_bits: DynamicsBits) {
+        self.dynamics_bits = dynamics_bits;
     }
 
     /// Sets the update period, seconds: corners within one update change the velocity of an axis by no more than a single corner may.
@@ -235,7 +235,7 @@ impl<T: Copy> Planner<T> {
         let before = self.before();
         let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
         for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            let stop = trajectory.stop_from(trajectory.state(clock), limits, before.as_ref(), self.bounds);
+            let stop = trajectory.stop_from(trajectory.state(clock), limits, before.as_ref(), self.dynamics_bits);
             trajectory.replan(stop, clock.now());
         }
         if let Some(running) = &mut self.active {
@@ -275,7 +275,7 @@ impl<T: Copy> Planner<T> {
         self.ramp_out_in_time(rate, clock, time);
         let running = self.active.iter_mut().map(|running| &mut running.trajectory);
         for trajectory in running.chain(&mut self.tail) {
-            trajectory.stop_in_time(limits, self.bounds, rate, clock, time);
+            trajectory.stop_in_time(limits, self.dynamics_bits, rate, clock, time);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -368,7 +368,7 @@ impl<T: Copy> Planner<T> {
     pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
         running.run_start = self.queue.relink(&running.motion, running.blended);
-        if running.removal.ceiling.is_infinite() && self.bounds.overshoot {
+        if running.removal.ceiling.is_infinite() && self.dynamics_bits.overshoot {
             running.removal = AccelerationRemoval::FORWARD;
         }
         let (plan, profile) = self.planned(&running, from);

@@ -25,7 +25,7 @@ impl Axis {
         }
         let before = generator.in_force.filter(|_| generator.follower.is_none());
         let limits_of_stop = stopping(limits, before.as_ref());
-        let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        let stop = Profile::stop_within(from, limits, before.as_ref(), self.dynamics_bits);
         generator.jerk = generator.highest_jerk();
         // A stop is a function of time, even if the motion that it stops is a function of a master.
         generator.follower = None;
@@ -70,7 +70,7 @@ impl Axis {
         }
         let started_at = self.started_at;
         let before = self.sum.in_force(|_| true);
-        let profile = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        let profile = Profile::stop_within(from, limits, before.as_ref(), self.dynamics_bits);
         let mut stop = Generator::planned(profile, now);
         stop.set_limits_in_force(&stopping(limits, before.as_ref()));
         stop.execution = execution;

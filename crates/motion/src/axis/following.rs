@@ -73,7 +73,7 @@ impl Axis {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
-        let mut generator = Generator::planned(Profile::stop_within(from, limits, None, self.bounds), now);
+        let mut generator = Generator::planned(Profile::stop_within(from, limits, None, self.dynamics_bits), now);
         generator.stopping = true;
         generator.after_transform = true;
         generator.s_curve = limits.jerk.is_some();

@@ -20,7 +20,7 @@ pub(crate) mod sum;
 
 use arcline_instruction_set::ExceptionAction;
 use arcline_planner::Clock;
-use arcline_planner::profile::Bounds;
+use arcline_planner::profile::DynamicsBits;
 use arcline_profile::KinematicState;
 
 use crate::cause::Cause;
@@ -82,7 +82,7 @@ pub(crate) struct Axis {
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: Maxima,
     /// The Dynamics Configuration Bits.
-    pub(crate) bounds: Bounds,
+    pub(crate) dynamics_bits: DynamicsBits,
     /// The greatest distance of its positions from 0, position units.
     pub(crate) range: f64,
     pub(crate) unwind: Option<f64>,
@@ -140,7 +140,7 @@ impl Axis {
             redefined: start.redefined,
             started_at: [position; 2],
             dynamics: Maxima::from(description),
-            bounds: description.dynamics_bits,
+            dynamics_bits: description.dynamics_bits,
             range: description.range(clock.period()),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),

@@ -18,7 +18,7 @@ use super::moves::{self, JointLimits, Verified};
 use super::{points, programmed};
 use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
-use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, speed_for_jerk};
+use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, ProgrammedProfile, speed_for_jerk};
 use crate::execution::Execution;
 use crate::machine::{CoordinateSystem, LimitPolicy, Orientation};
 use crate::masters::links::MasterLink;
@@ -255,9 +255,9 @@ fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: 
         deceleration,
     };
     let shape = if data.profile == Some(VelocityProfile::SCurve) {
-        Shape::SCurve(jerks)
+        ProgrammedProfile::SCurve(jerks)
     } else {
-        Shape::Trapezoidal(jerks)
+        ProgrammedProfile::Trapezoidal(jerks)
     };
     let in_units = |number: f64, maximum: f64| {
         if percent {

@@ -2,9 +2,9 @@
 
 use arcline_instruction_set::AxisId;
 
+use arcline_contour::Deviation;
 use arcline_kinematics::{Geometry, Parameters, Wrist};
-use arcline_planner::precise::Deviation;
-use arcline_planner::profile::Bounds as DynamicsBits;
+use arcline_planner::profile::DynamicsBits;
 
 use super::limits::{MAX_PRIMARY_AXES, default_jerk};
 

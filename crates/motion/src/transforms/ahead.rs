@@ -6,7 +6,7 @@
 
 use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
-use arcline_planner::profile::{Bounds, Limits, Profile};
+use arcline_planner::profile::{DynamicsBits, Limits, Profile};
 use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
@@ -157,7 +157,7 @@ impl Present<'_> {
             };
             let stop = kind.is_single_axis().then(|| {
                 let next = coming(generator, own, self.clock.period());
-                generator.soonest(own, next, &limits, state.bounds)
+                generator.soonest(own, next, &limits, state.dynamics_bits)
             });
             let (profile, since) = match (stop.flatten(), own) {
                 (Some(stop), _) => (stop, 0.0),
@@ -257,13 +257,13 @@ impl Generator {
         own: Option<(&Profile, f64)>,
         mut from: KinematicState,
         limits: &Limits,
-        bounds: Bounds,
+        dynamics_bits: DynamicsBits,
     ) -> Option<Profile> {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
         let before = self.in_force.filter(|_| self.follower.is_none());
-        let stop = Profile::stop_within(from, limits, before.as_ref(), bounds);
+        let stop = Profile::stop_within(from, limits, before.as_ref(), dynamics_bits);
         let sooner =
             own.is_some_and(|(own, since)| own.end().velocity == 0.0 && own.duration() - since <= stop.duration());
         (!sooner).then_some(stop)

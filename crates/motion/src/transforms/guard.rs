@@ -65,7 +65,7 @@ enum IntervalVerdict {
 
 /// The limits of a joint.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct JointLimits {
     /// Units/s.
     speed: f64,
     /// Its permitted positions, in the frame of [`JointSample::joint`].
@@ -82,7 +82,7 @@ struct StopAhead<'a> {
     /// Follows the joints from sample to sample.
     robot: RobotMap,
     now: JointSample,
-    bounds: [Bounds; MAX_SYSTEM_AXES],
+    bounds: [JointLimits; MAX_SYSTEM_AXES],
     /// Samples whose intervals are to be judged, the last one first.
     goals: [JointSample; DEPTH],
     /// Remaining samples between others.
@@ -221,10 +221,10 @@ impl Present<'_> {
         Ok(())
     }
 
-    fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [Bounds; MAX_SYSTEM_AXES] {
+    fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [JointLimits; MAX_SYSTEM_AXES] {
         let added = self.transforms.added_to(self.axes, transform);
         std::array::from_fn(|index| {
-            let mut bounds = Bounds {
+            let mut bounds = JointLimits {
                 speed: f64::INFINITY,
                 room: [f64::NEG_INFINITY, f64::INFINITY],
                 beyond: MotionError::MaxJointAngleExceeded(AxisIndex(index as u8)),

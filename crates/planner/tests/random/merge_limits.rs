@@ -2,8 +2,8 @@
 //!
 //! `ARCLINE_CASES` sets how many merges are travelled (300 unless told).
 
+use arcline_contour::AxisLimits;
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
-use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, InitialMotion, Move, MoveEvent, Parameter, Planner};
 

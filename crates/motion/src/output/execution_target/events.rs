@@ -4,7 +4,7 @@
 
 use arcline_planner::{Clock, Instant};
 
-use super::super::element::{Effect, ElementEvent, State};
+use super::super::element::{Effect, ElementEvent, ElementState};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
@@ -252,7 +252,7 @@ impl Target {
         }
     }
 
-    pub(super) fn state(&self, cam_index: usize, element_index: usize) -> State {
+    pub(super) fn state(&self, cam_index: usize, element_index: usize) -> ElementState {
         self.cams[cam_index]
             .states
             .get(element_index)
