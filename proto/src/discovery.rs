@@ -1,4 +1,4 @@
-//! What is answered over UDP 44818: ListIdentity, ListServices, ListInterfaces (spec/ethernet-ip.md §1, §2).
+//! The requests that are answered over UDP 44818: ListIdentity, ListServices, ListInterfaces (spec/ethernet-ip.md §1, §2).
 //!
 //! No socket and no waiting: the delay a broadcast asks for comes out as a bound, the caller draws the time.
 
@@ -12,7 +12,7 @@ use crate::identity::Identity;
 
 /// The longest delay that a peer can ask for.
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
-/// What a request that names no delay gets.
+/// The delay for a request that names none.
 const DEFAULT_DELAY: Duration = MAX_DELAY;
 
 /// An answer to a datagram.

@@ -1,7 +1,7 @@
 //! The encapsulation layer: 24-byte header, commands, status, and the frames of the session services
 //! (CIP Vol. 2, chapter 2; spec/ethernet-ip.md §2).
 //!
-//! Not the common packet format inside SendRRData and SendUnitData ([`crate::cpf`]) and not the rules of a session
+//! Not here: the common packet format inside SendRRData and SendUnitData ([`crate::cpf`]) and the rules of a session
 //! ([`crate::connection`]). All fields are little-endian except socket addresses.
 
 use bytes::{Buf, BufMut, Bytes, BytesMut};
@@ -16,14 +16,14 @@ pub const DEFAULT_LIMIT: usize = 8 * 1024;
 /// The only version of the encapsulation protocol there is.
 pub const PROTOCOL_VERSION: u16 = 1;
 
-/// What a frame asks for (CIP Vol. 2, table 2-3.2).
+/// The command of a frame (CIP Vol. 2, table 2-3.2).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Command(pub u16);
 
 impl Command {
     /// No operation: never answered.
     pub const NOP: Self = Self(0x0000);
-    /// What kinds of communication the target speaks.
+    /// The kinds of communication that the target supports.
     pub const LIST_SERVICES: Self = Self(0x0004);
     /// The identity of the target.
     pub const LIST_IDENTITY: Self = Self(0x0063);
@@ -106,7 +106,7 @@ pub type SenderContext = [u8; 8];
 /// The 24 bytes in front of every frame (CIP Vol. 2, 2-3.1).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Header {
-    /// What is asked.
+    /// The request.
     pub command: Command,
     /// Bytes that follow the header.
     pub length: u16,
@@ -154,7 +154,7 @@ impl Header {
 pub struct Frame {
     /// The 24 bytes in front.
     pub header: Header,
-    /// What follows them.
+    /// The data behind the header.
     pub data: Bytes,
 }
 
@@ -265,7 +265,7 @@ impl FrameDecoder {
     /// Takes the next frame off the front of `buf` (CIP Vol. 2, 2-3.1).
     ///
     /// `Ok(None)` asks for more bytes and leaves `buf` as it was. No claimed length is ever allocated: the data is a
-    /// slice of what has really arrived.
+    /// slice of the bytes that have arrived.
     ///
     /// # Errors
     /// [`FrameError::TooLong`]; after it the stream cannot be resumed.

@@ -1,4 +1,4 @@
-//! Any bytes give a value or an error; what was encoded is decoded again.
+//! Any bytes give a value or an error; decoding reverses encoding.
 
 #![allow(clippy::unwrap_used)]
 

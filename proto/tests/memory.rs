@@ -1,4 +1,4 @@
-//! What one packet can make a session hold, measured by the allocator. Alone in its file, so that no other test counts.
+//! The memory that one packet can make a session hold, measured by the allocator. Alone in its file, so that no other test counts.
 
 #![allow(clippy::unwrap_used)]
 
@@ -17,7 +17,7 @@ use cap::Cap;
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 
-/// What one packet may add at a time, bytes: it brings 8 KiB, which become at most 4,000 requests of a packet.
+/// The memory that one packet may add at a time, bytes: it brings 8 KiB, which become at most 4,000 requests of a packet.
 const LIMIT: usize = 1 << 20;
 
 /// As many requests in one packet as its bytes can name, all of them empty.
@@ -36,7 +36,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
     let mut host = TestHost::new(Draws::Constant(1));
     for count in [0x00FF_u16, 0x7FFF, u16::MAX] {
         for fill in [0_u8, 1, 0x91, 0xFF] {
-            // A count of anything with as much behind it as a frame can hold.
+            // A count with as much data behind it as a frame can hold.
             let mut data = count.to_le_bytes().to_vec();
             data.resize(8000, fill);
             for (service, path) in [

@@ -1,6 +1,6 @@
-//! Replies inside frames: what came back for a request, without its encapsulation.
+//! Replies inside frames, without their encapsulation.
 //!
-//! Not whose reply it is, nor what its status means.
+//! Not here: the call of a reply, and the meaning of its status.
 
 use bytes::Bytes;
 use std::net::SocketAddrV4;

@@ -2,8 +2,8 @@
 //! (spec/ethernet-ip.md §2, §7, §8, §18).
 //!
 //! Bytes go in by [`ServerSession::handle_input`], [`Event`]s come out of [`ServerSession::poll_event`]. The application
-//! answers each [`Event::Request`] once by [`ServerSession::reply`]; replies leave in the order of the requests whatever
-//! the order of the answers. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
+//! answers each [`Event::Request`] once by [`ServerSession::reply`]; replies leave in the order of the requests, in whatever
+//! order the answers come. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
 //! limits and counters are the [`Host`]'s.
 
 mod connection_manager;
@@ -39,7 +39,7 @@ pub use self::settings::{Settings, UnknownConnection};
 #[cfg(feature = "test-util")]
 pub use self::test_host::{Draws, TestHost, TestIo};
 
-/// What a session wants.
+/// A request of the session to its application.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Event {
     /// Send this to the peer.
@@ -48,21 +48,21 @@ pub enum Event {
     Request {
         /// Name for the answer.
         id: RequestId,
-        /// What is asked. Multiple Service Packets come whole.
+        /// The message. A Multiple Service Packet comes whole.
         request: Request,
         /// The longest router reply, bytes with its head.
         reply_budget: usize,
-        /// On what.
+        /// The transport on which it came.
         transport: Transport,
     },
-    /// The reply of this I/O connection's Forward Open is among what was to be sent: send it, then let the connection
+    /// The reply of this I/O connection's Forward Open is among the bytes to send: send them, then let the connection
     /// produce.
     IoReady(ConnectionId),
-    /// Send what is left, then close the socket. Nothing follows.
+    /// Send the remaining bytes, then close the socket. It is the last event.
     Close(CloseReason),
 }
 
-/// What a request came on.
+/// The transport of a request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transport {
     /// SendRRData; a stray route may follow the data ([`crate::cip::is_stray_route`]).
@@ -71,7 +71,7 @@ pub enum Transport {
     Connected(ConnectionId),
 }
 
-/// Why a session ends.
+/// The reason for the end of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum CloseReason {
     /// The peer said so.
@@ -212,7 +212,7 @@ impl ServerSession {
         true
     }
 
-    /// The next thing to do.
+    /// The next event.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
@@ -269,7 +269,7 @@ impl ServerSession {
         self.unknown_connections
     }
 
-    /// When the session ends unless something is heard; not while a request is being worked on.
+    /// The time at which the session ends if no bytes arrive; none while a request is being executed.
     fn life_deadline(&self) -> Option<Duration> {
         match self.life {
             Life::Fresh { until } => Some(until),
@@ -388,7 +388,7 @@ impl ServerSession {
         }
     }
 
-    /// Requests that wait are forgotten; what has left their order is still sent.
+    /// Drops the waiting requests; replies that have left their order are still sent.
     fn close(&mut self, reason: CloseReason, host: &mut dyn Host) {
         self.replies.clear();
         self.connections.clear(host);

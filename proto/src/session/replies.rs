@@ -1,6 +1,6 @@
 //! The order of replies: they leave in the order of their requests (spec/ethernet-ip.md §8, §18).
 //!
-//! Not what a reply says. Budgets are in bytes of the router reply, head included.
+//! Not here: the content of replies. Budgets are in bytes of the router reply, head included.
 
 use bytes::{BufMut, Bytes, BytesMut};
 use std::collections::VecDeque;
@@ -181,7 +181,7 @@ impl Replies {
         })
     }
 
-    /// The next reply that may leave, and the I/O connection that waits for that. A repetition leaves with what
+    /// The next reply that may leave, and the I/O connection that waits for it. A repetition leaves with the reply that
     /// `connections` have stored.
     pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Bytes, Option<ConnectionId>)> {
         loop {
