@@ -399,7 +399,7 @@ async fn a_peer_that_never_registers_times_out() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_request_that_nobody_waits_for_spoils_nothing() {
+async fn an_abandoned_request_spoils_nothing() {
     let mut memory = Memory::new();
     let client = connect_with(Settings::default(), Box::new(move |r, b| Some(memory.handle(r, b))))
         .await

@@ -348,7 +348,7 @@ fn datagrams_cut_at_every_byte() {
 }
 
 #[test]
-fn what_a_forward_open_may_ask_for() {
+fn permitted_applications_of_a_forward_open() {
     type Change = fn(&mut ForwardOpen);
     #[rustfmt::skip]
     let cases: [(&str, Change, Result<(), CipStatus>); 43] = [
@@ -415,7 +415,7 @@ fn what_a_forward_open_may_ask_for() {
 }
 
 #[test]
-fn who_may_open_when_others_have() {
+fn connections_beside_open_ones() {
     let mut bench = Bench::new();
     let first = bench.run(&owner(1));
     assert_eq!(bench.open(&owner(1)), Err(connection(0x0100)), "the same again");
@@ -456,7 +456,7 @@ fn who_may_open_when_others_have() {
 }
 
 #[test]
-fn null_forward_open_confirms_what_is_there() {
+fn a_null_forward_open_confirms_the_open_connection() {
     let mut bench = Bench::new();
     let mut null = owner(1);
     null.o_to_t.connection_type = ConnectionType::Null;

@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_followed_comes_first() {
+    fn masters_and_sources_are_computed_before_their_followers() {
         type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], &'a [(Step, Step)]);
         let cases: [Case<'_>; 5] = [
             ("a master", &[(0, 5)], &[], &[(whole(5), own(0))]),

@@ -173,7 +173,7 @@ fn a_contour_is_extended_in_time_or_ends_at_rest() {
 }
 
 #[test]
-fn the_thread_ticks_counts_and_stops_what_moves() {
+fn the_thread_ticks_counts_and_stops_all_motion() {
     let machine = machine(250_000);
     let (mut link, handle) = spawn(&machine, Options::default()).expect("a thread");
     link.commands

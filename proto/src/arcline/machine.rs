@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_is_shown() {
+    fn an_identification_is_shown() {
         #[rustfmt::skip]
         let cases = [
             ("nothing",       ["", "", ""],                          ""),

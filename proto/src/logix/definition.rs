@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn every_client_finds_the_definition_within_what_it_reads() {
+    fn every_client_finds_the_definition_within_its_read() {
         for template in [pair(), string_template()] {
             let (attributes, definition) = Definition::of(&template);
             let words = attributes.definition_words as usize;

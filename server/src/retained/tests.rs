@@ -46,7 +46,7 @@ fn at(position: f64, moving: bool) -> AxisState {
 }
 
 #[test]
-fn what_has_the_same_name_and_type_is_taken_over() {
+fn axes_and_tags_of_the_same_name_and_type_are_taken_over() {
     let state = RetainedState {
         axes: vec![
             axis(

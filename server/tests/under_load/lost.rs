@@ -62,7 +62,7 @@ impl Server {
 }
 
 #[test]
-fn the_dead_man_waits_for_nobody() {
+fn the_dead_man_waits_for_no_other_client() {
     let server = Server::start();
     let mut page = server.page();
     server.ask(&mut page, json!({"do": "take", "object": "S"}));

@@ -406,7 +406,7 @@ fn forget_peak() {
 }
 
 #[test]
-fn stop_waits_for_nobody() {
+fn stop_waits_for_no_client() {
     let server = Server::start();
     let mut page = server.page();
     server.under_loads("STOP", BOUND, |server, load| {

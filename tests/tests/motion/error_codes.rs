@@ -932,13 +932,13 @@ fn every_code_that_can_be_raised_is_raised() {
             }
         }
     }
-    wrong.extend(what_sources_construct(&raised));
+    wrong.extend(constructed_in_sources(&raised));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// The errors that `crates/motion` constructs and the table does not raise: in the file of an instruction, by this instruction;
 /// in other files, by any.
-fn what_sources_construct(raised: &BTreeSet<(String, i16)>) -> Vec<String> {
+fn constructed_in_sources(raised: &BTreeSet<(String, i16)>) -> Vec<String> {
     let mut wrong = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/motion/src");
     let mut files = 0;

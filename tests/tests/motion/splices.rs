@@ -113,7 +113,7 @@ fn an_override_and_a_hold_keep_the_path_across_splices() {
 }
 
 #[test]
-fn a_change_of_dynamics_is_for_what_was_queued() {
+fn a_change_of_dynamics_applies_to_the_queued_moves() {
     let (ticks, least, _) = travel(100, 400, |bench, now| {
         if now == 150 {
             assert_eq!(bench.call("MCCD(XY, C, CoordinatedMove, Yes, 100, Unitspersec)"), OK);

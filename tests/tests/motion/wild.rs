@@ -356,7 +356,7 @@ fn no_wild_numbers_together_move_an_axis() {
 
 /// The errors 13, each with its operand.
 #[test]
-fn what_is_out_of_range_is_refused_with_its_operand() {
+fn operands_out_of_range_are_refused_with_their_index() {
     #[rustfmt::skip]
     let cases = [
         // why,                        call,                                                                    EXERR

@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn redefining_shifts_what_is_shown_and_the_end_with_it() {
+    fn redefining_shifts_the_shown_position_and_the_end() {
         let mut sum = Sum::at_rest(0.0);
         begin_move(&mut sum, GeneratorKind::Move, 20.0, &at(0));
         sum.advance(&at(50));

@@ -90,7 +90,7 @@ impl Motion {
             self.controls.because(execution.into());
         }
         if let Some(target) = self.transforms.get(id).map(|transform| transform.target) {
-            self.brake_what_moves(&target);
+            self.brake_all_motion_of(&target);
         }
         // From the source to the beginning of the chain of transforms.
         let mut next = Some(id);
@@ -100,12 +100,12 @@ impl Motion {
             };
             let source = transform.source;
             next = self.transforms.preceding(transform).map(|(id, _)| id);
-            self.brake_what_moves(&source);
+            self.brake_all_motion_of(&source);
             // The source can move further targets, whose motion moves it by feedback.
             for other in self.transforms.ids() {
                 let other = self.transforms.get(other).filter(|other| share(&other.source, &source));
                 if let Some(target) = other.map(|other| other.target) {
-                    self.brake_what_moves(&target);
+                    self.brake_all_motion_of(&target);
                 }
             }
         }
@@ -113,7 +113,7 @@ impl Motion {
     }
 
     /// Brakes all motion of some axes; motion that brakes already changes to the guard's rates if these bring it to rest sooner.
-    fn brake_what_moves(&mut self, axes: &[AxisId]) {
+    fn brake_all_motion_of(&mut self, axes: &[AxisId]) {
         for index in self.systems.ids() {
             let system = &self.systems[index];
             if system.is_busy() && share(axes, system.taken()) {

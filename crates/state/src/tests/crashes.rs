@@ -515,7 +515,7 @@ fn on_all_processors(scripts: usize, play: impl Fn(usize) -> usize + Sync) -> us
 }
 
 #[test]
-fn every_crash_leaves_what_was_answered_and_nothing_that_was_not_sent() {
+fn every_crash_leaves_all_answered_changes_and_none_that_was_not_sent() {
     let long = std::env::var_os("ARCLINE_LONG").is_some();
     let (most, scripts) = if long { (10_000, 500) } else { (1000, 20) };
     let told = on_all_processors(SCRIPTS.len(), |number| {

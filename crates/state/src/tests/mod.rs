@@ -113,7 +113,7 @@ fn synchronised(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 #[test]
-fn what_was_appended_is_read_again() {
+fn appended_records_are_read_again() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("machine.state");
     assert_eq!(read(&file), None, "nothing was ever kept");

@@ -92,7 +92,7 @@ async fn messages_cut_or_altered_anywhere_are_answered() {
 }
 
 #[tokio::test]
-async fn a_stream_cut_anywhere_harms_nobody() {
+async fn a_stream_cut_anywhere_harms_no_client() {
     let bench = Bench::new();
     let mut other = bench.client().await;
     let register = Frame::request(

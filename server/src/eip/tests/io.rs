@@ -373,7 +373,7 @@ async fn the_command_word_holds_resumes_overrides_and_stops() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn lost_outputs_do_what_is_configured() {
+async fn lost_outputs_have_the_configured_reaction() {
     type Check = fn(&Snapshot) -> bool;
     let stopped: Check = |snapshot| snapshot.axes[0].command[1] == 0.0 && snapshot.systems[0].feed_override == 1.0;
     let held: Check = |snapshot| snapshot.axes[0].command[1] == 0.0 && snapshot.systems[0].feed_override == 0.0;

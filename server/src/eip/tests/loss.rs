@@ -305,7 +305,7 @@ fn jog_tag() -> arcline_config::Project {
 }
 
 #[tokio::test]
-async fn the_reaction_is_an_attribute_of_whoever_asks() {
+async fn the_reaction_is_an_attribute_of_the_session() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let mut connected = client.open(500, 1).await;

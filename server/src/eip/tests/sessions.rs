@@ -429,7 +429,7 @@ async fn connections_are_limited_in_all_and_of_one_address() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn who_reads_nothing_is_closed_and_nobody_waits_for_it() {
+async fn a_client_that_reads_nothing_is_closed_and_delays_no_other() {
     let bench = Bench::with(|settings| settings.write_timeout = Duration::from_secs(5));
     let mut slow = bench.client().await;
     let mut other = bench.client().await;

@@ -184,7 +184,7 @@ fn a_thousand_rungs_that_are_monitored() {
 
 /// A page of 100 rungs costs the same, however long their routine is.
 #[test]
-fn the_rungs_that_nobody_looks_at_cost_nothing() {
+fn rungs_without_a_viewer_cost_nothing() {
     let costs = [MONITORED, RUNGS].map(|rungs| {
         let (mut cell, listing) = cell(rungs);
         cell.trace([0]);

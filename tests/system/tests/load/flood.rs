@@ -30,7 +30,7 @@ const SILENT_PER_SLOW: usize = 8;
 const ADDRESSES: u8 = 8;
 
 #[test]
-fn silent_and_slow_strangers_disturb_nobody() {
+fn silent_and_slow_strangers_disturb_no_client() {
     let _machine = crate::take_machine();
     let asked = std::env::var("ARCLINE_FLOOD").ok().and_then(|text| text.parse().ok());
     let silent: usize = asked.unwrap_or(1600);

@@ -550,7 +550,7 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_full_disk_refuses_what_it_cannot_keep_and_nothing_else() {
+async fn a_full_disk_refuses_only_the_writes_that_it_cannot_keep() {
     let files = Files::new(&[("Table", "DINT[16]")]);
     let server = Server::start_short_of_space(64, &files.arguments());
     let client = connect(&server).await;
@@ -599,7 +599,7 @@ async fn a_full_disk_refuses_what_it_cannot_keep_and_nothing_else() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_changed_configuration_takes_over_what_it_still_has() {
+async fn a_changed_configuration_takes_over_the_axes_and_tags_that_it_still_has() {
     let files = Files::new(&[("Count", "DINT"), ("Old", "DINT"), ("Wider", "INT")]);
     let server = files.start();
     let client = connect(&server).await;

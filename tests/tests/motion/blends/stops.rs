@@ -135,7 +135,7 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
 }
 
 #[test]
-fn a_gentle_stop_of_what_already_brakes_does_not_reverse() {
+fn a_gentle_stop_of_a_braking_move_does_not_reverse() {
     // 200²/v of jerk cannot take 1720 units/s² away before rest: without bit 1 the stop drives backwards.
     for (bits, reverses) in [(7, false), (5, true)] {
         let system = format!("name = \"XY\"\ndynamics_configuration_bits = {bits}");

@@ -235,7 +235,7 @@ fn both_sides_lead() {
 }
 
 #[test]
-fn what_systems_show_of_frames_turns_and_solutions() {
+fn systems_show_frames_turns_and_solutions() {
     let mut bench = bench(&SIX_AXES, 10.0);
     let shown = |bench: &Bench, name: &str| {
         let system = bench.system(name);
@@ -548,7 +548,7 @@ fn turns_counters_choose_the_joint() {
 }
 
 #[test]
-fn what_mctpo_refuses() {
+fn mctpo_refuses_invalid_calls() {
     #[rustfmt::skip]
     let cases: [(&str, Values<'_>, &str, (i16, i8)); 13] = [
         ("onto itself",               &[],                  "MCTPO(CART, CART, C, Work, Tool, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",    (61, 2)),

@@ -423,7 +423,7 @@ fn wander(wanderer: &mut Wanderer) {
 }
 
 #[test]
-fn joints_stay_within_what_they_can_do_whatever_leads_them() {
+fn joints_stay_within_their_limits_with_any_motion_of_the_source() {
     let cases = seeds(400);
     let mut failed = Vec::new();
     for seed in cases.clone() {
