@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Options};
 use arcline_proto::cip::{CipStatus, MultipleReplies, Reply, Request, class, service, split_multiple};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
@@ -505,7 +505,7 @@ async fn a_stream_that_cannot_be_read_ends_the_connection() {
                     Command::REGISTER_SESSION => {
                         let mut header = frame.header;
                         header.session = SessionHandle(5);
-                        Frame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes()
+                        EncapFrame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes()
                     }
                     // A frame that claims 65,535 bytes.
                     _ => Bytes::from_static(&[

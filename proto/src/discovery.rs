@@ -7,7 +7,7 @@ use std::net::SocketAddrV4;
 use std::time::Duration;
 
 use crate::cpf::{Item, encode_items};
-use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Service};
+use crate::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, Service};
 use crate::identity::Identity;
 
 /// The longest delay that a peer can ask for.
@@ -19,7 +19,7 @@ const DEFAULT_DELAY: Duration = MAX_DELAY;
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Answer {
     /// The reply.
-    pub frame: Frame,
+    pub frame: EncapFrame,
     /// When the request was a broadcast, wait a random time up to this before sending.
     pub max_delay: Duration,
 }
@@ -43,7 +43,7 @@ pub fn answer(datagram: &[u8], identity: &Identity, capability: u16, local: Sock
         _ => Duration::ZERO,
     };
     Some(Answer {
-        frame: Frame::reply(&request.header, data),
+        frame: EncapFrame::reply(&request.header, data),
         max_delay,
     })
 }

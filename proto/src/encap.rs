@@ -151,14 +151,14 @@ impl Header {
 
 /// A whole frame: header and data. `header.length` always equals `data.len()` when it came from this crate.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Frame {
+pub struct EncapFrame {
     /// The 24 bytes in front.
     pub header: Header,
     /// The data behind the header.
     pub data: Bytes,
 }
 
-impl Frame {
+impl EncapFrame {
     /// A request frame.
     ///
     /// Data beyond [`MAX_DATA`] cannot be carried and is cut; no codec of this crate makes that much.
@@ -224,7 +224,7 @@ impl Frame {
 
 /// A stream that cannot be read on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum FrameError {
+pub enum EncapFrameError {
     /// The peer announced more data than is accepted.
     #[error("{} announces {claimed} bytes, accepted are at most {limit}", header.command)]
     TooLong {
@@ -268,15 +268,15 @@ impl FrameDecoder {
     /// slice of the bytes that have arrived.
     ///
     /// # Errors
-    /// [`FrameError::TooLong`]; after it the stream cannot be resumed.
-    pub fn decode(&self, buf: &mut BytesMut) -> Result<Option<Frame>, FrameError> {
+    /// [`EncapFrameError::TooLong`]; after it the stream cannot be resumed.
+    pub fn decode(&self, buf: &mut BytesMut) -> Result<Option<EncapFrame>, EncapFrameError> {
         let Some(header) = buf.first_chunk::<{ Header::LEN }>() else {
             return Ok(None);
         };
         let header = Header::from_bytes(header);
         let claimed = usize::from(header.length);
         if claimed > self.limit {
-            return Err(FrameError::TooLong {
+            return Err(EncapFrameError::TooLong {
                 header,
                 claimed,
                 limit: self.limit,
@@ -286,14 +286,14 @@ impl FrameDecoder {
             return Ok(None);
         }
         buf.advance(Header::LEN);
-        Ok(Some(Frame {
+        Ok(Some(EncapFrame {
             header,
             data: buf.split_to(claimed).freeze(),
         }))
     }
 
     /// Reads a datagram that must hold exactly one frame, or more than it: surplus is ignored, a shortfall is `None`.
-    pub fn decode_datagram(&self, datagram: &[u8]) -> Option<Frame> {
+    pub fn decode_datagram(&self, datagram: &[u8]) -> Option<EncapFrame> {
         let mut reader = Reader::new(datagram);
         let header = Header::from_bytes(&reader.array::<{ Header::LEN }>()?);
         let claimed = usize::from(header.length);
@@ -301,7 +301,7 @@ impl FrameDecoder {
             return None;
         }
         let data = Bytes::copy_from_slice(reader.take(claimed)?);
-        Some(Frame { header, data })
+        Some(EncapFrame { header, data })
     }
 }
 

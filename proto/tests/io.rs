@@ -12,7 +12,7 @@ use arcline_proto::connection::{
     ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::{ElectronicKey, Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
 use arcline_proto::io::{
@@ -218,7 +218,7 @@ impl Session {
                 },
             ),
         };
-        let register = Frame::request(
+        let register = EncapFrame::request(
             Command::REGISTER_SESSION,
             SessionHandle(0),
             CONTEXT,
@@ -242,7 +242,7 @@ impl Session {
     fn ask(&mut self, message: Bytes, items: &[Item]) -> (Vec<Item>, Vec<Event>) {
         let mut packet = Packet::unconnected(message);
         packet.items.extend_from_slice(items);
-        let frame = Frame::request(
+        let frame = EncapFrame::request(
             Command::SEND_RR_DATA,
             SessionHandle(0xD13E_0013),
             CONTEXT,
@@ -804,7 +804,7 @@ fn forward_open_and_close_at_every_length_and_byte() {
                 session.ask(open.clone(), &[]);
                 let mut altered = message.to_vec();
                 altered[place] ^= 1 << bit;
-                let frame = Frame::request(
+                let frame = EncapFrame::request(
                     Command::SEND_RR_DATA,
                     SessionHandle(0xD13E_0013),
                     CONTEXT,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use arcline_proto::cip::{self, MultipleReplies, Request};
 use arcline_proto::cpf::{Packet, decode_items};
-use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::session::{Draws, ServerSession, Settings, TestHost};
 use bytes::{Bytes, BytesMut};
@@ -50,8 +50,8 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
                 let message = Request::new(service, path, data.clone()).to_bytes().unwrap();
                 let current = RegisterSession::CURRENT.to_bytes();
                 let frames = [
-                    Frame::request(Command::REGISTER_SESSION, SessionHandle(0), [0; 8], current),
-                    Frame::request(
+                    EncapFrame::request(Command::REGISTER_SESSION, SessionHandle(0), [0; 8], current),
+                    EncapFrame::request(
                         Command::SEND_RR_DATA,
                         SessionHandle(1),
                         [0; 8],
@@ -62,7 +62,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
                     session.handle_input(&mut BytesMut::from(&frame.to_bytes()[..]), Duration::ZERO, &mut host);
                 }
                 // A header that claims as much as it can, and never sends it.
-                let mut claim = Frame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], Bytes::new())
+                let mut claim = EncapFrame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], Bytes::new())
                     .to_bytes()
                     .to_vec();
                 claim[2..4].copy_from_slice(&count.to_le_bytes());

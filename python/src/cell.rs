@@ -55,7 +55,7 @@ pub(crate) struct Given {
 struct Inner {
     cell: SimulatedCell,
     conditions: BTreeMap<String, Condition>,
-    /// What was done since the beginning.
+    /// The calls since the beginning.
     journal: Vec<Entry>,
 }
 
@@ -68,7 +68,7 @@ enum Entry {
     Fault(u16, u32),
 }
 
-/// Ticks to run, and what is sampled at the end of each.
+/// Ticks to run, and the signals that are sampled at the end of each.
 struct Plan<'p> {
     ticks: u64,
     until: Option<&'p str>,

@@ -86,7 +86,7 @@ impl Prepared {
         self.set(Simulation::new(self.machine.clone(), self.image.clone()))
     }
 
-    /// The same with a model of the mechanics, which moves these axes.
+    /// A simulation with a model of the mechanics, which moves these axes.
     ///
     /// # Errors
     /// A tag cannot be set.

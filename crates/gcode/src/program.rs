@@ -195,7 +195,7 @@ impl ProgramReader {
 }
 
 impl Step {
-    /// The same with its end at rest, whatever the path control is.
+    /// The step with its end at rest, with any path control.
     fn to_rest(mut self) -> Self {
         match &mut self.motion {
             Motion::Line { corner, .. } | Motion::Arc { corner, .. } => *corner = Corner::Stop,

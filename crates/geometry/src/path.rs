@@ -47,7 +47,7 @@ impl Path {
         matches!(self, Path::Line(line) if line.length() > 0.0 && line.direction() == Point::zeros())
     }
 
-    /// The same path with every point moved by `by`.
+    /// The path with every point moved by `by`.
     ///
     /// ```
     /// use arcline_geometry::{Path, Point};

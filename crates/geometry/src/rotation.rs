@@ -151,7 +151,7 @@ impl Rotation {
         }
     }
 
-    /// The same with the fixed angles at its ends, degrees, each on the turn on which it is shown.
+    /// The rotation with the fixed angles at its ends, degrees, each on the turn on which it is shown.
     #[must_use]
     pub fn showing(self, shown: [Point; 2]) -> Rotation {
         Rotation { shown, ..self }

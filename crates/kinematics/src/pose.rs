@@ -55,7 +55,7 @@ impl<N: Number> Pose<N> {
         [p.x, p.y, p.z, above_half_turn(rx), ry, above_half_turn(rz)]
     }
 
-    /// The same with the angles of this orientation that are nearest to `others`, degrees. They may exceed their ranges, so that a continuous
+    /// The coordinates with the angles of this orientation that are nearest to `others`, degrees. They may exceed their ranges, so that a continuous
     /// motion through an end of a range does not jump.
     #[must_use]
     pub fn coordinates_near(&self, others: [f64; 3]) -> [N; 6] {

@@ -134,7 +134,7 @@ impl PathLimits {
         }
     }
 
-    /// The same limits over the displacement of a master at `nominal` master units/s (more than 0): units per master unit, and per master
+    /// The limits over the displacement of a master at `nominal` master units/s (more than 0): units per master unit, and per master
     /// unit squared.
     pub(crate) fn by_master(&self, nominal: f64) -> PathLimits {
         PathLimits {

@@ -139,7 +139,7 @@ pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
     /// The robot whose joints are its axes.
     pub(crate) robot: Option<Result<Robot, GeometryError>>,
-    /// The same of a robot with a wrist.
+    /// The robot with a wrist whose joints are its axes.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     /// The moves and their motion.
     pub(crate) travel: Travel<Planned>,

@@ -37,7 +37,7 @@ pub(crate) const NO_MOTION_UNITS: f64 = 1e-6;
 pub(crate) const ORIGIN_STEP_SHARE: f64 = 1.0 / (1 << 20) as f64;
 /// Excess of a joint's speed, as a share of its Maximum Speed.
 pub(crate) const JOINT_SPEED_SHARE: f64 = 1e-9;
-/// The same share for a distance between two samples.
+/// Excess of a joint's distance between two samples, as a share of that at its Maximum Speed.
 pub(crate) const JOINT_DISTANCE_SHARE: f64 = 1e-3;
 /// An excess of a joint's position over its range below this is rounding, position units or degrees.
 pub(crate) const JOINT_UNITS: f64 = 1e-9;

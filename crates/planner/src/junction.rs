@@ -182,7 +182,7 @@ impl JunctionGeometry {
         JunctionGeometry { shape, corner }
     }
 
-    /// The same junction with a limit on the speed at its corner, if it has one.
+    /// The junction with a limit on the speed at its corner, if it has one.
     pub(crate) fn at_most(self, corner: f64) -> JunctionGeometry {
         if self.corner.is_finite() {
             let corner = self.corner.min(corner);

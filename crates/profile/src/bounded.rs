@@ -255,7 +255,7 @@ impl Profile {
 }
 
 impl Limits {
-    /// The same ramps, shorter in time by a factor, and in distance by the same factor.
+    /// Limits with which ramps are shorter in time and in distance by a factor.
     #[must_use]
     pub fn hastened(&self, factor: f64) -> Limits {
         let square = factor * factor;

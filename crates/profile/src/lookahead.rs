@@ -83,7 +83,7 @@ fn gained(length: f64, slow: f64, acceleration: f64) -> f64 {
     }
 }
 
-/// The same with acceleration 0 at both ends and limited jerk.
+/// The speed gained over a length with limited jerk and acceleration 0 at both ends.
 fn gained_with_jerk(length: f64, slow: f64, side: &Side) -> f64 {
     if length <= 0.0 {
         return 0.0;

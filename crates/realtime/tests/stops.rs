@@ -4,7 +4,7 @@ mod machine;
 
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, JogEnd, MAX_OPERANDS, Mnemonic};
-use arcline_realtime::{COMMANDS, Link, Rings, link, step};
+use arcline_realtime::{COMMANDS, Rings, ServerRings, link, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use machine::machine;
 
@@ -60,7 +60,7 @@ fn weak_stop(stop_type: f64) -> Call {
 struct Bench {
     controller: Controller,
     rings: Rings,
-    link: Link,
+    link: ServerRings,
     tickets: u64,
 }
 
@@ -248,7 +248,7 @@ fn a_stop_leaves_waiting_calls_of_other_axes() {
     assert_eq!(bench.after(200), 100.0, "X was stopped, Y jogs");
 }
 
-/// An axis that was switched off stays off, whatever waited.
+/// An axis that was switched off stays off, with any waiting calls.
 #[test]
 fn a_shutdown_is_not_reset_by_waiting_calls() {
     let mut bench = Bench::jogging(0.0).0;

@@ -157,7 +157,7 @@ impl Runner {
         }
     }
 
-    /// The same with further pieces of the program; `next` is called after each piece has run.
+    /// Runs a program with further pieces; `next` is called after each piece has run.
     ///
     /// # Errors
     /// Those of `next`.

@@ -19,7 +19,7 @@ use self::reply::{connected_reply, identity, unconnected_reply};
 use crate::cip::{Reply, Request, class, service};
 use crate::connection::{ConnectionKey, ForwardClose, ForwardOpenReply, TickTime, UnconnectedSend};
 use crate::cpf::Packet;
-use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
+use crate::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
 use crate::epath::Epath;
 
 pub use self::options::{OpenOptions, backplane};
@@ -188,7 +188,7 @@ impl ClientSession {
     /// Ends the session: the last frame to send. The peer closes the socket.
     pub fn unregister(&mut self) {
         if let Some(handle) = self.handle.take() {
-            let frame = Frame::request(Command::UNREGISTER_SESSION, handle, [0; 8], Bytes::new());
+            let frame = EncapFrame::request(Command::UNREGISTER_SESSION, handle, [0; 8], Bytes::new());
             self.transmits.push_back(frame.to_bytes());
         }
     }
@@ -258,7 +258,7 @@ impl ClientSession {
     }
 
     /// Takes one frame. One that no call waits for is ignored.
-    pub fn handle_frame(&mut self, frame: &Frame) {
+    pub fn handle_frame(&mut self, frame: &EncapFrame) {
         let Some(call) = self.match_reply(frame) else {
             return;
         };
@@ -323,7 +323,7 @@ impl ClientSession {
 
     fn transmit(&mut self, call: Call, command: Command, data: Bytes) {
         let handle = self.handle.unwrap_or_default();
-        let frame = Frame::request(command, handle, call.0.to_le_bytes(), data);
+        let frame = EncapFrame::request(command, handle, call.0.to_le_bytes(), data);
         self.transmits.push_back(frame.to_bytes());
     }
 
@@ -350,7 +350,7 @@ impl ClientSession {
     }
 
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
-    fn match_reply(&self, frame: &Frame) -> Option<Call> {
+    fn match_reply(&self, frame: &EncapFrame) -> Option<Call> {
         if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
             let (id, sequence, _) = Packet::decode_connected(&frame.data).ok()?;
             let connection = self.connections.values().find(|connection| connection.hears(id))?;

@@ -7,7 +7,7 @@ use std::net::SocketAddrV4;
 use super::{Call, Connected};
 use crate::cip::{CipStatus, Reply};
 use crate::cpf::CpfError;
-use crate::encap::{Command, EncapStatus, FrameError};
+use crate::encap::{Command, EncapFrameError, EncapStatus};
 use crate::epath::PathError;
 use crate::identity::Identity;
 
@@ -55,7 +55,7 @@ pub enum ClientError {
     },
     /// The peer misbehaves: its stream cannot be read.
     #[error(transparent)]
-    Frame(#[from] FrameError),
+    EncapFrame(#[from] EncapFrameError),
     /// The peer misbehaves: its packet cannot be read.
     #[error(transparent)]
     Packet(#[from] CpfError),

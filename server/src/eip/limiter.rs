@@ -1,5 +1,5 @@
 //! Limits the number of clients, in all and from one address. While it is reached, a newcomer gets the place of the oldest client
-//! without a session, else of the oldest one that never asked for anything in its session, else of the oldest client of the address
+//! without a session, else of the oldest one without a request in its session, else of the oldest client of the address
 //! with the most, if that address has at least two clients more than the newcomer's. So neither silent sockets nor sessions of one
 //! address keep a client of another address out (spec/ethernet-ip.md §18).
 
@@ -52,7 +52,7 @@ pub(crate) enum ClientProgress {
     Silent,
     /// A session without a request.
     Registered,
-    /// A session in which it asked for something.
+    /// A session with a request.
     Asking,
 }
 

@@ -336,7 +336,7 @@ fn tag_kind(tag: &image::Tag, image: &Image) -> String {
 
 /// In front of the type of a tag that a client has created.
 const CREATED: &str = "created, ";
-/// The same of one that clients may not write.
+/// In front of the type of a created tag that clients may not write.
 const CREATED_READ_ONLY: &str = "created, read-only, ";
 
 /// A read-only tag of the configuration is as it is configured.

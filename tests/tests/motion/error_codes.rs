@@ -715,7 +715,7 @@ const GOOD: &[&str] = &[
     "MAOC(R, 0, T, Out, 0, Outs, 0, 100)", "MDOC(R, 0, T, 0)", "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
-/// The same, where something has to move.
+/// A good call of each instruction that needs motion, with the call that begins the motion.
 const GOOD_MOVING: &[(&str, &str)] = &[
     (LINE, "MCCD(CS1, T, 1, 1, 9, 0)"),
     (JOG, "MCD(X, T, Jog, Yes, 5)"),

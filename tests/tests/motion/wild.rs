@@ -1,5 +1,5 @@
 //! Wild operands never move: every number of every instruction takes values that are none, that overflow, or that nothing can be
-//! built with, alone and in pairs, from rest and in motion. Whatever is accepted, all axes stay finite, and no axis jumps.
+//! built with, alone and in pairs, from rest and in motion. With all accepted calls the axes stay finite, and no axis jumps.
 //!
 //! `ARCLINE_CASES` sets the number of random sequences of pairs (150 by default).
 
@@ -196,7 +196,7 @@ fn with(call: &str, given: &[(usize, &str)]) -> String {
 struct Scan {
     bench: Bench,
     of: Of,
-    /// Something that was accepted goes as fast as it likes.
+    /// A call was accepted that may move an axis at any speed.
     fast: bool,
     calls: Vec<String>,
 }

@@ -242,7 +242,7 @@ impl Velocity {
         }
     }
 
-    /// The same, relative to a later instant.
+    /// The velocity relative to a later instant.
     pub(crate) fn from(&self, t: f64) -> Self {
         let [c0, c1, c2] = self.c;
         Velocity {

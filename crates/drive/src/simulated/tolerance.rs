@@ -8,7 +8,7 @@ pub(super) const STANDSTILL_UNITS_PER_S: f64 = 1e-6;
 pub(super) const SHORTEST_S: f64 = 1e-9;
 /// Excess of a speed limit, as a share of it, from which it counts as exceeded, so that rounding does not cause a second switch.
 pub(super) const SPEED_MARGIN_SHARE: f64 = 1e-12;
-/// The same share of the torque limit.
+/// Excess of a torque limit, as a share of it, from which it counts as exceeded.
 pub(super) const TORQUE_MARGIN_SHARE: f64 = 1e-9;
 /// Rounding of the terms of a regime, as a share of them: far above the true figure.
 pub(super) const TERM_SHARE: f64 = 1e-13;

@@ -1,6 +1,6 @@
 //! Stops of one axis: of one generator, of all motion of single-axis instructions, or of all motion.
 //!
-//! Not here: which instructions stop what (`crate::motion`, `crate::instructions`). Units: position units, seconds. Nothing allocates.
+//! Not here: the instructions that stop an axis (`crate::motion`, `crate::instructions`). Units: position units, seconds. Nothing allocates.
 
 use arcline_planner::Instant;
 use arcline_planner::profile::{Jerk, Limits, Profile};

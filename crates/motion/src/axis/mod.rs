@@ -177,7 +177,7 @@ impl Axis {
         self.transforms.controlled || self.moves_itself()
     }
 
-    /// The same, without transforms.
+    /// A generator apart from a transform's moves the axis, or reserves it for motion.
     pub(crate) fn moves_itself(&self) -> bool {
         self.sum.is_active_but(GeneratorKind::Transform)
     }

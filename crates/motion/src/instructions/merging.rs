@@ -157,7 +157,7 @@ impl StartMotion {
         self.turning.and_then(|turning| turning.ramped_out())
     }
 
-    /// The same over the displacement of the master that drives the move.
+    /// The start motion over the displacement of the master that drives the move.
     ///
     /// # Errors
     /// 97, 98 and 102 if the motion of the master or the motion under way does not permit the merge.

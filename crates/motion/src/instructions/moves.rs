@@ -197,7 +197,7 @@ pub(super) struct JointLimits {
 }
 
 impl JointLimits {
-    /// The same over the displacement of a master.
+    /// The limits over the displacement of a master.
     pub(super) fn by_master(&self, link: &MasterLink) -> JointLimits {
         JointLimits {
             path: self.path.by_master(link.nominal),

@@ -185,7 +185,7 @@ impl Present<'_> {
         false
     }
 
-    /// The same for a source that other targets lead, too: it is assumed to continue straight and to stop at its axes' maxima.
+    /// Checks a source that the feedback of other transforms moves: it is assumed to continue straight and to stop at its axes' maxima.
     fn check_next_update(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
         let mut robot = *robot;
         let added = self.transforms.added_to(self.axes, transform);

@@ -600,7 +600,7 @@ async fn a_change_of_state_leaves_before_the_interval_is_over() {
     let percent = 50_f32.to_le_bytes();
     assert!(client.write("FeedOverride[0]", real, &percent).await.is_success());
     let changed = loop {
-        // Something else may change first: the drives settle when the machine starts.
+        // Another value may change first: the drives settle when the machine starts.
         let input = scanner.input().await;
         if input.real(12 + 8) == 50.0 {
             break input;

@@ -130,7 +130,7 @@ async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
             drop(client);
         }
         End::Unregistered => {
-            let frame = Frame::request(Command::UNREGISTER_SESSION, client.session, CONTEXT, Bytes::new());
+            let frame = EncapFrame::request(Command::UNREGISTER_SESSION, client.session, CONTEXT, Bytes::new());
             client.send(&frame.to_bytes()).await;
             assert_eq!(client.frame().await, None);
         }

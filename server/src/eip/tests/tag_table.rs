@@ -189,7 +189,7 @@ async fn tags_that_cannot_be_created_or_deleted_have_their_status_and_change_not
     );
     assert_eq!(codes(delete(&mut client, None, 0).await.status), (0x08, 0));
     assert_eq!(codes(delete(&mut client, None, u32::MAX).await.status), (0x05, 0));
-    // Cut at every byte, and with something behind it.
+    // Cut at every byte, and with a byte behind it.
     let whole = CreateSymbol {
         name: "New".to_owned(),
         data_type: "DINT".to_owned(),
@@ -372,7 +372,7 @@ async fn keys_that_need_a_restart_are_named_and_change_nothing() {
         "Reload refused: [server], [motion_group], axis Y, coordinate system CS1 changed, which needs a restart"
     );
     assert!(matches!(refused, ReloadError::NeedsRestart { .. }));
-    // A name that something else has.
+    // A name that another object has.
     let taken = load("[[tag]]\nname = \"M1\"\ntype = \"DINT\"\n");
     let call = Call {
         mnemonic: Mnemonic::Mcs,

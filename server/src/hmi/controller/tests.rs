@@ -89,7 +89,7 @@ fn page(listing: &Arc<Listing>, from: usize) -> (Monitor, MonitorUpdates) {
     (monitor, updates)
 }
 
-/// What one sample of all monitored rungs costs.
+/// The cost of one sample of all monitored rungs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 struct Cost {
     /// Digits of power flow and values.

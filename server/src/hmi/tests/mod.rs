@@ -21,7 +21,7 @@ use crate::plant::Plant;
 
 /// A delta `PICKER`, and the system `CART` that can lead it.
 const ROBOT: &str = include_str!("../../../../docs/images/tool-path.toml");
-/// Longest wait for something that must come.
+/// Longest wait for a message that must come.
 const SOON: Duration = Duration::from_secs(10);
 
 /// A machine that runs, and its HMI.

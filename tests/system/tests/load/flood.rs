@@ -1,4 +1,4 @@
-//! Strangers who only take places: thousands of connections that say nothing, and hundreds that send a byte a second, on EtherNet/IP, on TLS
+//! Strangers that only take places: thousands of connections that send no bytes, and hundreds that send a byte a second, on EtherNet/IP, on TLS
 //! and on the page at once. A client that works is not disturbed, a new one gets in, and the tick does not notice.
 //!
 //! 1,600 connections for three seconds, unless `ARCLINE_FLOOD` says how many; only then, and with `--release`, times mean something and are held

@@ -94,7 +94,7 @@ fn health_is_an_answer_to_list_identity() {
     drop(running);
     let output = server(&["health", "--server", &at]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
-    // Something listens and says nothing.
+    // A listener that sends no bytes.
     let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
     let at = silent.local_addr().expect("its address").to_string();
     let output = server(&["health", "--server", &at, "--within", "0.2"]);

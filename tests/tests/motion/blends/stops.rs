@@ -7,7 +7,7 @@ use arcline_tests::bench::{Bench, OK};
 const STOP: &str = "MCS(XY, S1, CoordinatedMove, Yes, 900, Unitspersec2, Yes, 9000, Unitspersec3)";
 const PERIOD: f64 = 0.001;
 
-/// Prevent S-Curve Velocity Reversals is off: the jerk of a stop is its own whatever it does.
+/// Prevent S-Curve Velocity Reversals is off: a stop keeps its own jerk.
 fn reversing() -> Bench {
     Bench::replacing("name = \"XY\"", "name = \"XY\"\ndynamics_configuration_bits = 5")
 }

@@ -126,7 +126,7 @@ type Edges = (&'static str, Box<dyn Fn(&mut Bench)>, Vec<(f64, i64)>);
 
 #[test]
 fn edges_lie_between_ticks_and_show_at_the_next() {
-    // Duration counts from the edge at 10.05 units, 100.5 ms, whatever the period.
+    // Duration counts from the edge at 10.05 units, 100.5 ms, at any update period.
     let duration = |bench: &mut Bench| {
         element(bench, "Cam[0]", [1.0, 1.0, 2.0, 10.05, 90.0, 0.0257, 0.0, 0.0]);
     };

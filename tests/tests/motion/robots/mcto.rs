@@ -164,7 +164,7 @@ fn a_path_move_takes_the_tool_along_and_round() {
         );
     }
     // Turned as the robot cannot be, at the end or on the way (a turn about one axis, of a tool that only tilts and turns): refused
-    // before anything moves.
+    // before any axis moves.
     let machine = RobotMachine {
         cart: paths::MACHINE.cart,
         ..DELTA_J1J2J3J4J5
@@ -379,7 +379,7 @@ fn where_the_robot_cannot_go() {
         assert_eq!(bench.call(LINK), OK);
         bench
     };
-    // Known before anything moves.
+    // Known before any axis moves.
     let mut robot = begun(&DELTA_J1J2J3J6);
     let call = format!("MCLM(CART, M, 1, [900, 0, 0], {RATES}, 1)");
     assert_eq!(robot.call(&call).0, 67);

@@ -231,7 +231,7 @@ impl Target {
         }
     }
 
-    /// The same for one cam.
+    /// Updates the enable conditions of one cam.
     pub(super) fn enable(&mut self, cam_index: usize, at: Instant) {
         let own = self.written;
         let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
