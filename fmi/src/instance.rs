@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use arcline_controller::drive::SetPoint;
 use arcline_controller::drive::simulated::{MechanicalModel, ModelFailed, ModelledAxis};
 use arcline_instruction_set::AxisId;
-use arcline_simulation::{Blind, End, RunLimits, ProgramId, Runner, Signal, Simulation, sample};
+use arcline_simulation::{Blind, End, ProgramId, RunLimits, Runner, Signal, Simulation, sample};
 use arcline_structured_text::{Interpreter, Policy};
 use arcline_tag::WriteValue;
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{MutexGuard, mpsc};
 use std::time::Duration;
 
-use arcline_cell::{End, RunLimits, LoadError, SimulatedCell, UnknownParts};
+use arcline_cell::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
 use arcline_config::Project;
 use arcline_controller::Controller;
 use arcline_controller::machine::Machine as MachineConfig;

@@ -8,7 +8,7 @@ use arcline_controller::image::Image;
 use arcline_controller::machine::Machine as MachineConfig;
 use arcline_controller::{Controller, Event};
 use arcline_instruction_set::AxisId;
-use arcline_simulation::{ImageNames, RunLimits, Observer, Origin, ProgramId, Runner, Simulation};
+use arcline_simulation::{ImageNames, Observer, Origin, ProgramId, RunLimits, Runner, Simulation};
 use arcline_structured_text::{Interpreter, OnError, Policy, Program, QueueFull};
 use pyo3::prelude::*;
 
