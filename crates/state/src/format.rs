@@ -78,7 +78,7 @@ pub(crate) fn fresh(state: &RetainedState) -> (Vec<u8>, Chain) {
 /// the process cut off was never answered.
 ///
 /// # Errors
-/// Anything else that is not as it was written.
+/// All other damage: bytes that differ from those written.
 pub fn parse(bytes: &[u8]) -> Result<FileContents, Damage> {
     if bytes.len() > MAX_FILE {
         return Err(Damage::TooLong { limit: MAX_FILE });

@@ -63,7 +63,7 @@ pub(crate) struct Outcome {
 pub(crate) type TargetStatus = [bool; 4];
 
 #[derive(Clone, Debug)]
-pub(crate) struct Target {
+pub(crate) struct ExecutionTarget {
     phase: Phase,
     /// The active cam, the pending one, and the previous one.
     cams: [CamState; 3],
@@ -101,10 +101,10 @@ pub(crate) struct Target {
     ticks: Clock,
 }
 
-impl Target {
+impl ExecutionTarget {
     pub(super) fn new(clock: &Clock) -> Self {
         let now = clock.now();
-        Target {
+        ExecutionTarget {
             phase: Phase::Free,
             cams: [CamState::new(), CamState::new(), CamState::new()],
             reference: Reference::Actual,

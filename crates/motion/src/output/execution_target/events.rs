@@ -8,7 +8,7 @@ use super::super::element::{Effect, ElementEvent, ElementState};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
-use super::Target;
+use super::ExecutionTarget;
 use super::cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 use super::piece::{Piece, instant};
 
@@ -26,7 +26,7 @@ pub(in crate::output) struct Edge {
 /// Events of one update: each element of three cams enters and leaves two ranges.
 pub(in crate::output) const MOST_EDGES: usize = 3 * 4 * MAX_OUTPUT_ELEMENTS;
 
-impl Target {
+impl ExecutionTarget {
     /// Handles the events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();

@@ -10,7 +10,7 @@ use arcline_profile::KinematicState;
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, OUTPUT_BITS};
 use super::super::windows::Turns;
-use super::Target;
+use super::ExecutionTarget;
 use super::cam_state::{ACTIVE, PENDING, Phase};
 use super::events::Edge;
 use super::piece::{Piece, instant};
@@ -20,7 +20,7 @@ use crate::tolerance::OUTPUT_CAM_SHARE;
 /// Most cuts of an update: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
 
-impl Target {
+impl ExecutionTarget {
     /// Moves the axis from its last motion to its present one. `ended`: the instructions of cams that end meanwhile.
     pub(super) fn go(
         &mut self,
