@@ -7,7 +7,7 @@ use bytes::Bytes;
 use tokio::net::UdpSocket;
 use tokio::time::{Instant, timeout_at};
 
-use arcline_proto::encap::{Command, Frame, FrameDecoder, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, SessionHandle};
 use arcline_proto::identity::Identity;
 
 use crate::ClientError;
@@ -52,7 +52,7 @@ pub async fn discover(address: &str, wait: Duration) -> Result<Vec<Discovered>, 
     socket.set_broadcast(true).map_err(failed)?;
     let [low, high] = SPREAD_MS.to_le_bytes();
     let context = [low, high, b'a', b'r', b'c', b'l', b'i', b'n'];
-    let request = Frame::request(Command::LIST_IDENTITY, SessionHandle::default(), context, Bytes::new());
+    let request = EncapFrame::request(Command::LIST_IDENTITY, SessionHandle::default(), context, Bytes::new());
     socket.send_to(&request.to_bytes(), address).await.map_err(failed)?;
 
     let deadline = Instant::now() + wait;

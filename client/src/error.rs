@@ -43,7 +43,7 @@ pub enum ClientError {
     /// The encapsulation layer refused, or the server sent a malformed frame.
     #[error("the session failed: {0}")]
     Session(session::ClientError),
-    /// The server sent something that is not the answer to the request.
+    /// The server sent a message that does not answer the request.
     #[error("unexpected answer of the server: {what}")]
     Malformed {
         /// The defect.

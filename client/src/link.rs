@@ -316,7 +316,7 @@ impl<S: AsyncRead + AsyncWrite + Unpin> Wire<S> {
             }
             over |= matches!(
                 event.outcome,
-                Outcome::Failed(session::ClientError::Lost | session::ClientError::Frame(_))
+                Outcome::Failed(session::ClientError::Lost | session::ClientError::EncapFrame(_))
             );
             if matches!(&self.life, Life::Closing(call, _) if *call == event.call) {
                 self.unregister();

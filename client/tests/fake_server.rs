@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Options};
 use arcline_proto::cip::{CipStatus, MultipleReplies, Reply, Request, class, service, split_multiple};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
@@ -399,7 +399,7 @@ async fn a_peer_that_never_registers_times_out() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_request_that_nobody_waits_for_spoils_nothing() {
+async fn an_abandoned_request_spoils_nothing() {
     let mut memory = Memory::new();
     let client = connect_with(Settings::default(), Box::new(move |r, b| Some(memory.handle(r, b))))
         .await
@@ -505,7 +505,7 @@ async fn a_stream_that_cannot_be_read_ends_the_connection() {
                     Command::REGISTER_SESSION => {
                         let mut header = frame.header;
                         header.session = SessionHandle(5);
-                        Frame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes()
+                        EncapFrame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes()
                     }
                     // A frame that claims 65,535 bytes.
                     _ => Bytes::from_static(&[

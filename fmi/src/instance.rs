@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use arcline_controller::drive::SetPoint;
 use arcline_controller::drive::simulated::{MechanicalModel, ModelFailed, ModelledAxis};
 use arcline_instruction_set::AxisId;
-use arcline_simulation::{Blind, End, Limits, ProgramId, Runner, Signal, Simulation, sample};
+use arcline_simulation::{Blind, End, ProgramId, RunLimits, Runner, Signal, Simulation, sample};
 use arcline_structured_text::{Interpreter, Policy};
 use arcline_tag::WriteValue;
 
@@ -121,7 +121,7 @@ impl Instance {
         if !(tick >= now as f64 && tick < 1e15) {
             return Err(format!("a step to {time} s, behind tick {now}"));
         }
-        let limits = Limits {
+        let limits = RunLimits {
             ticks: tick as u64 - now,
             until: f64::INFINITY,
         };

@@ -12,7 +12,7 @@ use arcline_proto::connection::{
     ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Packet};
-use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::io::{Datagram, Ownership};
 use arcline_proto::session::{Event, ServerSession, Settings};
@@ -99,7 +99,7 @@ fuzz_target!(|data: &[u8]| timed(|| run(data)));
 fn run(data: &[u8]) {
     let mut device = Device::default();
     let mut session = ServerSession::new(Arc::new(Settings::default()), LOCAL, device.now);
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
@@ -160,7 +160,7 @@ fn run(data: &[u8]) {
         if let Some(request) = message {
             let message = source.spoil(&request.to_bytes().expect("a short path"));
             let packet = Packet::unconnected(message).to_bytes();
-            let frame = Frame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], packet);
+            let frame = EncapFrame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], packet);
             let now = device.now;
             session.handle_frame(&frame, now, &mut device);
         }

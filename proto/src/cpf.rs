@@ -46,7 +46,7 @@ pub enum CpfError {
     /// The packet ends inside its own head or inside an item's head.
     #[error("packet ends after {present} bytes, inside {inside}")]
     Truncated {
-        /// What was being read.
+        /// The item or field that is cut.
         inside: &'static str,
         /// Bytes that were there.
         present: usize,
@@ -258,7 +258,7 @@ impl<'a> ItemReader<'a> {
     }
 }
 
-/// Writes items. Nothing else knows how they lie.
+/// Writes items. Their layout is known here only.
 #[derive(Debug)]
 pub(crate) struct ItemWriter<'o>(&'o mut BytesMut);
 
@@ -297,7 +297,7 @@ impl<'o> ItemWriter<'o> {
         encode_sockaddr(address, self.data(item, SOCKADDR as u16));
     }
 
-    /// Type and length of an item; its `length` bytes are appended to what this gives.
+    /// Type and length of an item; its `length` bytes are appended to the returned buffer.
     pub(crate) fn data(&mut self, item: u16, length: u16) -> &mut BytesMut {
         self.0.put_u16_le(item);
         self.0.put_u16_le(length);

@@ -1,4 +1,4 @@
-//! What is answered over UDP 44818: ListIdentity, ListServices, ListInterfaces (spec/ethernet-ip.md §1, §2).
+//! The requests that are answered over UDP 44818: ListIdentity, ListServices, ListInterfaces (spec/ethernet-ip.md §1, §2).
 //!
 //! No socket and no waiting: the delay a broadcast asks for comes out as a bound, the caller draws the time.
 
@@ -7,19 +7,19 @@ use std::net::SocketAddrV4;
 use std::time::Duration;
 
 use crate::cpf::{Item, encode_items};
-use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Service};
+use crate::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, Service};
 use crate::identity::Identity;
 
 /// The longest delay that a peer can ask for.
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
-/// What a request that names no delay gets.
+/// The delay for a request that names none.
 const DEFAULT_DELAY: Duration = MAX_DELAY;
 
 /// An answer to a datagram.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Answer {
     /// The reply.
-    pub frame: Frame,
+    pub frame: EncapFrame,
     /// When the request was a broadcast, wait a random time up to this before sending.
     pub max_delay: Duration,
 }
@@ -43,7 +43,7 @@ pub fn answer(datagram: &[u8], identity: &Identity, capability: u16, local: Sock
         _ => Duration::ZERO,
     };
     Some(Answer {
-        frame: Frame::reply(&request.header, data),
+        frame: EncapFrame::reply(&request.header, data),
         max_delay,
     })
 }

@@ -1,7 +1,7 @@
 //! The encapsulation layer: 24-byte header, commands, status, and the frames of the session services
 //! (CIP Vol. 2, chapter 2; spec/ethernet-ip.md §2).
 //!
-//! Not the common packet format inside SendRRData and SendUnitData ([`crate::cpf`]) and not the rules of a session
+//! Not here: the common packet format inside SendRRData and SendUnitData ([`crate::cpf`]) and the rules of a session
 //! ([`crate::connection`]). All fields are little-endian except socket addresses.
 
 use bytes::{Buf, BufMut, Bytes, BytesMut};
@@ -16,14 +16,14 @@ pub const DEFAULT_LIMIT: usize = 8 * 1024;
 /// The only version of the encapsulation protocol there is.
 pub const PROTOCOL_VERSION: u16 = 1;
 
-/// What a frame asks for (CIP Vol. 2, table 2-3.2).
+/// The command of a frame (CIP Vol. 2, table 2-3.2).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Command(pub u16);
 
 impl Command {
     /// No operation: never answered.
     pub const NOP: Self = Self(0x0000);
-    /// What kinds of communication the target speaks.
+    /// The kinds of communication that the target supports.
     pub const LIST_SERVICES: Self = Self(0x0004);
     /// The identity of the target.
     pub const LIST_IDENTITY: Self = Self(0x0063);
@@ -106,7 +106,7 @@ pub type SenderContext = [u8; 8];
 /// The 24 bytes in front of every frame (CIP Vol. 2, 2-3.1).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Header {
-    /// What is asked.
+    /// The request.
     pub command: Command,
     /// Bytes that follow the header.
     pub length: u16,
@@ -151,14 +151,14 @@ impl Header {
 
 /// A whole frame: header and data. `header.length` always equals `data.len()` when it came from this crate.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Frame {
+pub struct EncapFrame {
     /// The 24 bytes in front.
     pub header: Header,
-    /// What follows them.
+    /// The data behind the header.
     pub data: Bytes,
 }
 
-impl Frame {
+impl EncapFrame {
     /// A request frame.
     ///
     /// Data beyond [`MAX_DATA`] cannot be carried and is cut; no codec of this crate makes that much.
@@ -224,7 +224,7 @@ impl Frame {
 
 /// A stream that cannot be read on.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum FrameError {
+pub enum EncapFrameError {
     /// The peer announced more data than is accepted.
     #[error("{} announces {claimed} bytes, accepted are at most {limit}", header.command)]
     TooLong {
@@ -265,18 +265,18 @@ impl FrameDecoder {
     /// Takes the next frame off the front of `buf` (CIP Vol. 2, 2-3.1).
     ///
     /// `Ok(None)` asks for more bytes and leaves `buf` as it was. No claimed length is ever allocated: the data is a
-    /// slice of what has really arrived.
+    /// slice of the bytes that have arrived.
     ///
     /// # Errors
-    /// [`FrameError::TooLong`]; after it the stream cannot be resumed.
-    pub fn decode(&self, buf: &mut BytesMut) -> Result<Option<Frame>, FrameError> {
+    /// [`EncapFrameError::TooLong`]; after it the stream cannot be resumed.
+    pub fn decode(&self, buf: &mut BytesMut) -> Result<Option<EncapFrame>, EncapFrameError> {
         let Some(header) = buf.first_chunk::<{ Header::LEN }>() else {
             return Ok(None);
         };
         let header = Header::from_bytes(header);
         let claimed = usize::from(header.length);
         if claimed > self.limit {
-            return Err(FrameError::TooLong {
+            return Err(EncapFrameError::TooLong {
                 header,
                 claimed,
                 limit: self.limit,
@@ -286,14 +286,14 @@ impl FrameDecoder {
             return Ok(None);
         }
         buf.advance(Header::LEN);
-        Ok(Some(Frame {
+        Ok(Some(EncapFrame {
             header,
             data: buf.split_to(claimed).freeze(),
         }))
     }
 
     /// Reads a datagram that must hold exactly one frame, or more than it: surplus is ignored, a shortfall is `None`.
-    pub fn decode_datagram(&self, datagram: &[u8]) -> Option<Frame> {
+    pub fn decode_datagram(&self, datagram: &[u8]) -> Option<EncapFrame> {
         let mut reader = Reader::new(datagram);
         let header = Header::from_bytes(&reader.array::<{ Header::LEN }>()?);
         let claimed = usize::from(header.length);
@@ -301,7 +301,7 @@ impl FrameDecoder {
             return None;
         }
         let data = Bytes::copy_from_slice(reader.take(claimed)?);
-        Some(Frame { header, data })
+        Some(EncapFrame { header, data })
     }
 }
 

@@ -51,7 +51,7 @@ pub struct Identity {
     pub consistency: u16,
     /// Attribute 10, seconds; 0: none.
     pub heartbeat: u8,
-    /// What a ListIdentity reply tells of its security, in an item behind the identity's; `None`: no such item.
+    /// The security in a ListIdentity reply, in an item behind the identity's; `None`: no such item.
     pub security: Option<SecurityInformation>,
 }
 
@@ -139,7 +139,7 @@ impl Identity {
         Some(this)
     }
 
-    /// Whether an originator's key fits; zeros match anything.
+    /// Whether an originator's key fits; a zero matches every value.
     ///
     /// # Errors
     /// The Connection Manager's additional status: 0x0114, 0x0115 or 0x0116.

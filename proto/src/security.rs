@@ -1,4 +1,4 @@
-//! What a device tells of its security (CIP Vol. 8, as Wireshark's `packet-enip.c` and OpENer's branch `CIPSecurity_develop` have it;
+//! The security of a device as it announces it (CIP Vol. 8, as Wireshark's `packet-enip.c` and OpENer's branch `CIPSecurity_develop` have it;
 //! spec/security.md §2, §4).
 
 use crate::wire::Reader;

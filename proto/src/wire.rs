@@ -1,6 +1,6 @@
-//! A bounds-checked cursor over little-endian bytes, and what its writers share.
+//! A bounds-checked cursor over little-endian bytes, and the functions that its writers share.
 //!
-//! Not a format of its own: every codec of this crate reads through it, so that no length from outside is ever an index.
+//! It is no format of its own: every codec of this crate reads through it, so that no length from outside is ever an index.
 
 /// Reads little-endian fields off the front of a slice. Every method gives `None` when too few bytes are left, and then
 /// takes nothing.

@@ -5,7 +5,7 @@
 use arcline_proto::cip::{self, CipStatus, Reply, Request};
 use arcline_proto::connection::{ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, UnconnectedSend};
 use arcline_proto::cpf::{ConnectionId, Item, Packet, decode_items, encode_items};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, Header, RegisterSession, Service, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, Header, RegisterSession, Service, SessionHandle};
 use arcline_proto::epath::{Epath, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{
@@ -97,7 +97,7 @@ fn register_session() {
     };
     let expected = hex("6500 0400 9d3f4658 00000000 5f7079636f6d6d5f 00000000 | 0100 0000");
     assert_eq!(
-        Frame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes(),
+        EncapFrame::reply(&header, RegisterSession::CURRENT.to_bytes()).to_bytes(),
         expected
     );
 }

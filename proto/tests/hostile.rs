@@ -1,4 +1,4 @@
-//! Any bytes give a value or an error; what was encoded is decoded again.
+//! Any bytes give a value or an error; decoding reverses encoding.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ use arcline_proto::client::{ClientSession, OpenOptions};
 use arcline_proto::connection::{ConnectionKey, NetworkParameters};
 use arcline_proto::cpf::{ConnectionId, Packet};
 use arcline_proto::discovery;
-use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, PortSegment, Segment, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{Typed, decode_operands, encode_operands};
@@ -43,7 +43,7 @@ fn feed(bytes: &[u8]) {
         "127.0.0.1:1".parse().unwrap(),
         Duration::ZERO,
     );
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
@@ -57,7 +57,7 @@ fn feed(bytes: &[u8]) {
     };
     let mut opener = ClientSession::new(Duration::from_secs(1));
     opener.register(Duration::ZERO);
-    let registered = Frame::request(
+    let registered = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(1),
         [1, 0, 0, 0, 0, 0, 0, 0],
@@ -122,12 +122,12 @@ fn corpus() -> Vec<Bytes> {
         .iter()
         .map(|message| {
             let data = Packet::unconnected(message.clone()).to_bytes();
-            Frame::request(Command::SEND_RR_DATA, SessionHandle(1), [7; 8], data).to_bytes()
+            EncapFrame::request(Command::SEND_RR_DATA, SessionHandle(1), [7; 8], data).to_bytes()
         })
         .collect();
     let unit = Packet::connected(ConnectionId(2), 1, &messages[0]).to_bytes();
-    frames.push(Frame::request(Command::SEND_UNIT_DATA, SessionHandle(1), [7; 8], unit).to_bytes());
-    frames.push(Frame::request(Command::LIST_IDENTITY, SessionHandle(0), [0; 8], Bytes::new()).to_bytes());
+    frames.push(EncapFrame::request(Command::SEND_UNIT_DATA, SessionHandle(1), [7; 8], unit).to_bytes());
+    frames.push(EncapFrame::request(Command::LIST_IDENTITY, SessionHandle(0), [0; 8], Bytes::new()).to_bytes());
     frames
 }
 
@@ -231,7 +231,7 @@ fn a_reply_is_never_answered() {
     let identity = Identity::new("Arcline", 1);
     let local = "127.0.0.1:44818".parse().unwrap();
     for command in [Command::LIST_IDENTITY, Command::LIST_SERVICES, Command::LIST_INTERFACES] {
-        let request = Frame::request(command, SessionHandle(0), [0; 8], Bytes::new()).to_bytes();
+        let request = EncapFrame::request(command, SessionHandle(0), [0; 8], Bytes::new()).to_bytes();
         let reply = discovery::answer(&request, &identity, 0x120, local).unwrap().frame;
         assert_eq!(
             discovery::answer(&reply.to_bytes(), &identity, 0x120, local),
@@ -246,7 +246,7 @@ fn identity_over_udp_cut_at_every_byte() {
     let identity = Identity::new("A name that is longer than thirty-two bytes", 1);
     assert_eq!(identity.name().len(), 32);
     let local = "127.0.0.1:44818".parse().unwrap();
-    let request = Frame::request(
+    let request = EncapFrame::request(
         Command::LIST_IDENTITY,
         SessionHandle(0),
         [10, 0, 0, 0, 0, 0, 0, 0],
@@ -262,7 +262,7 @@ fn identity_over_udp_cut_at_every_byte() {
     }
     let answer = discovery::answer(&request, &identity, 0, local).unwrap();
     assert_eq!(answer.max_delay, Duration::from_millis(10));
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],

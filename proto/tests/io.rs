@@ -1,4 +1,4 @@
-//! Class 0 and 1 connections: the hex blocks of spec/ethernet-ip.md §14, who may open what, watchdogs, schedules,
+//! Class 0 and 1 connections: the hex blocks of spec/ethernet-ip.md §14, the rules for opening, watchdogs, schedules,
 //! sequences, and hostile bytes.
 
 #![allow(clippy::unwrap_used)]
@@ -12,7 +12,7 @@ use arcline_proto::connection::{
     ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::{ElectronicKey, Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
 use arcline_proto::io::{
@@ -218,7 +218,7 @@ impl Session {
                 },
             ),
         };
-        let register = Frame::request(
+        let register = EncapFrame::request(
             Command::REGISTER_SESSION,
             SessionHandle(0),
             CONTEXT,
@@ -242,7 +242,7 @@ impl Session {
     fn ask(&mut self, message: Bytes, items: &[Item]) -> (Vec<Item>, Vec<Event>) {
         let mut packet = Packet::unconnected(message);
         packet.items.extend_from_slice(items);
-        let frame = Frame::request(
+        let frame = EncapFrame::request(
             Command::SEND_RR_DATA,
             SessionHandle(0xD13E_0013),
             CONTEXT,
@@ -348,7 +348,7 @@ fn datagrams_cut_at_every_byte() {
 }
 
 #[test]
-fn what_a_forward_open_may_ask_for() {
+fn permitted_applications_of_a_forward_open() {
     type Change = fn(&mut ForwardOpen);
     #[rustfmt::skip]
     let cases: [(&str, Change, Result<(), CipStatus>); 43] = [
@@ -404,7 +404,7 @@ fn what_a_forward_open_may_ask_for() {
         assert_eq!(opened.clone().map(drop), expected, "{why}");
         assert_eq!(bench.io.len(), usize::from(expected.is_ok()), "{why}");
         if let Ok(reply) = opened {
-            // What is confirmed is what was asked for: it is kept.
+            // The reply confirms the requested values, with which the connection works.
             assert_eq!(
                 (reply.o_to_t_api, reply.t_to_o_api, reply.t_to_o_id),
                 (open.o_to_t_rpi, open.t_to_o_rpi, open.t_to_o_id),
@@ -415,7 +415,7 @@ fn what_a_forward_open_may_ask_for() {
 }
 
 #[test]
-fn who_may_open_when_others_have() {
+fn connections_beside_open_ones() {
     let mut bench = Bench::new();
     let first = bench.run(&owner(1));
     assert_eq!(bench.open(&owner(1)), Err(connection(0x0100)), "the same again");
@@ -432,7 +432,7 @@ fn who_may_open_when_others_have() {
     assert_eq!(bench.io.close(key(9), PEER), Err(connection(0x0107)));
     assert!(bench.events().is_empty());
 
-    // The ownership is free again; who listens stays as long as there is something to hear.
+    // The ownership is free again; a listen-only connection stays as long as its multicast production.
     assert_eq!(bench.io.close(key(1), PEER), Ok(()));
     assert_eq!(bench.io.close(key(3), PEER), Ok(()));
     assert_eq!(bench.io.len(), 2);
@@ -456,7 +456,7 @@ fn who_may_open_when_others_have() {
 }
 
 #[test]
-fn null_forward_open_confirms_what_is_there() {
+fn a_null_forward_open_confirms_the_open_connection() {
     let mut bench = Bench::new();
     let mut null = owner(1);
     null.o_to_t.connection_type = ConnectionType::Null;
@@ -509,7 +509,7 @@ fn the_watchdog_is_exact() {
     assert_eq!(bench.io.len(), 1);
 }
 
-/// A Forward Open whose originator sends nothing holds its place for 10 s, whatever its watchdog is.
+/// A Forward Open whose originator sends nothing holds its place for 10 s, with any watchdog.
 #[test]
 fn a_silent_originator_frees_its_place() {
     let mut bench = Bench::new();
@@ -670,7 +670,7 @@ fn data_of_every_length() {
     for (sequence, length) in (1..).zip(0..=64) {
         data[0] = sequence as u8;
         let taken = bench.send(id, sequence, &data[..length]);
-        // Surplus bytes are ignored, what is short does not count.
+        // Surplus bytes are ignored, and a short datagram does not count.
         assert_eq!(taken, length >= 38, "{length} bytes");
         assert_eq!(bench.events().len(), usize::from(taken), "{length} bytes");
     }
@@ -804,7 +804,7 @@ fn forward_open_and_close_at_every_length_and_byte() {
                 session.ask(open.clone(), &[]);
                 let mut altered = message.to_vec();
                 altered[place] ^= 1 << bit;
-                let frame = Frame::request(
+                let frame = EncapFrame::request(
                     Command::SEND_RR_DATA,
                     SessionHandle(0xD13E_0013),
                     CONTEXT,
@@ -897,7 +897,7 @@ fn a_group_is_sent_each_datagram_once() {
     assert_eq!(sent(&mut bench), both);
     bench.now = ms(10);
     assert_eq!(sent(&mut bench), [(fast_id, 2)]);
-    // Who opened it goes; the others are sent on, and nothing begins anew.
+    // The connection that opened it closes; the others receive further data, and no production begins anew.
     assert!(bench.io.close(key(1), PEER).is_ok());
     assert!(bench.io.is_empty(), "those that only listened have gone with it");
     bench.now = ms(20);

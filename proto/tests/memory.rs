@@ -1,4 +1,4 @@
-//! What one packet can make a session hold, measured by the allocator. Alone in its file, so that no other test counts.
+//! The memory that one packet can make a session hold, measured by the allocator. Alone in its file, so that no other test counts.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use arcline_proto::cip::{self, MultipleReplies, Request};
 use arcline_proto::cpf::{Packet, decode_items};
-use arcline_proto::encap::{Command, Frame, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::session::{Draws, ServerSession, Settings, TestHost};
 use bytes::{Bytes, BytesMut};
@@ -17,7 +17,7 @@ use cap::Cap;
 #[global_allocator]
 static MEMORY: Cap<System> = Cap::new(System, usize::MAX);
 
-/// What one packet may add at a time, bytes: it brings 8 KiB, which become at most 4,000 requests of a packet.
+/// The memory that one packet may add at a time, bytes: it brings 8 KiB, which become at most 4,000 requests of a packet.
 const LIMIT: usize = 1 << 20;
 
 /// As many requests in one packet as its bytes can name, all of them empty.
@@ -36,7 +36,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
     let mut host = TestHost::new(Draws::Constant(1));
     for count in [0x00FF_u16, 0x7FFF, u16::MAX] {
         for fill in [0_u8, 1, 0x91, 0xFF] {
-            // A count of anything with as much behind it as a frame can hold.
+            // A count with as much data behind it as a frame can hold.
             let mut data = count.to_le_bytes().to_vec();
             data.resize(8000, fill);
             for (service, path) in [
@@ -50,8 +50,8 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
                 let message = Request::new(service, path, data.clone()).to_bytes().unwrap();
                 let current = RegisterSession::CURRENT.to_bytes();
                 let frames = [
-                    Frame::request(Command::REGISTER_SESSION, SessionHandle(0), [0; 8], current),
-                    Frame::request(
+                    EncapFrame::request(Command::REGISTER_SESSION, SessionHandle(0), [0; 8], current),
+                    EncapFrame::request(
                         Command::SEND_RR_DATA,
                         SessionHandle(1),
                         [0; 8],
@@ -62,7 +62,7 @@ fn wireshark_cve_2012_4291_memory_of_one_packet() {
                     session.handle_input(&mut BytesMut::from(&frame.to_bytes()[..]), Duration::ZERO, &mut host);
                 }
                 // A header that claims as much as it can, and never sends it.
-                let mut claim = Frame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], Bytes::new())
+                let mut claim = EncapFrame::request(Command::SEND_RR_DATA, SessionHandle(1), [0; 8], Bytes::new())
                     .to_bytes()
                     .to_vec();
                 claim[2..4].copy_from_slice(&count.to_le_bytes());

@@ -9,7 +9,7 @@ use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::client::{Call, ClientError, ClientSession, Connected, OpenOptions, Outcome, backplane};
 use arcline_proto::connection::{ConnectionKey, Count, ForwardOpen, NetworkParameters, UnconnectedSend};
 use arcline_proto::cpf::{ConnectionId, Packet};
-use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, Header, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
 use arcline_proto::session::{CloseReason, Draws, Event, RequestId, ServerSession, Settings, TestHost};
@@ -133,14 +133,14 @@ impl Pair {
     }
 
     /// Raw frames in, raw frames out, no client.
-    fn raw(&mut self, frame: &Frame) -> Vec<Frame> {
+    fn raw(&mut self, frame: &EncapFrame) -> Vec<EncapFrame> {
         self.input(&frame.to_bytes());
         self.collect();
         self.sent.drain(..).map(|bytes| decode(&bytes)).collect()
     }
 }
 
-fn decode(bytes: &[u8]) -> Frame {
+fn decode(bytes: &[u8]) -> EncapFrame {
     FrameDecoder::default()
         .decode(&mut BytesMut::from(bytes))
         .unwrap()
@@ -164,8 +164,8 @@ fn echo(request: &Request) -> Outcome {
     Outcome::Reply(Reply::success(request.service, request.data.clone()))
 }
 
-fn raw(command: Command, session: SessionHandle, data: Bytes) -> Frame {
-    Frame::request(command, session, *b"context!", data)
+fn raw(command: Command, session: SessionHandle, data: Bytes) -> EncapFrame {
+    EncapFrame::request(command, session, *b"context!", data)
 }
 
 fn register(pair: &mut Pair) -> SessionHandle {
@@ -312,7 +312,7 @@ fn input_waits_while_too_much_is_unanswered() {
 #[test]
 fn encapsulation_errors() {
     let mut pair = Pair::new();
-    let status = |replies: Vec<Frame>| replies.first().map(|reply| (reply.header.status, reply.data.len()));
+    let status = |replies: Vec<EncapFrame>| replies.first().map(|reply| (reply.header.status, reply.data.len()));
     let none = SessionHandle(0);
     let current = RegisterSession::CURRENT.to_bytes();
     let rr = Packet::unconnected(read("A").to_bytes().unwrap()).to_bytes();
@@ -361,7 +361,7 @@ fn encapsulation_errors() {
     assert_eq!(pair.closed, None, "the socket stays open through all of it");
     let long = raw(Command::SEND_RR_DATA, session, Bytes::from(vec![0; 9000]));
     assert_eq!(status(pair.raw(&long)), Some((EncapStatus::INVALID_LENGTH, 0)));
-    assert!(matches!(pair.closed, Some(CloseReason::Frame(_))));
+    assert!(matches!(pair.closed, Some(CloseReason::EncapFrame(_))));
 }
 
 #[test]
@@ -520,7 +520,7 @@ fn a_refused_packet_loses_the_connection() {
     let mut bytes = BytesMut::from(&pair.client.poll_transmit().unwrap()[..]);
     let frame = FrameDecoder::default().decode(&mut bytes).unwrap().unwrap();
     pair.client
-        .handle_frame(&Frame::error(&frame.header, EncapStatus::INCORRECT_DATA));
+        .handle_frame(&EncapFrame::error(&frame.header, EncapStatus::INCORRECT_DATA));
     let refused = ClientError::Encapsulation {
         command: Command::SEND_UNIT_DATA,
         status: EncapStatus::INCORRECT_DATA,

@@ -14,7 +14,7 @@ use arcline_proto::connection::{
 };
 use arcline_proto::cpf::{ConnectionId, Packet, decode_items};
 use arcline_proto::discovery;
-use arcline_proto::encap::{Command, Frame, FrameDecoder, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Target};
 use arcline_proto::identity::Identity;
 use arcline_proto::logix::{ReadReply, Symbol, TemplateAttributes};
@@ -27,7 +27,7 @@ struct Bench {
     session: ServerSession,
     handle: SessionHandle,
     now: Duration,
-    replies: Vec<Frame>,
+    replies: Vec<EncapFrame>,
     closed: Option<CloseReason>,
 }
 
@@ -50,7 +50,7 @@ impl Bench {
     }
 
     fn send(&mut self, command: Command, data: Bytes) {
-        let frame = Frame::request(command, self.handle, [0; 8], data);
+        let frame = EncapFrame::request(command, self.handle, [0; 8], data);
         self.replies.clear();
         let mut bytes = BytesMut::from(&frame.to_bytes()[..]);
         self.session.handle_input(&mut bytes, self.now, &mut self.host);
@@ -146,7 +146,7 @@ fn opener_cve_2021_21777_27478_27482_27498_27500_datagrams() {
     let identity = Identity::new("Arcline", 1);
     let local = "127.0.0.1:44818".parse().unwrap();
     for command in [Command::LIST_IDENTITY, Command::LIST_SERVICES, Command::LIST_INTERFACES] {
-        let whole = Frame::request(command, SessionHandle(0), *b"\x0A\0trace!", Bytes::new()).to_bytes();
+        let whole = EncapFrame::request(command, SessionHandle(0), *b"\x0A\0trace!", Bytes::new()).to_bytes();
         assert!(discovery::answer(&whole, &identity, 0, local).is_some(), "{command:?}");
         for cut in 0..whole.len() {
             let answer = discovery::answer(&whole[..cut], &identity, 0, local);

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use arcline_config::Project;
-use arcline_simulation::{Blind, Limits, Runner, Simulation};
+use arcline_simulation::{Blind, RunLimits, Runner, Simulation};
 use arcline_structured_text::Interpreter;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::exceptions::{PyIndexError, PyValueError};
@@ -108,7 +108,7 @@ impl Batch {
 fn work(runners: &mut [Runner], mut columns: Vec<&mut [f64]>, signals: &[Signal], ticks: u64) {
     let mut row = vec![0.0; signals.len()];
     for (index, runner) in runners.iter_mut().enumerate() {
-        let limits = Limits {
+        let limits = RunLimits {
             ticks,
             until: f64::INFINITY,
         };

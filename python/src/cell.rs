@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{MutexGuard, mpsc};
 use std::time::Duration;
 
-use arcline_cell::{End, Limits, LoadError, SimulatedCell, UnknownParts};
+use arcline_cell::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
 use arcline_config::Project;
 use arcline_controller::Controller;
 use arcline_controller::machine::Machine as MachineConfig;
@@ -55,7 +55,7 @@ pub(crate) struct Given {
 struct Inner {
     cell: SimulatedCell,
     conditions: BTreeMap<String, Condition>,
-    /// What was done since the beginning.
+    /// The calls since the beginning.
     journal: Vec<Entry>,
 }
 
@@ -68,7 +68,7 @@ enum Entry {
     Fault(u16, u32),
 }
 
-/// Ticks to run, and what is sampled at the end of each.
+/// Ticks to run, and the signals that are sampled at the end of each.
 struct Plan<'p> {
     ticks: u64,
     until: Option<&'p str>,
@@ -237,7 +237,7 @@ impl Inner {
 
     /// Runs ticks, and returns how many passed.
     fn run(&mut self, ticks: u64, until: Option<&str>, observer: &mut Sampler<'_>) -> End {
-        let limits = Limits {
+        let limits = RunLimits {
             until: until.and_then(|text| self.conditions.get(text)),
             ticks,
             time: f64::INFINITY,

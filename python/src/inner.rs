@@ -8,7 +8,7 @@ use arcline_controller::image::Image;
 use arcline_controller::machine::Machine as MachineConfig;
 use arcline_controller::{Controller, Event};
 use arcline_instruction_set::AxisId;
-use arcline_simulation::{ImageNames, Limits, Observer, Origin, ProgramId, Runner, Simulation};
+use arcline_simulation::{ImageNames, Observer, Origin, ProgramId, RunLimits, Runner, Simulation};
 use arcline_structured_text::{Interpreter, OnError, Policy, Program, QueueFull};
 use pyo3::prelude::*;
 
@@ -132,7 +132,7 @@ impl Inner {
         self.note(Entry::Step(ticks));
         let end = self.tick().saturating_add(ticks);
         while self.inject_due() < end && !self.plant_has_failed() {
-            let limits = Limits {
+            let limits = RunLimits {
                 ticks: self.ticks_at_once(end),
                 until: f64::INFINITY,
             };
@@ -163,7 +163,7 @@ impl Inner {
                 columns: &columns,
                 rows: part.chunks_exact_mut(width),
             };
-            let limits = Limits {
+            let limits = RunLimits {
                 ticks: count,
                 until: f64::INFINITY,
             };

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcline_cell::{End, Limits};
+use arcline_cell::{End, RunLimits};
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event};
@@ -229,7 +229,7 @@ pub(crate) fn simulate_project<'py>(
             for (path, value) in set {
                 cell::write(py, &mut cell, &path, &values::given(&value)?)?;
             }
-            let limits = Limits {
+            let limits = RunLimits {
                 until: condition.as_ref(),
                 ticks: u64::MAX,
                 time: longest,

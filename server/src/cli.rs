@@ -236,7 +236,7 @@ impl Failure {
         }
     }
 
-    /// Something that the user must put right first.
+    /// An error that the user must put right first.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Failure::new(WRONG, message)
     }
@@ -330,7 +330,7 @@ fn check(config: &Path) -> Result<ExitCode, Failure> {
     }
 }
 
-/// The same as one JSON object.
+/// Prints the objects that a configuration creates, or all its errors, as one JSON object.
 fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
     let (text, file) = read(Some(config))?;
     let loaded = arcline_config::load_all(&text, &file);

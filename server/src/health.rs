@@ -1,11 +1,11 @@
-//! `health`: asks a server who it is (List Identity), as the health check of a container does.
+//! `health`: asks a server for its identity (List Identity), as the health check of a container does.
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, SessionHandle};
 use arcline_proto::identity::Identity;
 use bytes::{Bytes, BytesMut};
 use clap::Args;
@@ -42,7 +42,7 @@ fn identity(at: SocketAddr, within: Duration) -> Result<Identity, String> {
     };
     let failed = |error: std::io::Error| error.to_string();
     let mut stream = TcpStream::connect_timeout(&at, left()?).map_err(failed)?;
-    let request = Frame::request(Command::LIST_IDENTITY, SessionHandle::default(), [0; 8], Bytes::new());
+    let request = EncapFrame::request(Command::LIST_IDENTITY, SessionHandle::default(), [0; 8], Bytes::new());
     stream.write_all(&request.to_bytes()).map_err(failed)?;
     let mut received = BytesMut::new();
     let mut piece = [0; 512];

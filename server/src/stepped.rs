@@ -117,7 +117,7 @@ impl<D: Disk> Stepped<D> {
             Some(SteppedState { image, watch, worker }) => (image, Some(watch), Some(worker)),
             None => (project.image(), None, None),
         };
-        let (rings, mut link) = arcline_realtime::link_with(&project.machine, conditions.room);
+        let (rings, mut link) = arcline_realtime::rings_with(&project.machine, conditions.room);
         let planning = link.planning.take();
         let plant = Plant::start_stepped(&project, link, image, watch, WallClock(conditions.wall));
         let (audit, events) = Audit::stepped();

@@ -93,7 +93,7 @@ fn simulate_tells_how_it_ended() {
 }
 
 #[test]
-fn what_a_simulation_writes_can_be_standard_output() {
+fn a_simulation_can_write_to_standard_output() {
     let program = format!("{MOVE} DELAY(0.05); FaultInject[0] := 16; DELAY(0.1); MAFR(X, R); DELAY(0.1);");
     let lines = |args: &[&str]| -> Vec<String> {
         let out = simulate(&program, args);

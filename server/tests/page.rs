@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 const SERVER: &str = env!("CARGO_BIN_EXE_arcline-server");
-/// Longer than anything here may take on a slow machine.
+/// Longer than any step of these tests may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Runs a command with a line on its standard input; returns its exit code and its output.

@@ -10,7 +10,7 @@ use expect_test::expect_file;
 const EVERY: usize = 10;
 
 #[test]
-fn programs_do_what_they_did() {
+fn programs_have_their_recorded_results() {
     let programs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/programs");
     let mut files: Vec<_> = std::fs::read_dir(&programs)
         .expect("the programs are part of the repository")

@@ -13,7 +13,7 @@ use rcgen::{CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, Ke
 use tempfile::TempDir;
 
 const SERVER: &str = env!("CARGO_BIN_EXE_arcline-server");
-/// Longer than anything here may take on a slow machine.
+/// Longer than any step of these tests may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A folder with certificates of `arcline-server certs` and a configuration, and a server that may run with it.
@@ -848,7 +848,7 @@ async fn forward_open(bench: &Bench) -> u8 {
         (encap::Command::REGISTER_SESSION, RegisterSession::CURRENT.to_bytes()),
         (encap::Command::SEND_RR_DATA, packet.to_bytes()),
     ] {
-        let frame = encap::Frame::request(command, session, [0; 8], data);
+        let frame = encap::EncapFrame::request(command, session, [0; 8], data);
         stream.write_all(&frame.to_bytes()).await.expect("it reads");
         let frame = loop {
             if let Some(frame) = FrameDecoder::new(encap::MAX_DATA).decode(&mut buf).expect("a frame") {

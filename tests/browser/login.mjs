@@ -142,7 +142,7 @@ export async function names_and_values_are_text({ browser, url, folder }) {
 }
 
 /** The page shows the identifications of clients, the texts of a program, and errors that repeat them as text. */
-export async function what_strangers_tell_is_text({ browser, url, folder }) {
+export async function texts_of_strangers_are_shown_as_text({ browser, url, folder }) {
   const agent = "<u>agent";
   const page = await open(browser, url, "machine");
   const other = await open(browser, url, "machine", { agent });

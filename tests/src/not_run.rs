@@ -10,7 +10,7 @@ pub fn in_ci() -> bool {
     std::env::var_os("CI").is_some_and(|value| value == "true" || value == "1")
 }
 
-/// Prints that `what` cannot be tested here, with the reason and the number of such tests in this process. Adds a line to
+/// Prints that a subject, `what`, cannot be tested here, with the reason and the number of such tests in this process. Adds a line to
 /// `target/not-run.txt`, which `.ci/run` counts at its end.
 ///
 /// # Panics

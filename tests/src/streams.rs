@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use crate::random::Random;
+use arcline_contour::{AxisLimits, ContourMove};
 use arcline_planner::geometry::{Arc as Circle, CirclePoint, Dimension, Direction, Path, Point};
-use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter, Sample};
 
@@ -20,22 +20,22 @@ pub struct Stream {
     /// Command tolerance of every corner.
     pub tolerance: f64,
     /// The end of its moves, one by one: after the length of the curve so far and the number of the move.
-    course: fn(&mut Course),
+    toolpath: fn(&mut Toolpath),
 }
 
 /// The streams of the benchmark and of the tests.
 #[rustfmt::skip]
 pub const STREAMS: &[Stream] = &[
-    Stream { name: "surface", chord: 0.25, speed: 200.0, tolerance: 0.01,  course: |c| c.chord(surface) },
-    Stream { name: "raster",  chord: 0.10, speed: 150.0, tolerance: 0.01,  course: |c| c.chord(raster) },
-    Stream { name: "fine",    chord: 0.05, speed: 400.0, tolerance: 0.02,  course: |c| c.chord(surface) },
-    Stream { name: "coarse",  chord: 0.50, speed: 300.0, tolerance: 0.005, course: |c| c.chord(surface) },
-    Stream { name: "corners", chord: 0.20, speed: 200.0, tolerance: 0.01,  course: |c| c.chord(stairs) },
-    Stream { name: "wavy",    chord: 0.15, speed: 250.0, tolerance: 0.008, course: |c| c.chord(waves) },
-    Stream { name: "slots",   chord: 8.0,  speed: 250.0, tolerance: 0.01,  course: Course::slot },
-    Stream { name: "islands", chord: 0.08, speed: 300.0, tolerance: 0.02,  course: Course::island },
-    Stream { name: "rows",    chord: 0.50, speed: 100.0, tolerance: 0.01,  course: |c| c.chord(rows) },
-    Stream { name: "rough",   chord: 0.50, speed: 300.0, tolerance: 0.01,  course: Course::rough },
+    Stream { name: "surface", chord: 0.25, speed: 200.0, tolerance: 0.01,  toolpath: |c| c.chord(surface) },
+    Stream { name: "raster",  chord: 0.10, speed: 150.0, tolerance: 0.01,  toolpath: |c| c.chord(raster) },
+    Stream { name: "fine",    chord: 0.05, speed: 400.0, tolerance: 0.02,  toolpath: |c| c.chord(surface) },
+    Stream { name: "coarse",  chord: 0.50, speed: 300.0, tolerance: 0.005, toolpath: |c| c.chord(surface) },
+    Stream { name: "corners", chord: 0.20, speed: 200.0, tolerance: 0.01,  toolpath: |c| c.chord(stairs) },
+    Stream { name: "wavy",    chord: 0.15, speed: 250.0, tolerance: 0.008, toolpath: |c| c.chord(waves) },
+    Stream { name: "slots",   chord: 8.0,  speed: 250.0, tolerance: 0.01,  toolpath: Toolpath::slot },
+    Stream { name: "islands", chord: 0.08, speed: 300.0, tolerance: 0.02,  toolpath: Toolpath::island },
+    Stream { name: "rows",    chord: 0.50, speed: 100.0, tolerance: 0.01,  toolpath: |c| c.chord(rows) },
+    Stream { name: "rough",   chord: 0.50, speed: 300.0, tolerance: 0.01,  toolpath: Toolpath::rough },
 ];
 
 fn surface(u: f64) -> Point {
@@ -79,7 +79,7 @@ fn waves(u: f64) -> Point {
 }
 
 /// A toolpath that grows.
-struct Course {
+struct Toolpath {
     paths: Vec<Path>,
     at: Point,
     heading: f64,
@@ -88,7 +88,7 @@ struct Course {
     chords: f64,
 }
 
-impl Course {
+impl Toolpath {
     /// A line to a point whose coordinates are rounded to a thousandth.
     fn line(&mut self, to: Point) {
         let to = to.map(|part| (part * 1000.0).round() / 1000.0);
@@ -224,7 +224,7 @@ impl Wild {
         let (speed, tolerance) = (random.between(50.0, 400.0), random.between(0.005, 0.02));
         // Most toolpaths are of one kind, with others in between.
         let usual = random.below(6);
-        let mut course = Course {
+        let mut toolpath = Toolpath {
             paths: Vec::with_capacity(about + 300),
             at: Point::zeros(),
             heading: 0.3,
@@ -232,14 +232,14 @@ impl Wild {
             chords: 0.0,
         };
         let mut parts = Vec::new();
-        while course.paths.len() < about {
+        while toolpath.paths.len() < about {
             let kind = if random.below(3) == 0 { random.below(6) } else { usual };
             let side = if random.below(2) == 0 { -1.0 } else { 1.0 };
             let part = match kind {
                 0 | 1 => Part::Chords(
                     40 + random.below(200) as usize,
                     if kind == 0 {
-                        course.chord
+                        toolpath.chord
                     } else {
                         random.between(0.05, 0.5)
                     },
@@ -261,15 +261,15 @@ impl Wild {
                 _ => Part::Arc(random.between(0.5, 20.0), side * random.between(0.1, 3.0)),
             };
             parts.push(part);
-            course.part(part);
+            toolpath.part(part);
             if random.below(3) == 0 {
                 let corner = Part::Corner(random.between(-2.8, 2.8));
                 parts.push(corner);
-                course.part(corner);
+                toolpath.part(corner);
             }
         }
         Wild {
-            moves: numbered(course.paths, speed, tolerance, jerk),
+            moves: numbered(toolpath.paths, speed, tolerance, jerk),
             jerk,
             speed,
             tolerance,
@@ -299,18 +299,18 @@ impl Stream {
     /// Its first moves, numbered; the last one ends in a stop. `jerk`: of the axes; `None`: trapezoids.
     #[must_use]
     pub fn moves(&self, count: usize, jerk: Option<f64>) -> Vec<Move<usize>> {
-        let mut course = Course {
+        let mut toolpath = Toolpath {
             paths: Vec::with_capacity(count + 1),
             at: Point::zeros(),
             heading: 0.3,
             chord: self.chord,
             chords: 0.0,
         };
-        while course.paths.len() < count {
-            (self.course)(&mut course);
+        while toolpath.paths.len() < count {
+            (self.toolpath)(&mut toolpath);
         }
-        course.paths.truncate(count);
-        numbered(course.paths, self.speed, self.tolerance, jerk)
+        toolpath.paths.truncate(count);
+        numbered(toolpath.paths, self.speed, self.tolerance, jerk)
     }
 }
 
@@ -448,7 +448,7 @@ pub fn travel(
             let from = busy();
             let planned = match &batch.extends {
                 Some(extension) => extension.plan(&asked, &limits),
-                None => Some(precise::begin(&asked, &limits)),
+                None => Some(arcline_contour::begin(&asked, &limits)),
             };
             let took = busy() - from;
             told.plans += 1;

@@ -1,8 +1,8 @@
-//! The body of the real-time loop allocates nothing, whatever it executes and however hard clients press.
+//! The body of the real-time loop allocates no memory, with any instructions and at any load by clients.
 //!
 //! The tick runs as on its thread, but without its sleep, so 1,000 times as many of them; two client threads push every instruction through the
 //! rings and take answers, events and snapshots out of them, allocating all the time. The global allocator ends
-//! the process when the guarded thread asks it for anything (debug builds; release builds have no guard).
+//! the process when the guarded thread asks it for memory (debug builds; release builds have no guard).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
@@ -15,7 +15,7 @@ use arcline_instruction_set::{
     Call, ControlSlot, Directory, Flag, Mnemonic, MotionControl, Object, SystemId, TagAddress, UnboundOperand,
     WrittenArray, bind,
 };
-use arcline_realtime::{Link, link, step};
+use arcline_realtime::{ServerRings, link, step};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 
@@ -164,7 +164,7 @@ fn zeros(project: &Project) -> Vec<Call> {
 
 /// The async side of the rings, shared by the clients.
 struct Outer {
-    link: Link,
+    link: ServerRings,
     image: Image,
     /// Writes of instructions to tags at their end, by ticket.
     staged: BTreeMap<u64, StagedWrites>,
@@ -176,7 +176,7 @@ struct Outer {
 }
 
 impl Outer {
-    fn new(project: &Project, link: Link) -> Self {
+    fn new(project: &Project, link: ServerRings) -> Self {
         Outer {
             link,
             image: image(project),

@@ -59,7 +59,7 @@ pub(crate) async fn list(client: &Client, command: &FaultList, output: &Output) 
     let mut rows = Vec::new();
     for axis in &axes {
         let injected = match client.injected_faults(axis).await {
-            // A server whose tag `FaultInject` is something else.
+            // A server whose tag `FaultInject` has another meaning.
             Err(ClientError::Refused { .. }) => FaultSet::default(),
             injected => injected?,
         };

@@ -93,7 +93,7 @@ pub(crate) enum Failure {
         type_name: String,
         expected: &'static str,
     },
-    /// The same with a hint.
+    /// An error of a request, with a hint.
     #[error("{source}: {hint}")]
     Hint { source: ClientError, hint: String },
     /// A motion without an end of its own, such as a jog, was not ended by an instruction.

@@ -70,7 +70,7 @@ pub(crate) async fn axis(client: &Client, command: MoveAxis, output: &Output) ->
     execute(client, &command.axis.name, &operands, motion, length, output).await
 }
 
-/// `jog`: waits until something ends it.
+/// `jog`: waits until an instruction ends it.
 pub(crate) async fn jog(client: &Client, command: Jog, output: &Output) -> Result<(), Failure> {
     let operands = operands::jog(&command)?;
     let motion = &command.motion.motion;

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_changes_only_what_is_named() {
+    fn a_change_changes_only_the_named_operands() {
         let command = Change {
             system: System { name: "CS1".to_owned() },
             speed: Speed {

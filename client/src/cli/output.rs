@@ -81,7 +81,7 @@ impl Output {
         });
     }
 
-    /// Something for people only.
+    /// Text for people only.
     pub(crate) fn note(&self, text: &str) {
         if !self.json {
             let _ = writeln!(std::io::stderr(), "{}", printable(text));

@@ -10,5 +10,5 @@
 mod profile;
 mod spline;
 
-pub use profile::{Profile, Segment, Value};
+pub use profile::{CamSegment, Profile, Value};
 pub use spline::{CalculateError, Point, SegmentType};

@@ -4,7 +4,7 @@ use crate::SegmentType;
 
 /// From a point of a profile to the next: `y = y0 + a1·u + a2·u² + a3·u³` with `u = x − x0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct CamSegment {
     /// Master position at its beginning.
     pub x: f64,
     /// The slave there: A0.
@@ -32,7 +32,7 @@ pub struct Value {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     /// One segment for each point; the last one is the end of the profile.
-    segments: Vec<Segment>,
+    segments: Vec<CamSegment>,
     /// See [`Profile::reach`].
     reach: f64,
 }
@@ -40,7 +40,7 @@ pub struct Profile {
 impl Profile {
     /// A profile from stored segments; the last one ends it. `None`: fewer than two, master positions that do not increase, or a
     /// number that is not finite.
-    pub fn from_segments(segments: Vec<Segment>) -> Option<Self> {
+    pub fn from_segments(segments: Vec<CamSegment>) -> Option<Self> {
         let finite = segments.iter().all(|segment| {
             let [a1, a2, a3] = segment.coefficients;
             [segment.x, segment.y, a1, a2, a3].into_iter().all(f64::is_finite)
@@ -58,7 +58,7 @@ impl Profile {
     }
 
     /// The segments, and the last point.
-    pub fn segments(&self) -> &[Segment] {
+    pub fn segments(&self) -> &[CamSegment] {
         &self.segments
     }
 
@@ -117,9 +117,9 @@ impl Profile {
 }
 
 /// A bound of the distance of all segments from the first point.
-fn reach(segments: &[Segment]) -> f64 {
+fn reach(segments: &[CamSegment]) -> f64 {
     let first = segments.first().map_or(0.0, |first| first.y);
-    let of = |pair: &[Segment]| {
+    let of = |pair: &[CamSegment]| {
         let [a1, a2, a3] = pair[0].coefficients.map(f64::abs);
         let u = pair[1].x - pair[0].x;
         (pair[0].y - first).abs() + u * (a1 + u * (a2 + u * a3))

@@ -2,7 +2,7 @@
 //!
 //! Letters: `h` length of a segment, `d` its mean slope, `m` slope at a point.
 
-use crate::{Profile, Segment};
+use crate::{CamSegment, Profile};
 
 /// The connection of a point to the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,9 +67,9 @@ impl Profile {
                 return Err(CalculateError::Order { point: index });
             }
         }
-        let mut segments: Vec<Segment> = points
+        let mut segments: Vec<CamSegment> = points
             .iter()
-            .map(|point| Segment {
+            .map(|point| CamSegment {
                 x: point.x,
                 y: point.y,
                 coefficients: [0.0; 3],

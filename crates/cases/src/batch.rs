@@ -19,7 +19,7 @@ const AHEAD: u64 = 256;
 /// How to run a batch.
 #[derive(Debug)]
 pub struct Batch {
-    /// What cases have that do not say otherwise.
+    /// The values of keys that cases leave out.
     pub defaults: Arc<Defaults>,
     /// Number of the first case of the input: a part of a batch in a process of its own has the numbers, and so the seeds, of the whole.
     pub first: u64,
@@ -31,7 +31,7 @@ pub struct Batch {
     pub jobs: usize,
 }
 
-/// What a batch came to.
+/// The results of a batch in numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Done {
     /// Results that were written.

@@ -14,11 +14,11 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 #[error("{0}")]
 pub struct Invalid(pub String);
 
-/// One run. What it leaves out, the [`Defaults`](crate::Defaults) have.
+/// One run. Its missing keys have the values of the [`Defaults`](crate::Defaults).
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Anything by which its result is found again.
+    /// The value by which its result is found again.
     #[serde(default)]
     pub id: Option<serde_json::Value>,
     /// The file of the program, in Structured Text.
@@ -53,7 +53,7 @@ pub struct Case {
     pub trace: Option<String>,
 }
 
-/// What a coordinated move does that finds the queue full.
+/// The behaviour of a coordinated move that finds the queue full.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum QueueFullWord {

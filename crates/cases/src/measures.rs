@@ -1,4 +1,4 @@
-//! What a run is measured by: its trace as a hash, the peaks of each axis, its faults.
+//! The measures of a run: its trace as a hash, the peaks of each axis, its faults.
 
 use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, FaultChange};

@@ -22,7 +22,7 @@ pub struct Outcome {
     /// How it ended: `finished`; `erred`, by an instruction; `failed`, the program could not go on; `timeout`; `fault`, of a task of a project;
     /// `invalid`, it was not run.
     pub end: &'static str,
-    /// What went wrong.
+    /// The error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
     /// Simulated time, s.

@@ -22,7 +22,7 @@ use crate::trace::TraceFile;
 /// Files, machines, and programs of each machine, that a worker keeps; when there are more, it drops all, so that memory has a bound.
 const KEPT: usize = 32;
 
-/// What cases have that do not say otherwise.
+/// The values of keys that cases leave out.
 #[derive(Clone, Debug)]
 pub struct Defaults {
     /// The file of the program.
@@ -86,7 +86,7 @@ impl Prepared {
         self.set(Simulation::new(self.machine.clone(), self.image.clone()))
     }
 
-    /// The same with a model of the mechanics, which moves these axes.
+    /// A simulation with a model of the mechanics, which moves these axes.
     ///
     /// # Errors
     /// A tag cannot be set.
@@ -286,7 +286,7 @@ impl Known {
     }
 }
 
-/// What a run is seen by.
+/// The observers of a run.
 struct Seen {
     measures: Measures,
     trace: Option<TraceFile>,

@@ -17,4 +17,4 @@ mod values;
 
 pub use binding::{Bound, DoesNotRun, LoadError, Surroundings, UnknownParts, bind};
 pub use names::{Names, NotPlaced, Placed, Places, remove_others};
-pub use simulated::{End, Limits, NotSet, SimulatedCell};
+pub use simulated::{End, NotSet, RunLimits, SimulatedCell};

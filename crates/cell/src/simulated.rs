@@ -32,7 +32,7 @@ pub struct SimulatedCell {
 
 /// The limits of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits<'c> {
+pub struct RunLimits<'c> {
     /// The condition that ends it.
     pub until: Option<&'c Condition>,
     /// Most ticks.
@@ -189,7 +189,7 @@ impl SimulatedCell {
 
     /// Runs ticks until the condition holds at the end of one, a limit is reached, or a major fault stops the tasks. At least one tick passes, unless a
     /// fault has stopped them before or no tick may.
-    pub fn run(&mut self, limits: Limits<'_>, observer: &mut impl Observer) -> End {
+    pub fn run(&mut self, limits: RunLimits<'_>, observer: &mut impl Observer) -> End {
         for _ in 0..limits.ticks {
             if let Some(fault) = &self.stopped {
                 return End::Fault(fault.clone());

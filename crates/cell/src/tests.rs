@@ -3,7 +3,7 @@
 use arcline_simulation::{Blind, NotWritten};
 use arcline_tag::{TagPath, TagValue, Value, WriteValue};
 
-use crate::{End, Limits, LoadError, SimulatedCell, UnknownParts};
+use crate::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
 
 const CELL: &str = include_str!("../../../tests/config/Cell.L5X");
 
@@ -49,7 +49,7 @@ fn number(cell: &mut SimulatedCell, text: &str) -> f64 {
 }
 
 fn ticks(cell: &mut SimulatedCell, ticks: u64) -> End {
-    let limits = Limits {
+    let limits = RunLimits {
         until: None,
         ticks,
         time: f64::INFINITY,
@@ -65,7 +65,7 @@ fn a_project_runs_to_its_condition_as_often_as_it_is_run() {
         let until = cell
             .condition("Done AND Program:Main.Settle.ACC >= 50")
             .expect("a condition");
-        let limits = Limits {
+        let limits = RunLimits {
             until: Some(&until),
             ticks: u64::MAX,
             time: 10.0,
@@ -89,7 +89,7 @@ fn a_run_ends_at_its_limits() {
         (End::Time, 0, false)
     );
     assert_eq!((ticks(&mut cell, 2), cell.tick()), (End::Time, 2));
-    let limits = Limits {
+    let limits = RunLimits {
         until: None,
         ticks: u64::MAX,
         time: 0.1,

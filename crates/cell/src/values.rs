@@ -137,7 +137,7 @@ impl SimulatedCell {
         self.plain_part(path)
     }
 
-    /// The same without elements of arrays of BOOLs.
+    /// A part of a tag that is no element of an array of BOOLs.
     fn plain_part(&self, path: &TagPath) -> Result<Part, ReadError> {
         let (program, name, rest) = path.scope();
         let name = name.ok_or(PathError::Empty)?;

@@ -65,7 +65,7 @@ pub(crate) enum Kind {
     Number(Range, &'static str),
     /// A whole number and its unit.
     Integer(RangeInclusive<usize>, &'static str),
-    /// The same range, or 0.
+    /// A whole number in the range, or 0, and its unit.
     ZeroOr(RangeInclusive<usize>, &'static str),
     /// A list of names; its possible lengths and the name of such a list. Other keys may narrow it.
     Names(RangeInclusive<usize>, &'static str),
@@ -89,12 +89,12 @@ pub(crate) enum Range {
     AboveTo(f64, f64),
 }
 
-/// Which texts a key takes.
+/// The texts that a key takes.
 #[derive(Debug)]
 pub(crate) struct TextRule {
     pub(crate) expected: &'static str,
     pub(crate) holds: fn(&str) -> bool,
-    /// The same as a regular expression of JSON Schema, where there is one.
+    /// The rule as a regular expression of JSON Schema, where there is one.
     pub(crate) pattern: &'static str,
 }
 

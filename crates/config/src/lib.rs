@@ -83,11 +83,11 @@ pub struct ServerConfig {
     pub listen_also: Vec<SocketAddr>,
     /// TCP connections at a time.
     pub max_clients: usize,
-    /// The same from one address.
+    /// TCP connections at a time from one address.
     pub max_clients_per_address: usize,
     /// Class 3 connections at a time.
     pub max_connections: usize,
-    /// The same of all clients at one address.
+    /// Class 3 connections at a time of all clients at one address.
     pub max_connections_per_address: usize,
     /// Silence after which a TCP connection is closed, s; 0: never.
     pub inactivity_timeout: u16,

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leads_nowhere_is_told() {
+    fn keys_that_do_not_exist_are_reported() {
         #[rustfmt::skip]
         let cases = [
             ("axis.XX.max_speed",  "5", "there is no axis \"XX\""),

@@ -16,7 +16,7 @@ mod keys;
 use crate::{AllowList, DEFAULT, PlainAccess, describe, format as format_table, load, table};
 
 #[test]
-fn the_default_is_what_the_contract_says() {
+fn the_default_is_that_of_the_contract() {
     let project = load(DEFAULT, "default.toml").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(project.server.name, "Arcline demo");
     assert_eq!(project.server.listen.to_string(), "127.0.0.1:44818");
@@ -477,7 +477,7 @@ fn tags_have_structures_dimensions_scopes_and_first_values() {
 }
 
 #[test]
-fn a_tag_has_rules_for_those_who_write_it() {
+fn a_tag_has_rules_for_its_writers() {
     let text = |rows: &str| format!("[[tag]]\nname = \"T\"\n{rows}\n");
     let project = load(
         &text("type = \"DINT[2]\"\nmin = -10\nmax = 20\nwrite_role = \"engineer\""),
@@ -782,7 +782,7 @@ mod by_schema {
     }
 
     #[test]
-    fn shipped_configurations_and_what_is_written_are_valid() {
+    fn shipped_and_written_configurations_are_valid() {
         let schema = schema();
         let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
         let mut texts = vec![("default".to_owned(), DEFAULT.to_owned())];
@@ -805,7 +805,7 @@ mod by_schema {
     }
 
     #[test]
-    fn what_the_schema_refuses_the_reader_refuses() {
+    fn the_reader_refuses_every_file_that_the_schema_refuses() {
         let schema = schema();
         #[rustfmt::skip]
         let cases = [

@@ -5,8 +5,8 @@ use std::net::SocketAddr;
 
 use arcline_controller::image::Writers;
 use arcline_controller::machine::{
-    Axis, CoordinateSystem, DynamicsBits, FeedTag, Geometry, Home, Inputs, KinematicStructure, Machine, Orientation,
-    Robot, Sensor, SimulatedDrive, Travel,
+    Axis, AxisInputs, CoordinateSystem, DynamicsBits, FeedTag, Geometry, Home, KinematicStructure, Machine,
+    Orientation, Robot, Sensor, SimulatedDrive, Travel,
 };
 use arcline_instruction_set::{FAULTS, FaultSet, SystemId};
 use arcline_tag::{DataType, Elementary, Member, Template, shortest, string_text};
@@ -309,7 +309,7 @@ fn feed(feed: &FeedTag) -> Value {
     ])
 }
 
-fn registration(inputs: &Inputs) -> Option<Value> {
+fn registration(inputs: &AxisInputs) -> Option<Value> {
     let inputs = ["input_1", "input_2"].into_iter().zip(&inputs.registration);
     let inputs = inputs.filter_map(|(key, path)| Some((key.to_owned(), text(path.as_deref()?))));
     let inputs: Table = inputs.collect();

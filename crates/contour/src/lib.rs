@@ -32,9 +32,9 @@ pub use extend::replan::replan;
 pub use extend::{ExtensionRequest, extend};
 pub use limits::{AxisLimits, Rates};
 pub use plan::{begin, plan};
-pub use trajectory::{Peaks, Piece, State, Trajectory};
+pub use trajectory::{AxesState, Peaks, Piece, Trajectory};
 
-pub(crate) use limits::Bounds;
+pub(crate) use limits::MoveLimits;
 use tolerance::SAME_POINT_UNITS;
 
 /// One programmed move.

@@ -70,7 +70,7 @@ impl Smoothness {
 
 /// All limits of one move.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct MoveLimits {
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
     pub(crate) deceleration: f64,
@@ -78,10 +78,10 @@ pub(crate) struct Bounds {
     pub(crate) axes: AxisLimits,
 }
 
-impl Bounds {
-    pub(crate) fn new(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> Bounds {
+impl MoveLimits {
+    pub(crate) fn new(one: &ContourMove, axes: &AxisLimits, smoothness: Smoothness) -> MoveLimits {
         let scurve = smoothness == Smoothness::SCurve;
-        Bounds {
+        MoveLimits {
             speed: one.speed,
             acceleration: one.acceleration,
             deceleration: one.deceleration,
@@ -99,8 +99,8 @@ impl Bounds {
     }
 
     /// The same limits without those of the jerk.
-    pub(crate) fn without_jerk(&self) -> Bounds {
-        Bounds {
+    pub(crate) fn without_jerk(&self) -> MoveLimits {
+        MoveLimits {
             jerk: f64::INFINITY,
             axes: AxisLimits {
                 jerk: None,

@@ -1,6 +1,6 @@
 //! The plan of a trajectory from moves: sections from rest to rest, each rounded, timed and optimised.
 
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 use crate::path::allowance::SectionStart;
 use crate::path::straight::straight;
 use crate::section::Section;
@@ -89,7 +89,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: Plann
     if let [one] = long.as_slice()
         && let Path::Line(line) = &one.path
     {
-        let mut trajectory = straight(line, &Bounds::new(one, limits, Smoothness::of(moves)));
+        let mut trajectory = straight(line, &MoveLimits::new(one, limits, Smoothness::of(moves)));
         let before = moves.iter().take_while(|m| !m.has_length()).count();
         trajectory.move_ends = vec![MoveEnd::plain(0.0); before];
         trajectory

@@ -3,7 +3,7 @@
 //! The optimisation runs in a few stages, each on control points at equal times of the previous result, with a narrower corridor where the
 //! curve was outside. Position units and seconds.
 
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 use crate::path::allowance::{Allowance, SectionStart};
 use crate::path::margin::ToleranceMargin;
 use crate::path::reference::ReferencePath;
@@ -42,7 +42,7 @@ pub(crate) enum Missed {
 pub(crate) struct Section<'a> {
     moves: &'a [ContourMove],
     pub(crate) reference: ReferencePath,
-    pub(crate) bounds: Vec<Bounds>,
+    pub(crate) bounds: Vec<MoveLimits>,
     pub(crate) allowance: Allowance,
     pub(crate) smoothness: Smoothness,
     pub(crate) quality: Quality,
@@ -61,7 +61,7 @@ impl<'a> Section<'a> {
             moves,
             allowance: Allowance::new(&reference, tolerances, deviations, smoothness, start, quality),
             reference,
-            bounds: long.iter().map(|m| Bounds::new(m, limits, smoothness)).collect(),
+            bounds: long.iter().map(|m| MoveLimits::new(m, limits, smoothness)).collect(),
             smoothness,
             quality,
             slow_down: SlowDown::Outside,
@@ -75,9 +75,9 @@ impl<'a> Section<'a> {
 
     /// The limits without those of the jerk, and the reference path rounded for them: an S-curve starts from the trapezoid's shape, as without
     /// jerk limits the optimisation is not stiff.
-    pub(crate) fn without_jerk(&self) -> (Vec<Bounds>, Vec<Stretch>) {
+    pub(crate) fn without_jerk(&self) -> (Vec<MoveLimits>, Vec<Stretch>) {
         (
-            self.bounds.iter().map(Bounds::without_jerk).collect(),
+            self.bounds.iter().map(MoveLimits::without_jerk).collect(),
             round(
                 &self.reference,
                 &self.allowance,
@@ -353,11 +353,11 @@ impl<'a> Section<'a> {
         margin: &ToleranceMargin,
         work: &mut Work,
     ) -> Measured {
-        let free: Vec<Bounds>;
+        let free: Vec<MoveLimits>;
         let bounds = match stage.limits {
             Limited::Jerk => &self.bounds,
             Limited::Acceleration => {
-                free = self.bounds.iter().map(Bounds::without_jerk).collect();
+                free = self.bounds.iter().map(MoveLimits::without_jerk).collect();
                 &free
             }
         };

@@ -1,7 +1,7 @@
 //! The motion of a cubic B-spline in time. Position units and seconds.
 
 use crate::Point;
-use crate::trajectory::{Knot, State, Trajectory};
+use crate::trajectory::{AxesState, Knot, Trajectory};
 
 impl Trajectory {
     /// The cubic B-spline with control points `points`, the `i`-th of them at the `i`-th knot, whose
@@ -39,11 +39,11 @@ impl Trajectory {
                 [span(i - 2), before, behind, span(i + 1)],
             );
             let state = if i < 0 {
-                State::rest(first)
+                AxesState::rest(first)
             } else if i == count as isize {
-                State::rest(last)
+                AxesState::rest(last)
             } else {
-                State {
+                AxesState {
                     position,
                     velocity: at,
                     acceleration: here,

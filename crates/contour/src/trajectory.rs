@@ -8,7 +8,7 @@ use crate::{AxisLimits, ContourMove, Point, Rates};
 
 /// Position, velocity and acceleration of the axes at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State {
+pub struct AxesState {
     /// Position units.
     pub position: Point,
     /// Position units / s.
@@ -72,7 +72,7 @@ pub struct Piece {
 impl Piece {
     /// The state at a time, seconds; it continues beyond its ends.
     #[must_use]
-    pub fn at(&self, t: f64) -> State {
+    pub fn at(&self, t: f64) -> AxesState {
         self.knot.at(t - self.knot.time)
     }
 
@@ -87,7 +87,7 @@ impl Piece {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Knot {
     pub(crate) time: f64,
-    pub(crate) state: State,
+    pub(crate) state: AxesState,
     pub(crate) jerk: Point,
 }
 
@@ -154,7 +154,7 @@ impl Trajectory {
     pub(crate) fn at_pace(&self, pace: f64) -> Trajectory {
         let knot = |knot: &Knot| Knot {
             time: knot.time / pace,
-            state: State {
+            state: AxesState {
                 position: knot.state.position,
                 velocity: knot.state.velocity * pace,
                 acceleration: knot.state.acceleration * (pace * pace),
@@ -217,13 +217,13 @@ impl Trajectory {
     /// The state `t` seconds after the start: at rest before 0, at the exact end from
     /// [`Trajectory::duration`] on. Real-time safe: a binary search over the knots.
     #[must_use]
-    pub fn at(&self, t: f64) -> State {
+    pub fn at(&self, t: f64) -> AxesState {
         let behind = self.knots.partition_point(|knot| knot.time <= t);
         if behind >= self.knots.len() {
-            return State::rest(self.end);
+            return AxesState::rest(self.end);
         }
         let Some(knot) = behind.checked_sub(1).and_then(|index| self.knots.get(index)) else {
-            return State::rest(self.knots[0].state.position);
+            return AxesState::rest(self.knots[0].state.position);
         };
         knot.at(t - knot.time)
     }
@@ -319,13 +319,13 @@ impl Peaks {
 }
 
 impl Knot {
-    pub(crate) fn at(&self, u: f64) -> State {
-        let State {
+    pub(crate) fn at(&self, u: f64) -> AxesState {
+        let AxesState {
             position,
             velocity,
             acceleration,
         } = self.state;
-        State {
+        AxesState {
             position: position + (velocity + (acceleration / 2.0 + self.jerk * (u / 6.0)) * u) * u,
             velocity: velocity + (acceleration + self.jerk * (u / 2.0)) * u,
             acceleration: acceleration + self.jerk * u,
@@ -333,11 +333,11 @@ impl Knot {
     }
 }
 
-impl State {
+impl AxesState {
     /// Rest at a point.
     #[must_use]
-    pub fn rest(position: Point) -> State {
-        State {
+    pub fn rest(position: Point) -> AxesState {
+        AxesState {
             position,
             velocity: Point::zeros(),
             acceleration: Point::zeros(),

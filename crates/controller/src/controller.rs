@@ -20,7 +20,7 @@ use crate::snapshot::Snapshot;
 pub enum Command {
     /// Execute an instruction: a false-to-true transition of its rung condition.
     Call(Ticket, Call),
-    /// The same with the data of the instruction that stand in tags.
+    /// Execute an instruction with its data that stand in tags.
     CallWith(Ticket, Call, CallData),
     /// Execute a move of a series. The controller refuses it, and leaves its motion control tag unchanged, if its queue has no room or an earlier
     /// move of the same series has failed.
@@ -165,7 +165,7 @@ impl Controller {
         Controller::with_drives(machine, Box::new(simulated(machine)))
     }
 
-    /// The same with specific drives, in the order of the machine's axes.
+    /// The machine with specific drives, in the order of its axes, at rest, before tick 0.
     pub fn with_drives(machine: &Machine, drives: Box<dyn Drives>) -> Self {
         Controller {
             motion: Motion::new(machine),
@@ -303,7 +303,7 @@ impl Controller {
         self.motion.execute(ticket, call)
     }
 
-    /// The same with the data of the instruction that stand in tags. Real-time.
+    /// As [`Controller::execute`], with the data of the instruction that stand in tags. Real-time.
     pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         self.motion.execute_with(ticket, call, data)
     }

@@ -167,7 +167,7 @@ pub struct Feedback {
     /// Faults that the drive reports while their causes are present.
     pub faults: FaultSet,
     /// Digital inputs.
-    pub inputs: Inputs,
+    pub inputs: DriveInputs,
     /// Latches that have closed since the last exchange.
     pub latches: [Option<Latch>; LATCHES],
 }
@@ -210,7 +210,7 @@ pub enum Saturation {
 
 /// Digital inputs of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Inputs {
+pub struct DriveInputs {
     /// The home switch is active.
     pub home: bool,
     /// The registration inputs are active.

@@ -13,6 +13,6 @@ pub mod simulated;
 
 pub use arcline_profile::KinematicState;
 pub use exchange::{
-    ArmLatch, DriveInput, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, Inputs, LATCHES, Latch,
-    REGISTRATION_LATCHES, Saturation, SetPoint, Settled, Trigger, WrittenInput,
+    ArmLatch, DriveInput, DriveInputs, DriveState, Drives, ExchangeLost, Feedback, Following, HOME_LATCH, LATCHES,
+    Latch, REGISTRATION_LATCHES, Saturation, SetPoint, Settled, Trigger, WrittenInput,
 };

@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_arc_is_told() {
+    fn words_that_make_no_arc_are_reported() {
         #[rustfmt::skip]
         let cases = [
             ("radii that differ",    Arc::about([10.0, 0.0], [0.0, 11.0], [0.0; 2], true, 1.0),       "the radius is 10 at the start of the arc and 11 at its end"),

@@ -61,7 +61,7 @@ pub enum Problem {
         /// The words that use it.
         expected: &'static str,
     },
-    /// Something is missing.
+    /// A word is missing.
     #[error("{what} is missing: {expected}")]
     Missing {
         /// The missing word.

@@ -35,7 +35,7 @@ mod tolerance;
 mod words;
 
 pub use error::{GcodeError, Problem};
-pub use program::{Corner, Motion, Options, Program, Reader, Speed, Step};
+pub use program::{Corner, Motion, Options, Program, ProgramReader, Speed, Step};
 pub use text::StructuredText;
 
 /// Longest text that is read, bytes.

@@ -113,7 +113,7 @@ impl Program {
         if text.len() > MAX_BYTES {
             return Err(too_large(1, MAX_BYTES, "bytes"));
         }
-        let mut reader = Reader::new(options);
+        let mut reader = ProgramReader::new(options);
         let mut steps: Vec<Step> = Vec::new();
         for (index, text) in text.lines().enumerate() {
             let goes_on = reader.line(text, &mut |step| steps.push(step))?;
@@ -134,7 +134,7 @@ impl Program {
 
 /// Reads a program line by line: what it holds does not grow with the program.
 #[derive(Debug)]
-pub struct Reader {
+pub struct ProgramReader {
     modes: Modes,
     /// Lines that were read.
     line: usize,
@@ -145,7 +145,7 @@ pub struct Reader {
     held: Option<Step>,
 }
 
-impl Reader {
+impl ProgramReader {
     /// In front of the first line.
     pub fn new(options: &Options) -> Self {
         Self {
@@ -195,7 +195,7 @@ impl Reader {
 }
 
 impl Step {
-    /// The same with its end at rest, whatever the path control is.
+    /// The step with its end at rest, with any path control.
     fn to_rest(mut self) -> Self {
         match &mut self.motion {
             Motion::Line { corner, .. } | Motion::Arc { corner, .. } => *corner = Corner::Stop,

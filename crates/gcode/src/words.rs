@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_word_is_told_with_its_place() {
+    fn text_that_is_no_word_is_reported_with_its_column() {
         #[rustfmt::skip]
         let cases = [
             ("no number",           "G1 X",       4, "`X` is not followed by a number, found ``"),

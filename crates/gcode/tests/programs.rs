@@ -43,7 +43,7 @@ fn told(program: &Program) -> String {
 }
 
 #[test]
-fn programs_mean_what_they_say() {
+fn the_motions_of_programs() {
     #[rustfmt::skip]
     let cases = [
         // why,                      program,                                        steps
@@ -79,7 +79,7 @@ fn programs_mean_what_they_say() {
 }
 
 #[test]
-fn what_makes_no_sense_is_told_with_line_and_column() {
+fn errors_are_reported_with_line_and_column() {
     #[rustfmt::skip]
     let cases = [
         ("an unknown word",       "G0 X1\nG5 X2",             "line 2, column 1: the word `G5` is not known"),
@@ -194,7 +194,7 @@ proptest! {
 
     /// Every program that parses becomes Structured Text of finite numbers, each position within the reach of its words.
     #[test]
-    fn what_is_read_can_be_written(
+    fn programs_that_are_read_can_be_written(
         words in prop::collection::vec(
             (prop::sample::select("GXYZIJKRFPNM%(;\n".chars().collect::<Vec<_>>()), -100.0..100.0_f64),
             0..60,

@@ -32,7 +32,7 @@ impl Line {
     }
 
     /// A line that stays at a point for a length.
-    pub(crate) fn standing(at: Point, length: f64) -> Line {
+    pub(crate) fn stationary(at: Point, length: f64) -> Line {
         Line {
             start: at,
             end: at,

@@ -37,8 +37,8 @@ impl Path {
 
     /// A path that stays at a point for a length: the path of a rotation alone, whose length has its own unit.
     #[must_use]
-    pub fn standing(at: Point, length: f64) -> Path {
-        Path::Line(Line::standing(at, length))
+    pub fn stationary(at: Point, length: f64) -> Path {
+        Path::Line(Line::stationary(at, length))
     }
 
     /// The path stays at a point for a length.
@@ -47,7 +47,7 @@ impl Path {
         matches!(self, Path::Line(line) if line.length() > 0.0 && line.direction() == Point::zeros())
     }
 
-    /// The same path with every point moved by `by`.
+    /// The path with every point moved by `by`.
     ///
     /// ```
     /// use arcline_geometry::{Path, Point};

@@ -151,7 +151,7 @@ impl Rotation {
         }
     }
 
-    /// The same with the fixed angles at its ends, degrees, each on the turn on which it is shown.
+    /// The rotation with the fixed angles at its ends, degrees, each on the turn on which it is shown.
     #[must_use]
     pub fn showing(self, shown: [Point; 2]) -> Rotation {
         Rotation { shown, ..self }
@@ -176,7 +176,7 @@ impl Rotation {
     /// Its end state, at rest.
     #[must_use]
     pub fn ended(&self) -> RotationState {
-        RotationState::standing(self.to, self.shown[1])
+        RotationState::at_rest(self.to, self.shown[1])
     }
 
     /// The orientation at the end.
@@ -225,7 +225,7 @@ impl Rotation {
 impl RotationState {
     /// At rest.
     #[must_use]
-    pub fn standing(rotation: Matrix3<f64>, near: Point) -> RotationState {
+    pub fn at_rest(rotation: Matrix3<f64>, near: Point) -> RotationState {
         RotationState {
             orientation: rotation,
             rate: Point::zeros(),

@@ -47,7 +47,7 @@ impl Spin {
     /// Its end state, at rest.
     #[must_use]
     pub fn ended(&self) -> RotationState {
-        RotationState::standing(self.to, self.shown[1])
+        RotationState::at_rest(self.to, self.shown[1])
     }
 
     /// The state at these angles about the axes. Real-time.

@@ -98,7 +98,7 @@ mod tests {
     use crate::ERRORS;
 
     #[test]
-    fn what_exerr_points_at_is_told() {
+    fn exerr_is_explained() {
         #[rustfmt::skip]
         let cases = [
             // why,                    err, exerr, instruction,          explanation

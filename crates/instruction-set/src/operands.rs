@@ -36,23 +36,23 @@ impl<T> Deref for OperandValue<T> {
 /// All operands of an instruction, or some of them that belong together.
 pub trait Operands: Sized {
     /// Reads them in faceplate order. Real-time.
-    fn read(reader: &mut Reader<'_>) -> Self;
+    fn read(reader: &mut OperandReader<'_>) -> Self;
 
     /// The operands of a call. A number that is no value of its enumeration reads as the first value:
     /// [`crate::Instruction::verify`] refuses the call. Real-time.
     fn of(call: &Call) -> Self {
-        Self::read(&mut Reader { call, next: 0 })
+        Self::read(&mut OperandReader { call, next: 0 })
     }
 }
 
 /// Reads one operand after another; target and motion control are no values.
 #[derive(Debug)]
-pub struct Reader<'a> {
+pub struct OperandReader<'a> {
     call: &'a Call,
     next: usize,
 }
 
-impl Reader<'_> {
+impl OperandReader<'_> {
     fn index(&mut self) -> usize {
         let operands = self.call.instruction().operands;
         let is_value = |index: &usize| {
@@ -66,7 +66,7 @@ impl Reader<'_> {
 }
 
 impl<T: FromCall> Operands for OperandValue<T> {
-    fn read(reader: &mut Reader<'_>) -> Self {
+    fn read(reader: &mut OperandReader<'_>) -> Self {
         let index = reader.index();
         OperandValue {
             value: T::from_call(reader.call, index),

@@ -14,7 +14,7 @@ pub struct BlendedSequence {
     pub master_speed: f64,
     /// Whether the first move is blended over its full length (a Command Tolerance of 100 %).
     pub first_is_full: bool,
-    /// The same of the last move.
+    /// Whether the last move is blended over its full length.
     pub last_is_full: bool,
 }
 

@@ -129,7 +129,7 @@ fn angles_go_on_near_others() {
 
 /// Both directions of every robot with motion, against differences of positions at rest.
 #[test]
-fn what_moves_is_differentiated() {
+fn velocities_and_accelerations_are_derivatives_of_the_positions() {
     const STEP: f64 = 1e-4;
     let speeds = [3.0, -2.0, 4.0, 5.0, -6.0, 7.0];
     let joints = [20.0, 25.0, 35.0, 40.0, -50.0, 60.0];
@@ -179,17 +179,17 @@ fn what_moves_is_differentiated() {
 }
 
 #[test]
-fn what_moves_stays_off_a_straight_wrist() {
+fn motion_stays_off_a_straight_wrist() {
     let robot = robot(Wrist::ArticulatedJ1J2J3J4J5J6);
     // J5 is 5 at its internal 0.
     let joints = [10.0, 50.0, -40.0, 20.0, 5.0, 30.0];
     let taken = robot.forward(&joints).expect("joints");
-    let standing = robot
+    let at_rest = robot
         .inverse(&taken.pose, taken.configuration, taken.turns)
         .expect("it stands");
-    assert!(apart(&robot.forward(&standing).expect("joints").pose, &taken.pose) < 1e-9);
+    assert!(apart(&robot.forward(&at_rest).expect("joints").pose, &taken.pose) < 1e-9);
     let moving = robot.inverse(
-        &taken.pose.standing::<KinematicState>(),
+        &taken.pose.constant::<KinematicState>(),
         taken.configuration,
         taken.turns,
     );

@@ -26,9 +26,9 @@ impl Pose {
         }
     }
 
-    /// The same as a constant, for numbers with derivatives.
+    /// The pose as a constant: its numbers have derivatives of 0.
     #[must_use]
-    pub fn standing<N: Number>(&self) -> Pose<N> {
+    pub fn constant<N: Number>(&self) -> Pose<N> {
         Pose {
             position: self.position.map(N::constant),
             rotation: self.rotation.map(N::constant),
@@ -55,7 +55,7 @@ impl<N: Number> Pose<N> {
         [p.x, p.y, p.z, above_half_turn(rx), ry, above_half_turn(rz)]
     }
 
-    /// The same with the angles of this orientation that are nearest to `others`, degrees. They may exceed their ranges, so that a continuous
+    /// The coordinates with the angles of this orientation that are nearest to `others`, degrees. They may exceed their ranges, so that a continuous
     /// motion through an end of a range does not jump.
     #[must_use]
     pub fn coordinates_near(&self, others: [f64; 3]) -> [N; 6] {
@@ -121,13 +121,13 @@ impl<N: Number> Pose<N> {
 /// The end of the arm in the frame of the base for a tool centre in a work frame: `work * tool_centre * inverse(tool)`.
 #[must_use]
 pub fn end_of_arm<N: Number>(work: &Pose, tool_centre: &Pose<N>, tool: &Pose) -> Pose<N> {
-    work.standing().of(tool_centre).of(&tool.inverse().standing())
+    work.constant().of(tool_centre).of(&tool.inverse().constant())
 }
 
 /// The inverse: the tool centre in the work frame.
 #[must_use]
 pub fn tool_centre<N: Number>(work: &Pose, end_of_arm: &Pose<N>, tool: &Pose) -> Pose<N> {
-    work.inverse().standing().of(&end_of_arm.of(&tool.standing()))
+    work.inverse().constant().of(&end_of_arm.of(&tool.constant()))
 }
 
 /// The product of two rotations: `first * second`.

@@ -14,11 +14,11 @@ use crate::two_links::TwoLinks;
 pub enum Geometry {
     /// Two joints in a plane; the second link rotates with the first one.
     ArticulatedIndependent2,
-    /// The same on a rotating base.
+    /// Two joints in a plane that turns with the base; the second link rotates with the first one.
     ArticulatedIndependent3,
     /// Two joints in a plane; the second link keeps its angle when the first one moves.
     ArticulatedDependent2,
-    /// The same on a rotating base.
+    /// Two joints in a plane that turns with the base; the second link keeps its angle when the first one moves.
     ArticulatedDependent3,
     /// Two horizontal links and a vertical linear axis.
     ScaraIndependent,

@@ -184,7 +184,7 @@ fn every_solution_of_an_arm() {
 }
 
 #[test]
-fn what_cannot_be_reached() {
+fn points_out_of_reach_are_errors() {
     use Geometry::*;
     let none = [0.0; 3];
     let far = |joint| Err(KinematicsError::Reach { joint });
@@ -212,7 +212,7 @@ fn what_cannot_be_reached() {
 }
 
 #[test]
-fn what_makes_no_robot() {
+fn geometries_that_make_no_robot_are_errors() {
     let offsets = |apart| [apart, 0.0, 0.0];
     #[rustfmt::skip]
     let cases = [
@@ -350,7 +350,7 @@ fn motion(at: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3], t: f64) -> [
 proptest! {
     /// Velocity and acceleration agree with the differences of positions shortly before and after.
     #[test]
-    fn what_moves_is_differentiated(
+    fn velocities_and_accelerations_are_derivatives_of_the_positions(
         which in 0..EVERY.len(),
         seed in any::<u64>(),
         velocity in prop::array::uniform3(-100.0..100.0_f64),

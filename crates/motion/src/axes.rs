@@ -166,7 +166,7 @@ impl Axes {
                 index += 1;
             }
         }
-        for kind in GeneratorKind::GUIDED {
+        for kind in GeneratorKind::MASTER_DRIVEN {
             let generator = self[axis].sum.get(kind);
             let Some(master) = generator.and_then(|generator| Some(&generator.follower.as_ref()?.master)) else {
                 continue;

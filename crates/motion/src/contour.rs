@@ -4,8 +4,8 @@
 use arcline_instruction_set::SystemId;
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, ContourMove, Trajectory};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::{Extension, InstalledPlan, MasterMotion};
 
 use crate::motion::Motion;
@@ -46,7 +46,7 @@ impl ContourRequest {
     /// the extension.
     pub fn plan(&mut self) -> Option<Arc<Trajectory>> {
         let planned = match self.extends.take() {
-            None => precise::begin(&self.moves, &self.limits),
+            None => arcline_contour::begin(&self.moves, &self.limits),
             Some(extension) => extension.plan(&self.moves, &self.limits)?,
         };
         Some(Arc::new(planned))

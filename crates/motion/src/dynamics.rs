@@ -134,7 +134,7 @@ impl PathLimits {
         }
     }
 
-    /// The same limits over the displacement of a master at `nominal` master units/s (more than 0): units per master unit, and per master
+    /// The limits over the displacement of a master at `nominal` master units/s (more than 0): units per master unit, and per master
     /// unit squared.
     pub(crate) fn by_master(&self, nominal: f64) -> PathLimits {
         PathLimits {
@@ -156,7 +156,7 @@ pub(crate) enum JerkRate {
 
 /// The shape of the speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shape {
+pub(crate) enum ProgrammedProfile {
     /// Profile 0; jerks are stored without effect.
     Trapezoidal(Jerks),
     /// Profile 1.
@@ -176,7 +176,7 @@ pub(crate) struct Dynamics {
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
     pub(crate) deceleration: f64,
-    pub(crate) shape: Shape,
+    pub(crate) shape: ProgrammedProfile,
     /// The speed from which a jerk in percent of time is calculated while the move's own speed is 0.
     pub(crate) last_speed: f64,
 }
@@ -185,8 +185,8 @@ impl Dynamics {
     /// The limits of a profile, as programmed.
     pub(crate) fn limits(&self) -> Limits {
         let jerk = match self.shape {
-            Shape::Trapezoidal(_) => None,
-            Shape::SCurve(jerks) => Some(Jerk {
+            ProgrammedProfile::Trapezoidal(_) => None,
+            ProgrammedProfile::SCurve(jerks) => Some(Jerk {
                 acceleration: self.jerk(jerks.acceleration, self.acceleration),
                 deceleration: self.jerk(jerks.deceleration, self.deceleration),
             }),
@@ -204,7 +204,7 @@ impl Dynamics {
     pub(crate) fn jog_limits(&self, from: f64, to: f64) -> Limits {
         let mut limits = self.limits();
         let reference = to.abs().max((from - to).abs());
-        if let (Shape::SCurve(jerks), Some(jerk), true) = (self.shape, &mut limits.jerk, reference > 0.0) {
+        if let (ProgrammedProfile::SCurve(jerks), Some(jerk), true) = (self.shape, &mut limits.jerk, reference > 0.0) {
             jerk.deceleration = resolve(jerks.deceleration, reference, self.deceleration);
         }
         limits
@@ -234,12 +234,12 @@ impl Dynamics {
     }
 
     pub(crate) fn is_s_curve(&self) -> bool {
-        matches!(self.shape, Shape::SCurve(_))
+        matches!(self.shape, ProgrammedProfile::SCurve(_))
     }
 
     pub(crate) fn jerks_mut(&mut self) -> &mut Jerks {
         match &mut self.shape {
-            Shape::Trapezoidal(jerks) | Shape::SCurve(jerks) => jerks,
+            ProgrammedProfile::Trapezoidal(jerks) | ProgrammedProfile::SCurve(jerks) => jerks,
         }
     }
 

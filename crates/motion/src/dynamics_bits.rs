@@ -14,12 +14,12 @@ impl Motion {
             Object::MotionGroup => {}
             Object::Axis => {
                 if let Some(axis) = self.axes.get_mut(AxisId(index)) {
-                    axis.bounds = bits;
+                    axis.dynamics_bits = bits;
                 }
             }
             Object::CoordinateSystem => {
                 if let Some(system) = self.systems.get_mut(SystemId(index)) {
-                    system.travel.set_bounds(bits);
+                    system.travel.set_dynamics_bits(bits);
                 }
             }
         }

@@ -39,9 +39,9 @@ mod transforms;
 mod verify;
 
 pub use arcline_cam as cam;
+pub use arcline_contour::Trajectory;
 pub use arcline_planner::ContourRests;
 pub use arcline_planner::geometry::{Path, Point};
-pub use arcline_planner::precise::Trajectory;
 pub use call_data::{Calculation, CallData, Frame, Frames, Results};
 pub use cause::{Cause, FaultChange, RefusedCommand};
 pub use contour::ContourRequest;

@@ -16,7 +16,7 @@ pub use axis::{
     Axis, AxisKind, CommandLimits, ExceptionActions, PositionErrorLimit, ProgrammedStopMode, StartState, Travel,
 };
 pub use home::{Home, HomeDirection, HomeInputs, HomeMode, HomeSequence, HomeSwitch};
-pub use inputs::{FeedTag, Inputs};
+pub use inputs::{AxisInputs, FeedTag};
 pub(crate) use limits::three;
 pub use limits::{
     MAX_AXES, MAX_OUTPUT_TARGETS, MAX_PRIMARY_AXES, MAX_QUEUE_DEPTH, MAX_SYSTEM_AXES, MAX_SYSTEMS, MAX_TRANSFORMS,
@@ -24,9 +24,9 @@ pub use limits::{
 };
 pub use system::{CoordinateSystem, Corner, KinematicStructure, LimitPolicy, Orientation, Robot};
 
+pub use arcline_contour::Deviation;
 pub use arcline_kinematics::{Geometry, Parameters, Wrist};
-pub use arcline_planner::precise::Deviation;
-pub use arcline_planner::profile::Bounds as DynamicsBits;
+pub use arcline_planner::profile::DynamicsBits;
 
 use arcline_instruction_set::{AxisId, SystemId};
 

@@ -14,11 +14,11 @@ mod probes;
 mod tick;
 mod transforms;
 
+use arcline_contour::AxisLimits;
 use arcline_drive::{Feedback, SetPoint};
 use arcline_instruction_set::{AxisId, Call, ControlSlot, JogEnd, MotionControl, MotionError};
 use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::AxisLimits;
 
 use crate::axes::Axes;
 use crate::axis::generator_kind::GeneratorKind;

@@ -7,7 +7,7 @@
 use crate::axes::share;
 use crate::machine::MAX_SYSTEM_AXES;
 use crate::transforms::TransformId;
-use crate::transforms::compute::Part;
+use crate::transforms::compute::TransformStep;
 use crate::transforms::transform::Transform;
 use arcline_instruction_set::{AxisId, SystemId};
 
@@ -19,7 +19,7 @@ pub(crate) enum Step {
     /// An axis's own generators, with those that follow masters.
     Own(AxisId),
     /// A part of a transform.
-    Transform(Part),
+    Transform(TransformStep),
     /// The whole command of an axis; its drive follows it.
     Whole(AxisId),
 }
@@ -153,7 +153,7 @@ impl Edges {
     fn new(axes: usize, systems: usize) -> Self {
         let own = AxisId::first(axes).map(Step::Own);
         let whole = AxisId::first(axes).map(Step::Whole);
-        let parts = [Part::Feedback, Part::SetPoints, Part::Before];
+        let parts = [TransformStep::Feedback, TransformStep::SetPoints, TransformStep::Before];
         let parts = parts.into_iter().flat_map(|part| {
             SystemId::first(systems).map(move |system| Step::Transform(part(TransformId::of_target(system))))
         });
@@ -202,7 +202,8 @@ impl Edges {
         let all = || ids().filter_map(|id| Some((id, get(id)?)));
         for (id, transform) in all() {
             let [feedback, set_points, before] =
-                [Part::Feedback, Part::SetPoints, Part::Before].map(|part| Step::Transform(part(id)));
+                [TransformStep::Feedback, TransformStep::SetPoints, TransformStep::Before]
+                    .map(|part| Step::Transform(part(id)));
             for axis in transform.source.iter() {
                 self.need(Step::Whole(*axis), feedback);
                 self.need(before, Step::Own(*axis));
@@ -213,22 +214,22 @@ impl Edges {
                 self.need(feedback, Step::Own(*axis));
             }
             for (other, near) in all() {
-                let part = |part: fn(TransformId) -> Part| Step::Transform(part(other));
+                let part = |part: fn(TransformId) -> TransformStep| Step::Transform(part(other));
                 if share(&near.source, &transform.target) {
-                    self.need(feedback, part(Part::Feedback));
+                    self.need(feedback, part(TransformStep::Feedback));
                 }
                 if share(&near.source, &transform.source) {
                     if other < id {
-                        self.need(before, part(Part::Feedback));
+                        self.need(before, part(TransformStep::Feedback));
                     }
-                    self.need(set_points, part(Part::Feedback));
+                    self.need(set_points, part(TransformStep::Feedback));
                 }
                 if share(&near.target, &transform.source) {
-                    self.need(before, part(Part::Before));
-                    self.need(set_points, part(Part::SetPoints));
+                    self.need(before, part(TransformStep::Before));
+                    self.need(set_points, part(TransformStep::SetPoints));
                 }
             }
-            // The feedback from a robot's joints depends on the positions to which the source leads them.
+            // The feedback from a robot's joints depends on the positions that the source gives them.
             if transform.robot().is_some() {
                 self.need(feedback, before);
             }
@@ -245,9 +246,9 @@ impl Edges {
         match step {
             Step::Own(axis) => axis.0,
             Step::Whole(axis) => axes + axis.0,
-            Step::Transform(Part::Feedback(id)) => 2 * axes + id.target_system().0,
-            Step::Transform(Part::SetPoints(id)) => 2 * axes + systems + id.target_system().0,
-            Step::Transform(Part::Before(id)) => 2 * axes + 2 * systems + id.target_system().0,
+            Step::Transform(TransformStep::Feedback(id)) => 2 * axes + id.target_system().0,
+            Step::Transform(TransformStep::SetPoints(id)) => 2 * axes + systems + id.target_system().0,
+            Step::Transform(TransformStep::Before(id)) => 2 * axes + 2 * systems + id.target_system().0,
             Step::System(index) => 2 * axes + 3 * systems + index.0,
         }
     }
@@ -269,11 +270,11 @@ mod tests {
     }
 
     fn feedback(target: u16) -> Step {
-        Step::Transform(Part::Feedback(TransformId::of_target(SystemId(target))))
+        Step::Transform(TransformStep::Feedback(TransformId::of_target(SystemId(target))))
     }
 
     fn set_points(target: u16) -> Step {
-        Step::Transform(Part::SetPoints(TransformId::of_target(SystemId(target))))
+        Step::Transform(TransformStep::SetPoints(TransformId::of_target(SystemId(target))))
     }
 
     /// Orders gears (slave, master) and transforms (source axes, target axes) of a machine of nine axes.
@@ -307,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_followed_comes_first() {
+    fn masters_and_sources_are_computed_before_their_followers() {
         type Case<'a> = (&'a str, &'a [Gear], &'a [Sides], &'a [(Step, Step)]);
         let cases: [Case<'_>; 5] = [
             ("a master", &[(0, 5)], &[], &[(whole(5), own(0))]),

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rounding_leaves_is_no_whole_turn() {
+    fn a_rounding_error_is_no_whole_turn() {
         for turns in [-7.0, 0.0, 3.0, 1000.0] {
             for (at, to) in [
                 (10.0 + 1e-11, 10.0),

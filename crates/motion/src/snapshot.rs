@@ -93,7 +93,7 @@ pub struct SystemSnapshot {
     /// Length of that path or curve, units; 0 without an active move.
     pub path_length: f64,
     /// Seconds until the end of the active move, or until its successor becomes active, as planned now; `None` if the time is unknown:
-    /// no move is active, it is held or stopped, or a master leads it.
+    /// no move is active, it is held or stopped, or it is master driven.
     pub time_left: Option<f64>,
     /// Share of the programmed speeds, 0 to 2.
     pub feed_override: f64,

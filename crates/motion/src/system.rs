@@ -11,10 +11,10 @@ mod take_over;
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, Trajectory};
 use arcline_instruction_set::{AxisId, AxisIndex, SystemId};
 use arcline_kinematics::{GeometryError, OrientedRobot, Robot};
 use arcline_planner::geometry::Point;
-use arcline_planner::precise::{AxisLimits, Trajectory};
 use arcline_planner::profile::{Limits, Phase};
 use arcline_planner::{Clock, ContourQueue, Instant, MasterMotion, Move, Planner, QueueFull, TimeBase, Travel};
 
@@ -139,7 +139,7 @@ pub(crate) struct System {
     pub(crate) description: CoordinateSystem,
     /// The robot whose joints are its axes.
     pub(crate) robot: Option<Result<Robot, GeometryError>>,
-    /// The same of a robot with a wrist.
+    /// The robot with a wrist whose joints are its axes.
     pub(crate) wrist: Option<Result<OrientedRobot, GeometryError>>,
     /// The moves and their motion.
     pub(crate) travel: Travel<Planned>,
@@ -193,7 +193,7 @@ impl System {
     ) -> Self {
         let contours = description.corner == Corner::Precise || description.axis_limits == LimitPolicy::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
-        planner.set_bounds(description.dynamics_bits);
+        planner.set_dynamics_bits(description.dynamics_bits);
         let travel = if contours {
             let queue = ContourQueue::new(description.queue_depth).deviating(description.deviation);
             Travel::contours(planner, queue)
@@ -253,7 +253,7 @@ impl System {
     }
 
     /// Seconds until the end of the active move, or until its successor becomes active, as planned now. `None` if the time is unknown:
-    /// no move is active, it is held or stopped, or a master leads it.
+    /// no move is active, it is held or stopped, or it is master driven.
     pub(crate) fn time_left(&self, time: &Clock) -> Option<f64> {
         if self.activity != Activity::Moving || self.follower.is_some() {
             return None;

@@ -139,7 +139,7 @@ impl<T: Copy> Planner<T> {
     /// (spec/coordinated-instructions.md §5.4), and may reach the speed that the earlier profile would have reached. `share`: the profile's
     /// share of the limits.
     fn removal_at_change(&self, ran: &Ran, speed: f64, share: f64) -> AccelerationRemoval {
-        if !self.bounds.overshoot {
+        if !self.dynamics_bits.overshoot {
             return AccelerationRemoval::NONE;
         }
         let programmed = ran.programmed.max(self.programmed_speed(speed));
@@ -152,7 +152,7 @@ impl<T: Copy> Planner<T> {
     /// With the limits of the move, a pause would need a longer distance than with the earlier ones, or would reverse where the earlier ones
     /// do not.
     fn needs_more(&self, running: &Running<T>, from: KinematicState, ran: &Limits) -> bool {
-        if !self.bounds.overshoot {
+        if !self.dynamics_bits.overshoot {
             return false;
         }
         let limits = self.limits(running);
@@ -184,7 +184,7 @@ impl<T: Copy> Planner<T> {
         clock: &Clock,
     ) -> Option<Profile> {
         let trajectory = &running.trajectory;
-        let residual = trajectory.residual.as_ref().filter(|_| self.bounds.overshoot)?;
+        let residual = trajectory.residual.as_ref().filter(|_| self.dynamics_bits.overshoot)?;
         let since = residual.start.elapsed(clock);
         let length = running.motion.path.length();
         if self.within.is_some() || since >= residual.duration() || length <= 0.0 {

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_has_no_ticks() {
+    fn a_clock_of_displacement_has_no_ticks() {
         let instant_of_displacement = Clock::of_displacement(2.5)
             .now()
             .after(10.0, &Clock::of_displacement(2.5));
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pace_turns_derivatives_by_the_way_into_such_by_time_and_back() {
+    fn a_master_rate_converts_derivatives_by_displacement_to_derivatives_by_time_and_back() {
         let rate = MasterRate {
             speed: 50.0,
             acceleration: 30.0,
@@ -240,7 +240,7 @@ mod tests {
         // d²s/dt² = s'' (dm/dt)² + s' d²m/dt²
         assert_eq!((timed.velocity, timed.acceleration), (100.0, -1250.0 + 60.0));
         assert_eq!(rate.by_displacement(timed), state);
-        let standing = MasterRate::default().by_displacement(timed);
-        assert_eq!((standing.velocity, standing.acceleration), (0.0, 0.0));
+        let at_rest = MasterRate::default().by_displacement(timed);
+        assert_eq!((at_rest.velocity, at_rest.acceleration), (0.0, 0.0));
     }
 }

@@ -110,7 +110,8 @@ impl<T: Copy> Planner<T> {
             ..Running::new(next, trajectory)
         };
         let fastest = last.motion.limits.speed.max(next.limits.speed) * self.queue.rate();
-        let slow = !self.bounds.overshoot || AccelerationRemovalPhase::below(from, &next.limits, fastest).is_none();
+        let slow =
+            !self.dynamics_bits.overshoot || AccelerationRemovalPhase::below(from, &next.limits, fastest).is_none();
         let safe =
             slow && self.plan(&running, from).end_quality == EndQuality::Feasible && !turns_back(&from, &next.limits);
         if safe {

@@ -39,7 +39,7 @@ pub(crate) enum Junction {
 
 /// The geometry and endings of a junction, which stay when speeds and rates change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Shape {
+enum JunctionShape {
     Rest,
     Overtake { tolerance: f64 },
     Blend { tolerance: f64 },
@@ -49,20 +49,20 @@ enum Shape {
 /// The junction from `first` to `second`; `blended`: another move blended into `first`.
 pub(crate) fn junction<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Junction {
     match shape(first, second, blended) {
-        Shape::Rest => Junction::Rest,
-        Shape::Overtake { tolerance } => Junction::Overtake { tolerance },
-        Shape::Blend { tolerance } => Junction::Blend { tolerance },
-        Shape::Pass { constrained, in_line } => Junction::Pass {
+        JunctionShape::Rest => Junction::Rest,
+        JunctionShape::Overtake { tolerance } => Junction::Overtake { tolerance },
+        JunctionShape::Blend { tolerance } => Junction::Blend { tolerance },
+        JunctionShape::Pass { constrained, in_line } => Junction::Pass {
             constrained,
             early: in_line && second.limits.speed < first.limits.speed,
         },
     }
 }
 
-fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
+fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> JunctionShape {
     let other = first.parameter != second.parameter;
     if other || first.path.length() == 0.0 || second.path.length() == 0.0 {
-        return Shape::Rest;
+        return JunctionShape::Rest;
     }
     let turns = [first.rotation, second.rotation]
         .iter()
@@ -73,18 +73,18 @@ fn shape<T>(first: &Move<T>, second: &Move<T>, blended: bool) -> Shape {
         Ending::Blend { tolerance } if tolerance > 0.0 => {
             let tolerance = effective_tolerance(tolerance, first, second, blended);
             match (in_line, tolerance.is_finite()) {
-                (true, true) => Shape::Overtake { tolerance },
-                (true, false) => Shape::Pass {
+                (true, true) => JunctionShape::Overtake { tolerance },
+                (true, false) => JunctionShape::Pass {
                     constrained: true,
                     in_line,
                 },
-                (false, _) => Shape::Blend { tolerance },
+                (false, _) => JunctionShape::Blend { tolerance },
             }
         }
         // A rotation begins and ends at rest.
-        Ending::Contour { .. } if turns => Shape::Rest,
-        Ending::Contour { constrained } => Shape::Pass { constrained, in_line },
-        Ending::Stop | Ending::Blend { .. } => Shape::Rest,
+        Ending::Contour { .. } if turns => JunctionShape::Rest,
+        Ending::Contour { constrained } => JunctionShape::Pass { constrained, in_line },
+        Ending::Stop | Ending::Blend { .. } => JunctionShape::Rest,
     }
 }
 
@@ -155,7 +155,7 @@ impl JunctionDemand {
 /// The junction of two moves, without their speeds and rates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JunctionGeometry {
-    shape: Shape,
+    shape: JunctionShape,
     /// The highest speed by the corner, in units per second or master unit.
     corner: f64,
 }
@@ -163,7 +163,7 @@ pub(crate) struct JunctionGeometry {
 impl JunctionGeometry {
     /// The junction before the first move.
     pub(crate) const FIRST: JunctionGeometry = JunctionGeometry {
-        shape: Shape::Rest,
+        shape: JunctionShape::Rest,
         corner: 0.0,
     };
 
@@ -171,7 +171,9 @@ impl JunctionGeometry {
     pub(crate) fn new<T>(first: &Move<T>, second: &Move<T>, blended: bool, corner_step: &Point) -> JunctionGeometry {
         let shape = shape(first, second, blended);
         let mut corner = match shape {
-            Shape::Pass { .. } => corner_speed(&turn(&first.path, &second.path), corner_step) / first.parameter.speed,
+            JunctionShape::Pass { .. } => {
+                corner_speed(&turn(&first.path, &second.path), corner_step) / first.parameter.speed
+            }
             _ => 0.0,
         };
         if corner.is_finite() {
@@ -180,7 +182,7 @@ impl JunctionGeometry {
         JunctionGeometry { shape, corner }
     }
 
-    /// The same junction with a limit on the speed at its corner, if it has one.
+    /// The junction with a limit on the speed at its corner, if it has one.
     pub(crate) fn at_most(self, corner: f64) -> JunctionGeometry {
         if self.corner.is_finite() {
             let corner = self.corner.min(corner);
@@ -192,24 +194,24 @@ impl JunctionGeometry {
     /// The motion follows the path across the junction without a rest.
     pub(crate) fn is_passed(&self) -> bool {
         match self.shape {
-            Shape::Overtake { .. } => true,
-            Shape::Pass { .. } => self.corner > 0.0,
-            Shape::Rest | Shape::Blend { .. } => false,
+            JunctionShape::Overtake { .. } => true,
+            JunctionShape::Pass { .. } => self.corner > 0.0,
+            JunctionShape::Rest | JunctionShape::Blend { .. } => false,
         }
     }
 
     /// The highest speed by the corner, in units per second or master unit; infinite without a corner, where one profile continues.
     pub(crate) fn corner(&self) -> f64 {
         match self.shape {
-            Shape::Overtake { .. } => f64::INFINITY,
-            Shape::Pass { .. } => self.corner,
-            Shape::Rest | Shape::Blend { .. } => 0.0,
+            JunctionShape::Overtake { .. } => f64::INFINITY,
+            JunctionShape::Pass { .. } => self.corner,
+            JunctionShape::Rest | JunctionShape::Blend { .. } => 0.0,
         }
     }
 
     /// The second move is superposed on the first one, or overtakes it.
     pub(crate) fn blends(&self) -> bool {
-        matches!(self.shape, Shape::Blend { .. } | Shape::Overtake { .. })
+        matches!(self.shape, JunctionShape::Blend { .. } | JunctionShape::Overtake { .. })
     }
 
     /// The demand of the junction of two moves with these limits. One profile can continue across it if the path has no corner there, the rates
@@ -217,15 +219,15 @@ impl JunctionGeometry {
     pub(crate) fn demand(&self, first: &Limits, second: &Limits) -> JunctionDemand {
         let rates_stay = same_rates(first, second);
         match self.shape {
-            Shape::Rest | Shape::Blend { .. } => JunctionDemand::Rest,
-            Shape::Overtake { .. } if rates_stay => JunctionDemand::Free,
+            JunctionShape::Rest | JunctionShape::Blend { .. } => JunctionDemand::Rest,
+            JunctionShape::Overtake { .. } if rates_stay => JunctionDemand::Free,
             // The successor slows down from its tolerance on, if that is safe.
-            Shape::Overtake { .. } => JunctionDemand::Pass {
+            JunctionShape::Overtake { .. } => JunctionDemand::Pass {
                 speed: first.speed,
                 corner: f64::INFINITY,
                 constrained: true,
             },
-            Shape::Pass { constrained, .. } => {
+            JunctionShape::Pass { constrained, .. } => {
                 let corner = self.corner;
                 let speed = first.speed.min(second.speed);
                 if corner == 0.0 {

@@ -46,6 +46,5 @@ pub use stopping::Stopping;
 pub use tolerance::SAME_INSTANT_S;
 pub use travel::{PathStopping, Travel};
 
-pub use arcline_contour as precise;
 pub use arcline_geometry as geometry;
 pub use arcline_profile as profile;

@@ -17,7 +17,7 @@ use crate::tolerance::ROUNDING_SHARE;
 use crate::{Clock, Instant};
 
 /// Slower moves of a run that one profile may cross.
-const LED_OVER: usize = 6;
+const MAX_CROSSED_MOVES: usize = 6;
 
 impl<T: Copy> Planner<T> {
     /// The aim of the profile of a move in state `from`.
@@ -58,11 +58,11 @@ impl<T: Copy> Planner<T> {
                 let ahead = distance >= 0.0;
                 let Passing { speed, level } = passing_speed(from, distance, wanted, &Limits { speed: cap, ..limits });
                 seen += 1;
-                let slow = seen == LED_OVER && speed < wanted && from.velocity <= cap;
+                let slow = seen == MAX_CROSSED_MOVES && speed < wanted && from.velocity <= cap;
                 if ahead && level && (speed == wanted || slow) {
                     return towards(bound, speed, cap);
                 }
-                if seen == LED_OVER {
+                if seen == MAX_CROSSED_MOVES {
                     break;
                 }
                 cap = cap.min(bound.demand.programmed() * queue.rate());

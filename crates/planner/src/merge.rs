@@ -29,7 +29,7 @@ impl<T: Copy> Planner<T> {
             self.start(motion, clock.now(), clock);
             return;
         }
-        let widest = initial.before.filter(|_| self.bounds.overshoot).map(|before| {
+        let widest = initial.before.filter(|_| self.dynamics_bits.overshoot).map(|before| {
             let from = KinematicState {
                 position: 0.0,
                 velocity: speed,
@@ -57,7 +57,7 @@ impl<T: Copy> Planner<T> {
                 velocity: speed,
                 acceleration: along,
             };
-            let removal = if self.bounds.overshoot {
+            let removal = if self.dynamics_bits.overshoot {
                 motion.limits = short(from, &motion.limits, 1.0, path.length().max(widest));
                 AccelerationRemoval {
                     ceiling: bound,
@@ -85,7 +85,7 @@ impl<T: Copy> Planner<T> {
                 profile: None,
             }
         } else {
-            pieces(&motion, out, rate, self.bounds.overshoot.then_some(bound))
+            pieces(&motion, out, rate, self.dynamics_bits.overshoot.then_some(bound))
         };
         let residual = Residual::new(pieces.parts, clock.now(), path);
         motion.limits = pieces.limits;

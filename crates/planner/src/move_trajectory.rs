@@ -1,7 +1,7 @@
 //! One path in execution: the geometry, the profile along it, and the motion superposed on it.
 
 use arcline_geometry::{Path, PathPoint, Point, Rotation, RotationState};
-use arcline_profile::{Bounds, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
+use arcline_profile::{DynamicsBits, KinematicState, Limits, MOST_OVERSHOOT, Phase, Profile};
 
 use crate::running::scaled_limits;
 use crate::tolerance::{DISTANCE_SHARE, ROUNDING_SHARE, SAME_INSTANT_S};
@@ -211,7 +211,7 @@ impl MoveTrajectory {
     pub(crate) fn stop_in_time(
         &mut self,
         limits: &Limits,
-        bounds: Bounds,
+        dynamics_bits: DynamicsBits,
         rate: &MasterRate,
         clock: &Clock,
         time: &Clock,
@@ -221,11 +221,11 @@ impl MoveTrajectory {
             let elapsed = residual.start.elapsed(clock);
             for part in &mut residual.parts {
                 let now = rate.in_time(part.profile.at(elapsed));
-                part.profile = Profile::stop_within(now, limits, None, bounds);
+                part.profile = Profile::stop_within(now, limits, None, dynamics_bits);
             }
             residual.start = time.now();
         }
-        self.replan(self.stop_from(from, limits, None, bounds), time.now());
+        self.replan(self.stop_from(from, limits, None, dynamics_bits), time.now());
     }
 
     /// A stop along the path. `limits` apply to the axes together, so a path with a compensation that adds to its length has only its share of
@@ -235,7 +235,7 @@ impl MoveTrajectory {
         from: KinematicState,
         limits: &Limits,
         before: Option<&Limits>,
-        bounds: Bounds,
+        dynamics_bits: DynamicsBits,
     ) -> Profile {
         let share = self.share();
         let before = before.map(|before| {
@@ -245,7 +245,7 @@ impl MoveTrajectory {
                 ..own
             }
         });
-        Profile::stop_within(from, &scaled_limits(limits, 1.0, share), before.as_ref(), bounds)
+        Profile::stop_within(from, &scaled_limits(limits, 1.0, share), before.as_ref(), dynamics_bits)
     }
 
     /// The acceleration across the path at the present tick.
@@ -292,7 +292,7 @@ impl Approach {
 }
 
 impl Residual {
-    /// A residual that ramps out beside a path. A compensation that leads away from the target makes the distance longer than the path; the path
+    /// A residual that ramps out beside a path. A compensation away from the target makes the distance longer than the path; the path
     /// is then slower by that factor.
     pub(crate) fn new(parts: [ResidualPart; 3], start: Instant, path: &Path) -> Self {
         Residual {

@@ -32,9 +32,11 @@ impl PathWithResidual<'_> {
         removal: f64,
         plan: impl Fn(KinematicState, &Limits) -> Profile,
     ) -> Option<Profile> {
-        let free = Profile::after_removal(forward(from, limits, self.bound / self.most_way()), from, |from| {
-            plan(from, limits)
-        });
+        let free = Profile::after_removal(
+            forward(from, limits, self.bound / self.max_displacement_per_unit()),
+            from,
+            |from| plan(from, limits),
+        );
         if self.is_within_bound(&free) {
             return Some(free);
         }
@@ -81,7 +83,7 @@ impl PathWithResidual<'_> {
     }
 
     /// The largest displacement for a unit of the path, with the compensation.
-    fn most_way(&self) -> f64 {
+    fn max_displacement_per_unit(&self) -> f64 {
         match self.path {
             Path::Line(line) => (line.direction() - self.drift()).norm(),
             Path::Arc(_) => 1.0 + self.drift().norm(),

@@ -5,7 +5,7 @@
 use std::collections::VecDeque;
 
 use arcline_geometry::{Path, Point};
-use arcline_profile::{Bounds, KinematicState, Limits, Profile};
+use arcline_profile::{DynamicsBits, KinematicState, Limits, Profile};
 
 use crate::look_ahead::Plan;
 use crate::merge_within::AxisLimitShare;
@@ -42,7 +42,7 @@ pub struct Planner<T> {
     /// The share of the limits of the axes for the active move, if they are enforced.
     pub(crate) within: Option<AxisLimitShare>,
     /// The Dynamics Configuration Bits.
-    pub(crate) bounds: Bounds,
+    pub(crate) dynamics_bits: DynamicsBits,
 }
 
 /// A path behind the active one, of a move that was cancelled.
@@ -100,13 +100,13 @@ impl<T: Copy> Planner<T> {
             trail_ends: false,
             plans: 0,
             within: None,
-            bounds: Bounds::ALL,
+            dynamics_bits: DynamicsBits::ALL,
         }
     }
 
     /// Sets the Dynamics Configuration Bits for later instructions. At first all are set.
-    pub fn set_bounds(&mut self, bounds: Bounds) {
-        self.bounds = bounds;
+    pub fn set_dynamics_bits(&mut self, dynamics_bits: DynamicsBits) {
+        self.dynamics_bits = dynamics_bits;
     }
 
     /// Sets the update period, seconds: corners within one update change the velocity of an axis by no more than a single corner may.
@@ -223,7 +223,7 @@ impl<T: Copy> Planner<T> {
         let passed = self.queue.is_passed_to();
         let corner = self.queue.corner();
         let cancelled = self.queue.pop()?;
-        self.trail_ends |= !self.leads_over(self.trail.len(), passed);
+        self.trail_ends |= !self.continues_onto(self.trail.len(), passed);
         if !self.trail_ends {
             self.trail.push_back(CancelledPath {
                 path: cancelled.path,
@@ -233,9 +233,9 @@ impl<T: Copy> Planner<T> {
         Some(cancelled.data)
     }
 
-    /// The profile of the active move, or its exit speed, leads onto the pending move with this index. `is_passed_to`: there is no
+    /// The profile of the active move, or its exit speed, continues onto the pending move with this index. `is_passed_to`: there is no
     /// rest before that move.
-    fn leads_over(&self, index: usize, is_passed_to: bool) -> bool {
+    fn continues_onto(&self, index: usize, is_passed_to: bool) -> bool {
         self.active
             .is_some_and(|running| index < running.joined || (running.exit > 0.0 && is_passed_to))
     }
@@ -259,7 +259,7 @@ impl<T: Copy> Planner<T> {
         let before = self.before();
         let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
         for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            let stop = trajectory.stop_from(trajectory.state(clock), limits, before.as_ref(), self.bounds);
+            let stop = trajectory.stop_from(trajectory.state(clock), limits, before.as_ref(), self.dynamics_bits);
             trajectory.replan(stop, clock.now());
         }
         if let Some(running) = &mut self.active {
@@ -279,12 +279,12 @@ impl<T: Copy> Planner<T> {
         self.trail.truncate(followed);
     }
 
-    /// The paths along which a stop that began now could lead, with the highest speeds at the corners before them: those of cancelled moves,
+    /// The paths along which a stop that began now could continue, with the highest speeds at the corners before them: those of cancelled moves,
     /// and those of the pending moves whose paths [`Planner::cancel_pending`] would keep.
     pub(crate) fn paths_of_stop(&self) -> impl Iterator<Item = (&Path, f64)> {
         let pending = (self.trail.len()..).zip(self.queue.junctions());
         let followed = pending
-            .take_while(|(index, (_, passed, _))| !self.trail_ends && self.leads_over(*index, *passed))
+            .take_while(|(index, (_, passed, _))| !self.trail_ends && self.continues_onto(*index, *passed))
             .map(|(_, (motion, _, corner))| (&motion.path, corner * motion.parameter.speed));
         self.trail
             .iter()
@@ -299,7 +299,7 @@ impl<T: Copy> Planner<T> {
         self.ramp_out_in_time(rate, clock, time);
         let running = self.active.iter_mut().map(|running| &mut running.trajectory);
         for trajectory in running.chain(&mut self.tail) {
-            trajectory.stop_in_time(limits, self.bounds, rate, clock, time);
+            trajectory.stop_in_time(limits, self.dynamics_bits, rate, clock, time);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -394,7 +394,7 @@ impl<T: Copy> Planner<T> {
     pub(crate) fn begin(&mut self, mut running: Running<T>, from: KinematicState, clock: &Clock) {
         self.clear_trail();
         running.run_start = self.queue.relink(&running.motion, running.blended);
-        if running.removal.ceiling.is_infinite() && self.bounds.overshoot {
+        if running.removal.ceiling.is_infinite() && self.dynamics_bits.overshoot {
             running.removal = AccelerationRemoval::FORWARD;
         }
         let (plan, profile) = self.planned(&running, from);

@@ -30,7 +30,7 @@ impl<T: Copy> Planner<T> {
     pub(crate) fn ramping_out(&self, initial: &InitialMotion, own: &Limits, widest: f64, bound: f64) -> Limits {
         let speed = initial.velocity.norm();
         let limits = braking(own, speed);
-        if !self.bounds.overshoot {
+        if !self.dynamics_bits.overshoot {
             return limits;
         }
         let from = KinematicState {

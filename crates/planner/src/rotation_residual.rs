@@ -190,7 +190,7 @@ impl<T: Copy> Planner<T> {
     /// Brakes the move with which the active one blends, with limits of its own; a stop of all has just begun.
     pub fn stop_tail(&mut self, limits: &Limits, clock: &Clock) {
         if let Some(tail) = &mut self.tail {
-            let stop = tail.stop_from(tail.state(clock), limits, None, self.bounds);
+            let stop = tail.stop_from(tail.state(clock), limits, None, self.dynamics_bits);
             tail.replan(stop, clock.now());
         }
     }

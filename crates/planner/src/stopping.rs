@@ -4,7 +4,7 @@
 //! no state. Nothing here allocates. Position units, seconds.
 
 use arcline_geometry::Path;
-use arcline_profile::{Bounds, Limits};
+use arcline_profile::{DynamicsBits, Limits};
 
 use crate::move_trajectory::MoveTrajectory;
 use crate::planner::Planner;
@@ -38,7 +38,7 @@ impl<T: Copy> Planner<T> {
         let before = self.before();
         let halted = |trajectory: &MoveTrajectory, before: Option<&Limits>| {
             let mut trajectory = *trajectory;
-            trajectory.halt(limits, before, self.bounds, clock);
+            trajectory.halt(limits, before, self.dynamics_bits, clock);
             trajectory
         };
         let active = halted(&self.active.as_ref()?.trajectory, before.as_ref());
@@ -58,7 +58,7 @@ impl<T: Copy> Planner<T> {
     ) -> Option<Stopping> {
         let halted = |trajectory: &MoveTrajectory| {
             let mut trajectory = *trajectory;
-            trajectory.stop_in_time(limits, self.bounds, rate, clock, time);
+            trajectory.stop_in_time(limits, self.dynamics_bits, rate, clock, time);
             trajectory
         };
         let active = halted(&self.active.as_ref()?.trajectory);
@@ -80,10 +80,10 @@ impl<T: Copy> Planner<T> {
     pub fn stop_soonest(&mut self, limits: &Limits, clock: &Clock) {
         self.hand_over_at = None;
         let limits = &self.allowed(limits);
-        let (before, bounds) = (self.before(), self.bounds);
+        let (before, dynamics_bits) = (self.before(), self.dynamics_bits);
         let running = self.active.iter_mut().map(|running| (&mut running.trajectory, before));
         for (trajectory, before) in running.chain(self.tail.iter_mut().map(|tail| (tail, None))) {
-            trajectory.halt(limits, before.as_ref(), bounds, clock);
+            trajectory.halt(limits, before.as_ref(), dynamics_bits, clock);
         }
         if let Some(running) = &mut self.active {
             running.motion.parameter = Parameter::TIME;
@@ -129,8 +129,8 @@ impl Stopping {
 
 impl MoveTrajectory {
     /// Brakes from the clock's instant on, unless its own profile comes to rest sooner.
-    fn halt(&mut self, limits: &Limits, before: Option<&Limits>, bounds: Bounds, clock: &Clock) {
-        let stop = self.stop_from(self.state(clock), limits, before, bounds);
+    fn halt(&mut self, limits: &Limits, before: Option<&Limits>, dynamics_bits: DynamicsBits, clock: &Clock) {
+        let stop = self.stop_from(self.state(clock), limits, before, dynamics_bits);
         let left = self.profile.duration() - self.start.elapsed(clock);
         if self.profile.end().velocity != 0.0 || left > stop.duration() {
             self.replan(stop, clock.now());

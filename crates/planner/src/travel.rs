@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use arcline_contour::{AxisLimits, ContourMove, Trajectory};
 use arcline_geometry::Point;
-use arcline_profile::{Bounds, Jerk, Limits};
+use arcline_profile::{DynamicsBits, Jerk, Limits};
 
 use crate::clock::TimeBase;
 use crate::contour::ContourEvent;
@@ -56,8 +56,8 @@ impl<T: Copy> Travel<T> {
     }
 
     /// Sets the Dynamics Configuration Bits for later instructions.
-    pub fn set_bounds(&mut self, bounds: Bounds) {
-        self.planner.set_bounds(bounds);
+    pub fn set_dynamics_bits(&mut self, dynamics_bits: DynamicsBits) {
+        self.planner.set_dynamics_bits(dynamics_bits);
     }
 
     /// The contour, unless a merged move runs before it.
@@ -338,7 +338,7 @@ impl<T: Copy> Travel<T> {
         })
     }
 
-    /// The rate of that variable if a master leads.
+    /// The rate of that variable if the contour is master driven.
     fn contour_rate(&self, base: &TimeBase) -> MasterRate {
         let rate = base.master.as_ref().map(|master| master.rate).unwrap_or_default();
         MasterRate {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, ContourMove};
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::precise::{self, AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits, Phase};
 use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter};
 
@@ -82,7 +82,7 @@ fn progress_status_and_transitions_of_a_contour_at_every_tick() {
                 if let Some(batch) = queue.batch(&clock, &clock, |one| asked.push(one)) {
                     let axes = limits(s_curve).1;
                     let plan = match &batch.extends {
-                        None => Some(precise::plan(&asked, &axes)),
+                        None => Some(arcline_contour::plan(&asked, &axes)),
                         Some(extension) => extension.plan(&asked, &axes),
                     };
                     if let Ok(InstalledPlan::Extended(_)) = queue.install(batch.generation, plan.map(Arc::new), &clock)

@@ -213,7 +213,7 @@ proptest! {
         let rotation = oriented(x, y, z);
         let path = match length {
             Some(length) => Path::line(Point::zeros(), Point::new(length, 0.0, 0.0)),
-            None => Path::standing(Point::zeros(), rotation.angle()),
+            None => Path::stationary(Point::zeros(), rotation.angle()),
         };
         let limits = Limits { speed: 200.0, acceleration: 3000.0, deceleration: 2000.0, jerk: None };
         let motion = Move { rotation: Some(rotation), ..stopping(path, limits) };
@@ -258,8 +258,8 @@ fn turns_blend_and_rest_at_corners() {
         )
     });
     let directions = [
-        Path::standing(Point::zeros(), 90.0),
-        Path::standing(Point::zeros(), 60.0),
+        Path::stationary(Point::zeros(), 90.0),
+        Path::stationary(Point::zeros(), 60.0),
     ];
     let duration = |ending| {
         let mut planner = Planner::new(1, Point::zeros());

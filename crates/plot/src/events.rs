@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_begins_and_what_errs_is_marked() {
+    fn beginnings_and_errors_are_marked() {
         let text = r#"{"time_s":0,"tick":0,"tag":"M1","instruction":"MCLM","set":["EN","DN","IP","AC"],"clear":[],"ERR":0,"EXERR":0}
 {"time_s":0,"tick":0,"tag":"M2","instruction":"MCLM","set":["EN","DN","IP"],"clear":[],"ERR":0,"EXERR":0}
 {"time_s":1.5,"tick":1500,"tag":"M2","instruction":"MCLM","set":["AC"],"clear":[],"ERR":0,"EXERR":0}

@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_shows_what_there_is() {
+    fn the_page_shows_the_signals_of_the_trace() {
         let marks = Mark::parse(
             r#"{"time_s":0.5,"tag":"M<1>","instruction":"MCLM","set":["AC"]}
 {"time_s":1.5,"tag":"M2","instruction":"MCLM","set":["ER"],"ERR":13}"#,

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_trace_is_told() {
+    fn files_that_are_no_trace_are_reported() {
         let head = "tick,time_s,X.CommandPosition\n";
         #[rustfmt::skip]
         let cases = [

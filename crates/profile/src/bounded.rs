@@ -9,13 +9,13 @@
 
 use crate::KinematicState;
 use crate::builder::MAX_SEGMENTS;
-use crate::limits::{Jerk, Limits, Shape};
+use crate::limits::{Jerk, Limits, ProfileShape};
 use crate::profile::{Profile, Segment};
 use crate::tolerance::LIMIT_SHARE;
 
 /// The Dynamics Configuration Bits of an axis or a coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bounds {
+pub struct DynamicsBits {
     /// Bit 0, Reduce S-Curve Stop Delay: a stop removes a present acceleration with the larger of both jerks.
     pub stop_delay: bool,
     /// Bit 1, Prevent S-Curve Velocity Reversals: a stop that begins while an S-curve brakes does not pass through rest.
@@ -24,9 +24,9 @@ pub struct Bounds {
     pub overshoot: bool,
 }
 
-impl Bounds {
+impl DynamicsBits {
     /// All three, the default of axes and coordinate systems.
-    pub const ALL: Bounds = Bounds {
+    pub const ALL: DynamicsBits = DynamicsBits {
         stop_delay: true,
         reversals: true,
         overshoot: true,
@@ -34,8 +34,8 @@ impl Bounds {
 
     /// From the attribute, 0 to 7; higher bits are ignored.
     #[must_use]
-    pub const fn from_bits(bits: u32) -> Bounds {
-        Bounds {
+    pub const fn from_bits(bits: u32) -> DynamicsBits {
+        DynamicsBits {
             stop_delay: bits & 1 != 0,
             reversals: bits & 2 != 0,
             overshoot: bits & 4 != 0,
@@ -49,9 +49,9 @@ impl Bounds {
     }
 }
 
-impl Default for Bounds {
+impl Default for DynamicsBits {
     fn default() -> Self {
-        Bounds::ALL
+        DynamicsBits::ALL
     }
 }
 
@@ -75,7 +75,7 @@ impl AccelerationRemovalPhase {
     /// motion that passes through rest counts with its speed on the other side.
     #[must_use]
     pub fn below(from: KinematicState, limits: &Limits, ceiling: f64) -> Option<AccelerationRemovalPhase> {
-        let Shape::SCurve(own) = limits.shape() else {
+        let ProfileShape::SCurve(own) = limits.shape() else {
             return None;
         };
         let (speed, square) = (from.velocity.abs(), from.acceleration * from.acceleration);
@@ -105,7 +105,7 @@ impl AccelerationRemovalPhase {
     /// The phase that removes a deceleration before the motion passes through rest; `None` if the jerk of the limits suffices.
     #[must_use]
     pub fn before_rest(from: KinematicState, limits: &Limits) -> Option<AccelerationRemovalPhase> {
-        let Shape::SCurve(own) = limits.shape() else {
+        let ProfileShape::SCurve(own) = limits.shape() else {
             return None;
         };
         let critical = critical_jerk(&from)?;
@@ -193,11 +193,16 @@ impl Profile {
     /// A stop within the bounds (spec/coordinated-instructions.md §5.4). With bits 0 and 1 its speed neither passes through rest nor
     /// exceeds 1.5 times that of `before`, the limits of the motion so far; if these are unknown, 1.5 times the present speed.
     #[must_use]
-    pub fn stop_within(from: KinematicState, limits: &Limits, before: Option<&Limits>, bounds: Bounds) -> Profile {
+    pub fn stop_within(
+        from: KinematicState,
+        limits: &Limits,
+        before: Option<&Limits>,
+        dynamics_bits: DynamicsBits,
+    ) -> Profile {
         let mut limits = *limits;
         if let Some(jerk) = &mut limits.jerk {
             if from.velocity * from.acceleration >= 0.0 {
-                if bounds.stop_delay {
+                if dynamics_bits.stop_delay {
                     let speed = from.velocity.abs();
                     let own = before.and_then(|before| before.jerk);
                     let ceiling = MOST_OVERSHOOT * before.map_or(speed, |before| before.speed);
@@ -214,7 +219,7 @@ impl Profile {
                         .max(own.map_or(0.0, |own| own.acceleration))
                         .max(if least.is_nan() { 0.0 } else { least });
                 }
-            } else if let (true, Some(critical)) = (bounds.reversals, critical_jerk(&from)) {
+            } else if let (true, Some(critical)) = (dynamics_bits.reversals, critical_jerk(&from)) {
                 jerk.deceleration = jerk.deceleration.max(critical);
             }
         }
@@ -250,7 +255,7 @@ impl Profile {
 }
 
 impl Limits {
-    /// The same ramps, shorter in time by a factor, and in distance by the same factor.
+    /// Limits with which ramps are shorter in time and in distance by a factor.
     #[must_use]
     pub fn hastened(&self, factor: f64) -> Limits {
         let square = factor * factor;

@@ -33,7 +33,7 @@ mod trapezoid;
 #[cfg(test)]
 mod tests;
 
-pub use bounded::{AccelerationRemovalPhase, Bounds, MOST_OVERSHOOT};
+pub use bounded::{AccelerationRemovalPhase, DynamicsBits, MOST_OVERSHOOT};
 pub use kinematic_state::KinematicState;
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};

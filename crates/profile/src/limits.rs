@@ -75,17 +75,17 @@ pub(crate) struct Trapezoid {
     pub(crate) per_deceleration: f64,
 }
 
-pub(crate) enum Shape {
+pub(crate) enum ProfileShape {
     Trapezoid(Trapezoid),
     SCurve(SCurve),
 }
 
 impl Limits {
-    pub(crate) fn shape(&self) -> Shape {
+    pub(crate) fn shape(&self) -> ProfileShape {
         let speed = sane(self.speed).max(0.0);
         let acceleration = sane_limit(self.acceleration);
         let deceleration = sane_limit(self.deceleration);
-        let trapezoid = Shape::Trapezoid(Trapezoid {
+        let trapezoid = ProfileShape::Trapezoid(Trapezoid {
             speed,
             acceleration,
             deceleration,
@@ -100,7 +100,7 @@ impl Limits {
         if jerk.acceleration > most && jerk.deceleration > most_down {
             return trapezoid;
         }
-        Shape::SCurve(SCurve {
+        ProfileShape::SCurve(SCurve {
             speed,
             up: Side::new(acceleration, sane_limit(jerk.acceleration).min(most).max(SMALLEST)),
             down: Side::new(deceleration, sane_limit(jerk.deceleration).min(most_down).max(SMALLEST)),

@@ -6,7 +6,7 @@
 
 use crate::KinematicState;
 use crate::builder::Trial;
-use crate::limits::{Limits, SCurve, Shape, Side, Trapezoid, sane};
+use crate::limits::{Limits, ProfileShape, SCurve, Side, Trapezoid, sane};
 use crate::ramp::{approach, ramp};
 use crate::tolerance::LOOKAHEAD_SHARE;
 use crate::{peak, root};
@@ -28,8 +28,8 @@ pub fn entry_speed(length: f64, end_speed: f64, limits: &Limits) -> f64 {
     let (length, slow) = (sane(length).max(0.0), sane(end_speed).abs());
     let shape = limits.shape();
     let more = match &shape {
-        Shape::Trapezoid(limits) => gained(length, slow, limits.deceleration),
-        Shape::SCurve(limits) => gained_with_jerk(length, slow, &limits.down),
+        ProfileShape::Trapezoid(limits) => gained(length, slow, limits.deceleration),
+        ProfileShape::SCurve(limits) => gained_with_jerk(length, slow, &limits.down),
     };
     rounded_down(slow + more, slow, |fast| slowing_distance(fast, slow, &shape) <= length)
 }
@@ -51,16 +51,16 @@ pub fn exit_speed(from: KinematicState, length: f64, limits: &Limits) -> f64 {
         a: sane(from.acceleration),
     };
     match limits.shape() {
-        Shape::Trapezoid(limits) => exit_by_trapezoid(now.v, length, &limits),
-        Shape::SCurve(limits) => exit_by_s_curve(now, length, &limits),
+        ProfileShape::Trapezoid(limits) => exit_by_trapezoid(now.v, length, &limits),
+        ProfileShape::SCurve(limits) => exit_by_s_curve(now, length, &limits),
     }
 }
 
-fn slowing_distance(fast: f64, slow: f64, shape: &Shape) -> f64 {
+fn slowing_distance(fast: f64, slow: f64, shape: &ProfileShape) -> f64 {
     let dv = fast - slow;
     match shape {
-        Shape::Trapezoid(limits) => 0.5 * dv * (fast + slow) / limits.deceleration,
-        Shape::SCurve(limits) => {
+        ProfileShape::Trapezoid(limits) => 0.5 * dv * (fast + slow) / limits.deceleration,
+        ProfileShape::SCurve(limits) => {
             // As a plan computes it, to its last digit.
             let mut trial = Trial {
                 x: 0.0,
@@ -83,7 +83,7 @@ fn gained(length: f64, slow: f64, acceleration: f64) -> f64 {
     }
 }
 
-/// The same with acceleration 0 at both ends and limited jerk.
+/// The speed gained over a length with limited jerk and acceleration 0 at both ends.
 fn gained_with_jerk(length: f64, slow: f64, side: &Side) -> f64 {
     if length <= 0.0 {
         return 0.0;

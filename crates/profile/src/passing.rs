@@ -5,7 +5,7 @@
 
 use crate::KinematicState;
 use crate::builder::Trial;
-use crate::limits::{Limits, SCurve, Shape, sane};
+use crate::limits::{Limits, ProfileShape, SCurve, sane};
 use crate::lookahead::exit_speed;
 use crate::ramp::ramp;
 use crate::root;
@@ -46,7 +46,7 @@ pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Li
         a: sane(from.acceleration),
     };
     match limits.shape() {
-        Shape::Trapezoid(limits) => {
+        ProfileShape::Trapezoid(limits) => {
             let square = now.v * now.v - 2.0 * limits.deceleration * length * (1.0 + DISTANCE_SHARE);
             let slow = now.v <= wanted || square <= wanted * wanted;
             Passing {
@@ -54,7 +54,7 @@ pub fn passing_speed(from: KinematicState, length: f64, wanted: f64, limits: &Li
                 level: true,
             }
         }
-        Shape::SCurve(limits) => brake(now, length, wanted, &limits),
+        ProfileShape::SCurve(limits) => brake(now, length, wanted, &limits),
     }
 }
 

@@ -127,7 +127,7 @@ pub(crate) fn ramp(slow: f64, dv: f64, side: &Side) -> f64 {
     (slow + 0.5 * dv) * ramp_time(dv, side).0
 }
 
-/// The same, and its derivative by `dv > 0`.
+/// The distance of [`ramp`], and its derivative by `dv > 0`.
 #[inline(always)]
 pub(crate) fn ramp_and_slope(slow: f64, dv: f64, side: &Side) -> (f64, f64) {
     let (time, by_dv) = ramp_time(dv, side);
@@ -198,7 +198,7 @@ impl Rise<'_> {
         }
     }
 
-    /// The same, and its derivative.
+    /// The distance, and its derivative by `dv`.
     #[inline]
     fn distance_and_slope(&self, dv: f64) -> (f64, f64) {
         match *self {

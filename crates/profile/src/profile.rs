@@ -5,7 +5,7 @@
 
 use crate::KinematicState;
 use crate::builder::{Builder, MAX_SEGMENTS};
-use crate::limits::{Limits, Shape, sane};
+use crate::limits::{Limits, ProfileShape, sane};
 use crate::numeric::newton;
 use crate::tolerance::{BRACKET_SHARE, ROUNDED_SHARE, SAMPLED_POSITION_SHARE};
 use crate::{position, ramp, trapezoid};
@@ -254,8 +254,8 @@ impl Profile {
         let (target, end_speed) = (sane_position(target), sane(end_speed));
         self.start = sane_state(&from);
         match limits.shape() {
-            Shape::SCurve(limits) => position::to_position(self, target, end_speed, &limits),
-            Shape::Trapezoid(limits) => trapezoid::to_position(self, target, end_speed, &limits),
+            ProfileShape::SCurve(limits) => position::to_position(self, target, end_speed, &limits),
+            ProfileShape::Trapezoid(limits) => trapezoid::to_position(self, target, end_speed, &limits),
         }
     }
 
@@ -263,9 +263,9 @@ impl Profile {
         let target = sane_position(target);
         self.start = sane_state(&from);
         match limits.shape() {
-            Shape::SCurve(limits) => position::to_position_two_stage(self, target, &limits),
+            ProfileShape::SCurve(limits) => position::to_position_two_stage(self, target, &limits),
             // Braking to rest, then a move from rest, is the usual behaviour of a trapezoid.
-            Shape::Trapezoid(limits) => trapezoid::to_position(self, target, 0.0, &limits),
+            ProfileShape::Trapezoid(limits) => trapezoid::to_position(self, target, 0.0, &limits),
         }
     }
 
@@ -274,8 +274,8 @@ impl Profile {
         self.start = sane_state(&from);
         let mut builder = Builder::new(self, 1.0);
         match limits.shape() {
-            Shape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
-            Shape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
+            ProfileShape::SCurve(limits) => ramp::ramp(&mut builder, velocity, &limits),
+            ProfileShape::Trapezoid(limits) => trapezoid::ramp(&mut builder, velocity, &limits),
         }
         let end = KinematicState {
             velocity,

@@ -1,6 +1,6 @@
 //! The controller's thread: a sequence of ticks at absolute times, and the rings that connect it to the rest of the server.
 //!
-//! [`spawn`] splits once: the [`Link`] is for the code that talks to the controller, the [`Handle`] for the code that
+//! [`spawn`] splits once: the [`ServerRings`] is for the code that talks to the controller, the [`Handle`] for the code that
 //! ends the process. Without a thread, [`link`] and [`step`] do the same on a clock of the caller. Not here:
 //! motion, tags, sockets. The loop allocates nothing, takes no lock and makes no system call but its sleep (reading the
 //! clock needs none). Times are nanoseconds on the monotonic clock.
@@ -22,7 +22,7 @@ pub use clock::{Clock, Stepper, Steps};
 pub use commands::{COMMANDS, CommandSender, Full, STOPS};
 pub use contour::Planning;
 pub use meter::Meter;
-pub use rings::{ACCEPTED, Answer, EVENTS, FullRings, Link, Rings, Room, link, link_with};
+pub use rings::{ACCEPTED, Answer, EVENTS, FullRings, Rings, Room, ServerRings, link, rings_with};
 pub use samples::Samples;
 pub use schedule::{Report, Shortfall, prepare_beside_tick};
 pub use stops::Stops;

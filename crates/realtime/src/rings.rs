@@ -44,7 +44,7 @@ pub struct Answer {
 /// All reports of a tick are in their rings before its snapshot is published: a reader who takes a
 /// snapshot and then all answers and events up to its tick has the state of that one tick.
 #[derive(Debug)]
-pub struct Link {
+pub struct ServerRings {
     /// Commands to the controller.
     pub commands: CommandSender,
     /// Requests to stop, which precede all commands.
@@ -145,12 +145,12 @@ impl Default for Room {
 }
 
 /// Rings for the controller of a machine. The only allocation.
-pub fn link(machine: &Machine) -> (Rings, Link) {
-    link_with(machine, Room::default())
+pub fn link(machine: &Machine) -> (Rings, ServerRings) {
+    rings_with(machine, Room::default())
 }
 
-/// The same with another room: a simulation of full rings.
-pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
+/// Rings with another room, to simulate full rings.
+pub fn rings_with(machine: &Machine, room: Room) -> (Rings, ServerRings) {
     let (command_sender, commands) = commands::link(room.commands, room.stops);
     // All commands in the ring may be answered before a reader takes an answer.
     let (answers, answer_receiver) = rtrb::RingBuffer::new(2 * (room.commands + room.stops));
@@ -182,7 +182,7 @@ pub fn link_with(machine: &Machine, room: Room) -> (Rings, Link) {
         is_stepped: false,
         shown: Snapshot::new(machine),
     };
-    let link = Link {
+    let link = ServerRings {
         commands: command_sender,
         stops,
         answers: answer_receiver,

@@ -12,7 +12,7 @@ use rustix::time::{ClockId, Timespec, clock_gettime};
 
 use crate::clock::{self, Clock, Stepper};
 use crate::meter::Meter;
-use crate::rings::{Link, Rings, link};
+use crate::rings::{Rings, ServerRings, link};
 use crate::schedule::{self, Report};
 
 /// The options of the thread.
@@ -90,7 +90,7 @@ impl Drop for Handle {
 ///
 /// # Errors
 /// If the system has no thread left.
-pub fn spawn(machine: &Machine, options: Options) -> Result<(Link, Handle), SpawnError> {
+pub fn spawn(machine: &Machine, options: Options) -> Result<(ServerRings, Handle), SpawnError> {
     let (mut rings, mut link) = link(machine);
     let mut period = machine.period_ns.max(1);
     match options.clock {

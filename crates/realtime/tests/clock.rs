@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use arcline_controller::{Command, Ticket, UNNAMED};
 use arcline_instruction_set::{Mnemonic, bind};
-use arcline_realtime::{Clock, Link, Options, Steps, spawn};
+use arcline_realtime::{Clock, Options, ServerRings, Steps, spawn};
 
-/// Longest wait for what happens in microseconds.
+/// Longest wait for events that take microseconds.
 const DEADLINE: Duration = Duration::from_secs(20);
 
-fn started(clock: Clock) -> (Link, arcline_realtime::Handle, arcline_config::Project) {
+fn started(clock: Clock) -> (ServerRings, arcline_realtime::Handle, arcline_config::Project) {
     let project =
         arcline_config::load(arcline_config::DEFAULT, "default").expect("the embedded configuration is valid");
     let options = Options {
@@ -29,7 +29,7 @@ fn wait(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-fn step(link: &Link, ticks: u32, until: Option<Box<dyn FnMut() -> bool + Send>>) -> u32 {
+fn step(link: &ServerRings, ticks: u32, until: Option<Box<dyn FnMut() -> bool + Send>>) -> u32 {
     let (done, passed) = mpsc::channel();
     let stepper = link.stepper.as_ref().expect("the machine is on the step clock");
     stepper.step(Steps {

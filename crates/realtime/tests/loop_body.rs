@@ -1,10 +1,10 @@
-//! The loop body allocates nothing, and what a tick says of itself is out before its snapshot.
+//! The loop body allocates nothing, and the reports of a tick are out before its snapshot.
 
 mod machine;
 
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MAX_OPERANDS, Mnemonic, RealArray};
-use arcline_realtime::{Link, Options, link, spawn, step};
+use arcline_realtime::{Options, ServerRings, link, spawn, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use machine::machine;
 
@@ -136,7 +136,7 @@ fn a_contour_is_extended_in_time_or_ends_at_rest() {
         let (mut rings, mut link) = link(&machine);
         let mut planning = link.planning.take().expect("contours");
         let mut controller = Controller::new(&machine);
-        let queue = |link: &mut Link, ticket: u64, to: [f64; 2]| {
+        let queue = |link: &mut ServerRings, ticket: u64, to: [f64; 2]| {
             let mut call = line(ControlSlot(ticket as u32), to);
             for (name, number) in [("Termination Type", 6.0), ("Command Tolerance", 0.5)] {
                 let operand = call.mnemonic.instruction().operand(name).expect(name);
@@ -173,7 +173,7 @@ fn a_contour_is_extended_in_time_or_ends_at_rest() {
 }
 
 #[test]
-fn the_thread_ticks_counts_and_stops_what_moves() {
+fn the_thread_ticks_counts_and_stops_all_motion() {
     let machine = machine(250_000);
     let (mut link, handle) = spawn(&machine, Options::default()).expect("a thread");
     link.commands

@@ -4,7 +4,7 @@ mod machine;
 
 use arcline_controller::{Command, Controller, Ticket};
 use arcline_instruction_set::{Argument, AxisId, Call, ControlSlot, JogEnd, MAX_OPERANDS, Mnemonic};
-use arcline_realtime::{COMMANDS, Link, Rings, link, step};
+use arcline_realtime::{COMMANDS, Rings, ServerRings, link, step};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use machine::machine;
 
@@ -60,7 +60,7 @@ fn weak_stop(stop_type: f64) -> Call {
 struct Bench {
     controller: Controller,
     rings: Rings,
-    link: Link,
+    link: ServerRings,
     tickets: u64,
 }
 
@@ -198,7 +198,7 @@ fn wait_before(bench: &mut Bench) {
 }
 
 #[test]
-fn a_stop_instruction_overtakes_what_waits_and_what_waits_begins_nothing() {
+fn a_stop_instruction_overtakes_waiting_calls_which_begin_no_motion() {
     let stop = call(Mnemonic::Mas, 50, &[]);
     let move_of_y = |control| {
         let operands = [
@@ -238,7 +238,7 @@ fn a_stop_instruction_overtakes_what_waits_and_what_waits_begins_nothing() {
 }
 
 #[test]
-fn a_stop_leaves_what_waits_for_other_axes() {
+fn a_stop_leaves_waiting_calls_of_other_axes() {
     let mut bench = Bench::new();
     wait_before(&mut bench);
     bench.send(jog(2, 0.0));
@@ -248,9 +248,9 @@ fn a_stop_leaves_what_waits_for_other_axes() {
     assert_eq!(bench.after(200), 100.0, "X was stopped, Y jogs");
 }
 
-/// An axis that was switched off stays off, whatever waited.
+/// An axis that was switched off stays off, with any waiting calls.
 #[test]
-fn a_shutdown_is_not_taken_back_by_what_waits() {
+fn a_shutdown_is_not_reset_by_waiting_calls() {
     let mut bench = Bench::jogging(0.0).0;
     wait_before(&mut bench);
     bench.send(call(Mnemonic::Masr, 60, &[]));

@@ -7,14 +7,14 @@ use crate::compile::{Compiler, Directory, Known};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
-use crate::run::{Exit, Fault, FaultAt, Host, STATUS_OVERLAP, STATUS_TIMEOUT, Scan, State};
+use crate::run::{ExecutionState, Exit, Fault, FaultAt, Host, STATUS_OVERLAP, STATUS_TIMEOUT, Scan};
 use crate::source::Project;
 
 /// A project in the memory of a controller.
 #[derive(Clone, Debug)]
 pub struct Cell {
     code: Code,
-    state: State,
+    state: ExecutionState,
     tags: Vec<Tag>,
     /// The next release of each periodic task, ns.
     releases: Vec<u64>,
@@ -62,7 +62,7 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
         Some((tag.at, tag.at + tag.tag_type.size() as u32, *id))
     });
     let shared = shared.collect();
-    let mut state = State::new(std::mem::take(&mut compiler.tags.bytes), &compiler.code);
+    let mut state = ExecutionState::new(std::mem::take(&mut compiler.tags.bytes), &compiler.code);
     (state.objects, state.controls, state.shared) = (compiler.objects, compiler.controls, shared);
     let code = compiler.code;
     let mut order: Vec<usize> = (0..code.tasks.len()).collect();
@@ -102,7 +102,7 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
 
 impl Cell {
     /// The code and its state.
-    pub(crate) fn parts_mut(&mut self) -> (&Code, &mut State) {
+    pub(crate) fn parts_mut(&mut self) -> (&Code, &mut ExecutionState) {
         (&self.code, &mut self.state)
     }
 

@@ -55,8 +55,8 @@ const FORMS: [(Form, &str); 5] = [
 const HEAD: &str = "\
 # Instructions of routines
 
-What `arcline-server run Project.L5X` and `arcline-server simulate Project.L5X` execute in ladder and in Structured Text;
-`arcline-server import Project.L5X --report` lists what of a project they would not. A test writes this page from the table by which routines
+The instructions that `arcline-server run Project.L5X` and `arcline-server simulate Project.L5X` execute in ladder and in Structured Text;
+`arcline-server import Project.L5X --report` lists the parts of a project that they do not execute. A test writes this page from the table by which routines
 are compiled and run (`crates/routine/src/table`). The instructions of motion are those of [INSTRUCTIONS.md](INSTRUCTIONS.md), with operands in
 the order of the faceplate; add-on instructions are those of the project. How rungs, tasks and faults work is in
 [the specification](spec/programs.md).

@@ -5,7 +5,7 @@ use std::fmt;
 /// The reason for which a text is not a rung, expression or statement. Positions are byte offsets in it.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum SyntaxError {
-    /// Something else stands there.
+    /// Another text is found there.
     #[error("found {found:?}, expected {expected}")]
     Unexpected {
         /// Byte in the text.

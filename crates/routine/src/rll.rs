@@ -59,7 +59,7 @@ impl Rung {
         if text.len() > MAX_RUNG {
             return Err(SyntaxError::TooLong { limit: MAX_RUNG });
         }
-        let mut reader = Reader { text, at: 0, depth: 0 };
+        let mut reader = RungReader { text, at: 0, depth: 0 };
         let elements = reader.elements()?;
         reader.expect(b';', "; at the end of the rung")?;
         reader.skip();
@@ -125,13 +125,13 @@ fn print(elements: &[Element], f: &mut fmt::Formatter<'_>) -> fmt::Result {
     Ok(())
 }
 
-struct Reader<'t> {
+struct RungReader<'t> {
     text: &'t str,
     at: usize,
     depth: usize,
 }
 
-impl Reader<'_> {
+impl RungReader<'_> {
     fn peek(&self) -> Option<u8> {
         self.text.as_bytes().get(self.at).copied()
     }

@@ -76,7 +76,7 @@ pub(crate) type Run<T> = Result<T, Exit>;
 
 /// The state of execution: flags, time, the call stack.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct State {
+pub(crate) struct ExecutionState {
     pub(crate) memory: Vec<u8>,
     /// Bases of add-on instructions that run, and the first one of the innermost.
     bases: Vec<u32>,
@@ -169,9 +169,9 @@ struct Cursor {
     bit: usize,
 }
 
-impl State {
+impl ExecutionState {
     pub(crate) fn new(memory: Vec<u8>, code: &Code) -> Self {
-        State {
+        ExecutionState {
             memory,
             bases: Vec::with_capacity(MAX_BASES),
             masks: Vec::with_capacity(MAX_BASES),
@@ -185,12 +185,12 @@ impl State {
             status: vec![0; code.tasks.len()],
             messages: Vec::with_capacity(MAX_MESSAGES),
             wires: vec![wires::Signal::default(); code.wires.len()],
-            ..State::default()
+            ..ExecutionState::default()
         }
     }
 }
 
-impl State {
+impl ExecutionState {
     /// The beginning of a task's run.
     pub(crate) fn begin_run(&mut self, watchdog_us: i32, host: &mut dyn Host) {
         (self.budget, self.watchdog_us, self.watchdogs) = (BUDGET, watchdog_us, 0);
@@ -275,7 +275,7 @@ impl Scan<'_> {
 /// A scan.
 pub(crate) struct Scan<'s> {
     pub(crate) code: &'s Code,
-    pub(crate) s: &'s mut State,
+    pub(crate) s: &'s mut ExecutionState,
     pub(crate) host: &'s mut dyn Host,
     /// The call of the routine that runs.
     pub(crate) caller: Option<&'s Transfer>,

@@ -98,7 +98,7 @@ impl Text {
             return Err(SyntaxError::TooLong { limit: MAX_ROUTINE });
         }
         let tokens = tokens(text)?;
-        let mut reader = Reader {
+        let mut reader = StReader {
             text,
             parser: Parser {
                 tokens: &tokens,
@@ -124,12 +124,12 @@ impl fmt::Display for Text {
     }
 }
 
-struct Reader<'p, 't> {
+struct StReader<'p, 't> {
     text: &'t str,
     parser: Parser<'p, 't>,
 }
 
-impl<'t> Reader<'_, 't> {
+impl<'t> StReader<'_, 't> {
     fn word(&self) -> Option<String> {
         match self.parser.peek() {
             TokenKind::Name(name) => Some(name.to_ascii_uppercase()),

@@ -112,7 +112,7 @@ impl Calls {
         self.erred.get(&program)
     }
 
-    /// The same, mutable.
+    /// The first error of a program, mutable.
     pub(crate) fn erred_mut(&mut self, program: ProgramId) -> Option<&mut Erred> {
         self.erred.get_mut(&program)
     }

@@ -27,7 +27,7 @@ pub use names::ImageNames;
 pub use observer::{Blind, Observer};
 pub use program::ProgramId;
 pub use record::Record;
-pub use runner::{Limits, Locked, Options, Passed, Piece, Runner};
+pub use runner::{Locked, Options, Passed, Piece, RunLimits, Runner};
 pub use signals::{AXIS_SIGNALS, Columns, NoSignal, Signal, sample};
 pub use simulation::Simulation;
 pub use values::{Encoded, NotWritten, by_element, encoded};

@@ -34,7 +34,7 @@ pub(crate) struct SimulationWithWaits {
     pub(crate) waits: BTreeMap<ProgramId, Wait>,
 }
 
-/// The same, shared by the runner and the programs. Only one of them works at a time, so the lock is always free.
+/// A [`SimulationWithWaits`] that the runner and the programs share. Only one of them works at a time, so the lock is always free.
 #[derive(Clone, Debug)]
 pub(crate) struct SharedSimulation(Arc<Mutex<SimulationWithWaits>>);
 

@@ -34,7 +34,7 @@ pub struct Piece {
 
 /// The limits for executing ticks.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct RunLimits {
     /// Most ticks that may begin.
     pub ticks: u64,
     /// The simulated time after which no tick begins, seconds.
@@ -157,7 +157,7 @@ impl Runner {
         }
     }
 
-    /// The same with further pieces of the program; `next` is called after each piece has run.
+    /// Runs a program with further pieces; `next` is called after each piece has run.
     ///
     /// # Errors
     /// Those of `next`.
@@ -215,11 +215,11 @@ impl Runner {
     }
 
     /// Executes ticks, and the programs in them, up to the limits.
-    pub fn step(&mut self, limits: Limits, observer: &mut impl Observer) -> Passed {
+    pub fn step(&mut self, limits: RunLimits, observer: &mut impl Observer) -> Passed {
         let last = self.simulation().tick().saturating_add(limits.ticks);
         loop {
             let left = last.saturating_sub(self.simulation().tick());
-            let passed = self.pass(Limits { ticks: left, ..limits }, observer);
+            let passed = self.pass(RunLimits { ticks: left, ..limits }, observer);
             if passed != Passed::Due {
                 return passed;
             }
@@ -232,7 +232,7 @@ impl Runner {
     }
 
     /// Executes ticks until a program has work, all motion has ended or the time is up.
-    fn pass(&self, limits: Limits, observer: &mut impl Observer) -> Passed {
+    fn pass(&self, limits: RunLimits, observer: &mut impl Observer) -> Passed {
         let mut shared = self.shared.lock();
         let mut left = limits.ticks;
         while left > 0 {
@@ -286,7 +286,7 @@ impl Runner {
     ) -> Result<Ended, End> {
         self.shared.lock().waits.insert(id, Wait::new(options.policy));
         let mut task = Task::new(self.shared.clone(), id, run);
-        let limits = Limits {
+        let limits = RunLimits {
             ticks: u64::MAX,
             until: options.until,
         };

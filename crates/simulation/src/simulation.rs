@@ -40,13 +40,13 @@ impl Simulation {
         Self::of(machine, controller, image)
     }
 
-    /// The same with specific drives, in the order of the machine's axes.
+    /// A machine with specific drives, in the order of its axes, and these tags, before tick 0.
     pub fn with_drives(machine: Arc<Machine>, image: Image, drives: Box<dyn Drives>) -> Self {
         let controller = Controller::with_drives(&machine, drives);
         Self::of(machine, controller, image)
     }
 
-    /// The same with simulated drives, and a model of the mechanics that moves some of their axes.
+    /// A machine with simulated drives and these tags, before tick 0, and with a model of the mechanics that moves some of their axes.
     pub fn with_model(machine: Arc<Machine>, image: Image, model: Box<dyn MechanicalModel>, axes: &[AxisId]) -> Self {
         let drives = ModelDrives::new(arcline_controller::simulated(&machine), model, axes);
         Self::with_drives(machine, image, Box::new(drives))
@@ -289,7 +289,7 @@ impl Simulation {
         }
     }
 
-    /// The same, even if an instruction was executed since.
+    /// As [`Simulation::show`], even if an instruction was executed since.
     pub fn show_now(&mut self) {
         self.controller.snapshot(&mut self.snapshot);
         self.image.apply_snapshot(&self.snapshot);

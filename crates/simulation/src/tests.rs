@@ -9,7 +9,7 @@ use arcline_controller::{Controller, Event};
 use arcline_structured_text::{Interpreter, Policy, Program};
 
 use crate::record::number;
-use crate::{Blind, End, Limits, Observer, Options, Passed, Record, Runner, Simulation};
+use crate::{Blind, End, Observer, Options, Passed, Record, RunLimits, Runner, Simulation};
 
 #[test]
 fn numbers_are_short_and_read_back() {
@@ -94,7 +94,7 @@ fn a_program_in_steps_of_any_length_is_the_program_in_one_run() {
             runner.simulation().begin();
             let id = runner.start(program(MOVES), Policy::default());
             while runner.runs(id) {
-                let limits = Limits { ticks, until: 60.0 };
+                let limits = RunLimits { ticks, until: 60.0 };
                 assert_ne!(runner.step(limits, seen), Passed::Left);
             }
             assert!(matches!(runner.end_of(id), Some(Ok(()))));
@@ -119,7 +119,7 @@ fn programs_run_beside_each_other_and_fail_alone() {
     };
     assert_eq!((erred.err, erred.exerr, erred.line), (13, 4, 1));
     assert_eq!(
-        runner.step(Limits { ticks: 20, until: 60.0 }, &mut Blind),
+        runner.step(RunLimits { ticks: 20, until: 60.0 }, &mut Blind),
         Passed::Ticks
     );
     assert!(runner.runs(moves), "{:?}", runner.end_of(moves));
@@ -127,7 +127,7 @@ fn programs_run_beside_each_other_and_fail_alone() {
     assert_eq!(runner.simulation().tick(), 20);
     assert_eq!(
         runner.step(
-            Limits {
+            RunLimits {
                 ticks: 2000,
                 until: 60.0
             },
@@ -147,11 +147,11 @@ fn a_removed_program_goes_on_no_more_and_its_motion_does() {
     let mut runner = runner();
     runner.simulation().begin();
     let moves = runner.start(program(MOVES), Policy::default());
-    runner.step(Limits { ticks: 20, until: 60.0 }, &mut Blind);
+    runner.step(RunLimits { ticks: 20, until: 60.0 }, &mut Blind);
     runner.remove(moves);
     assert!(!runner.runs(moves) && runner.end_of(moves).is_none());
     runner.step(
-        Limits {
+        RunLimits {
             ticks: 2000,
             until: 60.0,
         },
@@ -170,7 +170,7 @@ fn a_wait_in_vain_ends_its_program_alone() {
     let vain = runner.start(program("WAIT(X.ActualPosition > 1);"), Policy::default());
     let counts = runner.start(program("DELAY(100);"), Policy::default());
     runner.step(
-        Limits {
+        RunLimits {
             ticks: 70_000,
             until: 1e9,
         },
@@ -187,7 +187,10 @@ fn a_wait_in_vain_ends_its_program_alone() {
 fn time_and_observers_end_a_step() {
     let mut runner = runner();
     runner.simulation().begin();
-    assert_eq!(runner.step(Limits { ticks: 9, until: 0.005 }, &mut Blind), Passed::Time);
+    assert_eq!(
+        runner.step(RunLimits { ticks: 9, until: 0.005 }, &mut Blind),
+        Passed::Time
+    );
     assert_eq!(runner.simulation().tick(), 5);
     struct Enough;
     impl Observer for Enough {
@@ -195,7 +198,10 @@ fn time_and_observers_end_a_step() {
             tick < 8
         }
     }
-    assert_eq!(runner.step(Limits { ticks: 9, until: 1.0 }, &mut Enough), Passed::Left);
+    assert_eq!(
+        runner.step(RunLimits { ticks: 9, until: 1.0 }, &mut Enough),
+        Passed::Left
+    );
     assert_eq!(runner.simulation().tick(), 8);
 }
 
@@ -206,7 +212,7 @@ fn a_wait_for_a_plain_tag_sees_the_writes_of_others() {
     let project = arcline_config::load(&text, "test").expect("it is valid");
     let mut runner = Runner::of(Simulation::of_project(&project));
     runner.simulation().begin();
-    let ticks = |ticks| Limits {
+    let ticks = |ticks| RunLimits {
         ticks,
         until: f64::INFINITY,
     };

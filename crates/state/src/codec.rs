@@ -4,13 +4,13 @@
 use bincode::config::{self, Configuration, Limit, LittleEndian, Varint};
 use serde::{Deserialize, Serialize};
 
-use crate::{Change, MAX_TOTAL, State};
+use crate::{Change, MAX_TOTAL, RetainedState};
 
 /// One record of a file; a crash leaves all of it or none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Record {
     /// A whole state in place of the earlier one: the first record of a file, and one whenever there are other tags.
-    State(State),
+    State(RetainedState),
     /// Changes that belong together.
     Changes(Vec<Change>),
 }
@@ -18,7 +18,7 @@ pub enum Record {
 /// The bytes of [`Record::State`], from a state that is borrowed. The names of the variants do not matter, their order does.
 #[derive(Serialize)]
 pub(crate) enum Borrowed<'s> {
-    State(&'s State),
+    State(&'s RetainedState),
 }
 
 /// Bytes of a tag.

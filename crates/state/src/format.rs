@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::codec::{self, Borrowed, MAX_RECORD, Record};
 use crate::horizon::{self, PAGE};
-use crate::{Damage, State};
+use crate::{Damage, RetainedState};
 
 /// The format that is written.
 pub const FORMAT: u32 = 3;
@@ -28,7 +28,7 @@ pub const MAX_FILE: usize = 4 * MAX_RECORD;
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileContents {
     /// The state, with all changes.
-    pub state: State,
+    pub state: RetainedState,
     /// Bytes at the end that were cut off: an unfinished record, or the remains that a crash of the system left of records that were
     /// never synchronised.
     pub cut_off: usize,
@@ -62,7 +62,7 @@ impl Chain {
 }
 
 /// A whole file with a state and no changes. Its horizon is its end, since it is synchronised before it gets its name.
-pub(crate) fn fresh(state: &State) -> (Vec<u8>, Chain) {
+pub(crate) fn fresh(state: &RetainedState) -> (Vec<u8>, Chain) {
     let mut out = MAGIC.to_vec();
     out.extend_from_slice(&FORMAT.to_le_bytes());
     let mut chain = Chain(0).over(&out);
@@ -78,7 +78,7 @@ pub(crate) fn fresh(state: &State) -> (Vec<u8>, Chain) {
 /// the process cut off was never answered.
 ///
 /// # Errors
-/// Anything else that is not as it was written.
+/// All other damage: bytes that differ from those written.
 pub fn parse(bytes: &[u8]) -> Result<FileContents, Damage> {
     if bytes.len() > MAX_FILE {
         return Err(Damage::TooLong { limit: MAX_FILE });
@@ -95,7 +95,7 @@ pub fn parse(bytes: &[u8]) -> Result<FileContents, Damage> {
             });
         }
     };
-    let mut reader = Reader {
+    let mut reader = RecordReader {
         bytes,
         end: first,
         chain,
@@ -165,16 +165,16 @@ fn is_zero_from(bytes: &[u8], end: usize, damage: &Damage) -> bool {
 }
 
 #[derive(Clone, Copy)]
-struct Reader<'b> {
+struct RecordReader<'b> {
     bytes: &'b [u8],
     /// Behind the last whole record.
     end: usize,
     chain: Chain,
 }
 
-impl<'b> Reader<'b> {
+impl<'b> RecordReader<'b> {
     /// The next record and the reader behind it; `None`: no whole one is left.
-    fn next(self) -> Result<Option<(Record, Reader<'b>)>, Damage> {
+    fn next(self) -> Result<Option<(Record, RecordReader<'b>)>, Damage> {
         let offset = self.end;
         let Some(head) = self.bytes.get(offset..).and_then(<[u8]>::first_chunk::<HEAD>) else {
             return Ok(None);
@@ -199,7 +199,7 @@ impl<'b> Reader<'b> {
         }
         let record = codec::decode(data).ok_or(Damage::Record { offset })?;
         let end = tail + CHECKSUM;
-        Ok(Some((record, Reader { end, chain, ..self })))
+        Ok(Some((record, RecordReader { end, chain, ..self })))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The retained state: the data that a machine retains over a restart, in a file that survives the death of its writer, and of the system, at
 //! any instant.
 //!
-//! One file holds a whole [`State`] and behind it the later changes, each in a [`Record`] with a checksum. A record is part of one `write`, so
+//! One file holds a whole [`RetainedState`] and behind it the later changes, each in a [`Record`] with a checksum. A record is part of one `write`, so
 //! the file has it before the writer answers, and the end of the process cannot remove it. A record that the end of the process cut off was
 //! never answered. The [`Writer`] synchronises the file from time to time and notes in it the length that the disk has (the horizon), so that a
 //! reader distinguishes the remains of a crash of the system behind that point from damage before it. When the file has grown, the writer
@@ -34,5 +34,5 @@ pub use damage::{Damage, Limit};
 pub use disk::{Disk, OpenError, System};
 pub use format::{FORMAT, FileContents, MAX_FILE, parse};
 pub use locked_file::{LockedFile, ReadError};
-pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, State, Tag};
+pub use state::{Axis, AxisState, Change, MAX_AXES, MAX_TAG_BYTES, MAX_TAGS, MAX_TEXT, MAX_TOTAL, RetainedState, Tag};
 pub use writer::{Action, Ended, Failure, NotPersisted, Pace, Report, Task, Writer};

@@ -7,7 +7,7 @@ use crate::{Damage, Limit, Record};
 
 /// All retained data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct RetainedState {
     /// The axes, at most [`MAX_AXES`].
     pub axes: Vec<Axis>,
     /// The plain tags, at most [`MAX_TAGS`] of together [`MAX_TOTAL`] bytes.
@@ -52,7 +52,7 @@ pub struct Tag {
     pub bytes: Bytes,
 }
 
-/// A change of a [`State`]. Indices count from 0.
+/// A change of a [`RetainedState`]. Indices count from 0.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Change {
     /// The state of an axis.
@@ -74,11 +74,11 @@ pub enum Change {
     },
 }
 
-impl State {
+impl RetainedState {
     /// Takes over a record: all of it, or nothing of it.
     ///
     /// # Errors
-    /// [`Damage::NoSuchIndex`] and [`Damage::NotANumber`] for a change; the errors of [`State::check`] for a state.
+    /// [`Damage::NoSuchIndex`] and [`Damage::NotANumber`] for a change; the errors of [`RetainedState::check`] for a state.
     pub fn apply(&mut self, record: &Record) -> Result<(), Damage> {
         match record {
             Record::State(state) => {

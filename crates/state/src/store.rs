@@ -8,13 +8,13 @@ use std::path::Path;
 
 use crate::disk::Disk;
 use crate::format::{self, Chain};
-use crate::{Damage, LockedFile, MAX_FILE, Record, State, horizon};
+use crate::{Damage, LockedFile, MAX_FILE, Record, RetainedState, horizon};
 
 /// A state and its file, which agree except in writes that failed.
 #[derive(Debug)]
 pub(crate) struct Store<D: Disk> {
     locked: LockedFile<D>,
-    state: State,
+    state: RetainedState,
     /// `None` before the file is written for the first time and after a failure: nothing may stand behind half a record.
     log: Option<Log<D>>,
     /// The state written anew, until it takes the place of the file.
@@ -41,7 +41,7 @@ struct Log<D: Disk> {
 pub(crate) struct Synchronised(usize);
 
 impl<D: Disk> Store<D> {
-    pub(crate) fn new(locked: LockedFile<D>, state: State, growth: usize) -> Self {
+    pub(crate) fn new(locked: LockedFile<D>, state: RetainedState, growth: usize) -> Self {
         Store {
             locked,
             state,

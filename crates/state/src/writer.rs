@@ -15,7 +15,7 @@ use std::time::Duration;
 use crate::disk::Disk;
 use crate::planted::is_planted;
 use crate::store::{Store, Synchronised};
-use crate::{LockedFile, Record, State};
+use crate::{LockedFile, Record, RetainedState};
 
 /// The change is not in the file, at least not yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
@@ -130,7 +130,7 @@ impl<D: Disk> Task<D> {
 impl<D: Disk, A> Writer<D, A> {
     /// Begins to keep a state: writes it anew and synchronises it, as long as the disk takes. When that fails the writer
     /// reports it and tries again after each pause.
-    pub fn start(locked: LockedFile<D>, state: State, pace: Pace, now: Duration) -> Self {
+    pub fn start(locked: LockedFile<D>, state: RetainedState, pace: Pace, now: Duration) -> Self {
         let mut writer = Writer {
             store: Store::new(locked, state, pace.growth),
             pace,

@@ -38,7 +38,7 @@ impl<X> Called<X> {
 
 /// The known state of an execution.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum State {
+pub(crate) enum CallState {
     /// Its end has not been observed.
     Running,
     /// It has ended without PC, and the run has not read its cause yet.
@@ -51,7 +51,7 @@ pub(crate) enum State {
 #[derive(Clone, Debug)]
 pub struct Calls<X> {
     /// The newest ones, oldest first.
-    executed: VecDeque<(State, Called<X>)>,
+    executed: VecDeque<(CallState, Called<X>)>,
     /// The number of them that run.
     running: usize,
     /// The index at which the next read of running executions begins.
@@ -96,10 +96,10 @@ impl<X: Clone> Calls<X> {
         if self.executed.len() == REMEMBERED
             && let Some((state, _)) = self.executed.pop_front()
         {
-            self.running -= usize::from(state == State::Running);
+            self.running -= usize::from(state == CallState::Running);
             self.next = self.next.saturating_sub(1);
         }
-        self.executed.push_back((State::Running, called));
+        self.executed.push_back((CallState::Running, called));
         self.running += 1;
     }
 
@@ -108,14 +108,14 @@ impl<X: Clone> Calls<X> {
         matches!(ending, Ending::Instruction { tag, .. } if self.newest(tag).is_some())
     }
 
-    pub(crate) fn first(&self, state: State) -> Option<(usize, &Called<X>)> {
+    pub(crate) fn first(&self, state: CallState) -> Option<(usize, &Called<X>)> {
         let mut executed = self.executed.iter().enumerate();
         executed.find_map(|(index, (now, called))| (*now == state).then_some((index, called)))
     }
 
-    pub(crate) fn set(&mut self, index: usize, state: State) {
+    pub(crate) fn set(&mut self, index: usize, state: CallState) {
         if let Some((now, _)) = self.executed.get_mut(index) {
-            self.running -= usize::from(*now == State::Running && state != State::Running);
+            self.running -= usize::from(*now == CallState::Running && state != CallState::Running);
             *now = state;
         }
     }
@@ -136,7 +136,7 @@ impl<X: Clone> Calls<X> {
         let is_running = |index: &usize| {
             self.executed
                 .get(*index)
-                .is_some_and(|(state, _)| *state == State::Running)
+                .is_some_and(|(state, _)| *state == CallState::Running)
         };
         let index = (self.next..count).chain(0..self.next.min(count)).find(is_running)?;
         self.next = index + 1;

@@ -130,7 +130,7 @@ impl<E> Progress<E> {
 pub struct Stopped<E> {
     /// Its cause.
     pub ending: Ending,
-    /// The same as the error of its statement.
+    /// The error of its statement for that cause.
     pub error: E,
 }
 
@@ -184,7 +184,7 @@ pub trait Driver {
     /// A statement of that line is about to make a request.
     async fn turn(&mut self, line: usize) -> Result<(), Self::Error>;
 
-    /// The same without a wait: `false` where [`Driver::turn`] would wait.
+    /// As [`Driver::turn`], but returns `false` where that would wait.
     fn try_turn(&mut self, line: usize) -> bool {
         let _ = line;
         true

@@ -58,7 +58,7 @@ impl std::error::Error for SyntaxError {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SyntaxProblem {
-    /// Something stands where it cannot stand.
+    /// A text where it cannot stand.
     #[error("found {found}, expected {expected}")]
     Unexpected {
         /// The text found, quoted, or `the end of the program`.

@@ -11,7 +11,7 @@ use arcline_instruction_set::{Ending, MotionControl, MotionError};
 
 use arcline_tag::Value;
 
-use crate::calls::{Called, Calls, State};
+use crate::calls::{CallState, Called, Calls};
 use crate::driver::{
     Driver, Moves, MovesEnd, OnError, Outcome, Pause, Policy, Progress, QueueFull, Reading, RunError, Stopped,
 };
@@ -332,14 +332,14 @@ impl<X: Clone> ProgramRun<X> {
                     running += 1;
                     continue;
                 }
-                Progress::Ended => State::Over,
-                Progress::Incomplete => State::Incomplete,
+                Progress::Ended => CallState::Over,
+                Progress::Incomplete => CallState::Incomplete,
                 Progress::Erred(error) => {
                     driver.report(called, &error);
                     if self.policy.on_error == OnError::Stop {
                         return Err(at(error));
                     }
-                    State::Over
+                    CallState::Over
                 }
             };
             self.calls.set(index, state);
@@ -349,7 +349,7 @@ impl<X: Clone> ProgramRun<X> {
 
     /// Reports the motion that another cause than the program ended.
     async fn explain<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
-        while let Some((index, called)) = self.calls.first(State::Incomplete) {
+        while let Some((index, called)) = self.calls.first(CallState::Incomplete) {
             let line = called.line;
             let stopped = driver.stopped(called).await;
             let stopped = stopped.map_err(|error| RunError::Driver { line, error })?;
@@ -359,7 +359,7 @@ impl<X: Clone> ProgramRun<X> {
                     return Err(RunError::Driver { line, error });
                 }
             }
-            self.calls.set(index, State::Over);
+            self.calls.set(index, CallState::Over);
         }
         Ok(())
     }

@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_paths_say_what_is_wrong() {
+    fn errors_of_paths_name_their_cause() {
         #[rustfmt::skip]
         let cases = [
             ("",            PathError::Empty),

@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn the_string_is_what_clients_look_for() {
+    fn the_string_has_the_handle_that_clients_expect() {
         let string = string_template();
         assert_eq!((string.size, string.handle, string.instance), (88, 0x0FCE, 0xFCE));
         let data = string.member("data").expect("DATA");

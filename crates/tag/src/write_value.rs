@@ -282,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_misfit_says_what_it_is() {
+    fn values_that_do_not_fit_have_their_error() {
         #[rustfmt::skip]
         let cases = [
             ("a fraction",           WriteValue::Number(2.5),   Elementary::Dint, Err(Misfit::Fraction)),

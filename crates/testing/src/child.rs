@@ -1,4 +1,4 @@
-//! What a server says to who started it: its ready line on standard output, and its log on standard error.
+//! The output of a server to its parent process: its ready line on standard output, and its log on standard error.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::SocketAddr;
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// What a server writes to standard error, collected while it runs.
+/// The standard error of a server, collected while it runs.
 #[derive(Debug)]
 pub struct Log {
     text: Arc<Mutex<Vec<u8>>>,

@@ -51,7 +51,7 @@ pub enum SpawnError {
     },
     /// It ended, or was not ready in time.
     NotReady {
-        /// What it printed and logged.
+        /// Its output and its log.
         said: String,
     },
 }
@@ -85,7 +85,7 @@ impl Builder {
         self.argument("--config").argument(file)
     }
 
-    /// What makes ticks pass: `real`, `step` or `fast:N`.
+    /// The clock of the ticks: `real`, `step` or `fast:N`.
     #[must_use]
     pub fn clock(self, clock: &str) -> Self {
         self.argument("--clock").argument(clock)
@@ -194,7 +194,7 @@ impl Server {
         self.child.id()
     }
 
-    /// What the server has written to standard error so far.
+    /// The standard error of the server so far.
     #[must_use]
     pub fn log(&self) -> String {
         self.log.as_ref().map_or_else(String::new, Log::so_far)

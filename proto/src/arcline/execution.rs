@@ -1,6 +1,6 @@
 //! Motion Instruction, class 0x0303: one instance for every executed instruction (spec/contract.md §4).
 //!
-//! Not the meaning of the words in an [`Ending`]: those are `arcline_instruction_set::Ending`'s.
+//! Not here: the meaning of the words in an [`Ending`], which `arcline_instruction_set::Ending` defines.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -26,7 +26,7 @@ pub mod attribute {
     pub const EXERR: u16 = 6;
     /// The MOTION_INSTRUCTION structure, 16 bytes: also the reply of Get Attributes All.
     pub const CONTROL: u16 = 7;
-    /// Why it ended, an [`Ending`](super::Ending).
+    /// The cause of its end, an [`Ending`](super::Ending).
     pub const ENDING: u16 = 8;
 }
 

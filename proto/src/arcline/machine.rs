@@ -1,6 +1,6 @@
 //! Machine, class 0x0305: STOP, the identification of a client, series of moves, and counters of commands (docs/spec/contract.md §4, §7).
 //!
-//! One instance, number 1. Not the stops of single objects: those are instructions.
+//! One instance, number 1. Not here: the stops of single objects, which are instructions.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ pub mod service {
     pub const STOP: u8 = 0x32;
     /// Releases a STOP, of every client. No data.
     pub const RELEASE: u8 = 0x33;
-    /// Tells the server what the client is, an [`Identification`](super::Identification).
+    /// Identifies the client to the server, by an [`Identification`](super::Identification).
     pub const IDENTIFY: u8 = 0x34;
     /// Executes moves of coordinate systems in their order up to the first that fails or finds no room. The data is that of a Multiple
     /// Service Packet with the motion services, the reply data a [`SeriesReply`](super::SeriesReply).
@@ -324,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_is_shown() {
+    fn an_identification_is_shown() {
         #[rustfmt::skip]
         let cases = [
             ("nothing",       ["", "", ""],                          ""),

@@ -1,6 +1,6 @@
 //! Arcline's own CIP classes: class ids, attribute ids, services and layouts, in both directions.
 //!
-//! Not what a service does, and no names of instructions or faults: those are the instruction set's. All numbers are
+//! Not here: the effects of services, and the names of instructions and faults, which are the instruction set's. All numbers are
 //! little-endian; a name is a SHORT_STRING (length USINT, bytes).
 
 pub mod execution;

@@ -1,7 +1,7 @@
 //! The motion classes 0x0300 to 0x0302: ids of their attributes, lists of instances, and the reply of their services.
 //!
 //! Instances count from 1 in the order of the configuration. The class codes are those of
-//! `arcline_instruction_set::Object`; what the numeric attributes mean is its `Attribute`.
+//! `arcline_instruction_set::Object`; its `Attribute` defines the numeric attributes.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ pub mod axis {
     pub const POSSIBLE_FAULTS: u16 = 10;
     /// The faults of the axis, UDINT.
     pub const FAULTS: u16 = 12;
-    /// What moves the axis, a [`Mover`](super::Mover).
+    /// The origin of the axis's motion, a [`Mover`](super::Mover).
     pub const MOVER: u16 = 13;
 }
 
@@ -54,7 +54,7 @@ pub mod coordinate_system {
     pub const PATH_LENGTH: u16 = 28;
     /// Time to the end of the active move, LREAL, s; NaN: not known.
     pub const TIME_LEFT: u16 = 29;
-    /// What moves the coordinate system, a [`Mover`](super::Mover).
+    /// The origin of the coordinate system's motion, a [`Mover`](super::Mover).
     pub const MOVER: u16 = 30;
 }
 

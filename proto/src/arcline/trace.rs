@@ -1,6 +1,6 @@
 //! Trace, class 0x0304: samples of every tick, by signal and from a trigger on (docs/TRACE.md).
 //!
-//! Not which signals there are. Ticks count from the start of the server; samples are 64-bit floating point numbers.
+//! Not here: the names of the signals. Ticks count from the start of the server; samples are 64-bit floating point numbers.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -191,7 +191,7 @@ impl Trigger {
     }
 }
 
-/// Request data of Create: what is traced.
+/// Request data of Create: the signals of the trace and its trigger.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct TraceRequest {
     /// Such as `X.CommandPosition`, in the order of the samples.

@@ -1,7 +1,7 @@
 //! Get and Set Attribute List: ids asked for, and values with a status each (CIP Vol. 1, appendix A; spec/ethernet-ip.md
 //! §13).
 //!
-//! Not the attributes: their widths are not on the wire, so the reader of a list must know them.
+//! Not here: the attributes. Their widths are not on the wire, so the reader of a list must know them.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -138,7 +138,7 @@ impl<'a> AttributeListReader<'a> {
         self.reader.take(width)
     }
 
-    /// What is left behind the list.
+    /// The bytes behind the list.
     pub const fn rest(&self) -> &'a [u8] {
         self.reader.rest()
     }

@@ -1,6 +1,6 @@
 //! One message router request or reply (CIP Vol. 1, 2-4; spec/ethernet-ip.md §4).
 //!
-//! Not what a service does. Path sizes on the wire are in 16-bit words.
+//! Not here: the effects of services. Path sizes on the wire are in 16-bit words.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -17,7 +17,7 @@ pub const REPLY_HEAD: usize = 4;
 pub struct Request {
     /// Service code, bit 7 clear.
     pub service: u8,
-    /// What it is for.
+    /// The object or tag that it addresses.
     pub path: Epath,
     /// The service's data, perhaps with surplus bytes behind it.
     pub data: Bytes,
@@ -29,7 +29,7 @@ pub struct Request {
 pub struct RequestError {
     /// Service code, 0 if there was not even one.
     pub service: u8,
-    /// Why.
+    /// The reason.
     pub status: CipStatus,
 }
 

@@ -1,7 +1,7 @@
 //! CIP messages: router request and reply (CIP Vol. 1, 2-4), the attribute list services, and the Multiple Service
 //! Packet (spec/ethernet-ip.md §4, §9.1, §13). Status codes are in [`crate::status`].
 //!
-//! Not what a service does. Surplus bytes behind a request's data are the service's business, and most must ignore them.
+//! Not here: the effects of services. Surplus bytes behind a request's data are the service's business, and most must ignore them.
 
 mod attribute_list;
 mod message;

@@ -1,6 +1,6 @@
 //! The Multiple Service Packet: several requests in one, and their replies within one budget (spec/ethernet-ip.md §9.1).
 //!
-//! Not the order of execution, which is the caller's. Offsets and budgets are in bytes.
+//! Not here: the order of execution, which is the caller's. Offsets and budgets are in bytes.
 
 use bytes::{BufMut, Bytes, BytesMut};
 

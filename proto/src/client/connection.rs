@@ -1,6 +1,6 @@
 //! One open class 3 connection of a client: the message outstanding on it, and those that wait (spec/ethernet-ip.md §8).
 //!
-//! Not the deadlines of its calls, which are the session's.
+//! Not here: the deadlines of its calls, which are the session's.
 
 use bytes::Bytes;
 use std::collections::VecDeque;

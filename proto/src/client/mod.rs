@@ -1,8 +1,8 @@
 //! The client's side of one TCP connection, without I/O: session, unconnected messages with or without a route, class 3
 //! connections, and which reply belongs to which request.
 //!
-//! Requests give a [`Call`]; [`ClientSession::poll_transmit`] gives bytes to send, [`ClientSession::poll_event`] what has
-//! come of each call. A class 3 connection has one message outstanding; further ones wait inside. `now` is the time since
+//! Requests give a [`Call`]; [`ClientSession::poll_transmit`] gives bytes to send, [`ClientSession::poll_event`] the
+//! outcome of each call. A class 3 connection has one message outstanding; further ones wait inside. `now` is the time since
 //! any fixed moment.
 
 mod connection;
@@ -19,13 +19,13 @@ use self::reply::{connected_reply, identity, unconnected_reply};
 use crate::cip::{Reply, Request, class, service};
 use crate::connection::{ConnectionKey, ForwardClose, ForwardOpenReply, TickTime, UnconnectedSend};
 use crate::cpf::Packet;
-use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
+use crate::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
 use crate::epath::Epath;
 
 pub use self::options::{OpenOptions, backplane};
 pub use self::outcome::{ClientError, ClientEvent, Outcome};
 
-/// Names something asked; never repeats in a session.
+/// The identity of a call; it never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Call(u64);
 
@@ -33,7 +33,7 @@ pub struct Call(u64);
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Connected(ConnectionKey);
 
-/// What a reply is awaited for.
+/// A call whose reply is awaited.
 #[derive(Debug)]
 enum Wait {
     Register,
@@ -80,7 +80,7 @@ impl ClientSession {
         }
     }
 
-    /// Registers the session: the first thing to do.
+    /// Registers the session: the first call.
     pub fn register(&mut self, now: Duration) -> Call {
         self.send(
             Wait::Register,
@@ -185,10 +185,10 @@ impl ClientSession {
         Ok(call)
     }
 
-    /// Ends the session: the last thing to send. The peer closes the socket.
+    /// Ends the session: the last frame to send. The peer closes the socket.
     pub fn unregister(&mut self) {
         if let Some(handle) = self.handle.take() {
-            let frame = Frame::request(Command::UNREGISTER_SESSION, handle, [0; 8], Bytes::new());
+            let frame = EncapFrame::request(Command::UNREGISTER_SESSION, handle, [0; 8], Bytes::new());
             self.transmits.push_back(frame.to_bytes());
         }
     }
@@ -203,7 +203,7 @@ impl ClientSession {
         self.transmits.pop_front()
     }
 
-    /// What has come of a call.
+    /// The next outcome of a call.
     pub fn poll_event(&mut self) -> Option<ClientEvent> {
         self.events.pop_front()
     }
@@ -258,7 +258,7 @@ impl ClientSession {
     }
 
     /// Takes one frame. One that no call waits for is ignored.
-    pub fn handle_frame(&mut self, frame: &Frame) {
+    pub fn handle_frame(&mut self, frame: &EncapFrame) {
         let Some(call) = self.match_reply(frame) else {
             return;
         };
@@ -323,7 +323,7 @@ impl ClientSession {
 
     fn transmit(&mut self, call: Call, command: Command, data: Bytes) {
         let handle = self.handle.unwrap_or_default();
-        let frame = Frame::request(command, handle, call.0.to_le_bytes(), data);
+        let frame = EncapFrame::request(command, handle, call.0.to_le_bytes(), data);
         self.transmits.push_back(frame.to_bytes());
     }
 
@@ -350,7 +350,7 @@ impl ClientSession {
     }
 
     /// By sender context; on a connection by its id and sequence count, since a target may not echo the context there.
-    fn match_reply(&self, frame: &Frame) -> Option<Call> {
+    fn match_reply(&self, frame: &EncapFrame) -> Option<Call> {
         if frame.header.command == Command::SEND_UNIT_DATA && frame.header.status == EncapStatus::SUCCESS {
             let (id, sequence, _) = Packet::decode_connected(&frame.data).ok()?;
             let connection = self.connections.values().find(|connection| connection.hears(id))?;

@@ -1,6 +1,6 @@
 //! How a class 3 connection is opened, and the way to its target.
 //!
-//! Not the connection itself. Intervals are in microseconds, sizes in bytes.
+//! Not here: the connection. Intervals are in microseconds, sizes in bytes.
 
 use crate::cip::class;
 use crate::connection::{ConnectionKey, ForwardOpen, NetworkParameters, TRANSPORT_CLASS_3, TickTime};
@@ -49,7 +49,7 @@ impl OpenOptions {
         path
     }
 
-    /// What the target is asked.
+    /// The request to the target.
     pub(super) fn forward_open(&self) -> ForwardOpen {
         ForwardOpen {
             time: TickTime::DEFAULT,

@@ -1,26 +1,26 @@
-//! What has come of something a client asked for: its reply, or why there is none and whose fault that is.
+//! The outcome of a client's call: its reply, or the reason why there is none and whose fault that is.
 //!
-//! Not the status of a reply that has come: that is in the reply.
+//! Not here: the status in a reply that has come.
 
 use std::net::SocketAddrV4;
 
 use super::{Call, Connected};
 use crate::cip::{CipStatus, Reply};
 use crate::cpf::CpfError;
-use crate::encap::{Command, EncapStatus, FrameError};
+use crate::encap::{Command, EncapFrameError, EncapStatus};
 use crate::epath::PathError;
 use crate::identity::Identity;
 
-/// A call and what has come of it.
+/// A call with its outcome.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ClientEvent {
-    /// What was asked.
+    /// The call.
     pub call: Call,
-    /// What has come of it.
+    /// Its outcome.
     pub outcome: Outcome,
 }
 
-/// What has come of a call.
+/// The outcome of a call.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Outcome {
     /// The session is registered.
@@ -42,20 +42,20 @@ pub enum Outcome {
     Failed(ClientError),
 }
 
-/// Why something failed.
+/// The reason for the failure of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum ClientError {
     /// The peer refused the frame.
     #[error("{command} refused: {status}")]
     Encapsulation {
-        /// What was asked.
+        /// The request.
         command: Command,
-        /// Why not.
+        /// The reason.
         status: EncapStatus,
     },
     /// The peer misbehaves: its stream cannot be read.
     #[error(transparent)]
-    Frame(#[from] FrameError),
+    EncapFrame(#[from] EncapFrameError),
     /// The peer misbehaves: its packet cannot be read.
     #[error(transparent)]
     Packet(#[from] CpfError),

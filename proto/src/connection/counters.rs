@@ -1,10 +1,10 @@
-//! What the Connection Manager counts, attributes 1 to 8 of class 6 (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
+//! The counters of the Connection Manager, attributes 1 to 8 of class 6 (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Not when something is counted: that comes through [`crate::session::Host::count`].
+//! Not here: the events that are counted, which come through [`crate::session::Host::count`].
 
 use bytes::Bytes;
 
-/// What the Connection Manager counts; the number is the attribute.
+/// A counter of the Connection Manager; the number is the attribute.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 #[repr(u8)]
 pub enum Count {

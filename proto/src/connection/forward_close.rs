@@ -1,6 +1,6 @@
 //! Forward Close, request and reply (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Not which connections there are.
+//! Not here: the connections.
 
 use bytes::{BufMut, Bytes, BytesMut};
 

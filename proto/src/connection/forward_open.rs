@@ -1,6 +1,6 @@
 //! Forward Open and Large Forward Open, request and reply (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Not which of them are granted. Intervals are in microseconds.
+//! Not here: the check of the requests. Intervals are in microseconds.
 
 use bytes::{BufMut, Bytes, BytesMut};
 
@@ -46,7 +46,7 @@ pub struct ForwardOpen {
 pub struct OpenError {
     /// The connection it is about, as far as it was there.
     pub key: ConnectionKey,
-    /// Why.
+    /// The reason.
     pub status: CipStatus,
 }
 

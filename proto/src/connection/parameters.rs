@@ -35,7 +35,7 @@ impl NetworkParameters {
     /// Largest size of the 16-bit form.
     pub const MAX_SMALL: u16 = 0x01FF;
 
-    /// Point-to-point, low priority, variable: what class 3 uses.
+    /// The parameters of class 3: point-to-point, low priority, variable.
     pub const fn explicit(size: u16) -> Self {
         Self {
             redundant_owner: false,

@@ -1,6 +1,6 @@
 //! Unconnected Send: a message and the way to its destination (CIP Vol. 1, 3-5; spec/ethernet-ip.md §7).
 //!
-//! Not whether the way leads anywhere.
+//! Not here: the check that the route leads to a device.
 
 use bytes::{BufMut, Bytes, BytesMut};
 

@@ -1,7 +1,7 @@
 //! Padded EPATHs: the segments that say which object, attribute, tag or route a message is for
-//! (CIP Vol. 1, appendix C-1; spec/ethernet-ip.md §5), and what a request's path means ([`Target`]).
+//! (CIP Vol. 1, appendix C-1; spec/ethernet-ip.md §5), and the meaning of a request's path ([`Target`]).
 //!
-//! Not the packed encoding, which no request uses. A path's length is in words; it is bounded by [`MAX_WORDS`].
+//! Not here: the packed encoding, which no request uses. A path's length is in words; it is bounded by [`MAX_WORDS`].
 
 mod segment;
 mod target;
@@ -48,10 +48,10 @@ pub enum PathError {
     /// A name that is empty, no text, or not a tag name.
     #[error("a symbol segment does not hold a name")]
     Symbol,
-    /// More names inside each other, or a longer path, than is followed.
+    /// More names inside each other, or a longer path, than the limit.
     #[error("more than {limit} segments")]
     TooDeep {
-        /// What is followed.
+        /// The most segments of a path.
         limit: usize,
     },
     /// A class or attribute beyond 16 bits: there is none.

@@ -1,6 +1,6 @@
 //! One segment of a padded path, and its bytes (CIP Vol. 1, appendix C-1; spec/ethernet-ip.md §5).
 //!
-//! Not what a sequence of segments means. Segments are a whole number of 16-bit words.
+//! Not here: the meaning of a sequence of segments. Segments are a whole number of 16-bit words.
 
 use std::ops::Deref;
 
@@ -65,7 +65,7 @@ impl<T: Into<String>> From<T> for SymbolName {
     }
 }
 
-/// Which device an originator expects; zeros match anything (CIP Vol. 1, C-1.4.2).
+/// The device that an originator expects; a zero matches every value (CIP Vol. 1, C-1.4.2).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct ElectronicKey {
     /// Vendor id.

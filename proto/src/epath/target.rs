@@ -1,6 +1,6 @@
-//! What a request's path means: a name, an object, or an object within the scope of a name (spec/ethernet-ip.md §5).
+//! The meaning of a request's path: a name, an object, or an object within the scope of a name (spec/ethernet-ip.md §5).
 //!
-//! Not whether there is such a thing.
+//! Not here: the check that such an object or tag exists.
 
 use arcline_tag::{PathSegment, TagPath, split};
 
@@ -9,10 +9,10 @@ use super::{Epath, PathError, Segment};
 /// The deepest nesting of names that is followed.
 pub const MAX_SYMBOLS: usize = 32;
 
-/// What a request is for: a name, an object, or an object within the scope of a name.
+/// The target of a request: a name, an object, or an object within the scope of a name.
 ///
 /// `91 "A" 28 03 91 "B"` is `symbols` A, 3, B. `20 6B 25 iiii 28 03` is class 0x6B, that instance, `members` 3.
-/// `91 "Program:P" 20 6B 24 00` is `symbols` Program:P and class 0x6B. `91 "A" 30 02` is attribute 2 of what has that name.
+/// `91 "Program:P" 20 6B 24 00` is `symbols` Program:P and class 0x6B. `91 "A" 30 02` is attribute 2 of the object with that name.
 ///
 /// Names stay where the path has them.
 #[derive(Clone, PartialEq, Debug, Default)]

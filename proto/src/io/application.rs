@@ -1,7 +1,7 @@
-//! What an I/O connection is for: the assemblies that its path names, and the sizes that go with them
+//! The application of an I/O connection: the assemblies that its path names, and the sizes that go with them
 //! (spec/ethernet-ip.md §14.1).
 //!
-//! Not whether there is room for one more. Sizes are in bytes.
+//! Not here: the limit on the number of connections. Sizes are in bytes.
 
 use std::time::Duration;
 
@@ -35,7 +35,7 @@ pub struct Assemblies {
     pub listen_only: u32,
 }
 
-/// What a connection is for.
+/// The application of a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Application {
     /// Writes the outputs and has the inputs; there is one at a time.
@@ -47,16 +47,16 @@ pub enum Application {
 }
 
 impl Application {
-    /// What a Forward Open asks for; `path` is its path without ports and key.
+    /// The application that a Forward Open asks for; `path` is its path without ports and key.
     ///
     /// # Errors
-    /// 0x01 with the additional status of what is wrong.
+    /// 0x01 with the additional status of the field that is wrong.
     pub fn of(open: &ForwardOpen, path: &[Segment], assemblies: &Assemblies) -> Result<Self, CipStatus> {
         OpenRequest::new(open, path, assemblies).map(|request| request.application)
     }
 }
 
-/// What a Forward Open asks for, found to be in order.
+/// The checked request of a Forward Open.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct OpenRequest {
     pub(super) application: Application,
@@ -64,7 +64,7 @@ pub(super) struct OpenRequest {
     pub(super) class_1: bool,
     /// Whether O→T data has a run/idle header.
     pub(super) header: bool,
-    /// What makes T→O data leave.
+    /// The trigger of T→O data.
     pub(super) trigger: Trigger,
     /// Whether T→O data goes to a group.
     pub(super) multicast: bool,

@@ -1,6 +1,6 @@
-//! One I/O connection: its watchdog, and what its originator sends.
+//! One I/O connection: its watchdog, and the data from its originator.
 //!
-//! Not which connections there may be, nor what the originator is sent, which is its [`super::production`].
+//! Not here: the rules for opening connections, and the data to the originator ([`super::production`]).
 
 use bytes::Bytes;
 use std::net::IpAddr;
@@ -20,7 +20,7 @@ pub(super) const MAX_TIMEOUT: Duration = Duration::from_secs(60);
 /// holds its place no longer.
 const FIRST_DATAGRAM: Duration = Duration::from_secs(10);
 
-/// What the owner last said.
+/// The owner's mode in its last datagram.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Mode {
     /// Nothing yet.
@@ -31,7 +31,7 @@ pub(super) enum Mode {
     Run,
 }
 
-/// What a datagram on a connection brought.
+/// The content of a datagram on a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Arrival<'a> {
     /// Older than one that came before, or too short: it does not count.
@@ -53,7 +53,7 @@ pub(super) struct IoConnection {
     pub(super) from: IpAddr,
     /// The originator's port is taken from its first datagram.
     learns_port: bool,
-    /// What it is sent.
+    /// The number of its production.
     pub(super) production: u64,
     t_to_o_id: ConnectionId,
     o_to_t_api: u32,

@@ -1,9 +1,9 @@
-//! The I/O connections of a device: which may open, what a datagram does, which are silent for too long
+//! The I/O connections of a device: the rules for opening them, the effects of datagrams, and their watchdogs
 //! (spec/ethernet-ip.md §7.2, §7.3, §14).
 //!
 //! Unlike class 3 connections they outlive the TCP connection that opened them. Bytes go in by
 //! [`IoConnections::handle_datagram`], time by [`IoConnections::handle_timeout`]; datagrams come out of
-//! [`IoConnections::poll_transmit`], what it means for the outputs out of [`IoConnections::poll_event`].
+//! [`IoConnections::poll_transmit`], the effects on the outputs out of [`IoConnections::poll_event`].
 
 use bytes::{Bytes, BytesMut};
 use std::collections::{BTreeMap, VecDeque};
@@ -21,10 +21,10 @@ use crate::cpf::ConnectionId;
 use crate::epath::Segment;
 use crate::status::connection as extended;
 
-/// What a device offers.
+/// The settings of a device.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct IoSettings {
-    /// What connections can be about.
+    /// The assemblies that connections can name.
     pub assemblies: Assemblies,
     /// Connections at a time.
     pub max_connections: usize,
@@ -47,7 +47,7 @@ pub struct Originator {
     pub group: Option<Ipv4Addr>,
 }
 
-/// Why a connection is no more.
+/// The reason for the end of a connection.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ended {
     /// A Forward Close.
@@ -58,7 +58,7 @@ pub enum Ended {
     NothingToHear,
 }
 
-/// What happens to connections.
+/// A change of a connection.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum IoEvent {
     /// The owner is in run, and these are its outputs: as many bytes as the output assembly has.
@@ -69,16 +69,16 @@ pub enum IoEvent {
     Ended {
         /// Its O→T id.
         id: ConnectionId,
-        /// What it was for.
+        /// Its application.
         application: Application,
-        /// Why.
+        /// The reason.
         cause: Ended,
         /// Whether it was an owner in run: its outputs are lost.
         outputs_lost: bool,
     },
 }
 
-/// What the outputs are at present.
+/// The state of the outputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ownership {
     /// They have no owner.
@@ -95,7 +95,7 @@ pub struct IoConnections {
     settings: IoSettings,
     /// By their O→T id.
     connections: BTreeMap<ConnectionId, IoConnection>,
-    /// What they are sent, by a number that is never used again.
+    /// Their productions, by a number that is never used again.
     productions: BTreeMap<u64, Production>,
     next_production: u64,
     events: VecDeque<IoEvent>,
@@ -128,7 +128,7 @@ impl IoConnections {
         self.connections.is_empty()
     }
 
-    /// What the outputs are at present.
+    /// The state of the outputs.
     pub fn outputs(&self) -> Ownership {
         self.connections
             .values()
@@ -339,12 +339,12 @@ impl IoConnections {
         self.next_datagram().is_some_and(|due| due <= now)
     }
 
-    /// The next thing that happened.
+    /// The next event.
     pub fn poll_event(&mut self) -> Option<IoEvent> {
         self.events.pop_front()
     }
 
-    /// When something is due next, a datagram or a watchdog.
+    /// The time at which a datagram or a watchdog is due next.
     pub fn poll_timeout(&self) -> Option<Duration> {
         let deadlines = self.connections.values().map(|connection| connection.deadline);
         self.next_datagram().into_iter().chain(deadlines).min()

@@ -1,7 +1,7 @@
 //! The datagram of a class 0 or 1 connection: sequenced address, then connected data (CIP Vol. 2, 3-3;
 //! spec/ethernet-ip.md §14.2). All little-endian.
 //!
-//! Not what the data is: sequence count and run/idle header belong to the connection.
+//! Not here: the content of the data. Sequence count and run/idle header belong to the connection.
 
 use bytes::{BufMut, BytesMut};
 
@@ -41,7 +41,7 @@ impl<'a> Datagram<'a> {
         out.put_slice(self.data.get(..usize::from(length)).unwrap_or(self.data));
     }
 
-    /// Appends what stands in front of `length` bytes of connected data.
+    /// Appends the header of `length` bytes of connected data.
     pub(super) fn encode_head(id: ConnectionId, sequence: u32, length: u16, out: &mut BytesMut) {
         let mut items = ItemWriter::new(2, out);
         items.sequenced_address(id, sequence);

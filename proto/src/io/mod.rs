@@ -2,7 +2,7 @@
 //! (CIP Vol. 1, 3-4 to 3-6; CIP Vol. 2, 3-3; spec/ethernet-ip.md §14).
 //!
 //! [`IoConnections`] opens, closes and expires connections, takes datagrams in and gives datagrams out; [`Datagram`] is
-//! their codec; [`Assemblies`] are what a connection can be about. Not what the bytes of an assembly mean. `now` is the
+//! their codec; [`Assemblies`] lists the assemblies that a connection can name. Not here: the content of an assembly. `now` is the
 //! time since any fixed moment; it never runs backwards. Sizes are in bytes, intervals in microseconds on the wire.
 
 mod application;

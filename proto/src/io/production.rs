@@ -1,6 +1,6 @@
-//! What one connection, or several that share a multicast group, are sent: when, to where, and under which numbers.
+//! The datagrams to one connection, or to several that share a multicast group: their times, destination and numbers.
 //!
-//! Not its consumers. A point-to-point connection has a production of its own; of a multicast one there is one for each
+//! Not here: its consumers. A point-to-point connection has a production of its own; of a multicast one there is one for each
 //! interval, class and trigger (spec/ethernet-ip.md §14.2).
 
 use bytes::{BufMut, BytesMut};
@@ -11,7 +11,7 @@ use super::application::{OpenRequest, SEQUENCE_COUNT};
 use super::datagram::Datagram;
 use crate::cpf::ConnectionId;
 
-/// What makes data leave.
+/// The trigger of a production.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Trigger {
     /// The interval alone.

@@ -1,6 +1,6 @@
 //! The Symbol class: the attributes of a tag, and the list of all tags (spec/ethernet-ip.md §10).
 //!
-//! Not the table of tags itself; lists are cut to a budget in bytes.
+//! Not here: the table of tags. Lists are cut to a budget in bytes.
 
 use bytes::{BufMut, BytesMut};
 
@@ -64,7 +64,7 @@ impl Symbol {
     }
 
     /// Reads one entry of a Get Instance Attribute List reply whose request named `attributes` in this order. Attributes
-    /// that were not asked for stay at their default; `None` if the entry is cut or an attribute is unknown.
+    /// that the request does not name stay at their default; `None` if the entry is cut or an attribute is unknown.
     fn decode_entry(reader: &mut Reader<'_>, attributes: &[u16]) -> Option<Self> {
         let mut this = Self {
             instance: reader.u32()?,

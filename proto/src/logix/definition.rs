@@ -1,4 +1,4 @@
-//! The definition of a structure: what Read Template transfers, in both directions (spec/ethernet-ip.md §11).
+//! The definition of a structure, the data of Read Template, in both directions (spec/ethernet-ip.md §11).
 //!
 //! `info u16, type u16, offset u32` of each member, then the name of the type and the names of the members, each with a zero
 //! behind it. Nested structures stand as template instances, which the caller reads.
@@ -67,7 +67,7 @@ impl Definition {
         (self.unpadded().len() as u32 + 23).div_ceil(4)
     }
 
-    /// What Read Template transfers: the members, the names, and zeros up to 4N − 16 bytes.
+    /// The data of Read Template: the members, the names, and zeros up to 4N − 16 bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = self.unpadded();
         bytes.resize((4 * self.words() - 16) as usize, 0);
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn every_client_finds_the_definition_within_what_it_reads() {
+    fn every_client_finds_the_definition_within_its_read() {
         for template in [pair(), string_template()] {
             let (attributes, definition) = Definition::of(&template);
             let words = attributes.definition_words as usize;

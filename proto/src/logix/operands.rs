@@ -1,6 +1,6 @@
 //! Operands of motion services: a list of typed numbers and names (spec/contract.md §4).
 //!
-//! Not what an operand means: binding them to an instruction is the server's. Surplus bytes are errors here, unlike in
+//! Not here: the binding of operands to an instruction, which is the server's. Surplus bytes are errors here, unlike in
 //! the tag services.
 
 use arcline_tag::{Elementary, Value};
@@ -30,7 +30,7 @@ pub enum TypedError {
     TooLittle {
         /// Counts from 0, the motion control tag.
         operand: usize,
-        /// Bytes needed for what is announced.
+        /// Bytes of the announced value.
         needed: usize,
         /// Bytes there.
         present: usize,

@@ -1,6 +1,6 @@
 //! Reading, writing and masking tags: services 0x4C, 0x4D, 0x4E, 0x52 and 0x53 (spec/ethernet-ip.md §9).
 //!
-//! Codecs, and the rule by which a read is cut into fragments; which tag and what bytes are the caller's. Offsets are in
+//! Codecs, and the rule by which a read is cut into fragments; the caller finds the tag and its bytes. Offsets are in
 //! bytes.
 
 use bytes::{BufMut, Bytes, BytesMut};
@@ -54,7 +54,7 @@ impl ReadTag {
     }
 
     /// The reply to a read: as much of `all` (the asked elements, whole) from the offset on as fits `budget` bytes (of
-    /// the whole router reply). 0x06 when something is left. Fragments of atomic types end at an element's boundary,
+    /// the whole router reply). 0x06 when bytes remain. Fragments of atomic types end at an element's boundary,
     /// `element` is the size of one; for structures any multiple of 4 will do.
     ///
     /// 0xFF/0x2104 when the offset is beyond the data; 0x11 when not even one element fits.

@@ -1,6 +1,6 @@
 //! The Template class: the attributes of a structure, and reading its definition (spec/ethernet-ip.md §11).
 //!
-//! Not the definition's layout, which is [`Definition`](super::Definition)'s. Sizes are in bytes but for the definition's, which
+//! Not here: the layout of the definition ([`Definition`](super::Definition)). Sizes are in bytes but for the definition's, which
 //! the class counts in 32-bit words.
 
 use bytes::{BufMut, Bytes, BytesMut};
@@ -22,7 +22,7 @@ pub struct TemplateAttributes {
 }
 
 impl TemplateAttributes {
-    /// What a client asks for.
+    /// The attributes that a client reads.
     pub const IDS: [u16; 4] = [4, 5, 2, 1];
 
     /// The value of an attribute. Attribute 3 exists and is 0, because a stock client needs it.

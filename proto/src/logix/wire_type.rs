@@ -1,6 +1,6 @@
 //! A type as the tag services write it in front of values (spec/ethernet-ip.md §9).
 //!
-//! The codes on the wire only; what a handle's structure looks like is in its template.
+//! The codes on the wire only; the layout of a structure is in the template of its handle.
 
 use arcline_tag::Elementary;
 use bytes::{BufMut, BytesMut};

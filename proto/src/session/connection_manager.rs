@@ -1,7 +1,7 @@
 //! Forward Open and Forward Close on the connections of one session (spec/ethernet-ip.md §7.2, §7.3). I/O connections
 //! are the host's: they outlive the session.
 //!
-//! Not the other services of the Connection Manager: its attributes are the application's. Intervals are in
+//! Not here: the other services of the Connection Manager, whose attributes are the application's. Intervals are in
 //! microseconds, sizes in bytes.
 
 use std::time::Duration;
@@ -191,7 +191,7 @@ impl From<Reply> for Managed {
     }
 }
 
-/// What is left of a connection path without ports, electronic key and network segments, which are in order.
+/// The rest of a connection path without ports, electronic key and network segments, which are in order.
 fn application_path(path: &Epath, settings: &Settings, host: &dyn Host) -> Result<Vec<Segment>, (CipStatus, u8)> {
     let (mut route, mut application) = (Vec::new(), Vec::new());
     for segment in &path.0 {

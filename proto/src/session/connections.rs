@@ -1,7 +1,7 @@
 //! The class 3 connections of one session: their watchdogs, and the last reply of each for a repeated message
 //! (spec/ethernet-ip.md §8).
 //!
-//! Not how they open and close, which is [`super::connection_manager`]. Times are since the session's fixed moment.
+//! Not here: their opening and closing ([`super::connection_manager`]). Times are since the session's fixed moment.
 
 use bytes::Bytes;
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub(super) struct Connection {
     timeout: Duration,
     deadline: Duration,
     in_flight: usize,
-    /// Sequence count of the last request, and its reply when it is there: what a repetition gets.
+    /// Sequence count of the last request, and its reply when it is there, with which a repetition is answered.
     last: Option<(u16, Option<Bytes>)>,
 }
 
@@ -71,7 +71,7 @@ impl Connection {
     }
 }
 
-/// What a message on a connection is, by its sequence count.
+/// The kind of a message on a connection, by its sequence count.
 #[derive(Debug)]
 pub(super) enum Arrival {
     /// A new request; its reply goes to `t_to_o_id` and has at most `budget` bytes.

@@ -1,6 +1,6 @@
-//! What a session shares with the others of its server: randomness, limits, counters and the identity.
+//! The part of a server that its sessions share: randomness, limits, counters and the identity.
 //!
-//! Not how they are kept; the server implements [`Host`].
+//! Not here: their storage; the server implements [`Host`].
 
 use std::net::SocketAddrV4;
 
@@ -11,11 +11,11 @@ use crate::epath::Segment;
 use crate::identity::Identity;
 use crate::status::connection as extended;
 
-/// What a session shares with the others of its server.
+/// The part of a server that its sessions share.
 pub trait Host {
     /// An unpredictable number, for session handles and connection ids. Zero is asked again; so is one that this session
     /// uses. Values should not repeat among live sessions. `None` when the source of randomness fails: the session
-    /// refuses then what needs a number, rather than give out one that can be guessed.
+    /// then refuses a request that needs a number, so that no number can be guessed.
     fn random(&mut self) -> Option<u32>;
     /// Whether one more class 3 connection may open; counts it if so.
     fn acquire_connection(&mut self) -> bool;

@@ -2,8 +2,8 @@
 //! (spec/ethernet-ip.md §2, §7, §8, §18).
 //!
 //! Bytes go in by [`ServerSession::handle_input`], [`Event`]s come out of [`ServerSession::poll_event`]. The application
-//! answers each [`Event::Request`] once by [`ServerSession::reply`]; replies leave in the order of the requests whatever
-//! the order of the answers. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
+//! answers each [`Event::Request`] once by [`ServerSession::reply`]; replies leave in the order of the requests, in whatever
+//! order the answers come. `now` is the time since any fixed moment; it never runs backwards. Random numbers, shared
 //! limits and counters are the [`Host`]'s.
 
 mod connection_manager;
@@ -29,7 +29,9 @@ use self::route::unwrap_route;
 use crate::cip::{Reply, Request};
 use crate::cpf::{ConnectionId, Item, Packet};
 use crate::discovery::list_reply;
-use crate::encap::{Command, EncapStatus, Frame, FrameDecoder, FrameError, Header, RegisterSession, SessionHandle};
+use crate::encap::{
+    Command, EncapFrame, EncapFrameError, EncapStatus, FrameDecoder, Header, RegisterSession, SessionHandle,
+};
 
 pub use self::connection_manager::MIN_CONNECTION_SIZE;
 pub use self::host::{ConnectionEnd, Host, IoOpen, IoOpened};
@@ -39,7 +41,7 @@ pub use self::settings::{Settings, UnknownConnection};
 #[cfg(feature = "test-util")]
 pub use self::test_host::{Draws, TestHost, TestIo};
 
-/// What a session wants.
+/// A request of the session to its application.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Event {
     /// Send this to the peer.
@@ -48,21 +50,21 @@ pub enum Event {
     Request {
         /// Name for the answer.
         id: RequestId,
-        /// What is asked. Multiple Service Packets come whole.
+        /// The message. A Multiple Service Packet comes whole.
         request: Request,
         /// The longest router reply, bytes with its head.
         reply_budget: usize,
-        /// On what.
+        /// The transport on which it came.
         transport: Transport,
     },
-    /// The reply of this I/O connection's Forward Open is among what was to be sent: send it, then let the connection
+    /// The reply of this I/O connection's Forward Open is among the bytes to send: send them, then let the connection
     /// produce.
     IoReady(ConnectionId),
-    /// Send what is left, then close the socket. Nothing follows.
+    /// Send the remaining bytes, then close the socket. It is the last event.
     Close(CloseReason),
 }
 
-/// What a request came on.
+/// The transport of a request.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Transport {
     /// SendRRData; a stray route may follow the data ([`crate::cip::is_stray_route`]).
@@ -71,7 +73,7 @@ pub enum Transport {
     Connected(ConnectionId),
 }
 
-/// Why a session ends.
+/// The reason for the end of a session.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum CloseReason {
     /// The peer said so.
@@ -85,7 +87,7 @@ pub enum CloseReason {
     Inactive,
     /// A frame longer than accepted.
     #[error(transparent)]
-    Frame(#[from] FrameError),
+    EncapFrame(#[from] EncapFrameError),
     /// A message for a connection this socket does not have.
     #[error("message for an unknown connection")]
     UnknownConnection,
@@ -141,10 +143,10 @@ impl ServerSession {
                 Ok(Some(frame)) => self.handle_frame(&frame, now, host),
                 Ok(None) => return,
                 Err(error) => {
-                    let FrameError::TooLong { header, .. } = error;
+                    let EncapFrameError::TooLong { header, .. } = error;
                     self.replies.clear();
-                    self.push_ready(Frame::error(&header, EncapStatus::INVALID_LENGTH));
-                    self.close(CloseReason::Frame(error), host);
+                    self.push_ready(EncapFrame::error(&header, EncapStatus::INVALID_LENGTH));
+                    self.close(CloseReason::EncapFrame(error), host);
                 }
             }
         }
@@ -156,7 +158,7 @@ impl ServerSession {
     }
 
     /// Takes one frame.
-    pub fn handle_frame(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+    pub fn handle_frame(&mut self, frame: &EncapFrame, now: Duration, host: &mut dyn Host) {
         if self.life == Life::Closed {
             return;
         }
@@ -176,19 +178,19 @@ impl ServerSession {
             | Command::SEND_UNIT_DATA
                 if self.settings.discovery_only =>
             {
-                self.push_ready(Frame::error(header, EncapStatus::NOT_ALLOWED_ON_PORT));
+                self.push_ready(EncapFrame::error(header, EncapStatus::NOT_ALLOWED_ON_PORT));
             }
             Command::REGISTER_SESSION => self.register(frame, now, host),
             Command::UNREGISTER_SESSION => match self.check_session(header) {
                 Ok(()) => self.close(CloseReason::Unregistered, host),
-                Err(status) => self.push_ready(Frame::error(header, status)),
+                Err(status) => self.push_ready(EncapFrame::error(header, status)),
             },
             Command::SEND_RR_DATA => self.send_rr_data(frame, now, host),
             Command::SEND_UNIT_DATA => self.send_unit_data(frame, now, host),
             command => {
                 let reply = match list_reply(command, host.identity(), self.settings.capability, self.local) {
-                    Some(data) => Frame::reply(header, data),
-                    None => Frame::error(header, EncapStatus::INVALID_COMMAND),
+                    Some(data) => EncapFrame::reply(header, data),
+                    None => EncapFrame::error(header, EncapStatus::INVALID_COMMAND),
                 };
                 self.push_ready(reply);
             }
@@ -212,7 +214,7 @@ impl ServerSession {
         true
     }
 
-    /// The next thing to do.
+    /// The next event.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
@@ -269,7 +271,7 @@ impl ServerSession {
         self.unknown_connections
     }
 
-    /// When the session ends unless something is heard; not while a request is being worked on.
+    /// The time at which the session ends if no bytes arrive; none while a request is being executed.
     fn life_deadline(&self) -> Option<Duration> {
         match self.life {
             Life::Fresh { until } => Some(until),
@@ -285,23 +287,23 @@ impl ServerSession {
         }
     }
 
-    fn register(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+    fn register(&mut self, frame: &EncapFrame, now: Duration, host: &mut dyn Host) {
         let header = &frame.header;
         let reply = match (self.life, RegisterSession::decode(&frame.data)) {
-            (Life::Registered { .. }, _) => Frame::error(header, EncapStatus::INVALID_COMMAND),
-            (_, None) => Frame::error(header, EncapStatus::INVALID_LENGTH),
+            (Life::Registered { .. }, _) => EncapFrame::error(header, EncapStatus::INVALID_COMMAND),
+            (_, None) => EncapFrame::error(header, EncapStatus::INVALID_LENGTH),
             (_, Some(RegisterSession::CURRENT)) => match nonzero(host, |_| true).map(SessionHandle) {
                 Some(session) => {
                     self.life = Life::Registered {
                         handle: session,
                         heard: now,
                     };
-                    Frame::reply(&Header { session, ..*header }, RegisterSession::CURRENT.to_bytes())
+                    EncapFrame::reply(&Header { session, ..*header }, RegisterSession::CURRENT.to_bytes())
                 }
-                None => Frame::error(header, EncapStatus::NO_MEMORY),
+                None => EncapFrame::error(header, EncapStatus::NO_MEMORY),
             },
             (_, Some(_)) => {
-                let mut reply = Frame::reply(header, RegisterSession::CURRENT.to_bytes());
+                let mut reply = EncapFrame::reply(header, RegisterSession::CURRENT.to_bytes());
                 reply.header.status = EncapStatus::UNSUPPORTED_VERSION;
                 reply
             }
@@ -309,10 +311,10 @@ impl ServerSession {
         self.push_ready(reply);
     }
 
-    fn send_rr_data(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+    fn send_rr_data(&mut self, frame: &EncapFrame, now: Duration, host: &mut dyn Host) {
         let header = frame.header;
         if let Err(status) = self.check_session(&header) {
-            return self.push_ready(Frame::error(&header, status));
+            return self.push_ready(EncapFrame::error(&header, status));
         }
         let packet = Packet::decode(&frame.data);
         let message = packet.and_then(|packet| Ok((packet.unconnected_message()?.clone(), originator_port(&packet))));
@@ -323,17 +325,17 @@ impl ServerSession {
                 };
                 self.message(header, route, &message, port, now, host);
             }
-            Err(_) => self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA)),
+            Err(_) => self.push_ready(EncapFrame::error(&header, EncapStatus::INCORRECT_DATA)),
         }
     }
 
-    fn send_unit_data(&mut self, frame: &Frame, now: Duration, host: &mut dyn Host) {
+    fn send_unit_data(&mut self, frame: &EncapFrame, now: Duration, host: &mut dyn Host) {
         let header = frame.header;
         if let Err(status) = self.check_session(&header) {
-            return self.push_ready(Frame::error(&header, status));
+            return self.push_ready(EncapFrame::error(&header, status));
         }
         let Ok((id, sequence, message)) = Packet::decode_connected(&frame.data) else {
-            return self.push_ready(Frame::error(&header, EncapStatus::INCORRECT_DATA));
+            return self.push_ready(EncapFrame::error(&header, EncapStatus::INCORRECT_DATA));
         };
         match self.connections.receive(id, sequence, now) {
             Some(Arrival::New { t_to_o_id, budget }) => {
@@ -345,7 +347,7 @@ impl ServerSession {
                 };
                 self.message(header, route, &message, None, now, host);
             }
-            Some(Arrival::Answered(packet)) => self.push_ready(Frame::reply(&header, packet)),
+            Some(Arrival::Answered(packet)) => self.push_ready(EncapFrame::reply(&header, packet)),
             Some(Arrival::InProgress) => self.replies.repeat(header, id, sequence),
             None => {
                 self.unknown_connections += 1;
@@ -388,7 +390,7 @@ impl ServerSession {
         }
     }
 
-    /// Requests that wait are forgotten; what has left their order is still sent.
+    /// Drops the waiting requests; replies that have left their order are still sent.
     fn close(&mut self, reason: CloseReason, host: &mut dyn Host) {
         self.replies.clear();
         self.connections.clear(host);
@@ -396,7 +398,7 @@ impl ServerSession {
         self.events.push_back(Event::Close(reason));
     }
 
-    fn push_ready(&mut self, frame: Frame) {
+    fn push_ready(&mut self, frame: EncapFrame) {
         self.replies.push(frame);
         self.flush();
     }

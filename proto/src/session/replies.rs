@@ -1,6 +1,6 @@
 //! The order of replies: they leave in the order of their requests (spec/ethernet-ip.md §8, §18).
 //!
-//! Not what a reply says. Budgets are in bytes of the router reply, head included.
+//! Not here: the content of replies. Budgets are in bytes of the router reply, head included.
 
 use bytes::{BufMut, Bytes, BytesMut};
 use std::collections::VecDeque;
@@ -9,7 +9,7 @@ use super::connections::Connections;
 use super::{IoOpened, Transport};
 use crate::cip::{CipStatus, Reply};
 use crate::cpf::{ConnectionId, ITEM_HEAD, ItemWriter, PACKET_HEAD, SOCKADDR, item_type};
-use crate::encap::{Frame, Header, MAX_DATA};
+use crate::encap::{EncapFrame, Header, MAX_DATA};
 
 /// Names a request that waits for its answer; never repeats in a session.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -88,7 +88,7 @@ impl ReplyRoute {
         let mut out = BytesMut::with_capacity(Header::LEN + length);
         let header = Header {
             length: short(length),
-            ..Frame::reply(header, Bytes::new()).header
+            ..EncapFrame::reply(header, Bytes::new()).header
         };
         header.encode(&mut out);
         let mut items = ItemWriter::packet(short(2 + sockaddrs), &mut out);
@@ -144,7 +144,7 @@ impl Replies {
     }
 
     /// Adds a finished reply.
-    pub(super) fn push(&mut self, frame: Frame) {
+    pub(super) fn push(&mut self, frame: EncapFrame) {
         self.pending.push_back(PendingReply::Ready(frame.to_bytes(), None));
     }
 
@@ -181,7 +181,7 @@ impl Replies {
         })
     }
 
-    /// The next reply that may leave, and the I/O connection that waits for that. A repetition leaves with what
+    /// The next reply that may leave, and the I/O connection that waits for it. A repetition leaves with the reply that
     /// `connections` have stored.
     pub(super) fn pop(&mut self, connections: &Connections) -> Option<(Bytes, Option<ConnectionId>)> {
         loop {
@@ -193,7 +193,7 @@ impl Replies {
                 PendingReply::Ready(frame, io) => return Some((frame, io)),
                 PendingReply::Repeat { header, id, sequence } => {
                     if let Some(packet) = connections.stored(id, sequence) {
-                        return Some((Frame::reply(&header, packet).to_bytes(), None));
+                        return Some((EncapFrame::reply(&header, packet).to_bytes(), None));
                     }
                 }
             }

@@ -1,13 +1,13 @@
 //! Limits and settings of a session (spec/ethernet-ip.md §18).
 //!
-//! Not the server's own limits (sockets, connections of all sessions). Sizes are in bytes.
+//! Not here: the server's own limits (sockets, connections of all sessions). Sizes are in bytes.
 
 use std::time::Duration;
 
 use super::Slots;
 use crate::encap::{DEFAULT_LIMIT, Service};
 
-/// What to do with a class 3 message for a connection this socket does not have.
+/// The treatment of a class 3 message for a connection that this socket does not have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UnknownConnection {
     /// Close the socket, so that the client notices at once.

@@ -51,7 +51,7 @@ pub struct TestIo {
     pub now: Duration,
 }
 
-/// What a session shares with the others of its server, in a test.
+/// The part of a server that its sessions share, in a test.
 #[derive(Debug)]
 pub struct TestHost {
     /// The next numbers.

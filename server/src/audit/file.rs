@@ -17,7 +17,7 @@ const LONGEST: u64 = 16 * 1024 * 1024;
 const FILES: usize = 16;
 /// Time between two synchronisations.
 const SYNC: Duration = Duration::from_secs(1);
-/// A wait without anything to synchronise.
+/// A wait without data to synchronise.
 const IDLE: Duration = Duration::from_secs(3600);
 
 /// The files, open at their end.

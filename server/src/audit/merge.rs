@@ -10,7 +10,7 @@ use super::Event;
 
 /// Writes that wait for more of their kind, at most; beyond, they are written at once.
 const WAITING: usize = 4096;
-/// A wait without anything that is due.
+/// A wait without a record that is due.
 const IDLE: Duration = Duration::from_secs(3600);
 
 /// The writes that wait.

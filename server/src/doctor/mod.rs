@@ -40,7 +40,7 @@ pub(crate) struct DoctorArgs {
 pub(crate) enum Grade {
     /// No defect.
     Ok,
-    /// A server runs, but ticks may be late, or something may fail later.
+    /// A server runs, but ticks may be late, or a function may fail later.
     Warning,
     /// A server does not start.
     Failed,

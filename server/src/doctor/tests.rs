@@ -32,7 +32,7 @@ fn checked(path: &str, content: &str, check: Check) -> Finding {
 }
 
 #[test]
-fn what_the_system_says_is_judged() {
+fn settings_of_the_system_are_judged() {
     let clock = "sys/devices/system/clocksource/clocksource0/current_clocksource";
     let governor = "sys/devices/system/cpu/cpu1/cpufreq/scaling_governor";
     let share = "proc/sys/kernel/sched_rt_runtime_us";
@@ -79,7 +79,7 @@ fn a_port_that_is_taken_is_told() {
 }
 
 #[test]
-fn what_the_thread_got_is_told() {
+fn priority_and_locked_memory_are_judged() {
     let good = Report {
         fifo: true,
         memory_locked: true,

@@ -48,7 +48,7 @@ impl<'t> Memory<'_, 't> {
         }
     }
 
-    /// The same memory, for a part of the message.
+    /// The memory for a part of the message.
     pub(crate) fn reborrow(&mut self) -> Memory<'_, 't> {
         match self {
             Self::Read(image) => Memory::Read(image),

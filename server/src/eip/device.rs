@@ -18,7 +18,7 @@ use tracing::{error, warn};
 
 use super::adapter::Adapters;
 use super::io::{AssemblyData, Datagrams, Io};
-use super::limiter::{ClientLimiter, Limits};
+use super::limiter::{ClientLimiter, ClientLimits};
 use super::objects::Objects;
 use super::turns::Turns;
 use crate::guard::ClientInterface;
@@ -167,7 +167,7 @@ impl Device {
                 ..settings.session.clone()
             }),
             inactivity: watch::Sender::new(settings.session.inactivity),
-            limiter: ClientLimiter::new(Limits {
+            limiter: ClientLimiter::new(ClientLimits {
                 clients: settings.config.max_clients.max(1),
                 clients_of_one: settings.config.max_clients_per_address.max(1),
                 connections_of_one: settings.config.max_connections_per_address,

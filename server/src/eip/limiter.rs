@@ -1,5 +1,5 @@
 //! Limits the number of clients, in all and from one address. While it is reached, a newcomer gets the place of the oldest client
-//! without a session, else of the oldest one that never asked for anything in its session, else of the oldest client of the address
+//! without a session, else of the oldest one without a request in its session, else of the oldest client of the address
 //! with the most, if that address has at least two clients more than the newcomer's. So neither silent sockets nor sessions of one
 //! address keep a client of another address out (spec/ethernet-ip.md §18).
 
@@ -14,7 +14,7 @@ use arcline_state::planted::is_planted;
 
 /// The most of each.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Limits {
+pub(crate) struct ClientLimits {
     /// TCP connections.
     pub(crate) clients: usize,
     /// TCP connections from one address.
@@ -26,7 +26,7 @@ pub(crate) struct Limits {
 /// The clients that are connected.
 #[derive(Debug)]
 pub(crate) struct ClientLimiter {
-    limits: Limits,
+    limits: ClientLimits,
     state: Mutex<State>,
 }
 
@@ -52,7 +52,7 @@ pub(crate) enum ClientProgress {
     Silent,
     /// A session without a request.
     Registered,
-    /// A session in which it asked for something.
+    /// A session with a request.
     Asking,
 }
 
@@ -73,7 +73,7 @@ pub(crate) struct ClientSlot {
 }
 
 impl ClientLimiter {
-    pub(crate) fn new(limits: Limits) -> Arc<Self> {
+    pub(crate) fn new(limits: ClientLimits) -> Arc<Self> {
         Arc::new(Self {
             limits,
             state: Mutex::default(),
@@ -247,7 +247,7 @@ mod tests {
 
     #[test]
     fn silent_clients_go_first_and_those_that_ask_stay() {
-        let limiter = ClientLimiter::new(Limits {
+        let limiter = ClientLimiter::new(ClientLimits {
             clients: 3,
             clients_of_one: 2,
             connections_of_one: 2,
@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn sessions_of_one_address_keep_no_client_out() {
-        let limiter = ClientLimiter::new(Limits {
+        let limiter = ClientLimiter::new(ClientLimits {
             clients: 2_048,
             clients_of_one: 2_048,
             connections_of_one: 1,
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn connections_of_one_address_are_counted() {
-        let limiter = ClientLimiter::new(Limits {
+        let limiter = ClientLimiter::new(ClientLimits {
             clients: 9,
             clients_of_one: 9,
             connections_of_one: 2,

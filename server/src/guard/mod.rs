@@ -79,9 +79,9 @@ pub(crate) struct Signs(Arc<SignsOfLife>);
 #[derive(Debug)]
 struct SignsOfLife {
     epoch: Instant,
-    /// When something was heard last, µs since the epoch.
+    /// The time of the last message, µs since the epoch.
     heard: AtomicU64,
-    /// When something was heard last after a longer silence than the clients' jogs survive, µs since the epoch.
+    /// The time of the last message after a longer silence than the clients' jogs survive, µs since the epoch.
     broken: AtomicU64,
     /// That silence, µs.
     silence: u64,
@@ -90,7 +90,7 @@ struct SignsOfLife {
 }
 
 impl Signs {
-    /// Something was heard.
+    /// A message came.
     pub(crate) fn heard(&self) {
         let now = micros(self.0.epoch.elapsed());
         let before = self.0.heard.swap(now, Ordering::AcqRel);

@@ -33,7 +33,7 @@ pub(super) fn is_origin(origin: &str, host: &str) -> bool {
     })
 }
 
-/// The origin of a request that changes something.
+/// The origin of a request that changes the machine or its settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Asker {
     /// A page of this server, or a person who typed the address.

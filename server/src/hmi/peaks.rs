@@ -114,7 +114,7 @@ fn figures(number: f64, digits: i32) -> String {
 }
 
 impl Peaks {
-    /// Something with a profile moves the axis in this tick.
+    /// A motion with a profile moves the axis in this tick.
     pub(super) fn follows(&mut self, shape: Shape) {
         self.shapes[0] = self.shapes[0].max(Some(shape));
     }

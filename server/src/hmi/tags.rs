@@ -22,7 +22,7 @@ const VALUES: usize = 20_000;
 const FEW: usize = 8;
 const FEW_BYTES: usize = 2048;
 
-/// The tags whose names have `pattern` in them, in any case; `*` stands for anything.
+/// The tags whose names have `pattern` in them, in any case; `*` stands for any text.
 ///
 /// # Errors
 /// The pattern is longer than [`PATTERN`], or has more than [`STARS`] `*`.

@@ -65,7 +65,7 @@ impl Workers {
             .map_err(|_| Refusal::new("the server could not compute the answer"))
     }
 
-    /// The same, but on this thread if it is short.
+    /// As [`Workers::compute`], but on this thread if the computation is short.
     ///
     /// # Errors
     /// As [`Workers::compute`].

@@ -151,7 +151,7 @@ impl Prepared {
 }
 
 impl Live {
-    /// Reads the file again. The new program is loaded and checked as a whole on a copy of the tags before it replaces anything.
+    /// Reads the file again. The new program is loaded and checked as a whole on a copy of the tags before it replaces the running one.
     ///
     /// # Errors
     /// Why the program stays as it is.
@@ -220,7 +220,7 @@ fn bind(
     })
 }
 
-/// The same on a machine that has a program, whose other tags go.
+/// Loads a project on a machine that has a program, and removes the tags of the former program that the project does not have.
 fn rebind(
     machine: &Machine,
     image: &mut Image,

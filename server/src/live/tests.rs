@@ -314,7 +314,7 @@ fn a_major_fault_stops_the_tasks_and_says_where() {
 }
 
 #[test]
-fn another_project_is_checked_whole_and_keeps_what_is_the_same() {
+fn another_project_is_checked_whole_and_keeps_equal_tags() {
     let first = cell(
         &["Count DINT", "Gone REAL", "Other DINT"],
         &["Mine DINT"],

@@ -29,7 +29,7 @@ impl Text {
         self.part("", labels, value);
     }
 
-    /// The same with an ending of the name, as histograms have them.
+    /// A value whose name has an ending, as histograms have them.
     pub(super) fn part(&mut self, ending: &str, labels: &[(&str, &str)], value: f64) {
         self.out.push_str(&self.name);
         self.out.push_str(ending);

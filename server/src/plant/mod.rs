@@ -49,7 +49,7 @@ use arcline_controller::image::{ControlError, Health, Image};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{AxisId, BindError, Ending, Mnemonic, MotionControl};
-use arcline_realtime::{Clock, Handle, Link, Meter, Options, SpawnError, Stepper, Stops};
+use arcline_realtime::{Clock, Handle, Meter, Options, ServerRings, SpawnError, Stepper, Stops};
 use tokio::sync::Notify;
 
 use crate::audit::{Audit, EventKind};
@@ -162,7 +162,7 @@ pub(crate) struct Shared {
     certificate_ends: AtomicI64,
     /// The controller's own program, where it has one.
     program: OnceLock<Arc<Program>>,
-    /// Something was sent: the pump looks sooner.
+    /// A command was sent: the pump looks sooner.
     sent: Notify,
 }
 
@@ -204,7 +204,7 @@ impl Plant {
     /// A plant on rings whose other ends the caller serves; the tasks beside it run on the caller's runtime, not on threads of their own.
     pub(crate) fn start_stepped(
         project: &Project,
-        link: Link,
+        link: ServerRings,
         image: Image,
         watch: Option<ChangeTracker>,
         wall: WallClock,
@@ -217,15 +217,21 @@ impl Plant {
     }
 
     /// A plant on rings whose other ends the caller serves. Only reads drain them.
-    pub fn new(project: &Project, link: Link) -> Plant {
+    pub fn new(project: &Project, link: ServerRings) -> Plant {
         Plant::with(project, link, project.image(), None)
     }
 
-    pub(crate) fn with(project: &Project, link: Link, image: Image, watch: Option<ChangeTracker>) -> Plant {
+    pub(crate) fn with(project: &Project, link: ServerRings, image: Image, watch: Option<ChangeTracker>) -> Plant {
         Plant::beside(project, link, image, watch, WallClock::default())
     }
 
-    fn beside(project: &Project, mut link: Link, image: Image, watch: Option<ChangeTracker>, wall: WallClock) -> Plant {
+    fn beside(
+        project: &Project,
+        mut link: ServerRings,
+        image: Image,
+        watch: Option<ChangeTracker>,
+        wall: WallClock,
+    ) -> Plant {
         let published = Published {
             image: ArcSwap::from_pointee(image.clone()),
             snapshots: AtomicU64::new(0),
@@ -466,7 +472,7 @@ impl Plant {
         (ends != 0).then_some(ends)
     }
 
-    /// The principals of a session that have begun something.
+    /// The principals of a session that have begun motion.
     pub fn owners(&self, session: u64) -> Vec<Principal> {
         self.0.lock().owned.of_session(session)
     }

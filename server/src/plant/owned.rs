@@ -16,7 +16,7 @@ use super::principal::Principal;
 use super::records::Executions;
 use super::state::{State, may_run};
 
-/// An instruction that began something.
+/// An instruction that began motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Begun {
     ticket: Ticket,

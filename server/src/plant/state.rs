@@ -13,7 +13,7 @@ use arcline_controller::image::{Image, StagedWrites, TagKind, WriteEffect};
 use arcline_controller::machine::{DynamicsBits, Machine};
 use arcline_controller::{ContourRests, Ticket};
 use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
-use arcline_realtime::Link;
+use arcline_realtime::ServerRings;
 use tokio::sync::oneshot;
 
 pub(super) use self::sending::OUTSTANDING;
@@ -58,7 +58,7 @@ pub(super) struct State {
     done: Vec<oneshot::Sender<()>>,
     /// The number of snapshots up to the newest one in the image.
     snapshots: u64,
-    pub(super) link: Link,
+    pub(super) link: ServerRings,
     /// Whether the controller has published a snapshot.
     began: bool,
     next_ticket: u64,
@@ -110,7 +110,7 @@ impl State {
     pub(super) fn new(
         machine: &Machine,
         image: Image,
-        link: Link,
+        link: ServerRings,
         Observers {
             watch,
             trace,

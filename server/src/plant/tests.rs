@@ -107,7 +107,7 @@ async fn a_written_enable_in_moves_to_the_exact_end() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_is_refused_is_shown() {
+async fn refusals_are_shown() {
     let (plant, handle) = Plant::start(&project()).expect("a thread");
     plant.roles().set(1, Role::Engineer);
     let speed = write(&plant, &[("Move1.Speed", -1.0), ("Move1.EnableIn", 1.0)]);
@@ -217,7 +217,7 @@ async fn an_override_holds_and_resumes() {
 
 /// The controller takes no command: the queue is bounded, and a full queue is an answer.
 #[tokio::test(start_paused = true)]
-async fn what_finds_no_room_is_refused_and_changes_nothing() {
+async fn commands_without_room_are_refused_and_change_nothing() {
     let project = project();
     let (_rings, link) = arcline_realtime::link(&project.machine);
     let plant = Plant::new(&project, link);

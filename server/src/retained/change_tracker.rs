@@ -10,7 +10,7 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
 use arcline_state::planted::is_planted;
-use arcline_state::{Axis, AxisState, Change, Record, State};
+use arcline_state::{Axis, AxisState, Change, Record, RetainedState};
 use tokio::sync::oneshot;
 
 use super::state_writer::{Job, NotPersisted};
@@ -88,7 +88,7 @@ impl ChangeTracker {
             return None;
         }
         self.tags = ids;
-        let state = State {
+        let state = RetainedState {
             axes: self.axes.clone(),
             tags,
         };

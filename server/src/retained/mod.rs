@@ -19,7 +19,9 @@ use arcline_config::Project;
 use arcline_controller::image::{self, Access, Image, TagId, TagKind};
 use arcline_controller::machine;
 use arcline_instruction_set::FaultSet;
-use arcline_state::{Axis, AxisState, Damage, Disk, FileContents, LockedFile, OpenError, Pace, ReadError, State, Tag};
+use arcline_state::{
+    Axis, AxisState, Damage, Disk, FileContents, LockedFile, OpenError, Pace, ReadError, RetainedState, Tag,
+};
 use arcline_tag::TagPath;
 
 pub(crate) use change_tracker::{ChangeTracker, PersistedReceiver};
@@ -121,7 +123,7 @@ impl Retained {
 struct Start<D: Disk> {
     locked: LockedFile<D>,
     image: Image,
-    state: State,
+    state: RetainedState,
     /// The tags in the state, in order.
     tags: Vec<TagId>,
 }
@@ -235,7 +237,7 @@ impl Taken {
 }
 
 /// Whether a project has no axis and no tag of a state.
-fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
+fn is_foreign(state: &RetainedState, project: &Project, image: &Image) -> bool {
     let nothing = state.axes.is_empty() && state.tags.is_empty();
     let axis = state.axes.iter().any(|axis| find_axis(axis, project).is_some());
     let tag = state.tags.iter().any(|tag| find_tag(tag, image).is_some());
@@ -243,7 +245,7 @@ fn is_foreign(state: &State, project: &Project, image: &Image) -> bool {
 }
 
 /// Makes a project and its tags start as a state says, wherever name and type are the same.
-fn take_over(state: &State, project: &mut Project, image: &mut Image) -> Taken {
+fn take_over(state: &RetainedState, project: &mut Project, image: &mut Image) -> Taken {
     let mut taken = Taken::default();
     for axis in &state.axes {
         let found = find_axis(axis, project).filter(|index| within_its_turn(axis, &project.machine.axes[*index]));
@@ -334,7 +336,7 @@ fn tag_kind(tag: &image::Tag, image: &Image) -> String {
 
 /// In front of the type of a tag that a client has created.
 const CREATED: &str = "created, ";
-/// The same of one that clients may not write.
+/// In front of the type of a created tag that clients may not write.
 const CREATED_READ_ONLY: &str = "created, read-only, ";
 
 /// A read-only tag of the configuration is as it is configured.
@@ -353,7 +355,7 @@ fn axis_kind(axis: &machine::Axis) -> String {
 }
 
 /// The state at start-up, and the tags in it in order.
-fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
+fn state_of(project: &Project, image: &Image) -> (RetainedState, Vec<TagId>) {
     let axes = project.machine.axes.iter().map(|axis| Axis {
         name: axis.name.clone(),
         kind: axis_kind(axis),
@@ -366,7 +368,7 @@ fn state_of(project: &Project, image: &Image) -> (State, Vec<TagId>) {
         },
     });
     let (tags, ids) = tags_of(image);
-    let state = State {
+    let state = RetainedState {
         axes: axes.collect(),
         tags,
     };

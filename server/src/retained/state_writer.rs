@@ -11,7 +11,9 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 pub use arcline_state::NotPersisted;
-use arcline_state::{Action, Disk, Ended, Failure, LockedFile, Pace, Record, Report, State, System, Task, Writer};
+use arcline_state::{
+    Action, Disk, Ended, Failure, LockedFile, Pace, Record, Report, RetainedState, System, Task, Writer,
+};
 use tokio::sync::oneshot;
 
 /// Carries the answer: the disk has the record, or it does not.
@@ -41,7 +43,7 @@ impl StateWriter {
     ///
     /// # Errors
     /// When the system has no thread left.
-    pub(super) fn start(locked: LockedFile, state: State) -> io::Result<Self> {
+    pub(super) fn start(locked: LockedFile, state: RetainedState) -> io::Result<Self> {
         // The channel has one task at a time, so a send never waits.
         let (disk, tasks) = mpsc::sync_channel::<Task<System>>(1);
         let (jobs, next) = mpsc::channel();
@@ -122,7 +124,7 @@ impl<D: Disk> WriterWorker<D> {
     /// Writes a state to its file.
     pub(crate) fn start(
         locked: LockedFile<D>,
-        state: State,
+        state: RetainedState,
         pace: Pace,
         now: Duration,
         jobs: mpsc::Receiver<Job>,

@@ -46,8 +46,8 @@ fn at(position: f64, moving: bool) -> AxisState {
 }
 
 #[test]
-fn what_has_the_same_name_and_type_is_taken_over() {
-    let state = State {
+fn axes_and_tags_of_the_same_name_and_type_are_taken_over() {
+    let state = RetainedState {
         axes: vec![
             axis(
                 "x",
@@ -107,7 +107,7 @@ fn what_has_the_same_name_and_type_is_taken_over() {
 
 #[test]
 fn states_of_other_machines_are_foreign() {
-    let only = |axes, tags| is_foreign(&State { axes, tags }, &project(), &project().image());
+    let only = |axes, tags| is_foreign(&RetainedState { axes, tags }, &project(), &project().image());
     let elsewhere = || vec![axis("Arm", "servo, deg", at(0.0, false))];
     assert!(only(elsewhere(), vec![tag("Speed", "REAL", &[0; 4])]));
     assert!(
@@ -128,7 +128,7 @@ fn a_rotary_axis_is_kept_with_its_turn() {
     assert_eq!(kind, "virtual, deg, unwind 360");
     for (position, taken) in [(0.0, true), (359.9, true), (360.0, false), (-0.1, false)] {
         let axes = vec![axis("X", &kind, at(position, false))];
-        let (state, mut project) = (State { axes, tags: vec![] }, project.clone());
+        let (state, mut project) = (RetainedState { axes, tags: vec![] }, project.clone());
         let mut image = project.image();
         let left = take_over(&state, &mut project, &mut image).left;
         assert_eq!(left.is_empty(), taken, "{position}");

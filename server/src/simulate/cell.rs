@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use arcline_cases::Outcome;
-use arcline_cell::{End, Limits, LoadError, Names, SimulatedCell, UnknownParts};
+use arcline_cell::{End, LoadError, Names, RunLimits, SimulatedCell, UnknownParts};
 use arcline_routine::Finding;
 
 use super::SimulateArgs;
@@ -66,7 +66,7 @@ fn run_project(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     }
     let mut files = Files::create(args, &machine)?;
     let longest = args.max.unwrap_or(LONGEST);
-    let limits = Limits {
+    let limits = RunLimits {
         until: until.as_ref(),
         ticks: u64::MAX,
         time: longest,

@@ -1,7 +1,7 @@
 //! `simulate`: a program, or the tasks of a project (`cell`), on the controller with a virtual clock, in one thread, as fast as it goes.
 //!
 //! No network, no real clock: the tick is the only time, so two runs give the same bytes. A tick does nothing but
-//! tick the controller, unless something happened or the program has something to do.
+//! tick the controller, unless an event came or the program has work to do.
 
 mod args;
 mod batch;

@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_input_says_what_is_wrong() {
+    fn errors_of_the_input_name_their_cause() {
         #[rustfmt::skip]
         let cases = [
             ("",                                     "has ended, expected the feedback"),

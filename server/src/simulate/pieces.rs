@@ -103,7 +103,7 @@ fn read_lines(input: &mut dyn BufRead) -> io::Result<(String, usize)> {
     Ok((text, lines))
 }
 
-/// Reads a program and checks that its names mean something.
+/// Reads a program and checks that its names exist.
 fn check(text: &str, image: &Image) -> Result<Program, SyntaxError> {
     let mut program = Program::parse(text)?;
     program.check(&ImageNames(image))?;

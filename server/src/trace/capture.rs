@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_kept_any_more_is_not_in_it() {
+    fn dropped_rows_are_not_in_the_capture() {
         let mut store = Store::new(3, 1000);
         fill(&mut store, 3);
         let capture = Capture::new(config(Trigger::None), &store);

@@ -1,4 +1,4 @@
-//! `arcline-server users` and `tokens`: who may log in at the page, and the tokens of scripts, in one file.
+//! `arcline-server users` and `tokens`: the users of the page and the tokens of scripts, in one file.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead as _, IsTerminal as _, Write as _};

@@ -121,7 +121,7 @@ impl Owner {
 }
 
 #[test]
-fn stop_of_class_1_waits_for_nobody() {
+fn stop_of_class_1_waits_for_no_client() {
     let server = Server::start();
     let mut owner = Owner::open(&server);
     server.under_loads("STOP of class 1", BOUND, |server, load| {

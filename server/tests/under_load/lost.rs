@@ -62,7 +62,7 @@ impl Server {
 }
 
 #[test]
-fn the_dead_man_waits_for_nobody() {
+fn the_dead_man_waits_for_no_other_client() {
     let server = Server::start();
     let mut page = server.page();
     server.ask(&mut page, json!({"do": "take", "object": "S"}));
@@ -122,7 +122,7 @@ async fn jog_over(stream: &mut TcpStream) -> Option<()> {
     let maj = Request::new(service, Epath::object(class, u32::from(S) + 1), data.freeze());
     let maj = Packet::unconnected(maj.to_bytes().ok()?).to_bytes();
     for (command, data) in [(Command::REGISTER_SESSION, register), (Command::SEND_RR_DATA, maj)] {
-        let frame = Frame::request(command, session, [0; 8], data);
+        let frame = EncapFrame::request(command, session, [0; 8], data);
         stream.write_all(&frame.to_bytes()).await.ok()?;
         let reply = loop {
             if let Some(frame) = decoder.decode(&mut buf).ok()? {

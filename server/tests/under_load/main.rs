@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::cpf::Packet;
-use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{WireType, WriteTag};
 use arcline_server::eip::{Listener, Settings};
@@ -38,7 +38,7 @@ const BOUND: Duration = Duration::from_millis(20);
 const MEMORY: u64 = 100 << 10;
 /// The time of a load before STOP is pressed.
 const WARM: Duration = Duration::from_millis(400);
-/// Longest wait for something that must come.
+/// Longest wait for a message that must come.
 const SOON: Duration = Duration::from_secs(20);
 /// The jogged axis of the default machine, S, and its place.
 const S: u16 = 3;
@@ -249,7 +249,7 @@ impl Load {
             let Ok(mut stream) = TcpStream::connect(eip).await else {
                 return;
             };
-            let register = Frame::request(
+            let register = EncapFrame::request(
                 Command::REGISTER_SESSION,
                 SessionHandle(0),
                 [0; 8],
@@ -266,7 +266,7 @@ impl Load {
                 {
                     let message = messages[sent as usize % messages.len()].clone();
                     let data = Packet::unconnected(message).to_bytes();
-                    let frame = Frame::request(Command::SEND_RR_DATA, session, [0; 8], data);
+                    let frame = EncapFrame::request(Command::SEND_RR_DATA, session, [0; 8], data);
                     if stream.write_all(&frame.to_bytes()).await.is_err() {
                         return;
                     }
@@ -406,7 +406,7 @@ fn forget_peak() {
 }
 
 #[test]
-fn stop_waits_for_nobody() {
+fn stop_waits_for_no_client() {
     let server = Server::start();
     let mut page = server.page();
     server.under_loads("STOP", BOUND, |server, load| {

@@ -87,17 +87,17 @@ impl Session {
         session
     }
 
-    pub(super) async fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
+    pub(super) async fn exchange(&mut self, command: Command, data: Bytes) -> EncapFrame {
         self.send(command, data).await;
         self.reply().await
     }
 
     pub(super) async fn send(&mut self, command: Command, data: Bytes) {
-        let frame = Frame::request(command, self.session, [0; 8], data);
+        let frame = EncapFrame::request(command, self.session, [0; 8], data);
         self.stream.write_all(&frame.to_bytes()).await.expect("it is open");
     }
 
-    pub(super) async fn reply(&mut self) -> Frame {
+    pub(super) async fn reply(&mut self) -> EncapFrame {
         let decoder = FrameDecoder::new(MAX_DATA);
         loop {
             if let Some(frame) = decoder.decode(&mut self.buf).expect("a frame") {
@@ -107,7 +107,7 @@ impl Session {
         }
     }
 
-    pub(super) async fn ask(&mut self, message: Bytes) -> Frame {
+    pub(super) async fn ask(&mut self, message: Bytes) -> EncapFrame {
         self.exchange(Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes())
             .await
     }

@@ -257,7 +257,7 @@ impl Other {
             .by_ref()
             .map_while(Result::ok)
             .find_map(|line| line.strip_prefix("ready eip=")?.trim().parse().ok());
-        // Whatever else it prints has to go somewhere.
+        // Its further output must be read.
         std::thread::spawn(move || lines.for_each(drop));
         let address = address.expect("a ready line");
         Self { child, address }

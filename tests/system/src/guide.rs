@@ -115,7 +115,7 @@ mod tests {
     use super::is_like;
 
     #[test]
-    fn shown_texts_stand_for_what_is_printed() {
+    fn shown_texts_match_the_printed_output() {
         for (text, shown, expected) in [
             ("a\n", "a\n", true),
             ("a b", "a c", false),

@@ -12,7 +12,7 @@ use arcline_proto::connection::{
     ConnectionKey, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Packet};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, Header, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::ReadTag;
 use bytes::{Bytes, BytesMut};
@@ -56,7 +56,7 @@ pub fn read_all(tags: impl IntoIterator<Item = String>) -> Request {
 /// A load.
 #[derive(Clone, Debug)]
 pub struct Load {
-    /// Whom.
+    /// The address of the server.
     pub server: SocketAddr,
     /// The question.
     pub question: Question,
@@ -213,7 +213,7 @@ impl Asker {
             this.echo = Some(*reply);
             return Ok(this);
         }
-        let register = Frame::request(
+        let register = EncapFrame::request(
             Command::REGISTER_SESSION,
             SessionHandle(0),
             [0; 8],
@@ -230,7 +230,7 @@ impl Asker {
             Question::Unconnected(request) => (Command::SEND_RR_DATA, Packet::unconnected(message(request))),
             Question::Echo { .. } => unreachable!("answered above"),
         };
-        this.frame = Frame::request(command, session, [0; 8], packet.to_bytes())
+        this.frame = EncapFrame::request(command, session, [0; 8], packet.to_bytes())
             .to_bytes()
             .to_vec();
         Ok(this)
@@ -263,7 +263,7 @@ impl Asker {
         };
         let data = open.to_bytes(large).map_err(|error| error.to_string())?;
         let packet = Packet::unconnected(message(&Request::new(code, Epath::object(6, 1), data)));
-        let ask = Frame::request(Command::SEND_RR_DATA, session, [0; 8], packet.to_bytes());
+        let ask = EncapFrame::request(Command::SEND_RR_DATA, session, [0; 8], packet.to_bytes());
         let reply = self.exchange(&ask.to_bytes()).await?;
         let packet = Packet::decode(&reply.data).map_err(|error| error.to_string())?;
         let reply = packet.unconnected_message().map_err(|error| error.to_string())?;
@@ -276,7 +276,7 @@ impl Asker {
             .ok_or_else(|| "a cut Forward Open reply".to_owned())
     }
 
-    async fn exchange(&mut self, request: &[u8]) -> Result<Frame, String> {
+    async fn exchange(&mut self, request: &[u8]) -> Result<EncapFrame, String> {
         let told = |error: std::io::Error| error.to_string();
         self.stream.write_all(request).await.map_err(told)?;
         loop {

@@ -11,7 +11,7 @@ use arcline_proto::connection::{
     ConnectionKey, ConnectionType, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::io::Datagram;
 use bytes::{Bytes, BytesMut};
@@ -101,8 +101,8 @@ impl Session {
         this
     }
 
-    fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
-        let request = Frame::request(command, self.handle, *b"scanner\0", data);
+    fn exchange(&mut self, command: Command, data: Bytes) -> EncapFrame {
+        let request = EncapFrame::request(command, self.handle, *b"scanner\0", data);
         self.stream.write_all(&request.to_bytes()).expect("the server reads");
         let mut piece = [0; 4096];
         loop {
@@ -122,7 +122,7 @@ impl Session {
     /// Sends a message with further items behind it; the reply and its further items.
     ///
     /// # Panics
-    /// When the server does not answer, or something else.
+    /// When the server does not answer, or sends another reply.
     pub fn ask(&mut self, request: &Request, items: &[Item]) -> (Reply, Vec<Item>) {
         let mut packet = Packet::unconnected(request.to_bytes().expect("a short path"));
         packet.items.extend_from_slice(items);

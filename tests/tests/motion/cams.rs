@@ -132,7 +132,7 @@ fn profiles_are_calculated_into_tags() {
 }
 
 #[test]
-fn what_makes_no_profile() {
+fn invalid_points_make_no_profile() {
     let rising: &[(f64, f64, u8)] = &[(0.0, 0.0, CUBIC), (1.0, 1.0, CUBIC), (2.0, 0.0, LINEAR)];
     let with = |place: usize, point: (f64, f64, u8)| {
         let mut points = rising.to_vec();
@@ -479,7 +479,7 @@ fn time_cams() {
 type Refusal = (&'static str, Vec<String>, String, (i16, i8));
 
 #[test]
-fn what_is_refused() {
+fn invalid_cams_are_refused() {
     let mapc = |slave: &str, master: &str, rest: &str| format!("MAPC({slave}, {master}, C, {rest})");
     let good = "Same, P1, 1, 1, Once, Immediate, 0, 0, Command, Bidirectional";
     let pending = "Same, P1, 1, 1, Once, Pending, 0, 0, Command, Bidirectional";
@@ -532,7 +532,7 @@ fn what_is_refused() {
 }
 
 #[test]
-fn what_ends_cams() {
+fn instructions_that_end_cams() {
     let end = |call: &str, bits: &str| {
         let mut bench = bench();
         calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (1000.0, 500.0, LINEAR)]);
@@ -669,7 +669,7 @@ fn a_time_cam_is_a_function_of_the_way_of_a_master_that_is_linked() {
 }
 
 #[test]
-fn what_becomes_of_a_master_driven_time_cam() {
+fn calls_while_a_master_driven_time_cam_runs() {
     let start = || {
         let mut bench = bench();
         calculate(&mut bench, "P1", &[(0.0, 0.0, LINEAR), (100.0, 50.0, LINEAR)]);
@@ -730,7 +730,7 @@ fn what_becomes_of_a_master_driven_time_cam() {
 }
 
 #[test]
-fn a_master_offset_shifts_what_the_cam_sees() {
+fn a_master_offset_shifts_the_master_position_of_the_cam() {
     for period in [0.25, 4.0] {
         let mut bench = with_cams(period);
         calculate(&mut bench, "P1", &[(0.0, 0.0, CUBIC), (100.0, 40.0, CUBIC)]);

@@ -136,7 +136,7 @@ fn a_move_that_moves_nothing_is_active_but_does_not_move() {
 }
 
 #[test]
-fn a_change_of_dynamics_reports_the_axes_before_what_there_is_to_change() {
+fn a_change_of_dynamics_reports_the_axes_before_missing_motion() {
     let change = "MCCD(XY, C, 1, 1, 50, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0)";
     assert_eq!(Bench::new().call(change), (23, 0));
     let mut bench =

@@ -715,7 +715,7 @@ const GOOD: &[&str] = &[
     "MAOC(R, 0, T, Out, 0, Outs, 0, 100)", "MDOC(R, 0, T, 0)", "MAW(X, T, 0, 5)", "MDW(X, T)", "MAR(E, T, 0, 0, 0, 0, 2)", "MDR(E, T, 1)",
 ];
 
-/// The same, where something has to move.
+/// A good call of each instruction that needs motion, with the call that begins the motion.
 const GOOD_MOVING: &[(&str, &str)] = &[
     (LINE, "MCCD(CS1, T, 1, 1, 9, 0)"),
     (JOG, "MCD(X, T, Jog, Yes, 5)"),
@@ -932,13 +932,13 @@ fn every_code_that_can_be_raised_is_raised() {
             }
         }
     }
-    wrong.extend(what_sources_construct(&raised));
+    wrong.extend(constructed_in_sources(&raised));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// The errors that `crates/motion` constructs and the table does not raise: in the file of an instruction, by this instruction;
 /// in other files, by any.
-fn what_sources_construct(raised: &BTreeSet<(String, i16)>) -> Vec<String> {
+fn constructed_in_sources(raised: &BTreeSet<(String, i16)>) -> Vec<String> {
     let mut wrong = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/motion/src");
     let mut files = 0;

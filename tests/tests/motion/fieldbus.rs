@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use arcline_controller::drive::{
-    DriveState, Drives, ExchangeLost, Feedback, HOME_LATCH, Inputs, KinematicState, LATCHES, Latch,
+    DriveInputs, DriveState, Drives, ExchangeLost, Feedback, HOME_LATCH, KinematicState, LATCHES, Latch,
     REGISTRATION_LATCHES, SetPoint, Trigger,
 };
 use arcline_instruction_set::predefined::{axis_status, cip_axis_io_status};
@@ -77,7 +77,7 @@ impl Drive {
                 acceleration: 0.0,
             },
             faults: self.faults,
-            inputs: Inputs {
+            inputs: DriveInputs {
                 home: self.position >= SWITCH,
                 registration: [self.position >= MARK, false],
             },

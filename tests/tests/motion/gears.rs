@@ -66,7 +66,7 @@ fn ratios_and_directions() {
 type Refusal = (&'static str, Vec<String>, String, (i16, i8));
 
 #[test]
-fn what_is_refused() {
+fn invalid_gears_are_refused() {
     let ratio = |operands: &str| format!("MAG(A1, B1, G, {operands})");
     let gear = |slave: &str, master: &str| format!("MAG({slave}, {master}, G0, Same, 1, {COMMAND})");
     let stopping = format!("MAM(A1, M, 0, 500, {TRAPEZOID})");
@@ -186,7 +186,7 @@ fn another_gearing_supersedes_and_clutches_from_the_speed_that_it_had() {
 }
 
 #[test]
-fn what_is_executed_at_one_update_finds_the_slave_in_motion() {
+fn instructions_of_one_update_find_the_slave_in_motion() {
     let geared = || {
         let mut bench = bench();
         bench.call(&format!("MAM(B1, M, 0, 900, {TRAPEZOID})"));
@@ -409,7 +409,7 @@ fn redefining_a_position_moves_no_slave() {
 }
 
 #[test]
-fn what_ends_a_gearing() {
+fn instructions_that_end_a_gearing() {
     for call in [
         "MASD(P, E)",
         "MSF(P, E)",

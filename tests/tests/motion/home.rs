@@ -277,7 +277,7 @@ fn immediate_homing_takes_the_position_and_moves_nothing() {
 }
 
 #[test]
-fn what_others_may_do_while_an_axis_is_homed() {
+fn other_instructions_while_an_axis_is_homed() {
     #[rustfmt::skip]
     let cases = [
         // why,                        call,                                              active,  passive
@@ -311,7 +311,7 @@ fn what_others_may_do_while_an_axis_is_homed() {
 }
 
 #[test]
-fn what_ends_homing() {
+fn instructions_that_end_homing() {
     let cases = [
         "MAS(X, S1, Home, No, 100, 0, No, 100, 2)",
         "MAS(X, S1, All, No, 100, 0, No, 100, 2)",
@@ -603,7 +603,7 @@ fn a_redefined_position_disturbs_no_motion() {
 }
 
 #[test]
-fn what_is_queued_behind_a_redefined_position_is_of_the_new_positions() {
+fn moves_queued_after_a_redefinition_have_the_new_positions() {
     let mut bench = machine("");
     bench.call(&format!("MCLM(XY, M1, 0, [100, 50], {ALONG})"));
     bench.run(400);

@@ -110,7 +110,7 @@ fn a_masters_speed_and_its_changes_are_in_the_path_speed() {
 }
 
 #[test]
-fn a_hold_has_no_path_speed_and_what_goes_on_has() {
+fn a_hold_has_no_path_speed_and_a_resumed_move_has() {
     for corner in ["logix", "precise"] {
         let keys = format!("name = \"XY\"\nqueue_depth = 4\ncorner = \"{corner}\"");
         let mut bench = Bench::replacing("name = \"XY\"", &keys);

@@ -111,7 +111,7 @@ fn a_rotary_encoder_goes_the_short_way() {
 }
 
 #[test]
-fn old_positions_fault_and_what_was_missed_is_not_made_up() {
+fn old_positions_fault_and_missed_motion_is_not_made_up() {
     let mut bench = with_encoders(1.0);
     bench.run(200);
     assert_eq!(bench.axis("E").fault, 0, "nothing was ever written");

@@ -75,7 +75,7 @@ fn operands_out_of_range_in_faceplate_order() {
 }
 
 #[test]
-fn what_later_issues_bring_is_bound_verified_and_refused() {
+fn single_axis_and_group_operands_out_of_range_are_refused() {
     #[rustfmt::skip]
     let cases = [
         ("MAM(X,M,0,10,-1,0,500,0,500,0)", (13, 4)),
@@ -90,7 +90,7 @@ fn what_later_issues_bring_is_bound_verified_and_refused() {
 }
 
 #[test]
-fn what_lasts_a_whole_number_of_updates_ends_at_the_last_of_them() {
+fn moves_of_a_whole_number_of_updates_end_at_the_last_of_them() {
     // Trapezoids: way / speed + speed / rate.
     for (way, speed, rate, ticks) in [
         (20.0, 100.0, 1000.0, 300),

@@ -49,7 +49,7 @@ fn feed(bench: &mut Bench, from: usize, count: usize) -> usize {
     count
 }
 
-/// Travels a stream, with something done at some ticks; checks path and acceleration at every tick. Returns the ticks it
+/// Travels a stream, with actions at some ticks; checks path and acceleration at every tick. Returns the ticks it
 /// took and the least speed apart from the first and last 0.1 s.
 fn travel(depth: usize, count: usize, mut at: impl FnMut(&mut Bench, u64)) -> (u64, f64, Vec<[u64; 2]>) {
     let mut bench = precise(depth);
@@ -113,7 +113,7 @@ fn an_override_and_a_hold_keep_the_path_across_splices() {
 }
 
 #[test]
-fn a_change_of_dynamics_is_for_what_was_queued() {
+fn a_change_of_dynamics_applies_to_the_queued_moves() {
     let (ticks, least, _) = travel(100, 400, |bench, now| {
         if now == 150 {
             assert_eq!(bench.call("MCCD(XY, C, CoordinatedMove, Yes, 100, Unitspersec)"), OK);

@@ -136,7 +136,7 @@ const MATRIX: &[Row] = &[
 ];
 
 #[test]
-fn every_instruction_does_in_every_state_what_the_matrix_says() {
+fn every_instruction_has_the_error_of_the_matrix_in_every_state() {
     let mut wrong = Vec::new();
     for (call, expected) in MATRIX {
         let call = call.replace("{rates}", RATES);
@@ -154,7 +154,7 @@ fn every_instruction_does_in_every_state_what_the_matrix_says() {
 }
 
 #[test]
-fn what_works_and_ends_the_motion_ends_it() {
+fn accepted_stops_end_the_coordinated_move() {
     for (call, ends) in [
         ("MSF(X, T)", true),
         ("MASD(X, T)", true),

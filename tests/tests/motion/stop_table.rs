@@ -123,7 +123,7 @@ fn every_row_of_the_result_table() {
 }
 
 #[test]
-fn what_a_stop_covers_stands_when_its_bit_sets() {
+fn the_motion_that_a_stop_covers_is_at_rest_when_its_bit_sets() {
     for shape in SHAPES {
         for row in TABLE.lines().map(str::trim).filter(|row| !row.is_empty()) {
             let cells: Vec<&str> = row.split(',').collect();

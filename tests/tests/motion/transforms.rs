@@ -122,7 +122,7 @@ fn the_target_says_where_the_source_is_at_the_start() {
 type Refusal = (&'static str, Vec<String>, &'static str, (i16, i8));
 
 #[test]
-fn what_is_refused() {
+fn invalid_transforms_are_refused() {
     let link = format!("MCT(L1, L2, T1, {NO_TURN})");
     let moves = |system: &str| format!("MCLM({system}, M, 0, [900, 0, 0], {TRAPEZOID}, 1)");
     #[rustfmt::skip]
@@ -270,7 +270,7 @@ fn a_chain_is_at_one_point_within_every_update() {
 }
 
 #[test]
-fn a_stop_of_transforms_in_a_chain_stops_what_they_led() {
+fn a_stop_of_transforms_in_a_chain_stops_the_motion_of_their_targets() {
     // spec/coordinated-instructions.md §15.4: T1 and T2 are cancelled, T3 stays; L1 goes on, L2 and L3 stop, L4 follows L3.
     for shape in [TRAPEZOID, S_CURVE] {
         let mut bench = chain();
@@ -368,7 +368,7 @@ fn bits_of_a_transform_at_rest_in_motion_and_cancelled() {
 }
 
 #[test]
-fn what_cancels_a_transform_and_what_does_not() {
+fn instructions_that_cancel_a_transform_and_those_that_do_not() {
     #[rustfmt::skip]
     let cases = [
         // why,                             call,                                                 cancelled
@@ -433,7 +433,7 @@ fn what_cancels_a_transform_and_what_does_not() {
 }
 
 #[test]
-fn what_would_break_a_transform_is_refused() {
+fn redefinitions_and_homing_of_transformed_axes_are_refused() {
     let mut bench = bench();
     assert_eq!(bench.call(&format!("MCT(SERVO, L2, T, {NO_TURN})")), OK);
     for call in [
@@ -469,7 +469,7 @@ fn a_cancelled_transform_must_stand_before_the_next_one() {
 }
 
 #[test]
-fn a_target_led_back_brakes_with_what_it_led() {
+fn a_target_with_feedback_brakes_together_with_its_source() {
     // The target's own jog-like move leads the source; without the transform the source brakes, the target goes on.
     let mut bench = bench();
     assert_eq!(bench.call(&format!("MCT(L1, L2, T, {NO_TURN})")), OK);

@@ -12,7 +12,7 @@ use arcline_tests::random::Random;
 /// Update periods in ms; common instants are those of the last.
 const PERIODS: [f64; 3] = [0.25, 1.0, 4.0];
 
-/// Something done at an instant, ms.
+/// An action at an instant, ms.
 type Step = (u64, &'static str);
 
 /// The operands from Speed on: S-curves and trapezoids.

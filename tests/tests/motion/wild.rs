@@ -1,5 +1,5 @@
 //! Wild operands never move: every number of every instruction takes values that are none, that overflow, or that nothing can be
-//! built with, alone and in pairs, from rest and in motion. Whatever is accepted, all axes stay finite, and no axis jumps.
+//! built with, alone and in pairs, from rest and in motion. With all accepted calls the axes stay finite, and no axis jumps.
 //!
 //! `ARCLINE_CASES` sets the number of random sequences of pairs (150 by default).
 
@@ -162,10 +162,10 @@ const STOP_ROBOT: [&str; 2] = ["MCS(CART, Stop1, 0, 0, 100, 0, 0, 100, 2)", "MGS
 /// Both machines with their calls.
 const SCANS: [(Of, &[&str]); 2] = [(Of::Axes, CALLS), (Of::Robot, ROBOT_CALLS)];
 
-/// A number of a call: its place in the text, and whether it may make an axis fast.
-type Slot = (std::ops::Range<usize>, bool);
+/// A number of a call: its range in the text, and whether it may make an axis fast.
+type NumberRange = (std::ops::Range<usize>, bool);
 
-fn slots(call: &str) -> Vec<Slot> {
+fn number_ranges(call: &str) -> Vec<NumberRange> {
     let mut found = Vec::new();
     let mut from = 0;
     while let Some(open) = call[from..].find(['{', '<']).map(|at| from + at) {
@@ -181,7 +181,7 @@ fn slots(call: &str) -> Vec<Slot> {
 fn with(call: &str, given: &[(usize, &str)]) -> String {
     let mut text = String::new();
     let mut from = 0;
-    for (place, (range, _)) in slots(call).into_iter().enumerate() {
+    for (place, (range, _)) in number_ranges(call).into_iter().enumerate() {
         text += &call[from..range.start];
         let own = &call[range.start + 1..range.end - 1];
         text += given
@@ -196,7 +196,7 @@ fn with(call: &str, given: &[(usize, &str)]) -> String {
 struct Scan {
     bench: Bench,
     of: Of,
-    /// Something that was accepted goes as fast as it likes.
+    /// A call was accepted that may move an axis at any speed.
     fast: bool,
     calls: Vec<String>,
 }
@@ -243,8 +243,8 @@ impl Scan {
                 None => accepted = self.bench.call(statement.trim()) == OK,
             }
         }
-        let slots = slots(call);
-        self.fast |= accepted && given.iter().any(|(place, _)| slots[*place].1);
+        let ranges = number_ranges(call);
+        self.fast |= accepted && given.iter().any(|(index, _)| ranges[*index].1);
         // Faster than the axis can follow: the command limits act.
         self.bench.refusals_expected = self.fast;
         self.run(ticks);
@@ -299,7 +299,7 @@ impl Scan {
 fn no_wild_number_alone_moves_an_axis() {
     for (of, calls) in SCANS {
         for call in calls {
-            for place in 0..slots(call).len() {
+            for place in 0..number_ranges(call).len() {
                 for moving in [false, true] {
                     let mut scan = Scan::new(of, moving);
                     for value in WILD {
@@ -344,7 +344,7 @@ fn no_wild_numbers_together_move_an_axis() {
         let mut scan = Scan::new(of, random.below(2) == 0);
         for _ in 0..12 {
             let call = random.one_of(calls);
-            let count = slots(call).len() as u64;
+            let count = number_ranges(call).len() as u64;
             let given: Vec<(usize, &str)> = (0..2)
                 .map(|_| (random.below(count) as usize, *random.one_of(WILD)))
                 .collect();
@@ -356,7 +356,7 @@ fn no_wild_numbers_together_move_an_axis() {
 
 /// The errors 13, each with its operand.
 #[test]
-fn what_is_out_of_range_is_refused_with_its_operand() {
+fn operands_out_of_range_are_refused_with_their_index() {
     #[rustfmt::skip]
     let cases = [
         // why,                        call,                                                                    EXERR

@@ -3,8 +3,8 @@
 //! their limits at every tick, also with overrides, changes and stops meanwhile.
 #![allow(missing_docs)]
 
+use arcline_contour::AxisLimits;
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::precise::AxisLimits;
 use arcline_planner::{ContourQueue, Move, Sample};
 use arcline_tests::random::{Random, seeds};
 use arcline_tests::streams::{Feed, Latency, Travelled, Wild, limits, travel};

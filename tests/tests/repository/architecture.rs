@@ -337,7 +337,7 @@ fn no_dependency_needs_a_newer_rust_than_the_workspace_promises() {
 }
 
 #[test]
-fn every_package_says_what_it_is() {
+fn every_package_has_a_description() {
     for package in metadata().workspace_packages() {
         let description = package.description.as_deref().unwrap_or_default();
         assert!(description.len() > 20, "{}: {description:?}", package.name);

@@ -73,7 +73,7 @@ fn slips_are_answered_with_the_nearest_name() {
 }
 
 #[test]
-fn what_is_explained_is_told_apart() {
+fn explained_words_are_told_apart() {
     use arcline_client::FaultKind;
     for (text, expected) in [
         ("13/4", Ok(Subject::Codes(13, Some(4)))),
@@ -138,7 +138,7 @@ fn words_or_numbers_for_termination_and_merge() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_arguments_are_refused() {
     #[rustfmt::skip]
     let cases = [
         ("no position",           "move CS1"),
@@ -210,7 +210,7 @@ fn the_others_parse() {
 }
 
 #[test]
-fn values_to_write_are_read_as_what_they_are() {
+fn values_to_write_are_read_by_their_form() {
     for (line, expected) in [
         ("write A -5", WriteValue::Integer(-5)),
         ("write A 1.5", WriteValue::Number(1.5)),

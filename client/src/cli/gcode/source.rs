@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _, Write};
 
-use arcline_gcode::{GcodeError, Motion, Options, Problem, Reader, Step};
+use arcline_gcode::{GcodeError, Motion, Options, Problem, ProgramReader, Step};
 
 use crate::cli::Failure;
 use crate::cli::args::Gcode;
@@ -49,7 +49,7 @@ impl Source<'_> {
         Ok(Steps {
             source: self,
             file: BufReader::new(file),
-            reader: Some(Reader::new(&self.options)),
+            reader: Some(ProgramReader::new(&self.options)),
             line: 0,
             ready: VecDeque::new(),
             bytes: Vec::new(),
@@ -97,7 +97,7 @@ pub(super) struct Steps<'s> {
     source: &'s Source<'s>,
     file: BufReader<File>,
     /// `None`: the program has ended.
-    reader: Option<Reader>,
+    reader: Option<ProgramReader>,
     line: usize,
     /// Read and not yet taken.
     ready: VecDeque<Step>,

@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_stand_there_is_offered() {
+    fn words_that_fit_the_position_are_offered() {
         let known = known();
         #[rustfmt::skip]
         let cases: &[(&str, &str, &[&str])] = &[

@@ -1,14 +1,14 @@
 //! `feed` and `registration` of an `[[axis]]` table: the inputs of the axis from tags that clients write.
 
 use arcline_controller::image::{Image, TagKind};
-use arcline_controller::machine::{FeedTag, Inputs, Machine};
+use arcline_controller::machine::{AxisInputs, FeedTag, Machine};
 use arcline_tag::{DataType, Elementary, TagPath};
 
 use crate::section::Section;
 use crate::{InstructionTag, PlainTag};
 
 /// `feedback`: whether the axis is of that type.
-pub(super) fn inputs(axis: &Section<'_>, feedback: bool) -> Inputs {
+pub(super) fn inputs(axis: &Section<'_>, feedback: bool) -> AxisInputs {
     let (section, present) = axis.table("feed");
     match (present, feedback) {
         (false, true) if !axis.has("feed") => axis.missing("feed"),
@@ -22,12 +22,12 @@ pub(super) fn inputs(axis: &Section<'_>, feedback: bool) -> Inputs {
     });
     let (section, _) = axis.table("registration");
     let registration = INPUTS.map(|key| section.text(key).map(|tag| tag.value));
-    Inputs { feed, registration }
+    AxisInputs { feed, registration }
 }
 
 /// Reports tags of axes that are not there, or are not of the type that is read.
 pub(super) fn check_inputs(root: &Section<'_>, machine: &Machine, instructions: &[InstructionTag], tags: &[PlainTag]) {
-    let reads = |inputs: &Inputs| inputs.feed.is_some() || inputs.registration.iter().any(Option::is_some);
+    let reads = |inputs: &AxisInputs| inputs.feed.is_some() || inputs.registration.iter().any(Option::is_some);
     if !machine.axes.iter().any(|axis| reads(&axis.inputs)) {
         return;
     }

@@ -10,7 +10,7 @@ use crate::section::{Missed, Section};
 use crate::solve::stages::Quality;
 use crate::solve::work::Work;
 use crate::timing::control_points::GIVEN;
-use crate::trajectory::{Knot, State};
+use crate::trajectory::{AxesState, Knot};
 use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
 
@@ -242,7 +242,7 @@ fn leaves(running: &Trajectory, splice: f64, until: f64) -> impl Iterator<Item =
 }
 
 /// The largest used share of an acceleration limit.
-fn in_use(state: &State, limits: &AxisLimits) -> f64 {
+fn in_use(state: &AxesState, limits: &AxisLimits) -> f64 {
     let share = |axis: usize| state.acceleration[axis].abs() / limits.acceleration[axis];
     (0..3).map(share).fold(0.0, f64::max)
 }
@@ -272,7 +272,7 @@ impl Trajectory {
     pub(crate) fn at_rest_then(mut self, moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
         self.knots.push(Knot {
             time: self.splice,
-            state: State::rest(moves[0].path.start()),
+            state: AxesState::rest(moves[0].path.start()),
             jerk: Point::zeros(),
         });
         self.append(plan_with(moves, limits, PlanningTime::Streaming));

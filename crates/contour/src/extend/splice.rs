@@ -1,6 +1,6 @@
 //! The splice: the instant at which an extension leaves the running trajectory. Position units and seconds.
 
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 use crate::path::reference::nearest;
 use crate::trajectory::Knot;
 use crate::tuning::TUNING;
@@ -65,7 +65,7 @@ fn near_knot(running: &Trajectory, t: f64) -> f64 {
 /// The duration of a motion's braking at its end, seconds.
 pub(crate) fn braking_time(last: &ContourMove, limits: &AxisLimits) -> f64 {
     let smoothness = Smoothness::of(core::slice::from_ref(last));
-    let bounds = Bounds::new(last, limits, smoothness);
+    let bounds = MoveLimits::new(last, limits, smoothness);
     let rate = bounds.deceleration.min(bounds.axes.acceleration.min());
     let speed = bounds.speed.min(bounds.axes.speed.norm());
     if smoothness == Smoothness::Trapezoid {

@@ -9,7 +9,7 @@ use crate::timing::control_points::{ControlPoints, GIVEN, blossom};
 use crate::timing::grid::{Density, continued_grid};
 use crate::timing::speed_profile::{Sample, sample, speeds};
 use crate::tuning::TUNING;
-use crate::{Point, State, Trajectory};
+use crate::{AxesState, Point, Trajectory};
 
 /// A running trajectory to be continued.
 #[derive(Clone, Copy)]
@@ -171,7 +171,7 @@ pub(crate) fn followed(section: &Section<'_>, running: Running<'_>) -> Vec<Route
 }
 
 /// Continues from a state near the reference path at arc length `at` along the rounded reference path to its end.
-fn go_on(section: &Section<'_>, route: &mut Vec<RoutePoint>, from: &State, start: f64, at: f64) {
+fn go_on(section: &Section<'_>, route: &mut Vec<RoutePoint>, from: &AxesState, start: f64, at: f64) {
     let reference = &section.reference;
     let (free, stretches) = section.without_jerk();
     let mut samples = sample(reference, &stretches);

@@ -6,7 +6,7 @@ use crate::extend::warm_start::{RoutePoint, Running, followed, knots};
 use crate::section::{Section, Solved};
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
-use crate::{AxisLimits, State};
+use crate::{AxesState, AxisLimits};
 
 /// Control points of the whole motion from the splice on: the running one up to the point at which `fresh` is most like it, then
 /// `fresh`. That is a plan of the moves of the section, and of some before them with the total length `before`. `None`: the two are
@@ -19,7 +19,7 @@ pub(crate) fn warm_start_joined(
     before: f64,
 ) -> Option<ControlPoints> {
     let tolerance = section.allowance.least();
-    let unlike = |a: &State, b: &State| {
+    let unlike = |a: &AxesState, b: &AxesState| {
         let mut sum = (a.position - b.position).norm() / tolerance;
         for axis in 0..3 {
             let rate = limits.acceleration[axis];

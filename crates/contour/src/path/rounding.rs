@@ -17,13 +17,13 @@ use arcline_geometry::Path;
 /// A stretch of the rounded curve, with the corresponding arc length of the reference path.
 #[derive(Clone, Debug)]
 pub(crate) struct Stretch {
-    pub(crate) shape: Shape,
+    pub(crate) shape: StretchShape,
     pub(crate) from: f64,
     pub(crate) to: f64,
 }
 
 #[derive(Clone, Debug)]
-pub(crate) enum Shape {
+pub(crate) enum StretchShape {
     /// Part of a piece of the reference path.
     Piece(usize),
     /// A Bezier curve of degree `len - 1`.
@@ -33,18 +33,18 @@ pub(crate) enum Shape {
 impl Stretch {
     /// The stretch is part of an arc of the reference path.
     pub(crate) fn is_arc(&self, reference: &ReferencePath) -> bool {
-        matches!(self.shape, Shape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
+        matches!(self.shape, StretchShape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
     }
 
     /// The point at a progress within it, and its first two derivatives by the progress.
     pub(crate) fn derivatives(&self, reference: &ReferencePath, progress: f64) -> [Point; 3] {
         match &self.shape {
-            Shape::Piece(index) => {
+            StretchShape::Piece(index) => {
                 let path = &reference.pieces[*index];
                 let at = path.at((progress - reference.starts[*index]).clamp(0.0, path.length()));
                 [at.position, at.tangent, at.curvature]
             }
-            Shape::Bezier(points, count) => {
+            StretchShape::Bezier(points, count) => {
                 let span = self.to - self.from;
                 let u = ((progress - self.from) / span).clamp(0.0, 1.0);
                 let (mut work, mut left) = (*points, *count);
@@ -66,13 +66,13 @@ impl Stretch {
     /// The point at `u`, `0 <= u <= 1`.
     pub(crate) fn at(&self, reference: &ReferencePath, u: f64) -> Point {
         match &self.shape {
-            Shape::Piece(index) => {
+            StretchShape::Piece(index) => {
                 let local = self.from + (self.to - self.from) * u - reference.starts[*index];
                 reference.pieces[*index]
                     .at(local.clamp(0.0, reference.pieces[*index].length()))
                     .position
             }
-            Shape::Bezier(points, count) => casteljau(*points, *count, u),
+            StretchShape::Bezier(points, count) => casteljau(*points, *count, u),
         }
     }
 }
@@ -116,7 +116,7 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, corners: C
         let (reach, shape) = corner.map_or((0.0, None), |(reach, shape)| (reach, Some(shape)));
         if to - reach > begin {
             stretches.push(Stretch {
-                shape: Shape::Piece(index),
+                shape: StretchShape::Piece(index),
                 from: begin,
                 to: to - reach,
             });
@@ -136,21 +136,21 @@ pub(crate) fn round(reference: &ReferencePath, allowance: &Allowance, corners: C
 }
 
 /// The length to either side of the rounding of the joint behind piece `index`, and its curve.
-fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, corners: Corners) -> (f64, Shape) {
+fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, corners: Corners) -> (f64, StretchShape) {
     let (before, behind) = (&reference.pieces[index], &reference.pieces[index + 1]);
     let (u1, u2) = (before.end_tangent(), behind.start_tangent());
     let (sine, cosine) = (u1.cross(&u2).norm(), u1.dot(&u2));
     let limit = TUNING.rounding.inside_share * tolerance;
     let are_lines = matches!((before, behind), (Path::Line(_), Path::Line(_)));
     if are_lines && sine <= SAME_DIRECTION_SINE && cosine > 0.0 {
-        return (0.0, Shape::Piece(index));
+        return (0.0, StretchShape::Piece(index));
     }
     if let (true, Corners::Superposed(smoothness)) = (are_lines, corners) {
         let reach = reach_of_lines(before, behind, limit, smoothness).min(room);
         let (first, middle, last) = (before.end() - u1 * reach, before.end(), behind.start() + u2 * reach);
         let shape = match smoothness {
-            Smoothness::Trapezoid => Shape::Bezier([first, middle, last, last, last, last], 3),
-            Smoothness::SCurve => Shape::Bezier([first, middle, middle, last, last, last], 4),
+            Smoothness::Trapezoid => StretchShape::Bezier([first, middle, last, last, last, last], 3),
+            Smoothness::SCurve => StretchShape::Bezier([first, middle, middle, last, last, last], 4),
         };
         return (reach, shape);
     }
@@ -177,7 +177,7 @@ fn corner(reference: &ReferencePath, index: usize, tolerance: f64, room: f64, co
         }
         reach *= TUNING.rounding.shorten;
     }
-    (0.0, Shape::Piece(index))
+    (0.0, StretchShape::Piece(index))
 }
 
 /// The largest length of a rounding along the shorter of two arcs.
@@ -191,12 +191,12 @@ fn most_of_arc(before: &Path, behind: &Path) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn quintic(before: &Path, behind: &Path, reach: f64) -> Shape {
+fn quintic(before: &Path, behind: &Path, reach: f64) -> StretchShape {
     let p = before.at(before.length() - reach);
     let q = behind.at(reach);
     let speed = 2.0 * reach;
     let (a, b) = (speed / 5.0, speed * speed / 20.0);
-    Shape::Bezier(
+    StretchShape::Bezier(
         [
             p.position,
             p.position + p.tangent * a,

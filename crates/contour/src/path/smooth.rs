@@ -6,7 +6,7 @@
 //! node and round. Position units.
 
 use crate::Point;
-use crate::limits::Bounds;
+use crate::limits::MoveLimits;
 use crate::path::allowance::Allowance;
 use crate::path::corridor::CorridorRow;
 use crate::path::margin::ToleranceMargin;
@@ -21,7 +21,7 @@ pub(crate) fn smooth(
     reference: &ReferencePath,
     allowance: &Allowance,
     margin: &ToleranceMargin,
-    bounds: &[Bounds],
+    bounds: &[MoveLimits],
     control: &mut ControlPoints,
 ) {
     let count = control.points.len();
@@ -43,7 +43,7 @@ pub(crate) fn smooth(
             row.begin(reference, allowance, &control.points);
         }
     }
-    let rate = |bound: &Bounds| bound.axes.acceleration.min().min(bound.norm_acceleration());
+    let rate = |bound: &MoveLimits| bound.axes.acceleration.min().min(bound.norm_acceleration());
     let least = bounds.iter().map(rate).fold(f64::INFINITY, f64::min);
     let third = least * TUNING.smooth.node_s.powi(3) / TUNING.smooth.jerk_s;
     let stiffness = TUNING.smooth.stiffness / (third * third);

@@ -1,12 +1,12 @@
 //! A single straight line from rest to rest: closed form (`arcline-profile`), nothing to optimise.
 
-use crate::trajectory::{Knot, State};
-use crate::{Bounds, Point, Trajectory};
+use crate::trajectory::{AxesState, Knot};
+use crate::{MoveLimits, Point, Trajectory};
 use arcline_geometry::Line;
 use arcline_profile::{Jerk, KinematicState as Along, Limits, Profile};
 
 /// The motion along a line of more than zero length.
-pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
+pub(crate) fn straight(line: &Line, bounds: &MoveLimits) -> Trajectory {
     let direction = line.direction();
     let least = |vector: f64, axes: Point| {
         (0..3).fold(vector, |least, axis| {
@@ -36,7 +36,7 @@ pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
         let acceleration = middle.acceleration - jerk * half;
         knots.push(Knot {
             time,
-            state: State {
+            state: AxesState {
                 position: line.position(here.position),
                 velocity: direction * here.velocity,
                 acceleration: direction * acceleration,
@@ -46,7 +46,7 @@ pub(crate) fn straight(line: &Line, bounds: &Bounds) -> Trajectory {
     }
     knots.push(Knot {
         time: profile.duration(),
-        state: State::rest(line.end()),
+        state: AxesState::rest(line.end()),
         jerk: Point::zeros(),
     });
     Trajectory {

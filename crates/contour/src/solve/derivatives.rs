@@ -7,7 +7,7 @@
 //! ```
 
 use crate::Point;
-use crate::solve::problem::{Limits, Problem};
+use crate::solve::problem::{NodeLimits, Problem};
 
 /// A limited vector, and its dependence on the spans of intervals `i-2..=i+2` and the nodes `i-1..=i+2`.
 pub(crate) struct Quantity {
@@ -67,7 +67,7 @@ impl Stencil {
 
     /// The velocity in the middle interval.
     #[inline]
-    fn velocity(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
+    fn velocity(&self, limits: &NodeLimits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, fade, .. } = self;
         Quantity {
             kind: Kind::Velocity,
@@ -104,7 +104,7 @@ impl Stencil {
 
     /// The acceleration at the node before the middle interval.
     #[inline]
-    fn acceleration(&self, limits: &Limits, tangent: Point, [share, weight]: [f64; 2]) -> Quantity {
+    fn acceleration(&self, limits: &NodeLimits, tangent: Point, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;
         let (value, rate, by) = self.change(1);
         Quantity {
@@ -127,7 +127,7 @@ impl Stencil {
 
     /// The jerk in the middle interval.
     #[inline]
-    fn jerk(&self, limits: &Limits, [share, weight]: [f64; 2]) -> Quantity {
+    fn jerk(&self, limits: &NodeLimits, [share, weight]: [f64; 2]) -> Quantity {
         let Stencil { spans, wide, .. } = self;
         let (here, r0, here_by) = self.change(1);
         let (next, r1, next_by) = self.change(2);

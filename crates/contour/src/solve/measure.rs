@@ -1,7 +1,7 @@
 //! The exact check of the limits of the spline through the control points. Position units and seconds.
 
 use crate::Trajectory;
-use crate::limits::Bounds;
+use crate::limits::MoveLimits;
 use crate::path::reference::ReferencePath;
 use crate::solve::stages::StageResult;
 use crate::timing::control_points::ControlPoints;
@@ -19,7 +19,7 @@ pub(crate) struct Measured {
 /// a continuation cannot be.
 pub(crate) fn measured(
     control: &ControlPoints,
-    bounds: &[Bounds],
+    bounds: &[MoveLimits],
     reference: &ReferencePath,
     result: StageResult,
 ) -> Measured {
@@ -43,7 +43,7 @@ pub(crate) fn measured(
 }
 
 /// The factor by which the trajectory must take longer to keep every limit; below 1 it may be shorter.
-fn excess(trajectory: &Trajectory, control: &ControlPoints, bounds: &[Bounds], reference: &ReferencePath) -> f64 {
+fn excess(trajectory: &Trajectory, control: &ControlPoints, bounds: &[MoveLimits], reference: &ReferencePath) -> f64 {
     let mut factor = 0.0_f64;
     let last = control.progress.len() - 1;
     for (k, pair) in trajectory.knots.windows(2).enumerate() {

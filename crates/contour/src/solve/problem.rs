@@ -7,7 +7,7 @@
 //! nodes is 1 (limits are scaled to it), lengths are position units.
 
 use crate::Point;
-use crate::limits::Bounds;
+use crate::limits::MoveLimits;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
 use crate::tuning::{SlowDown, TUNING};
@@ -18,7 +18,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) points: Vec<Point>,
     /// Differences from node to node, if only the timing is optimised.
     pub(crate) differences: Vec<Point>,
-    pub(crate) limits: Vec<Limits>,
+    pub(crate) limits: Vec<NodeLimits>,
     pub(crate) normals: Vec<[Point; 2]>,
     pub(crate) tangents: Vec<Point>,
     /// The points that the corridor keeps near the reference path.
@@ -41,7 +41,7 @@ pub(crate) struct Problem<'a> {
 
 /// Reciprocals of the limits at one node, 0 for no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Limits {
+pub(crate) struct NodeLimits {
     pub(crate) speed: Point,
     pub(crate) acceleration: Point,
     pub(crate) jerk: Point,
@@ -54,16 +54,16 @@ pub(crate) struct Limits {
     pub(crate) slowing_down: f64,
 }
 
-impl Limits {
+impl NodeLimits {
     /// The reciprocals for a first time between two nodes of `span` seconds. A vector's limit beyond the corner of those of the axes is omitted.
-    pub(crate) fn reciprocal(bounds: &Bounds, span: f64) -> Limits {
+    pub(crate) fn reciprocal(bounds: &MoveLimits, span: f64) -> NodeLimits {
         let (second, third) = (span * span, span * span * span);
         let inverse = |limit: Point, unit: f64| limit.map(|l| 1.0 / (l * unit));
         let corner = bounds.axes.acceleration.norm();
         let binds = bounds.acceleration.min(bounds.deceleration) < corner;
         let jerk_corner = bounds.axes.jerk.map_or(f64::INFINITY, |jerk| jerk.norm());
         let one = |limit: f64, unit: f64, on: bool| if on { 1.0 / (limit * unit) } else { 0.0 };
-        Limits {
+        NodeLimits {
             speed: inverse(bounds.axes.speed, span),
             acceleration: inverse(bounds.axes.acceleration, second),
             jerk: bounds.axes.jerk.map_or(Point::zeros(), |jerk| inverse(jerk, third)),
@@ -81,8 +81,8 @@ impl Limits {
         self.jerk != Point::zeros() || self.vector_jerk > 0.0
     }
 
-    pub(crate) fn stricter(&self, other: &Limits) -> Limits {
-        Limits {
+    pub(crate) fn stricter(&self, other: &NodeLimits) -> NodeLimits {
+        NodeLimits {
             speed: self.speed.sup(&other.speed),
             acceleration: self.acceleration.sup(&other.acceleration),
             jerk: self.jerk.sup(&other.jerk),

@@ -1,11 +1,11 @@
 //! The optimisation problem of one stage: limits, directions and corridor of every node.
 
 use crate::Point;
-use crate::limits::Bounds;
+use crate::limits::MoveLimits;
 use crate::path::allowance::Allowance;
 use crate::path::corridor::CorridorRow;
 use crate::path::reference::ReferencePath;
-use crate::solve::problem::{Limits, Problem};
+use crate::solve::problem::{NodeLimits, Problem};
 use crate::solve::stages::Quality;
 use crate::timing::control_points::{ControlPoints, GIVEN};
 use crate::tolerance::{LEAST_LENGTH_UNITS, SAME_CONTROL_POINT_UNITS, SAME_POINT_UNITS};
@@ -16,9 +16,9 @@ pub(crate) struct Conditions<'a> {
     pub(crate) reference: &'a ReferencePath,
     pub(crate) allowance: &'a Allowance,
     /// Limits by piece of the reference path.
-    pub(crate) limits: &'a [Bounds],
+    pub(crate) limits: &'a [MoveLimits],
     /// The same for the nodes close to the running motion.
-    pub(crate) kept_limits: &'a [Bounds],
+    pub(crate) kept_limits: &'a [MoveLimits],
     /// Share of the tolerance for the corridor, by node.
     pub(crate) margins: &'a [f64],
     pub(crate) slow_down: SlowDown,
@@ -71,7 +71,7 @@ impl<'a> Conditions<'a> {
     }
 
     /// The limits by node; beside a joint the stricter ones of both pieces.
-    fn limits_by_node(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<Limits> {
+    fn limits_by_node(&self, control: &ControlPoints, pieces: &[usize]) -> Vec<NodeLimits> {
         let (count, span) = (pieces.len(), control.spans[0]);
         let of_node = |i: usize| {
             let bounds = if i < control.kept_nodes {
@@ -79,10 +79,10 @@ impl<'a> Conditions<'a> {
             } else {
                 self.limits
             };
-            let mut limit = Limits::reciprocal(&bounds[pieces[i]], span);
+            let mut limit = NodeLimits::reciprocal(&bounds[pieces[i]], span);
             for other in [i.saturating_sub(1), (i + 1).min(count - 1)] {
                 if pieces[other] != pieces[i] {
-                    limit = limit.stricter(&Limits::reciprocal(&bounds[pieces[other]], span));
+                    limit = limit.stricter(&NodeLimits::reciprocal(&bounds[pieces[other]], span));
                 }
             }
             limit

@@ -2,7 +2,7 @@
 //! seconds.
 
 use crate::path::reference::ReferencePath;
-use crate::{Point, State, Trajectory};
+use crate::{AxesState, Point, Trajectory};
 
 /// The curve as control points of a spline. A node is a control point with its instant.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub(crate) struct ControlPoints {
     /// Seconds from node to node.
     pub(crate) spans: Vec<f64>,
     /// The state of the running motion that it continues, at the knot of node 1. It determines the first three nodes and spans.
-    pub(crate) initial: Option<State>,
+    pub(crate) initial: Option<AxesState>,
     /// The number of nodes close to the running motion, which keep their knots from run to run.
     pub(crate) kept_nodes: usize,
     /// The number of nodes that stay on the curve of the running motion in the next smoothing.
@@ -26,7 +26,7 @@ pub(crate) const GIVEN: usize = 3;
 impl ControlPoints {
     /// Without control points, on the nodes of a grid, for the continuation of a motion from a state: its first `followed` nodes
     /// follow the motion.
-    pub(crate) fn continuing(initial: State, grid: &[f64], followed: usize) -> ControlPoints {
+    pub(crate) fn continuing(initial: AxesState, grid: &[f64], followed: usize) -> ControlPoints {
         ControlPoints {
             points: Vec::with_capacity(grid.len()),
             progress: Vec::with_capacity(grid.len()),
@@ -114,7 +114,7 @@ impl ControlPoints {
 }
 
 /// The control point of three knots relative to the instant of a state; one of them must be 0.
-pub(crate) fn blossom(state: &State, knots: [f64; 3]) -> Point {
+pub(crate) fn blossom(state: &AxesState, knots: [f64; 3]) -> Point {
     let [a, b, c] = knots;
     state.position + state.velocity * ((a + b + c) / 3.0) + state.acceleration * ((a * b + b * c + c * a) / 6.0)
 }

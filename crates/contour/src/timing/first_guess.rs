@@ -2,7 +2,7 @@
 //! position units.
 
 use crate::Point;
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 use crate::path::allowance::Allowance;
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::Stretch;
@@ -17,7 +17,7 @@ pub(crate) fn first_guess(
     reference: &ReferencePath,
     allowance: &Allowance,
     stretches: &[Stretch],
-    bounds: &[Bounds],
+    bounds: &[MoveLimits],
     smoothness: Smoothness,
 ) -> ControlPoints {
     let samples = sample(reference, stretches);

@@ -6,18 +6,19 @@ use crate::timing::control_points::{ControlPoints, blossom};
 use crate::timing::grid::{Density, continued_grid, grid, sites};
 use crate::timing::warp::Warp;
 use crate::tuning::TUNING;
-use crate::{Bounds, Point, Trajectory};
+use crate::{MoveLimits, Point, Trajectory};
 
 /// The same curve with nodes at equal intervals of its time, warped at its ends for an S-curve.
 pub(crate) fn resample(
     trajectory: &Trajectory,
     times: &[f64],
     control: &ControlPoints,
-    bounds: &[Bounds],
+    bounds: &[MoveLimits],
     (fine, node_s): (&[(f64, f64)], f64),
     smoothness: Smoothness,
 ) -> ControlPoints {
-    let rate = |bound: Option<&Bounds>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
+    let rate =
+        |bound: Option<&MoveLimits>| bound.map_or(f64::INFINITY, |b| b.axes.acceleration.min().min(b.acceleration));
     let warp = Warp::new(
         trajectory.duration(),
         // A continuation does not begin at rest.

@@ -3,9 +3,9 @@
 //! Speed bounds from curvature and its change, one backward and one forward pass with constant
 //! acceleration. Seconds and position units.
 
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 use crate::path::reference::ReferencePath;
-use crate::path::rounding::{Shape, Stretch};
+use crate::path::rounding::{Stretch, StretchShape};
 use crate::tolerance::SAME_SAMPLE_UNITS;
 use crate::tuning::TUNING;
 use crate::{Path, Point};
@@ -41,7 +41,7 @@ impl SampledSpeeds {
 
     /// Limits the speeds to those of a motion that begins with an acceleration along the path and comes to rest at the end, and whose
     /// acceleration changes with no more than a share of the permitted jerk.
-    pub(crate) fn go_gently(&mut self, acceleration: f64, bound: &Bounds) {
+    pub(crate) fn go_gently(&mut self, acceleration: f64, bound: &MoveLimits) {
         let tuning = &TUNING.speed_profile;
         let jerk = tuning.gentle_jerk_share * bound.least_jerk();
         let rate = bound
@@ -96,8 +96,8 @@ pub(crate) fn sample(reference: &ReferencePath, stretches: &[Stretch]) -> Vec<Sa
         let span = stretch.to - stretch.from;
         let [line, arc] = [&TUNING.rounding.line_samples, &TUNING.rounding.arc_samples];
         let count = match &stretch.shape {
-            Shape::Bezier(..) => TUNING.rounding.samples,
-            Shape::Piece(piece) => match &reference.pieces[*piece] {
+            StretchShape::Bezier(..) => TUNING.rounding.samples,
+            StretchShape::Piece(piece) => match &reference.pieces[*piece] {
                 Path::Line(_) => (line[0] * span / whole).clamp(line[1], line[2]) as usize,
                 Path::Arc(path) => (span / path.radius() * arc[0]).clamp(arc[1], arc[2]) as usize,
             },
@@ -127,7 +127,7 @@ pub(crate) fn sample(reference: &ReferencePath, stretches: &[Stretch]) -> Vec<Sa
 pub(crate) fn speeds(
     reference: &ReferencePath,
     samples: &[Sample],
-    bounds: &[Bounds],
+    bounds: &[MoveLimits],
     smoothness: Smoothness,
     start: f64,
 ) -> SampledSpeeds {
@@ -190,7 +190,7 @@ struct Step {
 
 impl Step {
     /// The square of the speed that curvature and its change permit.
-    fn most_square(&self, bound: &Bounds, smoothness: Smoothness) -> f64 {
+    fn most_square(&self, bound: &MoveLimits, smoothness: Smoothness) -> f64 {
         let share = TUNING.speed_profile.normal_share;
         let mut most = bound.speed * bound.speed;
         for axis in 0..3 {
@@ -216,7 +216,7 @@ impl Step {
     }
 
     /// The acceleration along the path.
-    fn rate(&self, bound: &Bounds) -> f64 {
+    fn rate(&self, bound: &MoveLimits) -> f64 {
         let mut rate = bound.acceleration.min(bound.deceleration);
         for axis in 0..3 {
             rate = f64::min(rate, bound.axes.acceleration[axis] / self.tangent[axis].abs());

@@ -1,6 +1,6 @@
 //! Time warped at the ends of an S-curve. Seconds.
 
-use crate::limits::{Bounds, Smoothness};
+use crate::limits::{MoveLimits, Smoothness};
 
 /// An S-curve leaves rest with `s = j t³/6`, not `a t²/2`: the warp makes the nodes near both ends follow the cube, so the timing has no
 /// singular start.
@@ -11,8 +11,8 @@ pub(crate) struct Warp {
 }
 
 impl Warp {
-    pub(crate) fn new(total: f64, first: f64, last: f64, bounds: &[Bounds], smoothness: Smoothness) -> Warp {
-        let ratio = |rate: f64, bound: Option<&Bounds>| match (smoothness, bound) {
+    pub(crate) fn new(total: f64, first: f64, last: f64, bounds: &[MoveLimits], smoothness: Smoothness) -> Warp {
+        let ratio = |rate: f64, bound: Option<&MoveLimits>| match (smoothness, bound) {
             (Smoothness::SCurve, Some(bound)) => (rate / bound.least_jerk()).min(total / 2.0),
             _ => 0.0,
         };

@@ -108,7 +108,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
 
     #[test]
-    fn long_pieces_stay_what_they_are(
+    fn long_pieces_keep_their_shape(
         legs in prop::collection::vec(leg(), 2..10),
         tolerance in prop_oneof![3 => Just(0.01), 2 => 0.01..0.1_f64, 1 => 0.1..0.4_f64],
         other in prop_oneof![2 => Just(1.0), 1 => 0.2..5.0_f64],
@@ -130,7 +130,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 5, ..ProptestConfig::default() })]
 
     #[test]
-    fn extensions_keep_them_too(
+    fn extensions_keep_long_pieces_too(
         legs in prop::collection::vec(leg(), 5..10),
         window in 3..6_usize,
         tolerance in prop_oneof![4 => 0.02..0.06_f64, 1 => 0.06..0.2_f64],

@@ -6,7 +6,7 @@
 use arcline_instruction_set::operands::OperandValue;
 use arcline_instruction_set::predefined::cam_profile_status::{BEING_CALCULATED, CALCULATED, NOT_CALCULATED};
 use arcline_instruction_set::{MotionError, TagAddress};
-use arcline_motion::cam::{Point, Profile, Segment, SegmentType};
+use arcline_motion::cam::{CamSegment, Point, Profile, SegmentType};
 use arcline_tag::{DataType, Member};
 
 use super::calls::tag_and_offset;
@@ -78,7 +78,7 @@ impl Image {
             // The Status of the first element holds the number of uses, or that the profile is being calculated again.
             let is_one = status >= CALCULATED || (at == 0 && status == BEING_CALCULATED);
             let number = |at: usize| f64::from_le_bytes(word(element, at));
-            is_one.then(|| Segment {
+            is_one.then(|| CamSegment {
                 x: number(8),
                 y: number(16),
                 coefficients: [number(32), number(40), number(48)],

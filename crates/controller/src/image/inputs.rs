@@ -10,7 +10,7 @@ use crate::machine::Machine;
 
 /// The tags that the machine reads.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Inputs {
+pub(super) struct InputTags {
     paths: Vec<(TagPath, Means)>,
     /// Their locations, of existing tags only.
     tags: Vec<InputTag>,
@@ -37,9 +37,9 @@ struct InputTag {
     on: bool,
 }
 
-impl Inputs {
+impl InputTags {
     pub(super) fn new(machine: &Machine) -> Self {
-        let mut inputs = Inputs::default();
+        let mut inputs = InputTags::default();
         for (axis, described) in (0..).map(AxisId).zip(&machine.axes) {
             let feed = described
                 .inputs

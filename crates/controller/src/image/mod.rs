@@ -114,7 +114,7 @@ pub struct Image {
     /// Cam profiles that are being calculated or used.
     profiles: cams::Profiles,
     /// Tags that the machine reads.
-    inputs: inputs::Inputs,
+    inputs: inputs::InputTags,
     /// Output cams in use.
     outputs: outputs::Outputs,
     /// Settable attributes.
@@ -154,7 +154,7 @@ impl Image {
             room: CallRoom::default(),
             overlapping: false,
             profiles: cams::Profiles::default(),
-            inputs: inputs::Inputs::new(machine),
+            inputs: inputs::InputTags::new(machine),
             outputs: outputs::Outputs::default(),
             attributes: Shared::new(attributes::Attributes::new(machine)),
             shown: attributes::Shown::default(),

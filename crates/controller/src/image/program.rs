@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_clients_write_is_noted_for_the_program_and_its_own_stores_are_not() {
+    fn writes_of_clients_are_noted_for_the_program_and_its_own_stores_are_not() {
         let mut image = image();
         let mine = image.add_program_tag(&dint("Mine")).expect("room");
         let other = image.create(&dint("Other")).expect("room");

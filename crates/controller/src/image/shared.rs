@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_keeps_what_it_had() {
+    fn a_copy_keeps_its_values() {
         let mut memory = Memory::default();
         (0..100).for_each(|byte| memory.insert(usize::from(byte), vec![byte]));
         let copy = memory.clone();

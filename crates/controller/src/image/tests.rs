@@ -85,7 +85,7 @@ fn every_tag_has_a_permanent_id_a_type_and_bytes() {
 }
 
 #[test]
-fn clients_write_what_is_theirs() {
+fn clients_write_inputs_and_not_status() {
     let mut image = image();
     #[rustfmt::skip]
     let cases = [
@@ -135,7 +135,7 @@ fn enable_in_has_edges_and_enable_out_follows() {
 }
 
 #[test]
-fn an_instruction_tag_calls_with_what_it_holds() {
+fn an_instruction_tag_calls_with_its_members() {
     let mut image = image();
     for (text, value) in [("Move1.Position[1]", 12.5), ("Move1.Speed", 40.0)] {
         image.write_value(&path(text), Value::Lreal(value)).expect("writable");

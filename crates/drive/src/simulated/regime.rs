@@ -22,7 +22,7 @@ pub(crate) struct Loop {
 
 /// The limits of a drive, more than 0; infinite for no limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Limits {
+pub(crate) struct DriveLimits {
     /// Units/s.
     pub(crate) speed: f64,
     /// Units/s².
@@ -42,7 +42,7 @@ pub(crate) enum Regime {
 
 /// The axis at an instant, and the command from there on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct State {
+pub(crate) struct LoopState {
     pub(crate) error: f64,
     pub(crate) velocity: f64,
     pub(crate) regime: Regime,
@@ -50,7 +50,7 @@ pub(crate) struct State {
 }
 
 /// Error and velocities in a regime, from its beginning on.
-struct Course {
+struct RegimeCurves {
     error: Curve,
     asked: Curve,
     velocity: Curve,
@@ -85,7 +85,7 @@ impl Loop {
     }
 }
 
-impl Limits {
+impl DriveLimits {
     /// The regime of an axis whose velocity differs from that of the loop.
     pub(crate) fn regime_at(&self, asked: f64, velocity: f64) -> Regime {
         let wanted = asked.clamp(-self.speed, self.speed);
@@ -99,25 +99,25 @@ impl Limits {
     }
 }
 
-impl State {
+impl LoopState {
     /// The state after a span of time, and the part of the span for which its regime has lasted. Bounded.
-    pub(crate) fn after(mut self, control: &Loop, limits: &Limits, span: f64) -> (State, f64) {
+    pub(crate) fn after(mut self, control: &Loop, limits: &DriveLimits, span: f64) -> (LoopState, f64) {
         let mut left = span;
         for _ in 0..MAX_SWITCHES {
-            let course = self.course(control);
-            let Some(end) = self.end(&course, control, limits, left) else {
+            let curves = self.curves(control);
+            let Some(end) = self.end(&curves, control, limits, left) else {
                 break;
             };
-            self.advance(&course, limits, end);
+            self.advance(&curves, limits, end);
             left = (left - end).max(0.0);
             self.switch(control, limits);
         }
-        let course = self.course(control);
-        self.advance(&course, limits, left);
+        let curves = self.curves(control);
+        self.advance(&curves, limits, left);
         (self, left)
     }
 
-    fn course(&self, control: &Loop) -> Course {
+    fn curves(&self, control: &Loop) -> RegimeCurves {
         let (error, velocity) = match self.regime {
             Regime::Linear => {
                 let [p0, p1, p2] = control.particular(&self.command);
@@ -131,7 +131,7 @@ impl State {
             Regime::Speed(velocity) => (self.behind(velocity, 0.0), cubic([velocity, 0.0, 0.0, 0.0])),
             Regime::Torque(rate) => (self.behind(self.velocity, rate), cubic([self.velocity, rate, 0.0, 0.0])),
         };
-        Course {
+        RegimeCurves {
             error,
             asked: control.asked(&error, &self.command),
             velocity,
@@ -145,31 +145,31 @@ impl State {
     }
 
     /// The instant of the regime's end, if it is within a span.
-    fn end(&self, course: &Course, control: &Loop, limits: &Limits, span: f64) -> Option<f64> {
+    fn end(&self, curves: &RegimeCurves, control: &Loop, limits: &DriveLimits, span: f64) -> Option<f64> {
         let mut first = None;
         let mut ends = |curve: Curve| {
             first = curve.first_above(first.unwrap_or(span)).or(first);
         };
         match self.regime {
             Regime::Linear => {
-                let rate = course.asked.slope();
+                let rate = curves.asked.slope();
                 let [speed, torque] = self.margins(control, limits);
                 for sign in [1.0, -1.0] {
-                    ends(course.asked.above(sign, limits.speed + speed));
+                    ends(curves.asked.above(sign, limits.speed + speed));
                     ends(rate.above(sign, limits.torque + torque));
                 }
             }
-            Regime::Speed(velocity) => ends(course.asked.above(-velocity.signum(), -limits.speed)),
+            Regime::Speed(velocity) => ends(curves.asked.above(-velocity.signum(), -limits.speed)),
             Regime::Torque(rate) => {
-                ends(course.velocity.minus(&course.asked).above(rate.signum(), 0.0));
-                ends(course.velocity.above(rate.signum(), limits.speed));
+                ends(curves.velocity.minus(&curves.asked).above(rate.signum(), 0.0));
+                ends(curves.velocity.above(rate.signum(), limits.speed));
             }
         }
         first
     }
 
     /// The excess of the loop over the limits of speed and torque up to which it is not limited.
-    fn margins(&self, control: &Loop, limits: &Limits) -> [f64; 2] {
+    fn margins(&self, control: &Loop, limits: &DriveLimits) -> [f64; 2] {
         let [c0, c1, c2] = self.command.c.map(f64::abs);
         let k = control.gain;
         let speed = k * self.error.abs() + c0 + (c1 + c2 / k) / k;
@@ -179,14 +179,14 @@ impl State {
         ]
     }
 
-    fn advance(&mut self, course: &Course, limits: &Limits, span: f64) {
-        self.error = course.error.at(span);
-        self.velocity = course.velocity.at(span).clamp(-limits.speed, limits.speed);
+    fn advance(&mut self, curves: &RegimeCurves, limits: &DriveLimits, span: f64) {
+        self.error = curves.error.at(span);
+        self.velocity = curves.velocity.at(span).clamp(-limits.speed, limits.speed);
         self.command = self.command.from(span);
     }
 
     /// Determines the next regime. The axis has just reached the velocity of the loop, or is about to deviate from it.
-    fn switch(&mut self, control: &Loop, limits: &Limits) {
+    fn switch(&mut self, control: &Loop, limits: &DriveLimits) {
         let [c0, c1, _] = self.command.c;
         let asked = control.gain * self.error + control.feedforward * c0;
         let rate = control.gain * (c0 - self.velocity) + control.feedforward * c1;

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 use arcline_profile::KinematicState;
 
 use super::encoder::Encoder;
-use super::regime::{Limits, Loop, Regime, State};
+use super::regime::{DriveLimits, Loop, LoopState, Regime};
 use super::settings::Settings;
 use crate::Saturation;
 
@@ -23,7 +23,7 @@ use crate::Saturation;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     control: Loop,
-    limits: Option<Limits>,
+    limits: Option<DriveLimits>,
     encoder: Encoder,
     command: KinematicState,
     error: f64,
@@ -53,7 +53,7 @@ impl Servo {
                 gain: TAU * settings.bandwidth,
                 feedforward: settings.feedforward,
             },
-            limits: (speed.is_finite() || torque.is_finite()).then_some(Limits { speed, torque }),
+            limits: (speed.is_finite() || torque.is_finite()).then_some(DriveLimits { speed, torque }),
             encoder: Encoder {
                 resolution: settings.encoder_resolution,
             },
@@ -169,7 +169,7 @@ impl Servo {
         let velocity = Velocity::between(&before, &command, period);
         match self.limits {
             Some(limits) => {
-                let state = State {
+                let state = LoopState {
                     error: self.error,
                     velocity: self.actual.velocity,
                     regime: self.regime,
@@ -242,7 +242,7 @@ impl Velocity {
         }
     }
 
-    /// The same, relative to a later instant.
+    /// The velocity relative to a later instant.
     pub(crate) fn from(&self, t: f64) -> Self {
         let [c0, c1, c2] = self.c;
         Velocity {

@@ -286,7 +286,7 @@ fn trailing_operands_can_be_left_out() {
 }
 
 #[test]
-fn what_cannot_be_bound_is_told() {
+fn operands_that_cannot_be_bound_are_reported() {
     #[rustfmt::skip]
     let cases = [
         ("MCLM", "0, Everywhere", "MCLM: operand 3 (Position) is \"Everywhere\", expected an array of numbers"),

@@ -6,7 +6,7 @@ use super::resolve::{resolved, total};
 use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};
-use crate::operands::{OperandValue, Operands, Reader};
+use crate::operands::{OperandReader, OperandValue, Operands};
 use crate::{AxisId, Mnemonic, TagAddress};
 
 const CAM_PROFILE_NOTE: &str = "a calculated profile";

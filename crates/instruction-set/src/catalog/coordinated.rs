@@ -6,7 +6,7 @@ use super::resolve::{resolved, total};
 use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::{ArrayRule, Axes, Instruction, Object, Range, Timing};
-use crate::operands::{OperandValue, Operands, Reader};
+use crate::operands::{OperandReader, OperandValue, Operands};
 use crate::{AxisId, Mnemonic, RealArray, SystemId, TagAddress, WrittenArray};
 
 const POSITION_NOTE: &str = "position units: end point or increments";

@@ -5,7 +5,7 @@ use super::resolve::{resolved, total};
 use super::row::*;
 use crate::enumerations::StopMode;
 use crate::instruction::{Axes, Instruction, Object, Range, Timing};
-use crate::operands::{OperandValue, Operands, Reader};
+use crate::operands::{OperandReader, OperandValue, Operands};
 use crate::{Mnemonic, TagAddress, WrittenArray};
 
 instructions! {

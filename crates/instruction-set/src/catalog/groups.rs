@@ -3,7 +3,7 @@
 use super::row::*;
 use crate::enumerations::*;
 use crate::instruction::Range;
-use crate::operands::{OperandValue, Operands, Reader};
+use crate::operands::{OperandReader, OperandValue, Operands};
 use crate::{RealArray, Words, WrittenArray};
 
 operand_groups! {

@@ -260,7 +260,7 @@ macro_rules! operand_groups {
             }
 
             impl Operands for $group {
-                fn read(reader: &mut Reader<'_>) -> Self {
+                fn read(reader: &mut OperandReader<'_>) -> Self {
                     $group {
                         $($field: Operands::read(reader),)*
                     }
@@ -312,7 +312,7 @@ macro_rules! instructions {
             }
 
             impl Operands for $mnemonic {
-                fn read(reader: &mut Reader<'_>) -> Self {
+                fn read(reader: &mut OperandReader<'_>) -> Self {
                     let _ = &reader;
                     $mnemonic {
                         $(

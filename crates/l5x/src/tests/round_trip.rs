@@ -28,7 +28,7 @@ fn the_default_configuration() {
 }
 
 #[test]
-fn what_l5x_has_no_place_for() {
+fn an_export_lists_the_keys_that_l5x_cannot_hold() {
     let config = r#"
         [server]
         name = "<A & 'B' \"C\">"

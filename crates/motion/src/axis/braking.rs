@@ -1,6 +1,6 @@
 //! Stops of one axis: of one generator, of all motion of single-axis instructions, or of all motion.
 //!
-//! Not here: which instructions stop what (`crate::motion`, `crate::instructions`). Units: position units, seconds. Nothing allocates.
+//! Not here: the instructions that stop an axis (`crate::motion`, `crate::instructions`). Units: position units, seconds. Nothing allocates.
 
 use arcline_planner::Instant;
 use arcline_planner::profile::{Jerk, Limits, Profile};
@@ -25,7 +25,7 @@ impl Axis {
         }
         let before = generator.in_force.filter(|_| generator.follower.is_none());
         let limits_of_stop = stopping(limits, before.as_ref());
-        let stop = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        let stop = Profile::stop_within(from, limits, before.as_ref(), self.dynamics_bits);
         generator.jerk = generator.highest_jerk();
         // A stop is a function of time, even if the motion that it stops is a function of a master.
         generator.follower = None;
@@ -47,7 +47,7 @@ impl Axis {
         }
     }
 
-    /// The stop of an axis that would lead a robot out of its reach: at the axis's maxima, with no less jerk than the programmed jerk of
+    /// The stop of an axis that would move a robot out of its reach: at the axis's maxima, with no less jerk than the programmed jerk of
     /// the generators that move it.
     pub(crate) fn guarded_stop(&self) -> Limits {
         let mut limits = self.dynamics.stop(self.is_s_curve());
@@ -70,14 +70,14 @@ impl Axis {
         }
         let started_at = self.started_at;
         let before = self.sum.in_force(|_| true);
-        let profile = Profile::stop_within(from, limits, before.as_ref(), self.bounds);
+        let profile = Profile::stop_within(from, limits, before.as_ref(), self.dynamics_bits);
         let mut stop = Generator::planned(profile, now);
         stop.set_limits_in_force(&stopping(limits, before.as_ref()));
         stop.execution = execution;
         stop.stopping = true;
         stop.brake = Some(*limits);
         stop.s_curve = limits.jerk.is_some();
-        stop.parting = self.is_parting();
+        stop.after_transform = self.stops_after_transform();
         stop.coordinated = self.has_coordinated_motion();
         self.after_stop = AfterStop::Hold;
         self.sum.set_position(from.position);
@@ -115,7 +115,7 @@ impl Axis {
         stop.stopping = true;
         stop.s_curve = limits.jerk.is_some();
         if let Some(earlier) = self.sum.get(GeneratorKind::Stop) {
-            (stop.parting, stop.coordinated) = (earlier.parting, earlier.coordinated);
+            (stop.after_transform, stop.coordinated) = (earlier.after_transform, earlier.coordinated);
         }
         let started_at = self.started_at;
         for kind in GeneratorKind::ALL {

@@ -142,7 +142,10 @@ impl Axis {
         let reports = generator.execution.filter(|_| generator.stopping);
         let ended = generator.execution.filter(|_| !generator.stopping);
         let own = generator.timed(clock);
-        let sooner = own.is_some() && generator.soonest(own, generator.now, limits, self.bounds).is_none();
+        let sooner = own.is_some()
+            && generator
+                .soonest(own, generator.now, limits, self.dynamics_bits)
+                .is_none();
         if let Some(ended) = ended {
             controls.end_move(ended, 0);
         }

@@ -241,7 +241,7 @@ impl Faults {
         self.latched.kinds().any(|kind| self.actions.of(kind).stops())
     }
 
-    /// The axis has left its travel, and motion in this direction leads further out.
+    /// The axis has left its travel, and motion in this direction goes further out.
     pub(crate) fn forbids(&self, direction: f64) -> bool {
         TRAVEL.into_iter().any(|(side, kind)| {
             let outside = (self.homed && self.side == side) || self.injected.contains(kind);

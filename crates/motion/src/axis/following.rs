@@ -14,14 +14,14 @@ use super::generator_kind::GeneratorKind;
 use crate::masters::gear::Gear;
 use crate::transforms::id::TransformId;
 
-/// An axis's part in transforms.
+/// The transforms to which an axis belongs.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TransformPart {
+pub(crate) struct TransformMembership {
     /// The transform whose target the axis belongs to.
     pub(crate) target_of: Option<TransformId>,
     /// Transforms whose sources the axis belongs to, a bit for each.
     pub(crate) source_of: u64,
-    /// The position that the axis keeps, in the frame of its generator, while no transform leads it.
+    /// The position that the axis keeps, in the frame of its generator, while no transform moves it.
     pub(crate) rest: f64,
     /// The feedback of transforms that have ended.
     pub(crate) settled: f64,
@@ -55,29 +55,29 @@ impl Axis {
     }
 
     /// A generator brakes motion that a cancelled transform left.
-    pub(crate) fn is_parting(&self) -> bool {
-        self.sum.active().any(|(_, generator)| generator.parting)
+    pub(crate) fn stops_after_transform(&self) -> bool {
+        self.sum.active().any(|(_, generator)| generator.after_transform)
     }
 
     /// Brakes the motion that a cancelled transform left, together with that of earlier ones.
-    pub(crate) fn leave_transform(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
+    pub(crate) fn brake_after_transform(&mut self, moved: KinematicState, limits: &Limits, now: Instant) {
         let mut from = KinematicState {
             position: self.command.position,
             velocity: moved.velocity,
             acceleration: moved.acceleration,
         };
-        if let Some(earlier) = self.sum.get(GeneratorKind::Parting) {
+        if let Some(earlier) = self.sum.get(GeneratorKind::TransformStop) {
             from.velocity += earlier.now.velocity;
             from.acceleration += earlier.now.acceleration;
         }
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
-        let mut generator = Generator::planned(Profile::stop_within(from, limits, None, self.bounds), now);
+        let mut generator = Generator::planned(Profile::stop_within(from, limits, None, self.dynamics_bits), now);
         generator.stopping = true;
-        generator.parting = true;
+        generator.after_transform = true;
         generator.s_curve = limits.jerk.is_some();
-        self.sum.begin(GeneratorKind::Parting, generator);
+        self.sum.begin(GeneratorKind::TransformStop, generator);
         self.command = self.sum.command();
         self.stale = true;
     }

@@ -77,7 +77,7 @@ pub(crate) struct Generator {
     /// The highest programmed jerk before it was stopped, units/s³.
     pub(super) jerk: f64,
     /// It brakes motion that a cancelled transform left, perhaps besides other motion.
-    pub(crate) parting: bool,
+    pub(crate) after_transform: bool,
     /// It also brakes coordinated motion that was ended.
     pub(crate) coordinated: bool,
     /// A stop of the whole axis brakes it on its path; no other motion can begin meanwhile.
@@ -111,7 +111,7 @@ impl Generator {
             over: false,
             in_force: None,
             jerk: 0.0,
-            parting: false,
+            after_transform: false,
             coordinated: false,
             ending: false,
             origin: 0.0,

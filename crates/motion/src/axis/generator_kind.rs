@@ -22,7 +22,7 @@ pub(crate) enum GeneratorKind {
     /// MCT: the axis follows another coordinate system, or follows it through the feedback of the transform.
     Transform,
     /// The stop of an axis after the cancellation of its transform.
-    Parting,
+    TransformStop,
     /// MAM of a master offset: it shifts the master position that the position cam reads, and moves the axis only through the cam. Its
     /// frame is the offset, master units.
     MasterOffset,
@@ -39,12 +39,12 @@ impl GeneratorKind {
         GeneratorKind::PositionCam,
         GeneratorKind::TimeCam,
         GeneratorKind::Transform,
-        GeneratorKind::Parting,
+        GeneratorKind::TransformStop,
         GeneratorKind::MasterOffset,
     ];
 
     /// The kinds whose profile can be a function of a master's displacement.
-    pub(crate) const GUIDED: [GeneratorKind; 3] =
+    pub(crate) const MASTER_DRIVEN: [GeneratorKind; 3] =
         [GeneratorKind::Move, GeneratorKind::Jog, GeneratorKind::MasterOffset];
 
     /// A single-axis instruction begins it; merges and stops of the axis end it.
@@ -67,7 +67,7 @@ impl GeneratorKind {
 
     /// It is the motion of a transform, or the motion that a cancelled transform left.
     pub(crate) fn is_of_transforms(self) -> bool {
-        matches!(self, GeneratorKind::Transform | GeneratorKind::Parting)
+        matches!(self, GeneratorKind::Transform | GeneratorKind::TransformStop)
     }
 
     /// Its name in messages.
@@ -82,7 +82,7 @@ impl GeneratorKind {
             GeneratorKind::PositionCam => "MAPC",
             GeneratorKind::TimeCam => "MATC",
             GeneratorKind::Transform => "a transform",
-            GeneratorKind::Parting => "the stop of a cancelled transform",
+            GeneratorKind::TransformStop => "the stop of a cancelled transform",
             GeneratorKind::MasterOffset => "a master offset",
         }
     }

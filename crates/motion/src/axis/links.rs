@@ -29,7 +29,7 @@ impl Axis {
         if cam.is_some() {
             self.end_pending_cams(Some(GeneratorKind::TimeCam), controls);
         }
-        for kind in GeneratorKind::GUIDED
+        for kind in GeneratorKind::MASTER_DRIVEN
             .into_iter()
             .chain(cam.map(|_| GeneratorKind::TimeCam))
         {
@@ -49,7 +49,7 @@ impl Axis {
         }
         let follower = |kind| self.sum.get(kind)?.follower.map(|follower| follower.link);
         let cam = self.cam(GeneratorKind::TimeCam).and_then(Cam::link);
-        let [moves, jogs, offsets] = GeneratorKind::GUIDED.map(follower);
+        let [moves, jogs, offsets] = GeneratorKind::MASTER_DRIVEN.map(follower);
         let used = [moves, jogs, offsets, cam];
         for link in self.links.iter_mut() {
             link.show_active(used.contains(&Some(link.id)), controls);

@@ -20,7 +20,7 @@ pub(crate) mod sum;
 
 use arcline_instruction_set::ExceptionAction;
 use arcline_planner::Clock;
-use arcline_planner::profile::Bounds;
+use arcline_planner::profile::DynamicsBits;
 use arcline_profile::KinematicState;
 
 use crate::cause::Cause;
@@ -34,7 +34,7 @@ use camming::Cams;
 use drive_link::DriveLink;
 use faults::Faults;
 use feed::EncoderFeed;
-use following::TransformPart;
+use following::TransformMembership;
 use generator::Generator;
 use generator_kind::GeneratorKind;
 use homing::Homing;
@@ -82,12 +82,12 @@ pub(crate) struct Axis {
     pub(crate) started_at: [f64; 2],
     pub(crate) dynamics: Maxima,
     /// The Dynamics Configuration Bits.
-    pub(crate) bounds: Bounds,
+    pub(crate) dynamics_bits: DynamicsBits,
     /// The greatest distance of its positions from 0, position units.
     pub(crate) range: f64,
     pub(crate) unwind: Option<f64>,
     pub(crate) is_virtual: bool,
-    pub(crate) transforms: TransformPart,
+    pub(crate) transforms: TransformMembership,
     /// Links to masters (MDAC).
     pub(crate) links: AxisMasterLinks,
     /// The state of its position cams, and of its time cams.
@@ -140,11 +140,11 @@ impl Axis {
             redefined: start.redefined,
             started_at: [position; 2],
             dynamics: Maxima::from(description),
-            bounds: description.dynamics_bits,
+            dynamics_bits: description.dynamics_bits,
             range: description.range(clock.period()),
             unwind: description.unwind,
             is_virtual: description.is_virtual(),
-            transforms: TransformPart::default(),
+            transforms: TransformMembership::default(),
             links: AxisMasterLinks::default(),
             cams: Default::default(),
             stop_mode: description.programmed_stop_mode,
@@ -177,7 +177,7 @@ impl Axis {
         self.transforms.controlled || self.moves_itself()
     }
 
-    /// The same, without transforms.
+    /// A generator apart from a transform's moves the axis, or reserves it for motion.
     pub(crate) fn moves_itself(&self) -> bool {
         self.sum.is_active_but(GeneratorKind::Transform)
     }
@@ -214,7 +214,7 @@ impl Axis {
 
     /// A stop brakes the axis, or the motion that a cancelled transform left: the stop of a coordinate system waits for both.
     pub(crate) fn is_braking(&self) -> bool {
-        self.is_stopping() || self.sum.is_active(GeneratorKind::Parting)
+        self.is_stopping() || self.sum.is_active(GeneratorKind::TransformStop)
     }
 
     /// A coordinate system moves the axis, beyond the stop of an ended move.
@@ -244,14 +244,14 @@ impl Axis {
             .is_some_and(|generator| generator.ending)
     }
 
-    /// Makes the axis part of a coordinated move that starts at the present command position.
-    pub(crate) fn join(&mut self, s_curve: bool) {
+    /// Begins the coordinated motion of the axis, for a move that starts at the present command position.
+    pub(crate) fn begin_coordinated(&mut self, s_curve: bool) {
         self.begin(GeneratorKind::System, Generator::followed(s_curve));
     }
 
-    /// Makes the axis part of a coordinated move whose path starts at the position that the axis had when the move was executed. The planning
+    /// Begins the coordinated motion of the axis, for a move whose path starts at the position that the axis had when the move was executed. The planning
     /// of a contour takes time, and other instructions may have moved the axis since.
-    pub(crate) fn join_from(&mut self, s_curve: bool, start: f64) {
+    pub(crate) fn begin_coordinated_from(&mut self, s_curve: bool, start: f64) {
         self.mark_start();
         self.sum
             .begin_from(GeneratorKind::System, Generator::followed(s_curve), start);

@@ -17,7 +17,7 @@ impl Axis {
         }
     }
 
-    /// The same for the actual position.
+    /// Redefines the actual position.
     pub(crate) fn redefine_actual(&mut self, position: f64) {
         for _ in 0..2 {
             self.redefine(position - self.actual.position);

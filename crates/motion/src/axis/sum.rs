@@ -238,13 +238,13 @@ impl Sum {
     /// Position, velocity and acceleration of the axis.
     pub(crate) fn command(&self) -> KinematicState {
         let mut total = KinematicState::default();
-        let mut lead = None;
+        let mut first = None;
         for (kind, generator) in self.moving() {
             total.velocity += generator.now.velocity;
             total.acceleration += generator.now.acceleration;
-            lead = lead.or(Some(kind));
+            first = first.or(Some(kind));
         }
-        total.position = match lead.and_then(|kind| self.seen_from(kind, None)) {
+        total.position = match first.and_then(|kind| self.seen_from(kind, None)) {
             Some(position) => position,
             None => self.rest,
         };
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn redefining_shifts_what_is_shown_and_the_end_with_it() {
+    fn redefining_shifts_the_shown_position_and_the_end() {
         let mut sum = Sum::at_rest(0.0);
         begin_move(&mut sum, GeneratorKind::Move, 20.0, &at(0));
         sum.advance(&at(50));

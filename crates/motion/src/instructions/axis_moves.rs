@@ -3,7 +3,7 @@
 use arcline_instruction_set::enumerations::{AxisMerge, MergeSpeed};
 use arcline_instruction_set::{AxisId, AxisIndex, Flag, MotionError};
 use arcline_planner::MasterRate;
-use arcline_planner::profile::{AccelerationRemovalPhase, Bounds, Limits, MOST_OVERSHOOT, Profile};
+use arcline_planner::profile::{AccelerationRemovalPhase, DynamicsBits, Limits, MOST_OVERSHOOT, Profile};
 use arcline_profile::KinematicState;
 
 use super::programmed::{self, Programmed};
@@ -109,7 +109,7 @@ impl AxisMove {
             Goal::Velocity(velocity) => dynamics.jog_limits(from.velocity, velocity),
         };
         let limits = self.without_present_speed(limits, before.as_ref());
-        let removal_phase = removal_phase(motion.axes[axis].bounds, from, &limits, before.as_ref());
+        let removal_phase = removal_phase(motion.axes[axis].dynamics_bits, from, &limits, before.as_ref());
         let profile = Profile::after_removal(removal_phase, from, plan);
         let start = follower.map_or(motion.clock, |follower| follower.clock()).now();
         let mut generator = Generator::planned(profile, start);
@@ -195,12 +195,12 @@ pub(super) struct MoveStart {
 /// The phase that first reduces a present acceleration, such that new limits overshoot the programmed speeds, new and old, by no more than half
 /// (spec/coordinated-instructions.md §5.4).
 pub(super) fn removal_phase(
-    bounds: Bounds,
+    dynamics_bits: DynamicsBits,
     from: KinematicState,
     limits: &Limits,
     before: Option<&Limits>,
 ) -> Option<AccelerationRemovalPhase> {
-    if !bounds.overshoot {
+    if !dynamics_bits.overshoot {
         return None;
     }
     let known = before.map_or(from.velocity.abs(), |before| before.speed);

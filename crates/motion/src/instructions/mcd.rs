@@ -62,7 +62,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     let running = state.sum.get(kind).and_then(|generator| generator.program);
     axis_moves::verify_axis(state, running.is_some_and(|program| program.dynamics.is_s_curve()))?;
     verify::not_stopping(alone(state))?;
-    let (maxima, bounds) = (state.dynamics, state.bounds);
+    let (maxima, dynamics_bits) = (state.dynamics, state.dynamics_bits);
     let Some(generator) = state.sum.get_mut(kind) else {
         return Err(MotionError::IllegalDynamicChange);
     };
@@ -85,14 +85,14 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
             (Goal::Velocity(velocity), dynamics.jog_limits(now.velocity, velocity))
         }
     };
-    if dynamics.speed == 0.0 && bounds.overshoot {
+    if dynamics.speed == 0.0 && dynamics_bits.overshoot {
         limits = pause(now, &limits, before.as_ref());
     }
     // An axis that pauses brakes with its stop jerk, which may be higher than the jerk with which it continues.
-    let rest = (paused && bounds.overshoot)
+    let rest = (paused && dynamics_bits.overshoot)
         .then(|| AccelerationRemovalPhase::before_rest(now, &limits))
         .flatten();
-    let removal_phase = axis_moves::removal_phase(bounds, now, &limits, before.as_ref()).or(rest);
+    let removal_phase = axis_moves::removal_phase(dynamics_bits, now, &limits, before.as_ref()).or(rest);
     let profile = Profile::after_removal(removal_phase, now, |from| match goal {
         Goal::Position(target) => Profile::to_position_two_stage(from, target, &limits),
         Goal::Velocity(velocity) => Profile::to_velocity(from, velocity, &limits),

@@ -18,7 +18,7 @@ use super::moves::{self, JointLimits, Verified};
 use super::{points, programmed};
 use crate::call_data::ReceivedData;
 use crate::dynamics::PathLimits;
-use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, Shape, speed_for_jerk};
+use crate::dynamics::{self, Dynamics, JerkRate, Jerks, Maxima, ProgrammedProfile, speed_for_jerk};
 use crate::execution::Execution;
 use crate::machine::{CoordinateSystem, LimitPolicy, Orientation};
 use crate::masters::links::MasterLink;
@@ -169,7 +169,7 @@ struct PathMove {
 }
 
 impl PathMove {
-    /// The move from a point and an orientation in the queue's frame; `shift` leads from that frame to the present one. The turns counter of J6
+    /// The move from a point and an orientation in the queue's frame; `shift` is the displacement from that frame to the present one. The turns counter of J6
     /// counts whole turns of Rz; that of J4, which turns the opposite way, counts them negatively. The counters of an absolute move are those at
     /// its end; those of an incremental move add turns to its path.
     fn of(data: &PathData, start: &Point, [heading, shift]: [Point; 2]) -> PathMove {
@@ -186,7 +186,7 @@ impl PathMove {
         };
         let mut path = Path::line(*start, end);
         if path.length() == 0.0 {
-            path = Path::standing(*start, rotation.angle());
+            path = Path::stationary(*start, rotation.angle());
         }
         PathMove {
             path,
@@ -255,9 +255,9 @@ fn rates(data: &DynamicsData, linear: &Maxima, orientation: &Orientation, link: 
         deceleration,
     };
     let shape = if data.profile == Some(VelocityProfile::SCurve) {
-        Shape::SCurve(jerks)
+        ProgrammedProfile::SCurve(jerks)
     } else {
-        Shape::Trapezoidal(jerks)
+        ProgrammedProfile::Trapezoidal(jerks)
     };
     let in_units = |number: f64, maximum: f64| {
         if percent {

@@ -201,7 +201,7 @@ fn verify_chain(motion: &mut Motion, target: SystemId, transform: &Transform) ->
     }
     let brakes = |axis: AxisId| {
         let mut braking = motion.transforms.iter().filter(|(_, other)| other.braking);
-        motion.axes[axis].is_parting() || braking.any(|(_, other)| other.has(axis))
+        motion.axes[axis].stops_after_transform() || braking.any(|(_, other)| other.has(axis))
     };
     if transform.axes().any(brakes) {
         return Err(MotionError::TransformIsCanceling);

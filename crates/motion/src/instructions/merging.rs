@@ -59,7 +59,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
         return own;
     }
     let mut all = own;
-    let mut programmed = own.map_or(Point::zeros(), |own| way_of_path(motion, index) * own.speed);
+    let mut programmed = own.map_or(Point::zeros(), |own| path_direction(motion, index) * own.speed);
     for (axis, programmed) in system.description.linear().iter().zip(programmed.iter_mut()) {
         let sum = &motion.axes.get(*axis)?.sum;
         let single = |kind: GeneratorKind| kind.is_single_axis() || kind == GeneratorKind::System && own.is_none();
@@ -85,7 +85,7 @@ fn in_force(motion: &Motion, index: SystemId, merge: Merge) -> Option<Limits> {
 }
 
 /// The direction of the coordinated motion of a system; zeros at rest.
-fn way_of_path(motion: &Motion, index: SystemId) -> Point {
+fn path_direction(motion: &Motion, index: SystemId) -> Point {
     let now = |axis: &Axis| axis.sum.motion_of(|kind| kind == GeneratorKind::System);
     let velocity = command(motion, index, |axis| now(axis).velocity);
     let acceleration = command(motion, index, |axis| now(axis).acceleration);
@@ -97,7 +97,7 @@ fn way_of_path(motion: &Motion, index: SystemId) -> Point {
 /// including coordinated motion of other systems. Axes that the new move does not use brake separately.
 pub(super) fn terminate(motion: &mut Motion, index: SystemId, merge: Merge) {
     motion.systems.end_travel(index, &mut motion.controls);
-    motion.systems[index].part_axes(&mut motion.axes);
+    motion.systems[index].release_axes_in_motion(&mut motion.axes);
     if merge != Merge::AllMotion {
         return;
     }
@@ -157,7 +157,7 @@ impl StartMotion {
         self.turning.and_then(|turning| turning.ramped_out())
     }
 
-    /// The same over the displacement of the master that drives the move.
+    /// The start motion over the displacement of the master that drives the move.
     ///
     /// # Errors
     /// 97, 98 and 102 if the motion of the master or the motion under way does not permit the merge.

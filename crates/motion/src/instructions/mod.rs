@@ -63,7 +63,7 @@ impl Motion {
         self.execute_with(ticket, call, None)
     }
 
-    /// The same with the data of the instruction that stand in tags. Real-time.
+    /// As [`Motion::execute`], with the data of the instruction that stand in tags. Real-time.
     pub fn execute_with(&mut self, ticket: Ticket, call: &Call, data: Option<CallData>) -> MotionControl {
         let execution = Execution {
             ticket,

@@ -160,7 +160,7 @@ pub(super) fn execute(
     verified.launch(motion, index, &taken)
 }
 
-/// The limits that the robots led by a system put on the motion along a path.
+/// The limits that the robots moved by a system put on the motion along a path.
 ///
 /// # Errors
 /// 67, 68 or 72: the error with which a transform would fail along the path.
@@ -197,7 +197,7 @@ pub(super) struct JointLimits {
 }
 
 impl JointLimits {
-    /// The same over the displacement of a master.
+    /// The limits over the displacement of a master.
     pub(super) fn by_master(&self, link: &MasterLink) -> JointLimits {
         JointLimits {
             path: self.path.by_master(link.nominal),
@@ -262,7 +262,7 @@ impl Verified {
             let queued = motion.systems[index].push(planned, &motion.clock);
             queued.map_err(|_| MotionError::CoordinateSystemQueueFull)?;
             if self.heading.is_some() {
-                motion.systems[index].join_turned_axes(&mut motion.axes, self.dynamics.is_s_curve());
+                motion.systems[index].begin_coordinated_rotation(&mut motion.axes, self.dynamics.is_s_curve());
             }
         }
         motion.accept(accepted);

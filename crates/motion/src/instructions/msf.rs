@@ -15,7 +15,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         return Err(MotionError::WrongAxisType(AxisIndex(0)));
     }
     if matches!(state.state, AxisState::Running | AxisState::Starting) {
-        motion.leave(axis);
+        motion.end_all_motion_of(axis);
         motion.axes[axis].disable(AxisState::Stopping);
         motion.done_next_update(execution, axis, Some(AxisState::Stopping));
     } else {

@@ -8,7 +8,9 @@ use arcline_instruction_set::{MotionError, OperandIndex};
 use arcline_planner::MasterRate;
 use arcline_planner::profile::{Limits, stop_distance};
 
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units, in_units, jerk_in_units, speed_for_jerk};
+use crate::dynamics::{
+    Dynamics, JerkRate, Jerks, Maxima, ProgrammedProfile, Units, in_units, jerk_in_units, speed_for_jerk,
+};
 use crate::masters::displacement::Sense;
 use crate::masters::follower::DrivenBy;
 use crate::masters::follower::{LockCondition, MasterFollower};
@@ -108,10 +110,10 @@ impl Programmed {
     }
 
     /// The shape of the profile with these jerks.
-    pub(super) fn shape(&self, jerks: Jerks) -> Shape {
+    pub(super) fn shape(&self, jerks: Jerks) -> ProgrammedProfile {
         match self.profile {
-            VelocityProfile::SCurve => Shape::SCurve(jerks),
-            VelocityProfile::Trapezoidal => Shape::Trapezoidal(jerks),
+            VelocityProfile::SCurve => ProgrammedProfile::SCurve(jerks),
+            VelocityProfile::Trapezoidal => ProgrammedProfile::Trapezoidal(jerks),
         }
     }
 

@@ -11,7 +11,7 @@
 use arcline_instruction_set::MotionError;
 
 use super::programmed::{Programmed, Rates};
-use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, Shape, Units};
+use crate::dynamics::{Dynamics, JerkRate, Jerks, Maxima, ProgrammedProfile, Units};
 
 /// The operand Speed is a duration.
 pub(super) fn is_duration(rates: &Rates) -> bool {
@@ -80,9 +80,9 @@ pub(super) fn dynamics(programmed: &Programmed, distance: f64, maxima: &Maxima) 
         acceleration,
         deceleration,
         shape: if programmed.is_s_curve() {
-            Shape::SCurve(jerks(acceleration / accel_ramp, deceleration / decel_ramp))
+            ProgrammedProfile::SCurve(jerks(acceleration / accel_ramp, deceleration / decel_ramp))
         } else {
-            Shape::Trapezoidal(most)
+            ProgrammedProfile::Trapezoidal(most)
         },
         last_speed: speed,
     }

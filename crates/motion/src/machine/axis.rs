@@ -2,10 +2,10 @@
 
 use arcline_instruction_set::{ExceptionAction, FAULTS, FaultKind, FaultSet};
 
-use arcline_planner::profile::Bounds as DynamicsBits;
+use arcline_planner::profile::DynamicsBits;
 
 use super::home::Home;
-use super::inputs::Inputs;
+use super::inputs::AxisInputs;
 use super::limits::default_jerk;
 
 /// One axis (spec/axis-and-data-types.md §9.1 to §9.4).
@@ -50,7 +50,7 @@ pub struct Axis {
     /// Execution targets of output cams (MAOC), 0 to [`MAX_OUTPUT_TARGETS`](super::MAX_OUTPUT_TARGETS).
     pub output_cam_targets: usize,
     /// Its inputs from tags that clients write.
-    pub inputs: Inputs,
+    pub inputs: AxisInputs,
 }
 
 /// The largest step from one set-point to the next, as multiples of the axis's maxima (spec/axis-and-data-types.md §12).
@@ -161,7 +161,7 @@ impl Axis {
             command_limits: CommandLimits::of_kind(&kind),
             position_error: PositionErrorLimit::default(),
             output_cam_targets: 0,
-            inputs: Inputs::default(),
+            inputs: AxisInputs::default(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 /// Tags that an axis reads, by their paths.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Inputs {
+pub struct AxisInputs {
     /// The source of its position: for an axis of kind [`Feedback`](super::AxisKind::Feedback).
     pub feed: Option<FeedTag>,
     /// Its registration inputs: BOOLs, or bits of integers.

@@ -2,9 +2,9 @@
 
 use arcline_instruction_set::AxisId;
 
+use arcline_contour::Deviation;
 use arcline_kinematics::{Geometry, Parameters, Wrist};
-use arcline_planner::precise::Deviation;
-use arcline_planner::profile::Bounds as DynamicsBits;
+use arcline_planner::profile::DynamicsBits;
 
 use super::limits::{MAX_PRIMARY_AXES, default_jerk};
 
@@ -40,7 +40,7 @@ pub struct CoordinateSystem {
     pub deviation: Deviation,
     /// The axes' own limits lower the path speed, or do not.
     pub axis_limits: LimitPolicy,
-    /// The limits of the joints of robots that a transform leads lower the path speed, or do not.
+    /// The limits of the joints of robots that a transform moves lower the path speed, or do not.
     pub joint_limits: LimitPolicy,
     /// The robot whose joints are the axes of the system; `None`: it is Cartesian.
     pub robot: Option<Robot>,

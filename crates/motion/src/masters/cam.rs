@@ -1,4 +1,4 @@
-//! A slave axis that a cam leads: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
+//! A slave axis that follows a cam: over the position of a master axis, or over time (spec/axis-and-data-types.md §3.9).
 //!
 //! The slave's displacement since the lock of the cam is a function of the master's displacement since then, whatever the update period,
 //! and nothing is integrated: the lock and the ends of the profile are positions of the master, not ticks. Time is a master that moves at
@@ -14,7 +14,7 @@ use arcline_profile::KinematicState;
 
 use super::MasterAt;
 use super::displacement::{Crossing, Displacement, MasterProgress, Sense};
-use super::master::Reader;
+use super::master::PositionReader;
 use crate::execution::Execution;
 use crate::tolerance::CAM_LENGTH_SHARE;
 
@@ -59,7 +59,7 @@ pub(crate) struct Pending {
 pub(crate) struct Cam {
     program: CamProgram,
     /// Its master, or time.
-    master: Reader,
+    master: PositionReader,
     /// The displacement of the master since the lock of the cam.
     displacement: Displacement,
     /// The position of the slave at the lock, in its generator's frame.
@@ -96,7 +96,7 @@ impl Cam {
         };
         Cam {
             follows: lock.is_none(),
-            master: Reader::new(at, clock),
+            master: PositionReader::new(at, clock),
             displacement,
             slave_from: slave,
             position: entry,

@@ -4,7 +4,7 @@
 //! master has reached: the follower stands while the master returns, and follows again from the furthest position on. Nothing is integrated:
 //! a displacement is a difference of two positions. Units: master units.
 
-use super::master::Reader;
+use super::master::PositionReader;
 
 /// The direction in which a follower follows its master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,7 +125,7 @@ impl Displacement {
     }
 
     /// The motion of the master since the previous tick. `shift`: from positions of the lock to those of the reader.
-    pub(super) fn go_on(&mut self, master: &Reader, shift: f64) -> MasterProgress {
+    pub(super) fn go_on(&mut self, master: &PositionReader, shift: f64) -> MasterProgress {
         let now = master.now.position;
         let mut locks = false;
         if let Lock::Waiting(crossing) = self.lock {
@@ -157,7 +157,7 @@ impl Displacement {
 
     /// The lock position lies in the lock direction from the master's position at the previous tick; `shift` as in
     /// [`Displacement::go_on`].
-    pub(super) fn is_ahead(&self, master: &Reader, shift: f64) -> bool {
+    pub(super) fn is_ahead(&self, master: &PositionReader, shift: f64) -> bool {
         match (self.lock, self.sense) {
             (Lock::Waiting(crossing), Some(sense)) => {
                 let next = crossing.shifted(shift).next(master.before, sense);
@@ -178,7 +178,7 @@ impl Displacement {
     }
 
     /// The displacement of the master, with its sign.
-    pub(super) fn gone(&self, master: &Reader) -> f64 {
+    pub(super) fn gone(&self, master: &PositionReader) -> f64 {
         match self.sense {
             Some(sense) => sense.sign() * self.furthest,
             None => master.now.position - self.from,

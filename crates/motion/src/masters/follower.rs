@@ -202,7 +202,7 @@ mod tests {
     }
 
     /// The displacements of a follower while its master moves through positions, starting at the first.
-    fn ways(lock: LockCondition, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
+    fn displacements(lock: LockCondition, unwind: Option<f64>, positions: &[f64]) -> Vec<(f64, bool)> {
         let clock = Clock::at(0, PERIOD_NS);
         let first = at(positions[0]);
         let master = Master::new(AxisId(0), Reference::Command, &first, &clock);
@@ -217,19 +217,19 @@ mod tests {
             &first,
             &clock,
         );
-        let mut ways = vec![(follower.displacement(), follower.follows)];
+        let mut displacements = vec![(follower.displacement(), follower.follows)];
         for (tick, position) in (1..).zip(&positions[1..]) {
             follower.advance(&at(*position), &Clock::at(tick, PERIOD_NS));
-            ways.push((follower.displacement(), follower.follows));
+            displacements.push((follower.displacement(), follower.follows));
         }
-        ways
+        displacements
     }
 
     /// The reason, the lock, the master's unwind, its positions, and the displacement at each.
     type Case<'a> = (&'a str, LockCondition, Option<f64>, &'a [f64], &'a [(f64, bool)]);
 
     #[test]
-    fn a_way_is_how_far_the_master_has_gone_in_the_lock_direction() {
+    fn a_displacement_is_the_farthest_distance_of_the_master_in_the_lock_direction() {
         use Sense::{Forward, Reverse};
         #[rustfmt::skip]
         let cases: [Case<'_>; 9] = [
@@ -241,7 +241,7 @@ mod tests {
                 &[(0.0, true), (4.0, true), (4.0, false), (4.0, false), (4.0, false), (5.0, true)]),
             ("a position that is crossed",  lock(Forward, Some(10.0)), None, &[0.0, 9.0, 12.0, 13.0],
                 &[(0.0, false), (0.0, false), (2.0, true), (3.0, true)]),
-            ("standing on it",              lock(Forward, Some(0.0)), None, &[0.0, 9.0, 0.0, -1.0, 0.0, 1.0],
+            ("at rest on it",               lock(Forward, Some(0.0)), None, &[0.0, 9.0, 0.0, -1.0, 0.0, 1.0],
                 &[(0.0, false), (0.0, false), (0.0, false), (0.0, false), (0.0, true), (1.0, true)]),
             ("crossed the other way",       lock(Reverse, Some(10.0)), None, &[0.0, 12.0, 11.0, 8.0],
                 &[(0.0, false), (0.0, false), (0.0, false), (2.0, true)]),
@@ -249,12 +249,12 @@ mod tests {
                 &[(0.0, false), (0.0, false), (1.0, true)]),
         ];
         for (why, lock, unwind, positions, expected) in cases {
-            assert_eq!(ways(lock, unwind, positions), expected, "{why}");
+            assert_eq!(displacements(lock, unwind, positions), expected, "{why}");
         }
     }
 
     #[test]
-    fn places_and_instants_lie_on_a_straight_line_within_an_update() {
+    fn displacements_and_instants_are_proportional_within_an_update() {
         let clock = Clock::at(0, PERIOD_NS);
         let master = Master::new(AxisId(0), Reference::Command, &at(0.0), &clock);
         let lock = lock(Sense::Forward, None);

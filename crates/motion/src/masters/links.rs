@@ -58,7 +58,7 @@ impl MasterLinks {
         self.active.iter().chain(&self.pending)
     }
 
-    /// The same, mutable.
+    /// The active and the pending link, if they exist, mutable.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut MasterLink> {
         self.active.iter_mut().chain(&mut self.pending)
     }

@@ -14,7 +14,7 @@ use super::MasterAt;
 pub(crate) struct Master {
     pub(crate) axis: AxisId,
     pub(crate) reference: Reference,
-    pub(super) reader: Reader,
+    pub(super) reader: PositionReader,
 }
 
 impl Master {
@@ -23,7 +23,7 @@ impl Master {
         Master {
             axis,
             reference,
-            reader: Reader::new(at, clock),
+            reader: PositionReader::new(at, clock),
         }
     }
 
@@ -41,7 +41,7 @@ impl Master {
 /// The position of a master, or time, tick by tick. It stays continuous when the followers change between the command and the actual
 /// position of the axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reader {
+pub(super) struct PositionReader {
     /// The position that followers read at present; a master without torque has only its actual position.
     read: Reference,
     /// The offset that makes the position continuous across changes between the two.
@@ -52,9 +52,9 @@ pub(super) struct Reader {
     tick: u64,
 }
 
-impl Reader {
+impl PositionReader {
     pub(super) fn new(at: &MasterAt, clock: &Clock) -> Self {
-        Reader {
+        PositionReader {
             read: at.read,
             offset: 0.0,
             before: at.point.position,

@@ -78,7 +78,7 @@ impl Motion {
 
     /// Ends all motion of an axis at once and opens its loop. Motion of other axes that depended on it brakes.
     pub(crate) fn shut_down(&mut self, axis: AxisId) {
-        self.leave(axis);
+        self.end_all_motion_of(axis);
         self.axes[axis].disarm(&mut self.controls);
         self.unlink_slave(axis);
         self.unlink_master(axis);

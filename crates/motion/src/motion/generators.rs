@@ -79,7 +79,7 @@ impl Motion {
     }
 
     /// Removes an axis from all motion: the systems that move it are aborted, and their other axes brake.
-    pub(crate) fn leave(&mut self, axis: AxisId) {
+    pub(crate) fn end_all_motion_of(&mut self, axis: AxisId) {
         for index in self.systems.ids() {
             if self.systems[index].has(axis) {
                 self.systems[index].end_stop(&mut self.controls);

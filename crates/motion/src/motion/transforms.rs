@@ -1,5 +1,5 @@
 //! Transforms from one tick to the next, and the reaction to a robot that cannot follow (spec/coordinated-instructions.md §19.8): the MCT
-//! shows the error, the motion that leads the joints brakes on its path while they can follow, and the transform ends when all axes stand.
+//! shows the error, the motion that moves the joints brakes on its path while they can follow, and the transform ends when all axes stand.
 //!
 //! The check looks ahead over the path of a stop (`crate::transforms`), so the joints stay on the path to the end, within their speeds.
 //! Real-time: nothing allocates; bounded by the transforms, the coordinate systems and the axes.
@@ -50,7 +50,7 @@ impl Motion {
                 }
             }
         }
-        self.transforms.join_cancelled_feedback(&self.axes);
+        self.transforms.merge_cancelled_feedback(&self.axes);
     }
 
     /// Cancels every transform that an axis is part of; the axes that the transforms moved brake at the maxima of their coordinate systems.
@@ -83,14 +83,14 @@ impl Motion {
         cancelled.braking
     }
 
-    /// Fails the instruction of a transform; all motion that leads the target, and the target itself, begins to brake.
+    /// Fails the instruction of a transform; all motion that moves the target, and the target itself, begins to brake.
     fn fail_transform(&mut self, id: TransformId, error: MotionError) {
         if let Some(execution) = self.transforms.begin_braking(id) {
             self.controls.fail(execution, error);
             self.controls.because(execution.into());
         }
         if let Some(target) = self.transforms.get(id).map(|transform| transform.target) {
-            self.brake_what_moves(&target);
+            self.brake_all_motion_of(&target);
         }
         // From the source to the beginning of the chain of transforms.
         let mut next = Some(id);
@@ -99,13 +99,13 @@ impl Motion {
                 break;
             };
             let source = transform.source;
-            next = self.transforms.above(transform).map(|(id, _)| id);
-            self.brake_what_moves(&source);
-            // The source can lead further targets, whose motion leads it, too.
+            next = self.transforms.preceding(transform).map(|(id, _)| id);
+            self.brake_all_motion_of(&source);
+            // The source can move further targets, whose motion moves it by feedback.
             for other in self.transforms.ids() {
                 let other = self.transforms.get(other).filter(|other| share(&other.source, &source));
                 if let Some(target) = other.map(|other| other.target) {
-                    self.brake_what_moves(&target);
+                    self.brake_all_motion_of(&target);
                 }
             }
         }
@@ -113,7 +113,7 @@ impl Motion {
     }
 
     /// Brakes all motion of some axes; motion that brakes already changes to the guard's rates if these bring it to rest sooner.
-    fn brake_what_moves(&mut self, axes: &[AxisId]) {
+    fn brake_all_motion_of(&mut self, axes: &[AxisId]) {
         for index in self.systems.ids() {
             let system = &self.systems[index];
             if system.is_busy() && share(axes, system.taken()) {

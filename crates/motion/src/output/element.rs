@@ -8,7 +8,7 @@ use super::program::{Element, Latch, Unlatch};
 
 /// The state of an element.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct State {
+pub(super) struct ElementState {
     /// The axis is in the compensated range of the latch.
     in_latch: bool,
     /// The axis is in the compensated range of the unlatch.
@@ -46,7 +46,7 @@ pub(super) enum Effect {
     Unlatches,
 }
 
-impl State {
+impl ElementState {
     /// The axis is in the range of the latch or, with false, in that of the unlatch.
     pub(super) fn is_in(&self, latch: bool) -> bool {
         if latch { self.in_latch } else { self.in_unlatch }

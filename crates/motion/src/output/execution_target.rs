@@ -63,7 +63,7 @@ pub(crate) struct Outcome {
 pub(crate) type TargetStatus = [bool; 4];
 
 #[derive(Clone, Debug)]
-pub(crate) struct Target {
+pub(crate) struct ExecutionTarget {
     phase: Phase,
     /// The active cam, the pending one, and the previous one.
     cams: [CamState; 3],
@@ -94,17 +94,17 @@ pub(crate) struct Target {
     /// Bits that are set, as last written, including those of ended cams.
     set: u32,
     locked: bool,
-    /// The pending cam already sets bits.
-    leads: bool,
+    /// The pending cam already sets bits, by its compensation.
+    pending_sets_bits: bool,
     in_transition: bool,
     /// Holds the length of a tick only.
     ticks: Clock,
 }
 
-impl Target {
+impl ExecutionTarget {
     pub(super) fn new(clock: &Clock) -> Self {
         let now = clock.now();
-        Target {
+        ExecutionTarget {
             phase: Phase::Free,
             cams: [CamState::new(), CamState::new(), CamState::new()],
             reference: Reference::Actual,
@@ -125,7 +125,7 @@ impl Target {
             written: TagBits::default(),
             set: 0,
             locked: false,
-            leads: false,
+            pending_sets_bits: false,
             in_transition: false,
             ticks: *clock,
         }
@@ -201,7 +201,7 @@ impl Target {
         let ended = [active.take().filter(|_| alive), pending.take()];
         self.phase = Phase::Free;
         self.written = TagBits::default();
-        (self.locked, self.leads, self.in_transition) = (false, false, false);
+        (self.locked, self.pending_sets_bits, self.in_transition) = (false, false, false);
         ended
     }
 
@@ -273,7 +273,7 @@ impl Target {
     fn owned(&self) -> u32 {
         let mask = |cam_index: usize| self.cams[cam_index].cam().map_or(0, |cam| cam.mask);
         let active = if self.phase == Phase::Armed { mask(ACTIVE) } else { 0 };
-        let pending = if self.leads { mask(PENDING) } else { 0 };
+        let pending = if self.pending_sets_bits { mask(PENDING) } else { 0 };
         active | pending | self.tail()
     }
 

@@ -16,7 +16,7 @@ mod windows;
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
 
-pub(crate) use execution_target::{ArmedCam, Arming, Outcome, TagBits, Target};
+pub(crate) use execution_target::{ArmedCam, Arming, ExecutionTarget, Outcome, TagBits};
 pub use program::{BitCompensation, CamElement, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS, OutputCam, OutputCamError};
 
 use crate::execution::Execution;
@@ -26,7 +26,7 @@ use execution_target::{Edge, MOST_EDGES};
 /// The execution targets of one axis.
 #[derive(Clone, Debug)]
 pub(crate) struct OutputCams {
-    targets: Vec<Target>,
+    targets: Vec<ExecutionTarget>,
     edges: Vec<Edge>,
 }
 
@@ -34,7 +34,7 @@ impl OutputCams {
     /// For an axis with this number of targets.
     pub(crate) fn new(targets: usize, clock: &Clock) -> Self {
         OutputCams {
-            targets: (0..targets).map(|_| Target::new(clock)).collect(),
+            targets: (0..targets).map(|_| ExecutionTarget::new(clock)).collect(),
             edges: Vec::with_capacity(if targets == 0 { 0 } else { MOST_EDGES }),
         }
     }
@@ -47,7 +47,7 @@ impl OutputCams {
         self.targets.len()
     }
 
-    pub(crate) fn target_mut(&mut self, target: usize) -> Option<&mut Target> {
+    pub(crate) fn target_mut(&mut self, target: usize) -> Option<&mut ExecutionTarget> {
         self.targets.get_mut(target)
     }
 
@@ -84,7 +84,7 @@ impl OutputCams {
 
     /// Disarms a target. Returns the instructions of its cams.
     pub(crate) fn disarm(&mut self, target: usize) -> [Option<Execution>; 2] {
-        self.targets.get_mut(target).map_or([None; 2], Target::disarm)
+        self.targets.get_mut(target).map_or([None; 2], ExecutionTarget::disarm)
     }
 
     /// OutputCamStatus, PendingStatus, LockStatus and TransitionStatus: a bit for each target.

@@ -141,26 +141,26 @@ impl System {
                     axis.mark_start();
                 }
                 _ => match start.filter(|_| usize::from(member.0) < linear) {
-                    Some(start) => axis.join_from(s_curve, component(&start, member)),
-                    None => axis.join(s_curve),
+                    Some(start) => axis.begin_coordinated_from(s_curve, component(&start, member)),
+                    None => axis.begin_coordinated(s_curve),
                 },
             }
         }
     }
 
     /// Makes Rx, Ry, Rz part of the pending moves: from now on, other rotation of these axes adds to that of the moves.
-    pub(crate) fn join_turned_axes(&self, axes: &mut Axes, s_curve: bool) {
+    pub(crate) fn begin_coordinated_rotation(&self, axes: &mut Axes, s_curve: bool) {
         for axis in self.description.oriented() {
             if let Some(axis) = axes.get_mut(*axis)
                 && !axis.is_coordinated()
             {
-                axis.join(s_curve);
+                axis.begin_coordinated(s_curve);
             }
         }
     }
 
     /// Releases its axes from its coordinated move in their present motion.
-    pub(crate) fn part_axes(&self, axes: &mut Axes) {
+    pub(crate) fn release_axes_in_motion(&self, axes: &mut Axes) {
         for axis in self.taken() {
             if let Some(axis) = axes.get_mut(*axis) {
                 axis.release();

@@ -17,7 +17,7 @@ use crate::machine::MAX_PRIMARY_AXES;
 use crate::system::{Activity, System, component, numbered};
 use crate::tolerance::{ANGLES_AT_ONCE_DEG, ANGLES_FAR_DEG, HALF_ROTATION_SHARE, HALF_TURN_DEG};
 
-/// The same orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
+/// An orientation with Rx and Rz above -180 up to 180 and Ry from -90 to 90 (spec/coordinated-instructions.md §22.8).
 pub(crate) fn normal(given: &Point) -> Point {
     let upright = Point::new(0.0, 0.0, 0.0);
     let found = angles(&rotation(given), &upright);
@@ -115,7 +115,7 @@ impl System {
         self.travel.last()?.data.heading
     }
 
-    /// The same or, without such a move, the command positions.
+    /// The angles at the end of the last queued move or, without such a move, the command positions.
     pub(crate) fn heading(&self, axes: &Axes) -> Point {
         self.queued_heading().unwrap_or_else(|| self.angles(axes))
     }

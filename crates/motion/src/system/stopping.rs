@@ -13,7 +13,7 @@ use crate::control::Controls;
 use crate::stop::AxisSet;
 
 impl System {
-    /// Brakes its coordinated move on its path, in time: a master no longer leads it. Its instructions have ended.
+    /// Brakes its coordinated move on its path, in time, no longer as a function of a master. Its instructions have ended.
     pub(crate) fn stop_on_path(&mut self, limits: &Limits, clock: &Clock) {
         let tail = self.of_tail(limits);
         if !self.is_busy() {

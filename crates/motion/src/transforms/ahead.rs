@@ -1,4 +1,4 @@
-//! A stop that would begin at the next update: the motions that lead a robot's joints, until they are at rest.
+//! A stop that would begin at the next update: the motions that move a robot's joints, until they are at rest.
 //!
 //! It is the stop that the guard would execute (`crate::motion`), with the present jerk, accelerations and superposed motions. Not here:
 //! the resulting motion of the joints ([`super::guard`]). Real-time: nothing allocates; bounded by the transforms, the coordinate systems
@@ -6,7 +6,7 @@
 
 use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::geometry::{Point as Vector, angle_rates, angles};
-use arcline_planner::profile::{Bounds, Limits, Profile};
+use arcline_planner::profile::{DynamicsBits, Limits, Profile};
 use arcline_planner::{Clock, PathStopping, Sample};
 use arcline_profile::KinematicState;
 
@@ -72,7 +72,7 @@ impl PlannedStops {
 }
 
 impl Present<'_> {
-    /// Plans a stop of all motion that leads a transform, including the target's own motion, from the next update on.
+    /// Plans a stop of all motion that moves a transform, including the target's own motion, from the next update on.
     pub(super) fn plan_ahead(&self, transform: &Transform, ahead: &mut PlannedStops) {
         ahead.paths.clear();
         ahead.axes.clear();
@@ -127,14 +127,14 @@ impl Present<'_> {
         }
     }
 
-    /// The axes of both sides of a transform, and of the sources above it.
+    /// The axes of both sides of a transform, and of the sources of the transforms before it.
     fn involved(&self, transform: &Transform) -> AxisList<INVOLVED> {
         let mut involved: AxisList<INVOLVED> = transform.target.iter().copied().collect();
         let mut next = Some(transform);
         for _ in 0..self.transforms.most() {
             let Some(transform) = next else { break };
             involved.extend(transform.source.iter().copied());
-            next = self.transforms.above(transform).map(|(_, above)| above);
+            next = self.transforms.preceding(transform).map(|(_, preceding)| preceding);
         }
         involved
     }
@@ -157,7 +157,7 @@ impl Present<'_> {
             };
             let stop = kind.is_single_axis().then(|| {
                 let next = coming(generator, own, self.clock.period());
-                generator.soonest(own, next, &limits, state.bounds)
+                generator.soonest(own, next, &limits, state.dynamics_bits)
             });
             let (profile, since) = match (stop.flatten(), own) {
                 (Some(stop), _) => (stop, 0.0),
@@ -224,12 +224,12 @@ impl Present<'_> {
     pub(super) fn source_ahead(&self, transform: &Transform, ahead: &PlannedStops) -> SideState {
         let transforms = self.transforms;
         let mut source = transforms.step_of(transform, &|axis| ahead.step(axis), transforms.most());
-        for (point, above) in source
+        for (point, present) in source
             .iter_mut()
             .zip(&transform.source_before)
             .take(transform.source.len())
         {
-            point.position += above.position;
+            point.position += present.position;
         }
         source
     }
@@ -257,13 +257,13 @@ impl Generator {
         own: Option<(&Profile, f64)>,
         mut from: KinematicState,
         limits: &Limits,
-        bounds: Bounds,
+        dynamics_bits: DynamicsBits,
     ) -> Option<Profile> {
         if limits.jerk.is_none() {
             from.acceleration = 0.0;
         }
         let before = self.in_force.filter(|_| self.follower.is_none());
-        let stop = Profile::stop_within(from, limits, before.as_ref(), bounds);
+        let stop = Profile::stop_within(from, limits, before.as_ref(), dynamics_bits);
         let sooner =
             own.is_some_and(|(own, since)| own.end().velocity == 0.0 && own.duration() - since <= stop.duration());
         (!sooner).then_some(stop)
@@ -280,5 +280,5 @@ impl Generator {
 
 /// Axes of a transform and of its sources: four systems.
 const INVOLVED: usize = 4 * MAX_SYSTEM_AXES;
-/// Generators in one plan; further ones are noticed only after they have led the joints too far.
+/// Generators in one plan; further ones are noticed only after they have moved the joints too far.
 const AXIS_STOPS: usize = 32;

@@ -1,4 +1,4 @@
-//! The end of a transform: the source leads the target no longer, and the target's motion brakes (spec/coordinated-instructions.md §15.1,
+//! The end of a transform: the source moves the target no longer, and the target's motion brakes (spec/coordinated-instructions.md §15.1,
 //! §19.7).
 
 use arcline_instruction_set::AxisId;
@@ -61,15 +61,15 @@ impl Transforms {
         // Every axis leaves the transform before any of them brakes, so positions stay unchanged.
         self.keep_feedback(id, &transform);
         for (axis, feedback) in transform.source.iter().zip(&transform.feedback) {
-            let part = &mut axes[*axis].transforms;
-            part.settled += feedback.position;
-            part.source_of &= !id.bit();
+            let membership = &mut axes[*axis].transforms;
+            membership.settled += feedback.position;
+            membership.source_of &= !id.bit();
             self.release(*axis, axes);
         }
-        for (axis, led) in transform.target.iter().zip(&transform.target_set_points) {
-            let part = &mut axes[*axis].transforms;
-            part.rest = led.position;
-            part.target_of = None;
+        for (axis, state) in transform.target.iter().zip(&transform.target_set_points) {
+            let membership = &mut axes[*axis].transforms;
+            membership.rest = state.position;
+            membership.target_of = None;
             self.release(*axis, axes);
         }
         let mut braking = AxisSet::default();
@@ -114,7 +114,7 @@ impl Transforms {
     }
 
     /// Includes the feedback of cancelled transforms in that of the others, once all axes of transforms stand.
-    pub(crate) fn join_cancelled_feedback(&mut self, axes: &Axes) {
+    pub(crate) fn merge_cancelled_feedback(&mut self, axes: &Axes) {
         let kept = |(_, transform): (TransformId, &Transform)| transform.cancelled_feedback != Positions::default();
         if !self.iter().any(kept) {
             return;
@@ -147,7 +147,7 @@ fn brake(axis: &mut Axis, moved: &KinematicState, limits: &Limits, now: Instant)
     let stands = moved.velocity == 0.0 && (moved.acceleration == 0.0 || limits.jerk.is_none());
     let brakes = !stands && axis.state == AxisState::Running;
     if brakes {
-        axis.leave_transform(*moved, limits, now);
+        axis.brake_after_transform(*moved, limits, now);
     }
     brakes
 }

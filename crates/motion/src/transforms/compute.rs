@@ -1,9 +1,9 @@
 //! The set-points and the feedback of transforms within a tick (spec/coordinated-instructions.md §19, §20).
 //!
-//! The source leads the target: without motion of its own, the target is at the position to which the [`Map`] takes the source. The
-//! target's own motion leads the source (feedback), so that both stay at the same point. Between Cartesian frames the feedback is a rotation
-//! of the added motion. With a robot's joints the map is not linear: the target's own motion adds to the position at which the source leads
-//! it *before* any feedback ([`Transform::target_before`]), and the feedback of the source follows from the sum.
+//! The source moves the target: without motion of its own, the target is at the position to which the [`Map`] takes the source. The
+//! target's own motion moves the source (feedback), so that both stay at the same point. Between Cartesian frames the feedback is a rotation
+//! of the added motion. With a robot's joints the map is not linear: the target's own motion adds to the position that the source
+//! gives it *before* any feedback ([`Transform::target_before`]), and the feedback of the source follows from the sum.
 //!
 //! Not here: the order of the computation (`crate::order`), the errors of MCT (`instructions::mct`), the reaction to a
 //! robot that cannot follow (`crate::motion`). Nothing allocates. Units: position units, seconds.
@@ -21,9 +21,9 @@ use crate::axis::generator::Generator;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::tolerance::JOINT_AT_ONCE_DEG;
 
-/// A part of the computation of the transform with this index in one tick.
+/// A step of the computation of the transform with this index in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum TransformStep {
     /// The position of the target before any feedback to the source.
     Before(TransformId),
     /// The motion that the target's own motion adds to the source.
@@ -33,12 +33,12 @@ pub(crate) enum Part {
 }
 
 impl Transforms {
-    /// Computes a part of a transform at the present tick. `period`: seconds. Real-time.
-    pub(crate) fn compute(&mut self, part: Part, axes: &mut Axes, period: f64) {
-        match part {
-            Part::Before(id) => self.compute_before(id, axes, period),
-            Part::Feedback(id) => self.compute_feedback(id, axes, period),
-            Part::SetPoints(id) => self.compute_set_points(id, axes, period),
+    /// Computes a step of a transform at the present tick. `period`: seconds. Real-time.
+    pub(crate) fn compute(&mut self, step: TransformStep, axes: &mut Axes, period: f64) {
+        match step {
+            TransformStep::Before(id) => self.compute_before(id, axes, period),
+            TransformStep::Feedback(id) => self.compute_feedback(id, axes, period),
+            TransformStep::SetPoints(id) => self.compute_set_points(id, axes, period),
         }
     }
 
@@ -54,7 +54,7 @@ impl Transforms {
             point.position -= cancelled;
         }
         let target = transform.target_of(&source).and_then(|target| {
-            if !transform.is_led_by_others() {
+            if !transform.is_moved_by_feedback() {
                 within_speeds(transform, axes, [&transform.target_before, &target], period)?;
             }
             Ok(target)
@@ -125,7 +125,7 @@ impl Transforms {
         if source == transform.source_before {
             return Ok(transform.target_before);
         }
-        // Later targets lead the source as well: this target follows the source with all feedback.
+        // Later targets move the source as well: this target follows the source with all feedback.
         let mut whole = source;
         for (whole, feedback) in whole.iter_mut().zip(&transform.feedback) {
             add(whole, feedback);
@@ -177,11 +177,11 @@ impl Transforms {
         let placed = transform.target_of(&source).unwrap_or_default();
         transform.source_before = source;
         for (index, axis) in target_axes.iter().enumerate() {
-            let part = &mut axes[*axis].transforms;
-            transform.offset[index] = part.rest - placed[index].position;
-            transform.target_before[index] = KinematicState::at_rest(part.rest);
-            transform.target_set_points[index] = KinematicState::at_rest(part.rest);
-            part.target_of = Some(id);
+            let membership = &mut axes[*axis].transforms;
+            transform.offset[index] = membership.rest - placed[index].position;
+            transform.target_before[index] = KinematicState::at_rest(membership.rest);
+            transform.target_set_points[index] = KinematicState::at_rest(membership.rest);
+            membership.target_of = Some(id);
         }
         for axis in transform.source.iter() {
             axes[*axis].transforms.source_of |= id.bit();
@@ -221,7 +221,7 @@ impl Transforms {
     }
 
     /// The transform whose target has this axis, and the axis's index there.
-    fn leader(&self, axes: &Axes, axis: AxisId) -> Option<(&Transform, usize)> {
+    fn transform_of_target(&self, axes: &Axes, axis: AxisId) -> Option<(&Transform, usize)> {
         let transform = self.get(axes[axis].transforms.target_of?)?;
         Some((transform, transform.target.index_of(axis)?))
     }
@@ -250,12 +250,12 @@ impl Transforms {
 
     /// The position of an axis by its transforms without any feedback to it.
     fn set_point(&self, axes: &Axes, axis: AxisId) -> KinematicState {
-        let part = &axes[axis].transforms;
-        let mut point = match self.leader(axes, axis) {
+        let membership = &axes[axis].transforms;
+        let mut point = match self.transform_of_target(axes, axis) {
             Some((transform, index)) => transform.target_set_points[index],
-            None => KinematicState::at_rest(part.rest),
+            None => KinematicState::at_rest(membership.rest),
         };
-        point.position += part.settled;
+        point.position += membership.settled;
         point
     }
 
@@ -276,12 +276,12 @@ impl Transforms {
 
     /// An axis without the feedback of one transform and of later ones, before the complete feedback is known.
     fn before_feedback(&self, axes: &Axes, axis: AxisId, id: TransformId) -> KinematicState {
-        let part = &axes[axis].transforms;
-        let mut point = match self.leader(axes, axis) {
+        let membership = &axes[axis].transforms;
+        let mut point = match self.transform_of_target(axes, axis) {
             Some((transform, index)) => transform.target_before[index],
-            None => KinematicState::at_rest(part.rest),
+            None => KinematicState::at_rest(membership.rest),
         };
-        point.position += part.settled;
+        point.position += membership.settled;
         let mut total = seen(&axes[axis], point);
         for (_, other) in self.iter().take_while(|(other, _)| *other < id) {
             if let Some(index) = other.source.index_of(axis) {
@@ -291,7 +291,7 @@ impl Transforms {
         total
     }
 
-    /// The motion of an axis apart from the transform that leads it, since the axis became part of a transform.
+    /// The motion of an axis apart from the transform whose target it belongs to, since the axis became part of a transform.
     fn added(&self, axes: &Axes, axis: AxisId) -> KinematicState {
         let state = &axes[axis];
         let mut added = state.sum.motion_of(|kind| kind != GeneratorKind::Transform);
@@ -301,7 +301,7 @@ impl Transforms {
         added
     }
 
-    /// The same for each axis of a target, since the transform began or since the displacement was included in the source's position.
+    /// The motion of each axis of a target apart from the transform, since the transform began or since the displacement was included in the source's position.
     pub(super) fn added_to(&self, axes: &Axes, transform: &Transform) -> SideState {
         let mut added = SideState::default();
         for ((index, axis), added) in transform.target.iter().enumerate().zip(&mut added) {
@@ -311,13 +311,13 @@ impl Transforms {
         added
     }
 
-    /// The own motion of a target leads the axis; one transform does not count.
+    /// The own motion of a target moves the axis by feedback; one transform does not count.
     fn is_fed_back(&self, axes: &Axes, axis: AxisId, but: Option<TransformId>) -> bool {
         self.fed_back_by(axes, axis, but)
             .any(|transform| transform.target_moves)
     }
 
-    /// An axis moves by other means than a transform that leads it.
+    /// An axis moves by other means than the transform whose target it belongs to.
     pub(super) fn moves_by_itself(&self, axes: &Axes, axis: AxisId) -> bool {
         axes[axis].moves_itself() || self.is_fed_back(axes, axis, None)
     }
@@ -325,18 +325,20 @@ impl Transforms {
     /// An axis of the source moves by other means than the feedback of this transform, and so moves the target.
     pub(super) fn source_moves(&self, axes: &Axes, id: TransformId, transform: &Transform) -> bool {
         transform.source.iter().any(|axis| {
-            let led = self.leader(axes, *axis).is_some_and(|(other, _)| other.source_moves);
-            axes[*axis].moves_itself() || led || self.is_fed_back(axes, *axis, Some(id))
+            let by_source = self
+                .transform_of_target(axes, *axis)
+                .is_some_and(|(other, _)| other.source_moves);
+            axes[*axis].moves_itself() || by_source || self.is_fed_back(axes, *axis, Some(id))
         })
     }
 
     /// Updates whether a transform moves an axis, in the status of the axis.
     pub(crate) fn show_controlled(&self, axis: AxisId, axes: &mut Axes) {
-        let led = self
-            .leader(axes, axis)
+        let by_source = self
+            .transform_of_target(axes, axis)
             .is_some_and(|(transform, _)| transform.source_moves);
         let fed_back = self.is_fed_back(axes, axis, None);
-        axes[axis].transforms.controlled = led || fed_back;
+        axes[axis].transforms.controlled = by_source || fed_back;
     }
 }
 
@@ -350,7 +352,7 @@ fn seen(state: &Axis, point: KinematicState) -> KinematicState {
     total
 }
 
-/// Checks the motion of joints that the source leads in an update against their maximum speeds. `period`: seconds between both states.
+/// Checks the motion of joints that the source moves in an update against their maximum speeds. `period`: seconds between both states.
 ///
 /// # Errors
 /// 69, or 68 if a joint would turn at once; the joints then brake from their earlier motion.
@@ -377,7 +379,10 @@ fn within_speeds(
     Ok(())
 }
 
-/// The same for joints that the target's own motion leads.
+/// Checks the motion of a source's joints by feedback in an update against their maximum speeds. `period`: seconds between both states.
+///
+/// # Errors
+/// As [`within_speeds`].
 fn within_speeds_back(
     transform: &Transform,
     axes: &Axes,

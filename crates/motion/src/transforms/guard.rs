@@ -40,18 +40,18 @@ pub(crate) enum Verdict {
 struct JointSample {
     /// Seconds after the next update.
     at: f64,
-    /// The motion of the joints that the source leads, in the robot's frame.
-    led: SideState,
+    /// The motion of the joints by that of the source, in the robot's frame.
+    by_source: SideState,
     /// The displacement of the joints from their present positions by their own motion.
     own: SideState,
 }
 
 impl JointSample {
     fn joint(&self, index: usize) -> KinematicState {
-        let (led, own) = (&self.led[index], &self.own[index]);
+        let (by_source, own) = (&self.by_source[index], &self.own[index]);
         KinematicState {
-            position: led.position + own.position,
-            velocity: led.velocity + own.velocity,
+            position: by_source.position + own.position,
+            velocity: by_source.velocity + own.velocity,
             acceleration: 0.0,
         }
     }
@@ -68,7 +68,7 @@ enum IntervalVerdict {
 
 /// The limits of a joint.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct JointLimits {
     /// Units/s.
     speed: f64,
     /// Its permitted positions, in the frame of [`JointSample::joint`].
@@ -85,7 +85,7 @@ struct StopAhead<'a> {
     /// Follows the joints from sample to sample.
     robot: RobotMap,
     now: JointSample,
-    bounds: [Bounds; MAX_SYSTEM_AXES],
+    bounds: [JointLimits; MAX_SYSTEM_AXES],
     /// Samples whose intervals are to be judged, the last one first.
     goals: [JointSample; DEPTH],
     /// Remaining samples between others.
@@ -125,7 +125,7 @@ impl Present<'_> {
         if !transform.has_robot_target() || !(transform.source_moves || transform.target.iter().any(own)) {
             return Ok(());
         }
-        if self.is_led_by_others(id, transform) {
+        if self.source_moves_by_feedback(id, transform) {
             return self.check_next_update(transform, robot);
         }
         self.plan_ahead(transform, ahead);
@@ -156,11 +156,11 @@ impl Present<'_> {
     fn joints_now(&self, transform: &Transform) -> JointSample {
         let mut sample = JointSample {
             at: -self.clock.period(),
-            led: transform.target_before,
+            by_source: transform.target_before,
             own: SideState::default(),
         };
-        for (led, offset) in sample.led.iter_mut().zip(transform.offset) {
-            led.position -= offset;
+        for (joint, offset) in sample.by_source.iter_mut().zip(transform.offset) {
+            joint.position -= offset;
         }
         for (axis, own) in transform.target.iter().zip(&mut sample.own) {
             *own = self.axes[*axis].sum.motion_of(|kind| kind != GeneratorKind::Transform);
@@ -168,27 +168,27 @@ impl Present<'_> {
         sample
     }
 
-    /// A target of other transforms leads the source: neither the source's own motion nor that of a source above it.
-    fn is_led_by_others(&self, id: TransformId, transform: &Transform) -> bool {
+    /// The feedback of other transforms moves the source, or the source of a preceding transform.
+    fn source_moves_by_feedback(&self, id: TransformId, transform: &Transform) -> bool {
         let (mut chain, mut at) = (id.bit(), Some(transform));
         for _ in 0..self.transforms.most() {
             let Some(next) = at else { break };
-            let led = |axis: &AxisId| {
+            let moved_by_feedback = |axis: &AxisId| {
                 let others = self.axes[*axis].transforms.source_of & !chain;
                 let mut all = self.transforms.iter();
                 others != 0 && all.any(|(id, other)| others & id.bit() != 0 && other.target_moves)
             };
-            if next.source.iter().any(led) {
+            if next.source.iter().any(moved_by_feedback) {
                 return true;
             }
-            let above = self.transforms.above(next);
-            chain |= above.map_or(0, |(id, _)| id.bit());
-            at = above.map(|(_, above)| above);
+            let preceding = self.transforms.preceding(next);
+            chain |= preceding.map_or(0, |(id, _)| id.bit());
+            at = preceding.map(|(_, preceding)| preceding);
         }
         false
     }
 
-    /// The same for a source that other targets lead, too: it is assumed to continue straight and to stop at its axes' maxima.
+    /// Checks a source that the feedback of other transforms moves: it is assumed to continue straight and to stop at its axes' maxima.
     fn check_next_update(&self, transform: &Transform, robot: &RobotMap) -> Result<(), MotionError> {
         let mut robot = *robot;
         let added = self.transforms.added_to(self.axes, transform);
@@ -213,9 +213,9 @@ impl Present<'_> {
                 point.position += point.velocity * seconds * share;
                 point.velocity *= (1.0 - share).sqrt();
             }
-            let led = robot.target_of(&there)?;
-            robot.follow_joints(&led);
-            for (index, (axis, joint)) in transform.target.iter().zip(&led).enumerate() {
+            let joints = robot.target_of(&there)?;
+            robot.follow_joints(&joints);
+            for (index, (axis, joint)) in transform.target.iter().zip(&joints).enumerate() {
                 if joint.velocity.abs() > self.axes[*axis].dynamics.speed * (1.0 + JOINT_SPEED_SHARE) {
                     return Err(MotionError::MaxJointVelocityExceeded(AxisIndex(index as u8)));
                 }
@@ -224,10 +224,10 @@ impl Present<'_> {
         Ok(())
     }
 
-    fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [Bounds; MAX_SYSTEM_AXES] {
+    fn bounds(&self, transform: &Transform, robot: &RobotMap) -> [JointLimits; MAX_SYSTEM_AXES] {
         let added = self.transforms.added_to(self.axes, transform);
         std::array::from_fn(|index| {
-            let mut bounds = Bounds {
+            let mut bounds = JointLimits {
                 speed: f64::INFINITY,
                 room: [f64::NEG_INFINITY, f64::INFINITY],
                 beyond: MotionError::MaxJointAngleExceeded(AxisIndex(index as u8)),
@@ -263,7 +263,7 @@ impl StopAhead<'_> {
         while count > 0 {
             let mut next = self.goals[count - 1];
             if self.transform.source_moves {
-                next.led = self.robot.near(next.led);
+                next.by_source = self.robot.near(next.by_source);
             }
             match self.between(&before, &next) {
                 IntervalVerdict::Exceeded(error) => return Err(error),
@@ -283,7 +283,7 @@ impl StopAhead<'_> {
                 IntervalVerdict::WithinLimits => {}
             }
             if self.transform.source_moves {
-                self.robot.follow_joints(&next.led);
+                self.robot.follow_joints(&next.by_source);
             }
             before = next;
             count -= 1;
@@ -298,7 +298,7 @@ impl StopAhead<'_> {
         let mut sample = JointSample { at, ..self.now };
         if self.transform.source_moves {
             let source = self.present.source_ahead(self.transform, self.ahead);
-            sample.led = self.robot.target_of(&source)?;
+            sample.by_source = self.robot.target_of(&source)?;
         }
         for (axis, own) in self.transform.target.iter().zip(&mut sample.own) {
             *own = self.ahead.step(*axis);

@@ -1,4 +1,4 @@
-//! Transforms: pairs of coordinate systems that lead each other (spec/coordinated-instructions.md §19, §20).
+//! Transforms: pairs of coordinate systems that move each other (spec/coordinated-instructions.md §19, §20).
 //!
 //! [`Transforms`] owns the active transforms and their rules: the map of positions ([`robot`], [`transform`]), set-points and feedback
 //! within a tick ([`compute`]), and the end ([`cancel`]). The checks that a robot can follow start from a [`present::Present`]: a path is
@@ -66,36 +66,37 @@ impl Transforms {
         self.ids().filter_map(|id| Some((id, self.get(id)?)))
     }
 
-    /// The transform that leads the source of another one.
-    pub(crate) fn above(&self, transform: &Transform) -> Option<(TransformId, &Transform)> {
+    /// The transform whose target has axes of the source of this one.
+    pub(crate) fn preceding(&self, transform: &Transform) -> Option<(TransformId, &Transform)> {
         self.iter().find(|(_, other)| share(&other.target, &transform.source))
     }
 
-    /// A system moves axes of the source of a transform, or of the source of a transform that leads it.
-    fn leads_to(&self, system: &System, transform: &Transform, depth: usize) -> bool {
+    /// A system moves axes of the source of a transform, or of the source of a transform before it.
+    fn moves_source(&self, system: &System, transform: &Transform, depth: usize) -> bool {
         if transform.source.iter().any(|axis| system.has(*axis)) {
             return true;
         }
         let mut others = self.iter();
         depth > 0
-            && others
-                .any(|(_, above)| share(&above.target, &transform.source) && self.leads_to(system, above, depth - 1))
+            && others.any(|(_, preceding)| {
+                share(&preceding.target, &transform.source) && self.moves_source(system, preceding, depth - 1)
+            })
     }
 
-    /// The displacement of a transform's source by steps of its own axes, and of those that lead it.
+    /// The displacement of a transform's source by steps of its own axes, and of those of the transforms before it.
     fn step_of(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState, depth: usize) -> SideState {
         let mut whole = SideState::default();
         for (axis, point) in transform.source.iter().zip(&mut whole) {
             *point = step(*axis);
         }
-        for (_, above) in self.iter() {
-            if depth == 0 || !share(&above.target, &transform.source) {
+        for (_, preceding) in self.iter() {
+            if depth == 0 || !share(&preceding.target, &transform.source) {
                 continue;
             }
-            let led = above.turned(&self.step_of(above, step, depth - 1));
-            for (axis, led) in above.target.iter().zip(&led) {
+            let steps = preceding.turned(&self.step_of(preceding, step, depth - 1));
+            for (axis, step) in preceding.target.iter().zip(&steps) {
                 if let Some(index) = transform.source.index_of(*axis) {
-                    add(&mut whole[index], led);
+                    add(&mut whole[index], step);
                 }
             }
         }

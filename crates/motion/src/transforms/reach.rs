@@ -1,4 +1,4 @@
-//! The check, before any motion, that the robots led by a coordinate system can follow a path
+//! The check, before any motion, that the robots moved by a coordinate system can follow a path
 //! (spec/coordinated-instructions.md §19.8), and the limits that their joints put on the speed along it.
 //!
 //! The path is sampled in steps, which are halved if a joint turns far in one, so that neither a crossing of the first joint's axis nor the
@@ -41,7 +41,7 @@ impl PathLimits {
 }
 
 impl Present<'_> {
-    /// Checks that every robot led by a coordinate system can follow its path, and returns the limits along it. `rotation`: that of the system's
+    /// Checks that every robot moved by a coordinate system can follow its path, and returns the limits along it. `rotation`: that of the system's
     /// orientation on the path; without one the orientation stays. `heading`: Rx, Ry, Rz at its start, degrees.
     ///
     /// # Errors
@@ -59,21 +59,21 @@ impl Present<'_> {
             rotation,
             heading,
         };
-        for transform in self.robots_led_by(system) {
+        for transform in self.robots_moved_by(system) {
             self.verify_moved_path(system, transform, &moved, &mut limits)?;
         }
         Ok(limits)
     }
 
-    /// The transforms with a robot as target that a coordinate system leads.
-    fn robots_led_by(&self, system: SystemId) -> impl Iterator<Item = &Transform> {
+    /// The transforms with a robot as target that a coordinate system moves.
+    fn robots_moved_by(&self, system: SystemId) -> impl Iterator<Item = &Transform> {
         let (transforms, system) = (self.transforms, &self.systems[system]);
         transforms
             .iter()
             .map(|(_, transform)| transform)
             .filter(move |transform| {
-                let leads = || transforms.leads_to(system, transform, transforms.most());
-                transform.has_robot_target() && !transform.braking && leads()
+                let moves = || transforms.moves_source(system, transform, transforms.most());
+                transform.has_robot_target() && !transform.braking && moves()
             })
     }
 
@@ -87,7 +87,7 @@ impl Present<'_> {
         let turn = path.start_tangent() - last.path.end_tangent();
         let at = path.start() + shift;
         let mut speed = f64::INFINITY;
-        for transform in self.robots_led_by(system) {
+        for transform in self.robots_moved_by(system) {
             let axes = self.systems[system].description.linear();
             let source = self.when(transform, &|axis| {
                 let index = axes.iter().position(|own| *own == axis);
@@ -110,7 +110,7 @@ impl Present<'_> {
         speed
     }
 
-    /// The motion of a transform's source when its axes, or the axes that lead it, are a step away from their present positions.
+    /// The motion of a transform's source when its axes, or the axes of transforms before it, are a step away from their present positions.
     fn when(&self, transform: &Transform, step: &impl Fn(AxisId) -> KinematicState) -> SideState {
         let mut whole = self.transforms.step_of(transform, step, self.transforms.most());
         for (axis, point) in transform.source.iter().zip(&mut whole) {

@@ -1,7 +1,7 @@
 //! The map of a transform from the positions of one side to the other: between two Cartesian frames, or to a robot's joints and back.
 //!
-//! A robot's joints are followed through whole turns: they stay close to their last positions, and so do the angles of an orientation that
-//! joints lead. Not here: the side that leads the other one ([`super::compute`]). Real-time: nothing allocates.
+//! A robot's joints are followed through whole turns: they stay close to their last positions, and so do the angles of an orientation
+//! that follows from joints. Not here: the side that moves the other one ([`super::compute`]). Real-time: nothing allocates.
 //! Units: position units, degrees of joints and of orientation, seconds.
 
 use arcline_instruction_set::{AxisIndex, Detail, MotionError};
@@ -84,7 +84,7 @@ impl RobotMap {
     /// `joints`: their positions, which determine the solution of the arm.
     pub(crate) fn new(frame: Frame, robot: Robot, side: Joints, joints: Positions) -> Self {
         let arm = Arm::default();
-        RobotMap::standing(Mechanism::Arm { frame, robot, arm }, side, joints)
+        RobotMap::at_joints(Mechanism::Arm { frame, robot, arm }, side, joints)
     }
 
     /// The target is a robot with a wrist; `joints` and `source` are the positions of both sides.
@@ -112,10 +112,10 @@ impl RobotMap {
                 wrist.angles = angles(point.coordinates());
             }
         }
-        RobotMap::standing(Mechanism::Wrist(wrist), Joints::Target, joints)
+        RobotMap::at_joints(Mechanism::Wrist(wrist), Joints::Target, joints)
     }
 
-    fn standing(mechanism: Mechanism, side: Joints, joints: Positions) -> Self {
+    fn at_joints(mechanism: Mechanism, side: Joints, joints: Positions) -> Self {
         let mut map = RobotMap {
             mechanism,
             side,

@@ -7,7 +7,7 @@ use arcline_instruction_set::SystemId;
 use arcline_kinematics::{Configuration, Turns};
 use arcline_planner::geometry::Point as Vector;
 
-use super::compute::Part;
+use super::compute::TransformStep;
 use super::present::Present;
 use super::sides::Positions;
 use super::{TransformId, Transforms};
@@ -21,7 +21,7 @@ pub(crate) struct Role {
     pub(crate) robot: RobotShown,
 }
 
-/// The status of the robot with a wrist whose joints a coordinate system has, or that it leads.
+/// The status of the robot with a wrist whose joints a coordinate system has, or that it moves by a transform.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RobotShown {
     /// IDs of the tool frame and the work frame.
@@ -46,7 +46,7 @@ impl Present<'_> {
         }
     }
 
-    /// The status of the robot with a wrist whose joints a coordinate system has, or of the first one that it leads.
+    /// The status of the robot with a wrist whose joints a coordinate system has, or of the first one that it moves by a transform.
     fn robot_shown(&self, index: SystemId) -> RobotShown {
         let system = &self.systems[index];
         if !system.is_oriented() {
@@ -84,11 +84,11 @@ impl Present<'_> {
 }
 
 impl Transforms {
-    /// Updates the side that moves the other one, as far as a part determines it, after the motions that ended in this update.
-    pub(crate) fn show(&mut self, part: Part, axes: &Axes) {
-        match part {
-            Part::Before(_) => {}
-            Part::Feedback(id) => {
+    /// Updates the side that moves the other one, as far as a step determines it, after the motions that ended in this update.
+    pub(crate) fn show(&mut self, step: TransformStep, axes: &Axes) {
+        match step {
+            TransformStep::Before(_) => {}
+            TransformStep::Feedback(id) => {
                 let Some(transform) = self.get(id) else { return };
                 let mut target = transform.target.iter();
                 let moves = target.any(|axis| self.moves_by_itself(axes, *axis));
@@ -96,7 +96,7 @@ impl Transforms {
                     transform.target_moves = moves;
                 }
             }
-            Part::SetPoints(id) => {
+            TransformStep::SetPoints(id) => {
                 let Some(transform) = self.get(id) else { return };
                 let moves = self.source_moves(axes, id, transform);
                 if let Some(transform) = self.get_mut(id) {

@@ -40,7 +40,7 @@ pub(crate) struct Transform {
     pub(super) source_moves: bool,
     /// The target moves, or is reserved for motion, apart from this transform, and so moves the source.
     pub(super) target_moves: bool,
-    /// The error for which the source can lead the target no longer; the target continues straight until it brakes.
+    /// The error for which the source can move the target no longer; the target continues straight until it brakes.
     pub(super) failed: Option<MotionError>,
     /// The transform has failed: every motion of either side brakes, and then it ends.
     pub(crate) braking: bool,
@@ -135,10 +135,10 @@ impl Transform {
             Map::Robot(_) if *added == SideState::default() => Ok(SideState::default()),
             Map::Robot(robot) => {
                 let mut back = robot.source_of(&self.with(added))?;
-                for (back, above) in back.iter_mut().zip(&self.source_before) {
-                    back.position -= above.position;
-                    back.velocity -= above.velocity;
-                    back.acceleration -= above.acceleration;
+                for (back, before) in back.iter_mut().zip(&self.source_before) {
+                    back.position -= before.position;
+                    back.velocity -= before.velocity;
+                    back.acceleration -= before.acceleration;
                 }
                 Ok(back)
             }
@@ -156,7 +156,7 @@ impl Transform {
     }
 
     /// The feedback of other transforms moves the target away from its position before feedback.
-    pub(super) fn is_led_by_others(&self) -> bool {
+    pub(super) fn is_moved_by_feedback(&self) -> bool {
         positions(&self.target_before) != positions(&self.target_set_points)
     }
 

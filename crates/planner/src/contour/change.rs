@@ -79,7 +79,7 @@ impl<T: Copy> ContourQueue<T> {
         self.plans = self.plans.wrapping_add(1);
     }
 
-    /// As [`ContourQueue::stop`] for a contour that a master leads: `clock` shows its displacement as time, and `rate` the rate of that. From now
+    /// As [`ContourQueue::stop`] for a master driven contour: `clock` shows the master displacement as time, and `rate` the rate of that. From now
     /// on the queue's clock is `time`. The master may have been faster than its nominal speed, so only the limits of the stop are kept.
     pub fn stop_in_time(&mut self, limits: &Limits, rate: &MasterRate, clock: &Clock, time: &Clock) {
         self.asked = None;

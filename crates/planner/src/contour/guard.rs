@@ -14,7 +14,7 @@
 //! Position units, seconds. Nothing allocates; the work is bounded by [`WORK`].
 
 use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
-use arcline_contour::{AxisLimits, Peaks, Piece, Rates, State as Axes, Trajectory};
+use arcline_contour::{AxesState as Axes, AxisLimits, Peaks, Piece, Rates, Trajectory};
 use arcline_geometry::Point;
 use arcline_profile::Profile;
 
@@ -93,7 +93,7 @@ impl<'a> Guard<'a> {
             if until <= from {
                 continue;
             }
-            let segment = Segment::new(ramp, from, until - from);
+            let segment = RampSegment::new(ramp, from, until - from);
             match self.allows_segment(&segment, &mut left) {
                 Verdict::WithinLimits => {}
                 Verdict::Exceeded => return false,
@@ -103,7 +103,7 @@ impl<'a> Guard<'a> {
         true
     }
 
-    fn allows_segment(&self, segment: &Segment, left: &mut usize) -> Verdict {
+    fn allows_segment(&self, segment: &RampSegment, left: &mut usize) -> Verdict {
         let cells = (segment.length / CELL_S).ceil().max(1.0);
         for cell in 0..cells as usize {
             let Some(less) = left.checked_sub(1) else {
@@ -126,7 +126,7 @@ impl<'a> Guard<'a> {
     }
 
     /// The margin that a lower pace leaves everywhere on the trajectory suffices for a stretch of a ramp.
-    fn has_room(&self, segment: &Segment, begin: f64, end: f64) -> bool {
+    fn has_room(&self, segment: &RampSegment, begin: f64, end: f64) -> bool {
         let ((_, a), (_, b)) = (segment.at(begin), segment.at(end));
         let first = a.first.abs().max(b.first.abs());
         let pace = a.pace.max(b.pace) + first * (end - begin);
@@ -138,7 +138,7 @@ impl<'a> Guard<'a> {
         })
     }
 
-    fn allows_cell(&self, segment: &Segment, begin: f64, end: f64, left: &mut usize) -> bool {
+    fn allows_cell(&self, segment: &RampSegment, begin: f64, end: f64, left: &mut usize) -> bool {
         let steps = ((end - begin) / STEP_S).ceil().max(1.0);
         let width = (end - begin) / steps;
         let (mut before, _) = segment.at(begin);
@@ -177,7 +177,7 @@ impl<'a> Guard<'a> {
         true
     }
 
-    fn allows_at(&self, piece: &Piece, segment: &Segment, at: f64, width: f64) -> bool {
+    fn allows_at(&self, piece: &Piece, segment: &RampSegment, at: f64, width: f64) -> bool {
         let (own, rate) = segment.at(at);
         let axes = piece.at(own.min(piece.until));
         let Some(rates) = self.trajectory.rates(self.trajectory.move_at(own)) else {
@@ -250,20 +250,20 @@ enum Verdict {
 }
 
 /// A stretch of a ramp in which the second derivative of the pace is constant.
-struct Segment {
+struct RampSegment {
     length: f64,
     /// The trajectory's own time at its start, and the pace there.
     own: f64,
     rate: Rate,
 }
 
-impl Segment {
+impl RampSegment {
     fn new(ramp: &Profile, from: f64, length: f64) -> Self {
         // Accelerations may jump at the ends.
         let (early, late) = (ramp.at(from + 0.25 * length), ramp.at(from + 0.75 * length));
         let second = (late.acceleration - early.acceleration) / (0.5 * length);
         let begin = ramp.at(from);
-        Segment {
+        RampSegment {
             length,
             own: begin.position,
             rate: Rate {

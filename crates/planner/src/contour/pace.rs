@@ -5,7 +5,7 @@
 //! ([`Guard`]), so no limit is exceeded at any instant. Own seconds per second; its derivatives per second. Nothing allocates; a tick tries a
 //! few ramps.
 
-use arcline_contour::{State, Trajectory};
+use arcline_contour::{AxesState, Trajectory};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
 use super::guard::Guard;
@@ -33,7 +33,7 @@ pub(super) struct Pace {
     ramp: Profile,
     start: Instant,
     wanted: PaceRequest,
-    /// Index of the active ramp; [`NONE`] if it does not lead to the requested pace.
+    /// Index of the active ramp; [`NONE`] if it does not end at the requested pace.
     under_way: usize,
     /// Index of the ramp to try next.
     next: usize,
@@ -201,7 +201,7 @@ impl Pace {
 
 /// First and second derivative of the pace that take a share of a vector rate and of a jerk in a state of the trajectory: the speed takes
 /// `q' r'` of the rate, and `3 q'' r r' + q' r''` of the jerk.
-fn near_rates((rate, jerk): (f64, Option<f64>), share: f64, state: &State, peak: f64) -> (f64, Option<f64>) {
+fn near_rates((rate, jerk): (f64, Option<f64>), share: f64, state: &AxesState, peak: f64) -> (f64, Option<f64>) {
     let speed = state.velocity.norm().max(LEAST_RAMP_SPEED_SHARE * peak);
     let first = jerk.map_or(f64::INFINITY, |jerk| jerk / (3.0 * state.acceleration.norm()));
     (share * first.min(rate / speed), jerk.map(|jerk| share * jerk / speed))

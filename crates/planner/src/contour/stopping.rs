@@ -23,8 +23,8 @@ impl ContourStopping {
 }
 
 impl<T: Copy> ContourQueue<T> {
-    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `rate`: the rate of `clock` if a master
-    /// leads; `time` then shows time. Real-time.
+    /// The stop of [`ContourQueue::stop_at_once`] at `clock`, which may lie ahead of the present tick. `rate`: the rate of `clock` if the contour
+    /// is master driven; `time` then shows time. Real-time.
     pub fn stopping(
         &self,
         limits: &Limits,

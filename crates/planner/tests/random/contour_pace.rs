@@ -6,8 +6,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, ContourMove, Trajectory};
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::precise::{self, AxisLimits, ContourMove, Trajectory};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, Move, Parameter};
 
@@ -184,7 +184,7 @@ impl Ride {
             .zip(&self.moves[self.done..])
             .any(|(one, motion)| one.speed != motion.limits.speed)
         {
-            let plan = Some(Arc::new(precise::plan(&asked, &self.limits)));
+            let plan = Some(Arc::new(arcline_contour::plan(&asked, &self.limits)));
             self.queue
                 .install(batch.generation, plan, &self.clock)
                 .expect("it is wanted");
@@ -192,7 +192,7 @@ impl Ride {
         }
         let limits = &self.limits;
         let plan = self.plans.entry(self.done);
-        let plan = plan.or_insert_with(|| Arc::new(precise::plan(&asked, limits)));
+        let plan = plan.or_insert_with(|| Arc::new(arcline_contour::plan(&asked, limits)));
         self.queue
             .install(batch.generation, Some(Arc::clone(plan)), &self.clock)
             .expect("it is wanted");

@@ -2,8 +2,8 @@
 //!
 //! `ARCLINE_CASES` sets how many merges are travelled (300 unless told).
 
+use arcline_contour::AxisLimits;
 use arcline_planner::geometry::{Arc, CirclePoint, Dimension, Direction, Path, Point};
-use arcline_planner::precise::AxisLimits;
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, Ending, InitialMotion, Move, MoveEvent, Parameter, Planner};
 
@@ -74,7 +74,7 @@ fn no_merge_exceeds_a_limit_of_an_axis() {
 
 /// Onto a short move out of a fast one: an override took the share of the speed that the compensation leaves a second time.
 #[test]
-fn what_took_too_long_once_does_so_no_more() {
+fn a_merge_that_formerly_took_too_long_is_within_its_time() {
     travel(2_078_000_622);
 }
 

@@ -110,7 +110,7 @@ fn no_merge_runs_away() {
 
 /// Programs of nightly runs in which both together were too fast by 3e-5 between two instants at which the planner looked.
 #[test]
-fn what_ran_too_fast_once_does_so_no_more() {
+fn merges_that_formerly_were_too_fast_keep_their_speed() {
     [2_078_001_592, 2_078_004_529, 2_078_041_559]
         .into_iter()
         .for_each(travel);
@@ -231,7 +231,7 @@ fn no_row_of_changes_runs_away() {
 
 /// An override raised the speed of before a pause, which was no longer programmed.
 #[test]
-fn what_an_override_raised_too_far_once_it_does_no_more() {
+fn an_override_does_not_raise_the_speed_from_before_a_pause() {
     [
         2_078_014_571,
         2_078_042_098,

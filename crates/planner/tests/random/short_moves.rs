@@ -273,7 +273,7 @@ fn run(seed: u64) -> Result<(), String> {
 }
 
 #[test]
-fn no_corner_of_short_moves_steps_beyond_what_the_axes_can_do() {
+fn no_corner_of_short_moves_steps_beyond_the_limits_of_the_axes() {
     let failures: Vec<String> = seeds(2000).filter_map(|seed| run(seed).err()).collect();
     assert!(
         failures.is_empty(),

@@ -421,7 +421,7 @@ const FAILED: &[(&str, u64)] = &[
 ];
 
 #[test]
-fn what_failed_once_fails_no_more() {
+fn storms_that_formerly_failed_pass() {
     for &(name, seed) in FAILED {
         let kind = KINDS.iter().find(|kind| kind.name == name);
         Storm::new(kind.expect("a kind of storm"), seed).run();

@@ -6,8 +6,8 @@
 
 use std::sync::Arc;
 
+use arcline_contour::{AxisLimits, ContourMove};
 use arcline_planner::geometry::{Path, Point};
-use arcline_planner::precise::{AxisLimits, ContourMove};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter};
 
@@ -133,7 +133,7 @@ fn travel(moves: &[Move<usize>], s_curve: bool, period_ns: u64, told: &mut Told)
             let from = if measured { busy() } else { 0.0 };
             let planned = match &batch.extends {
                 Some(extension) => extension.plan(&asked, &limits),
-                None => Some(arcline_planner::precise::begin(&asked, &limits)),
+                None => Some(arcline_contour::begin(&asked, &limits)),
             };
             let took = if measured { busy() - from } else { 0.01 };
             if batch.extends.is_some() {

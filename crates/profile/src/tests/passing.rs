@@ -40,7 +40,7 @@ fn places_ahead_are_passed_at_the_nearest_speed() {
 }
 
 #[test]
-fn what_is_told_can_be_planned_and_nothing_nearer_can() {
+fn the_passing_speed_can_be_planned_and_no_nearer_one() {
     for case in 0..cases(20_000) {
         let mut random = Random(case ^ 0xBEEF);
         let limits = random.limits(2.0);

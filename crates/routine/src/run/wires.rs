@@ -1,7 +1,7 @@
 //! Wires between tags and axes (spec/programs.md §15). A wire of a tag passes its value before the first rung of a tick, one of an axis
 //! behind the last one. Its delay is that of a filter: a value passes after it has been present for that time.
 
-use super::{Scan, State};
+use super::{ExecutionState, Scan};
 use crate::code::{Code, End, FixedBit};
 
 /// The state of a wire.
@@ -30,7 +30,7 @@ impl Signal {
     }
 }
 
-impl State {
+impl ExecutionState {
     /// Forgets the values of the wires, so that each passes its present value again.
     pub(crate) fn begin_wires(&mut self) {
         self.wires.fill(Signal::default());

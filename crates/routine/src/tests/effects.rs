@@ -221,7 +221,7 @@ fn started_with(of: &Project, sets: &str, expected: &str, lines: &str) -> String
 }
 
 #[test]
-fn every_instruction_does_what_its_row_lists() {
+fn every_instruction_has_the_effects_of_its_row() {
     let mut seen: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     let mut scripts = Vec::new();
     for (name, of, lines) in cases() {

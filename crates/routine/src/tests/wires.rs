@@ -56,7 +56,7 @@ fn inputs_come_before_the_scan_and_outputs_behind_it() {
 }
 
 #[test]
-fn a_delay_lets_pass_what_holds_for_so_long() {
+fn a_delay_passes_signals_that_hold_for_its_time() {
     let mut bench = Bench::new(cell(vec![wire("B", "Local:1:I.Data.0", 20)]));
     bench.scan(": Local:1:I.Data.0=0");
     bench.scan("B : Local:1:I.Data.0=0");
@@ -99,7 +99,7 @@ fn the_inputs_of_a_module_that_lost_its_connection_keep_their_values() {
 }
 
 #[test]
-fn what_is_forced_stays_above_a_wire() {
+fn a_force_has_priority_over_a_wire() {
     let mut bench = Bench::new(cell(vec![wire("B", "Local:1:I.Data.0", 0)]));
     let tag = bench.cell.tags().iter().find(|tag| tag.name == "Local:1:I").cloned();
     let tag = tag.expect("the module's tag");

@@ -41,7 +41,7 @@ struct Scene {
     tasks: usize,
     now: Duration,
     /// The states that there were, the first one first.
-    history: Vec<State>,
+    history: Vec<RetainedState>,
     /// Records that had been sent when each call was made.
     sent: Vec<usize>,
     /// Calls that had been made when a record was answered, the number of the record counted from 1, and the answer.
@@ -49,7 +49,7 @@ struct Scene {
 }
 
 impl Scene {
-    fn start(disk: Recording, state: State) -> Self {
+    fn start(disk: Recording, state: RetainedState) -> Self {
         let locked = LockedFile::lock_on(disk.clone(), file()).expect("a lock");
         let pace = Pace {
             growth: 48 * 1024,
@@ -211,7 +211,7 @@ impl Scene {
 }
 
 /// A file that was found after a crash is continued: one record more is read back with all that there was.
-fn goes_on(content: &[u8], state: &State) {
+fn goes_on(content: &[u8], state: &RetainedState) {
     let disk = Recording::with([(file(), content.to_vec())]);
     let mut scene = Scene::start(disk.clone(), state.clone());
     scene.step(Write(10));
@@ -235,8 +235,8 @@ fn file() -> PathBuf {
     PathBuf::from("machine.state")
 }
 
-fn table() -> State {
-    State {
+fn table() -> RetainedState {
+    RetainedState {
         axes: vec![axis("X", 12.5)],
         tags: vec![tag("Count", "DINT", &[0; 4]), tag("Table", "SINT[12000]", &[0; 12_000])],
     }
@@ -515,7 +515,7 @@ fn on_all_processors(scripts: usize, play: impl Fn(usize) -> usize + Sync) -> us
 }
 
 #[test]
-fn every_crash_leaves_what_was_answered_and_nothing_that_was_not_sent() {
+fn every_crash_leaves_all_answered_changes_and_none_that_was_not_sent() {
     let long = std::env::var_os("ARCLINE_LONG").is_some();
     let (most, scripts) = if long { (10_000, 500) } else { (1000, 20) };
     let told = on_all_processors(SCRIPTS.len(), |number| {

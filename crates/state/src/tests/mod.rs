@@ -31,8 +31,8 @@ fn tag(name: &str, kind: &str, bytes: &[u8]) -> Tag {
     }
 }
 
-fn first() -> State {
-    State {
+fn first() -> RetainedState {
+    RetainedState {
         axes: vec![axis("X", 12.5), axis("Y", -0.1)],
         tags: vec![tag("Count", "DINT", &[1, 2, 3, 4]), tag("Recipe", "REAL[2]", &[0; 8])],
     }
@@ -65,7 +65,7 @@ fn steps() -> Vec<Record> {
 }
 
 /// Every state that there was, in order.
-fn history() -> Vec<State> {
+fn history() -> Vec<RetainedState> {
     let mut state = first();
     let mut all = vec![state.clone()];
     for step in steps() {
@@ -75,7 +75,7 @@ fn history() -> Vec<State> {
     all
 }
 
-fn begin(file: &Path, state: State) -> Writer<System, ()> {
+fn begin(file: &Path, state: RetainedState) -> Writer<System, ()> {
     let locked = LockedFile::lock(file).expect("no other process has it");
     Writer::start(locked, state, Pace::default(), Duration::ZERO)
 }
@@ -91,7 +91,7 @@ fn keep(writer: &mut Writer<System, ()>, record: Record) -> Result<(), NotPersis
     answer.expect("each record is answered")
 }
 
-fn read(file: &Path) -> Option<State> {
+fn read(file: &Path) -> Option<RetainedState> {
     let contents = LockedFile::lock(file).expect("no other process has it").read();
     contents.expect("whole").map(|contents| contents.state)
 }
@@ -113,7 +113,7 @@ fn synchronised(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 #[test]
-fn what_was_appended_is_read_again() {
+fn appended_records_are_read_again() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("machine.state");
     assert_eq!(read(&file), None, "nothing was ever kept");
@@ -136,7 +136,7 @@ fn what_was_appended_is_read_again() {
     assert_eq!(read(&file), Some(other));
 }
 
-fn read_unlocked(file: &Path) -> State {
+fn read_unlocked(file: &Path) -> RetainedState {
     let bytes = fs::read(file).expect("it is there");
     parse(&bytes).expect("whole").state
 }
@@ -327,7 +327,7 @@ fn contents_beyond_their_limits_are_refused() {
     nowhere.axes[1].state.position = f64::NAN;
     let mut large = first();
     large.tags[0].bytes = vec![0; MAX_TAG_BYTES + 1];
-    let many = State {
+    let many = RetainedState {
         axes: (0..=MAX_AXES).map(|_| axis("X", 0.0)).collect(),
         tags: Vec::new(),
     };
@@ -442,7 +442,7 @@ fn a_link_in_the_way_of_the_new_file_is_not_followed() {
     assert_eq!(mode & 0o777, 0o600, "readable by its owner only");
 }
 
-fn any_state() -> impl Strategy<Value = State> {
+fn any_state() -> impl Strategy<Value = RetainedState> {
     let number = any::<f64>().prop_filter("positions are finite", |number| number.is_finite());
     let numbers = (number.clone(), number);
     let state = (numbers, any::<bool>(), any::<bool>(), any::<u32>()).prop_map(
@@ -460,7 +460,8 @@ fn any_state() -> impl Strategy<Value = State> {
         kind,
         bytes,
     });
-    (prop::collection::vec(axis, 0..8), prop::collection::vec(tag, 0..8)).prop_map(|(axes, tags)| State { axes, tags })
+    (prop::collection::vec(axis, 0..8), prop::collection::vec(tag, 0..8))
+        .prop_map(|(axes, tags)| RetainedState { axes, tags })
 }
 
 proptest! {
@@ -474,7 +475,7 @@ proptest! {
     /// records.
     #[test]
     fn any_bytes_in_a_record_are_a_state_or_an_error(data in prop::collection::vec(any::<u8>(), 0..200)) {
-        let mut bytes = format::fresh(&State::default()).0[..12_288].to_vec();
+        let mut bytes = format::fresh(&RetainedState::default()).0[..12_288].to_vec();
         let mut chain = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]);
         for part in [&(data.len() as u32).to_le_bytes()[..], &data[..]] {
             let mut hasher = crc32fast::Hasher::new_with_initial(chain);

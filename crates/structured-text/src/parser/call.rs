@@ -4,7 +4,7 @@
 use arcline_instruction_set::{Kind as OperandKind, Mnemonic, Object, Words};
 use arcline_tag::{PathSegment, nearest};
 
-use super::expression::Shape;
+use super::expression::ExpressionShape;
 use super::{Parser, place_of};
 use crate::code::{Meaning, Op, Part, WordPlace};
 use crate::error::{SyntaxError, SyntaxProblem};
@@ -155,10 +155,10 @@ impl<'t> Parser<'t> {
         let start = self.peek;
         let shape = self.expression()?;
         let op = match (kind, shape) {
-            (OperandKind::Array(_) | OperandKind::ArrayOrNone, Shape::Path(path)) => Op::OperandRead(path),
+            (OperandKind::Array(_) | OperandKind::ArrayOrNone, ExpressionShape::Path(path)) => Op::OperandRead(path),
             (
                 OperandKind::WrittenArray(_) | OperandKind::Structure(_) | OperandKind::StructureOrNone(_),
-                Shape::Path(path),
+                ExpressionShape::Path(path),
             ) => {
                 // The instruction writes or keeps the tag itself: a variable of the program does not do.
                 self.program.uses.pop();

@@ -7,19 +7,19 @@ use crate::lexer::{Kind, Token, number};
 
 /// The shape of a parsed expression.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Shape {
+pub(super) enum ExpressionShape {
     /// A path and nothing else: the last operation reads it.
     Path(u32),
     Other,
 }
 
 impl Parser<'_> {
-    pub(super) fn expression(&mut self) -> Result<Shape, SyntaxError> {
+    pub(super) fn expression(&mut self) -> Result<ExpressionShape, SyntaxError> {
         self.binary(0)
     }
 
     /// Operators that bind at least as tightly as `level`.
-    fn binary(&mut self, level: u8) -> Result<Shape, SyntaxError> {
+    fn binary(&mut self, level: u8) -> Result<ExpressionShape, SyntaxError> {
         self.deeper()?;
         let mut shape = self.unary()?;
         while let Some((operator, binds)) = operator(&self.peek)
@@ -28,13 +28,13 @@ impl Parser<'_> {
             self.advance()?;
             self.binary(binds + 1)?;
             self.emit(Op::Binary(operator));
-            shape = Shape::Other;
+            shape = ExpressionShape::Other;
         }
         self.depth -= 1;
         Ok(shape)
     }
 
-    fn unary(&mut self) -> Result<Shape, SyntaxError> {
+    fn unary(&mut self) -> Result<ExpressionShape, SyntaxError> {
         let mut signs = Vec::new();
         loop {
             if self.peek.is("-") {
@@ -51,10 +51,10 @@ impl Parser<'_> {
         for sign in signs.into_iter().rev() {
             self.emit(sign);
         }
-        Ok(if signed { Shape::Other } else { shape })
+        Ok(if signed { ExpressionShape::Other } else { shape })
     }
 
-    fn primary(&mut self) -> Result<Shape, SyntaxError> {
+    fn primary(&mut self) -> Result<ExpressionShape, SyntaxError> {
         const EXPECTED: &str = "a number, a tag or `(`";
         let token = self.peek;
         match token.kind {
@@ -62,12 +62,12 @@ impl Parser<'_> {
                 self.advance()?;
                 let value = self.number(&token)?;
                 self.emit(Op::Number(value));
-                Ok(Shape::Other)
+                Ok(ExpressionShape::Other)
             }
             Kind::Name if token.is_word("TRUE") || token.is_word("FALSE") => {
                 self.advance()?;
                 self.emit(Op::Bool(token.is_word("TRUE")));
-                Ok(Shape::Other)
+                Ok(ExpressionShape::Other)
             }
             Kind::Name if keyword(token.text).is_none() => {
                 self.advance()?;
@@ -77,13 +77,13 @@ impl Parser<'_> {
                 let path = self.path(token)?;
                 self.uses(token.offset, Meaning::Read(path));
                 self.emit(Op::Read(path));
-                Ok(Shape::Path(path))
+                Ok(ExpressionShape::Path(path))
             }
             Kind::Sign if token.is("(") => {
                 self.advance()?;
                 self.expression()?;
                 self.expect(")", "`)` or an operator")?;
-                Ok(Shape::Other)
+                Ok(ExpressionShape::Other)
             }
             _ => Err(self
                 .unsupported_sign(&token)

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_kept_is_not_confirmed_until_it_is() {
+    fn a_write_that_is_not_on_the_disk_is_not_confirmed_until_it_is() {
         let mut lateness = Lateness::new();
         assert_eq!(lateness.changed_floor(Duration::from_millis(999)), None);
         assert_eq!(second(&mut lateness, 1, 10), None, "one of a hundred");

@@ -42,7 +42,7 @@ pub(crate) mod status {
     pub(crate) const REFUSED: u32 = 1 << 2;
 }
 
-/// A number of something.
+/// A number in an assembly.
 pub(crate) struct Field<T> {
     /// Name; a name that ends in `[n]` is an element.
     pub(crate) name: &'static str,

@@ -78,7 +78,7 @@ impl Outputs {
     }
 }
 
-/// A machine whose configuration uses the name of the overrides for something else cannot be held.
+/// A machine whose configuration uses the name of the overrides for another tag cannot be held.
 fn hold_or_stop(plant: &Plant) {
     if !plant.hold_all(Principal::Io) {
         warn!("there is no feed override to hold by: stopping instead");

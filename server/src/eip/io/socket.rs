@@ -27,7 +27,7 @@ pub trait Datagrams: Debug + Send + Sync {
     /// The system's.
     fn send_through(&self, adapter: Ipv4Addr) -> io::Result<()>;
 
-    /// The descriptor that shows that something has arrived, if there is one.
+    /// The descriptor that shows that a datagram has arrived, if there is one.
     fn descriptor(&self) -> Option<BorrowedFd<'_>>;
 }
 

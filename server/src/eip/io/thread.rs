@@ -1,4 +1,4 @@
-//! The thread of implicit I/O: it sleeps until a datagram comes or something is due.
+//! The thread of implicit I/O: it sleeps until a datagram comes or one is due.
 //!
 //! Its priority is below that of the tick and, where the system allows that, above all other threads, so it bounds its own work: a flood of
 //! datagrams makes it pause. It waits only for the short locks of the connections and of the plant.

@@ -273,7 +273,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_robot_shows_what_it_is_built_with() {
+    fn a_robot_shows_its_geometry() {
         let config = r#"
             [[axis]]
             name = "J1"

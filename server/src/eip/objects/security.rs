@@ -1,6 +1,6 @@
 //! The security objects, to be read: CIP Security (0x5D), EtherNet/IP Security (0x5E), Certificate Management (0x5F)
 //! (spec/security.md §4). A commissioning tool sees that TLS is on; the files of `[security]` are changed on the server's computer only, so
-//! each service that would change something is refused to every role, with 0x0F.
+//! each service that would change an attribute is refused to every role, with 0x0F.
 
 use arcline_proto::cip::{CipStatus, Reply, class, service};
 use arcline_proto::security::{CONFIDENTIALITY, CONFIGURED, FACTORY_DEFAULT};

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_date() {
+    fn values_that_are_no_date_are_refused() {
         for (why, fields) in [
             ("before the beginning", [1969, 12, 31, 23, 59, 59, 0]),
             ("too far", [10_000, 1, 1, 0, 0, 0, 0]),

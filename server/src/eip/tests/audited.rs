@@ -12,7 +12,7 @@ use crate::eip::io::layout::OUTPUT;
 use crate::metrics::metrics;
 
 #[tokio::test]
-async fn what_is_no_command_is_recorded_when_it_is_done() {
+async fn requests_that_are_no_commands_are_recorded_when_done() {
     let bench = bench(IoLoss::Hold);
     let folder = tempfile::tempdir().expect("a folder");
     bench

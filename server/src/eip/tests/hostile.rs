@@ -1,8 +1,8 @@
-//! Whatever a peer sends: an error or silence, never a panic, and the next request is answered.
+//! To any bytes from a peer the server answers with an error or silence, never a panic, and the next request is answered.
 
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::connection::UnconnectedSend;
-use arcline_proto::encap::{Command, Frame};
+use arcline_proto::encap::{Command, EncapFrame};
 use arcline_proto::epath::Epath;
 use arcline_tag::Elementary;
 
@@ -92,16 +92,16 @@ async fn messages_cut_or_altered_anywhere_are_answered() {
 }
 
 #[tokio::test]
-async fn a_stream_cut_anywhere_harms_nobody() {
+async fn a_stream_cut_anywhere_harms_no_client() {
     let bench = Bench::new();
     let mut other = bench.client().await;
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
         RegisterSession::CURRENT.to_bytes(),
     );
-    let nop = Frame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::from_static(&[0; 9]));
+    let nop = EncapFrame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::from_static(&[0; 9]));
     let bytes = [register.to_bytes(), nop.to_bytes()].concat();
     for cut in 0..bytes.len() {
         let mut stream = bench.stream();
@@ -116,7 +116,7 @@ async fn a_peer_that_never_reads_is_closed() {
     let bench = Bench::new();
     let client = bench.client().await;
     let request = read("Dints", 100).to_bytes().expect("short");
-    let frame = Frame::request(
+    let frame = EncapFrame::request(
         Command::SEND_RR_DATA,
         client.session,
         [0; 8],

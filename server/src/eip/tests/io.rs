@@ -373,7 +373,7 @@ async fn the_command_word_holds_resumes_overrides_and_stops() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn lost_outputs_do_what_is_configured() {
+async fn lost_outputs_have_the_configured_reaction() {
     type Check = fn(&Snapshot) -> bool;
     let stopped: Check = |snapshot| snapshot.axes[0].command[1] == 0.0 && snapshot.systems[0].feed_override == 1.0;
     let held: Check = |snapshot| snapshot.axes[0].command[1] == 0.0 && snapshot.systems[0].feed_override == 0.0;
@@ -600,7 +600,7 @@ async fn a_change_of_state_leaves_before_the_interval_is_over() {
     let percent = 50_f32.to_le_bytes();
     assert!(client.write("FeedOverride[0]", real, &percent).await.is_success());
     let changed = loop {
-        // Something else may change first: the drives settle when the machine starts.
+        // Another value may change first: the drives settle when the machine starts.
         let input = scanner.input().await;
         if input.real(12 + 8) == 50.0 {
             break input;

@@ -130,7 +130,7 @@ async fn after(bench: &Bench, loss: Option<u8>, end: End) -> [Then; 3] {
             drop(client);
         }
         End::Unregistered => {
-            let frame = Frame::request(Command::UNREGISTER_SESSION, client.session, CONTEXT, Bytes::new());
+            let frame = EncapFrame::request(Command::UNREGISTER_SESSION, client.session, CONTEXT, Bytes::new());
             client.send(&frame.to_bytes()).await;
             assert_eq!(client.frame().await, None);
         }
@@ -305,7 +305,7 @@ fn jog_tag() -> arcline_config::Project {
 }
 
 #[tokio::test]
-async fn the_reaction_is_an_attribute_of_whoever_asks() {
+async fn the_reaction_is_an_attribute_of_the_session() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let mut connected = client.open(500, 1).await;

@@ -37,7 +37,7 @@ use arcline_proto::connection::{
     ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Packet};
-use arcline_proto::encap::{Command, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{ReadReply, ReadTag, WireType, WriteTag};
 use arcline_realtime::Handle;
@@ -54,7 +54,7 @@ use crate::plant::Plant;
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
 /// The peer's address of the in-memory streams.
 const PEER: IpAddr = IpAddr::V4(Ipv4Addr::LOCALHOST);
-/// Longer than anything here may take on a slow machine.
+/// Longer than any step of these tests may take on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The default configuration and plain tags of every type.
@@ -238,7 +238,7 @@ impl Client {
     }
 
     /// The next frame; `None` when the device closed the stream.
-    pub(super) async fn frame(&mut self) -> Option<Frame> {
+    pub(super) async fn frame(&mut self) -> Option<EncapFrame> {
         let read = async {
             loop {
                 if let Some(frame) = FrameDecoder::new(MAX_DATA).decode(&mut self.buf).expect("a frame") {
@@ -252,8 +252,8 @@ impl Client {
         tokio::time::timeout(PATIENCE, read).await.expect("an answer in time")
     }
 
-    pub(super) async fn exchange(&mut self, command: Command, data: Bytes) -> Frame {
-        let frame = Frame::request(command, self.session, CONTEXT, data);
+    pub(super) async fn exchange(&mut self, command: Command, data: Bytes) -> EncapFrame {
+        let frame = EncapFrame::request(command, self.session, CONTEXT, data);
         self.send(&frame.to_bytes()).await;
         let reply = self.frame().await.expect("an answer");
         assert_eq!(
@@ -264,7 +264,7 @@ impl Client {
         reply
     }
 
-    /// A message without connection; its bytes may be anything.
+    /// A message of any bytes without connection.
     pub(super) async fn raw(&mut self, message: Bytes) -> Reply {
         let frame = self
             .exchange(Command::SEND_RR_DATA, Packet::unconnected(message).to_bytes())
@@ -332,7 +332,7 @@ impl Client {
 }
 
 /// The reply in a frame to the last message of a connection.
-pub(super) fn connected_reply(frame: &Frame, connected: &Connected) -> Reply {
+pub(super) fn connected_reply(frame: &EncapFrame, connected: &Connected) -> Reply {
     let (_, sequence, message) = Packet::decode(&frame.data)
         .expect("a packet")
         .connected_message()

@@ -124,7 +124,7 @@ async fn a_row_makes_an_object() {
 }
 
 #[test]
-fn requests_are_parsed_to_what_they_need() {
+fn requests_are_classified_by_lock_and_disk() {
     const NOTHING: (bool, bool, bool) = (false, false, false);
     let objects = objects();
     let object = |code, class| Request::new(code, Epath::object(class, 1), Bytes::new());

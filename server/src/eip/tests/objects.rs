@@ -225,7 +225,7 @@ async fn the_message_router_lists_the_classes_of_this_table() {
 }
 
 #[tokio::test]
-async fn what_is_not_there_has_its_status() {
+async fn missing_objects_and_attributes_have_their_status() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (_bench, mut client) = client(folder.path()).await;
     let classes: Vec<u16> = ATTRIBUTES.iter().map(|(class, ..)| *class).collect();

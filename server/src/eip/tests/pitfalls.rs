@@ -9,7 +9,7 @@ use arcline_proto::cip::{
     MultipleReplies, Request, encode_attribute_ids, join_multiple, service, split_multiple_replies,
 };
 use arcline_proto::cpf::{Item, decode_items};
-use arcline_proto::encap::{Command, EncapStatus, Frame};
+use arcline_proto::encap::{Command, EncapFrame, EncapStatus};
 use arcline_proto::epath::{Epath, PortSegment, Segment};
 use arcline_proto::identity::Identity;
 use arcline_tag::Elementary;
@@ -242,7 +242,7 @@ async fn pitfall_10_a_header_over_several_segments() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let packet = Packet::unconnected(read("aDint", 1).to_bytes().expect("short")).to_bytes();
-    let frame = Frame::request(Command::SEND_RR_DATA, client.session, CONTEXT, packet).to_bytes();
+    let frame = EncapFrame::request(Command::SEND_RR_DATA, client.session, CONTEXT, packet).to_bytes();
     for byte in &frame {
         client.send(std::slice::from_ref(byte)).await;
         tokio::task::yield_now().await;
@@ -261,7 +261,7 @@ async fn pitfall_12_the_address_of_an_identity_can_be_connected_to() {
     let listener = Listener::bind(any, plant, settings_of("Found")).await.expect("a port");
     let reached = SocketAddr::from(([127, 0, 0, 1], listener.local_addr().port()));
     let server = tokio::spawn(listener.serve());
-    let ask = Frame::request(Command::LIST_IDENTITY, SessionHandle(0), CONTEXT, Bytes::new());
+    let ask = EncapFrame::request(Command::LIST_IDENTITY, SessionHandle(0), CONTEXT, Bytes::new());
     let mut stream = TcpStream::connect(reached).await.expect("a connection");
     stream.write_all(&ask.to_bytes()).await.expect("sent");
     let mut reply = vec![0; 24 + 2 + 4 + 33 + 6];
@@ -372,7 +372,7 @@ fn pitfall_11_a_confirmed_interval_is_kept_or_it_is_refused() {
         }
     }
     assert_eq!(kept.len(), intervals.len() - 1);
-    // A minute of a thread that wakes up when something is due, and at times half a millisecond late.
+    // A minute of a thread that wakes up when a datagram is due, and at times half a millisecond late.
     let (mut now, mut woken) = (Duration::ZERO, 0_u32);
     let mut out = BytesMut::new();
     // The originator is heard every 5 s: no watchdog ends a connection within the minute.

@@ -5,7 +5,7 @@
 
 use arcline_proto::cip::{Request, join_multiple, service};
 use arcline_proto::connection::UnconnectedSend;
-use arcline_proto::encap::{Command, Frame};
+use arcline_proto::encap::{Command, EncapFrame};
 use arcline_proto::epath::Epath;
 use arcline_tag::Elementary;
 use std::net::SocketAddr;
@@ -95,7 +95,7 @@ async fn opener_131_87_half_open_and_silent_sockets() {
     let listener = Listener::bind(any, plant, settings).await.expect("a port");
     let address = listener.local_addr();
     let server = tokio::spawn(listener.serve());
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
@@ -223,7 +223,7 @@ async fn compactlogix_cve_2025_11694_connections_of_others() {
             .to_bytes()
             .expect("short");
         let packet = Packet::connected(ConnectionId(id), owned.sequence.wrapping_add(1), &set);
-        let frame = Frame::request(Command::SEND_UNIT_DATA, intruder.session, [0; 8], packet.to_bytes());
+        let frame = EncapFrame::request(Command::SEND_UNIT_DATA, intruder.session, [0; 8], packet.to_bytes());
         intruder.send(&frame.to_bytes()).await;
         assert_eq!(intruder.frame().await, None, "{id:#X}: no answer but the end");
     }

@@ -352,7 +352,7 @@ async fn every_request_for_every_role() {
 
 /// A request that no role may make has the same refusal for every role: clients identify the server by such a request.
 #[tokio::test]
-async fn what_does_not_exist_has_the_same_status_for_every_role() {
+async fn missing_objects_have_the_same_status_for_every_role() {
     let bench = Bench::new();
     let mut statuses = Vec::new();
     for role in Role::ALL {

@@ -197,7 +197,7 @@ async fn all_attributes_come_in_their_order() {
     }
 }
 
-/// No role changes anything by these objects: 0x0F.
+/// No role changes an attribute of these objects: 0x0F.
 #[tokio::test]
 async fn every_service_that_would_change_something_is_refused() {
     let bench = bench(|_| {});

@@ -130,7 +130,7 @@ async fn nothing_is_executed_behind_a_move_that_fails() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_no_series_is_refused() {
+async fn data_that_is_no_series_is_refused() {
     let bench = bench();
     let mut client = bench.client().await;
     let empty = client.series(&[]).await;

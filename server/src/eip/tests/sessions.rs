@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 
 use arcline_proto::cip::{Request, service};
 use arcline_proto::cpf::{Item, Packet, decode_items};
-use arcline_proto::encap::{Command, EncapStatus, Frame, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, EncapStatus, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::identity::Identity;
 use arcline_tag::Elementary;
@@ -25,7 +25,7 @@ async fn wrong_sessions_are_refused_and_the_stream_goes_on() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let ask = |client: &Client| {
-        Frame::request(
+        EncapFrame::request(
             Command::SEND_RR_DATA,
             SessionHandle(client.session.0 ^ 1),
             *b"context!",
@@ -36,11 +36,11 @@ async fn wrong_sessions_are_refused_and_the_stream_goes_on() {
     let cases = [
         ("another session's handle", ask(&client), EncapStatus::INVALID_SESSION),
         ("a second registration",
-         Frame::request(Command::REGISTER_SESSION, client.session, *b"context!", RegisterSession::CURRENT.to_bytes()),
+         EncapFrame::request(Command::REGISTER_SESSION, client.session, *b"context!", RegisterSession::CURRENT.to_bytes()),
          EncapStatus::INVALID_COMMAND),
-        ("an obsolete command", Frame::request(Command(0x72), client.session, *b"context!", Bytes::new()),
+        ("an obsolete command", EncapFrame::request(Command(0x72), client.session, *b"context!", Bytes::new()),
          EncapStatus::INVALID_COMMAND),
-        ("no packet", Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::from_static(&[0; 5])),
+        ("no packet", EncapFrame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::from_static(&[0; 5])),
          EncapStatus::INCORRECT_DATA),
     ];
     for (why, frame, expected) in cases {
@@ -56,7 +56,7 @@ async fn wrong_sessions_are_refused_and_the_stream_goes_on() {
 async fn a_frame_too_long_is_refused_and_the_stream_ends() {
     let bench = Bench::new();
     let mut client = bench.client().await;
-    let mut header = Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::new())
+    let mut header = EncapFrame::request(Command::SEND_RR_DATA, client.session, *b"context!", Bytes::new())
         .to_bytes()
         .to_vec();
     header[2..4].copy_from_slice(&u16::MAX.to_le_bytes());
@@ -94,7 +94,7 @@ async fn only_a_registration_within_30_seconds_keeps_a_connection() {
     let started = tokio::time::Instant::now();
     for _ in 0..29 {
         tokio::time::sleep(Duration::from_secs(1)).await;
-        let nop = Frame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::new());
+        let nop = EncapFrame::request(Command::NOP, SessionHandle(0), [0; 8], Bytes::new());
         talker.send(&nop.to_bytes()).await;
         let identity = talker.exchange(Command::LIST_IDENTITY, Bytes::new()).await;
         assert_eq!(identity.header.status, EncapStatus::SUCCESS);
@@ -117,7 +117,7 @@ async fn many_requests_in_one_segment_are_answered_in_order() {
     for k in 0..200_u64 {
         let request = read("aDint", 1).to_bytes().expect("short");
         let data = Packet::unconnected(request).to_bytes();
-        all.extend(Frame::request(Command::SEND_RR_DATA, client.session, k.to_le_bytes(), data).to_bytes());
+        all.extend(EncapFrame::request(Command::SEND_RR_DATA, client.session, k.to_le_bytes(), data).to_bytes());
     }
     client.send(&all).await;
     for k in 0..200_u64 {
@@ -131,8 +131,8 @@ async fn the_end_of_a_session_does_not_overtake_a_request() {
     let mut client = bench.client().await;
     let message = read("aDint", 1).to_bytes().expect("short");
     let packet = Packet::unconnected(message).to_bytes();
-    let request = Frame::request(Command::SEND_RR_DATA, client.session, *b"context!", packet);
-    let end = Frame::request(Command::UNREGISTER_SESSION, client.session, *b"context!", Bytes::new());
+    let request = EncapFrame::request(Command::SEND_RR_DATA, client.session, *b"context!", packet);
+    let end = EncapFrame::request(Command::UNREGISTER_SESSION, client.session, *b"context!", Bytes::new());
     client.send(&[request.to_bytes(), end.to_bytes()].concat()).await;
     let reply = client.frame().await.expect("the reply to the request");
     assert_eq!(reply.header.status, EncapStatus::SUCCESS);
@@ -221,7 +221,7 @@ async fn the_device_is_found_over_tcp_and_udp() {
         .expect("a port");
     let address = listener.local_addr();
     let server = tokio::spawn(listener.serve());
-    let ask = Frame::request(Command::LIST_IDENTITY, SessionHandle(0), *b"\x01\0finder", Bytes::new());
+    let ask = EncapFrame::request(Command::LIST_IDENTITY, SessionHandle(0), *b"\x01\0finder", Bytes::new());
 
     let mut stream = TcpStream::connect(address).await.expect("a connection");
     stream.write_all(&ask.to_bytes()).await.expect("sent");
@@ -264,7 +264,7 @@ async fn a_crowd_waits_and_is_served_in_turn() {
         .expect("a port");
     let address = listener.local_addr();
     let server = tokio::spawn(listener.serve());
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
@@ -285,7 +285,7 @@ async fn a_crowd_waits_and_is_served_in_turn() {
 async fn read_over(address: SocketAddr) -> std::io::Result<usize> {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
     let mut stream = TcpStream::connect(address).await?;
-    let register = Frame::request(
+    let register = EncapFrame::request(
         Command::REGISTER_SESSION,
         SessionHandle(0),
         [0; 8],
@@ -296,7 +296,7 @@ async fn read_over(address: SocketAddr) -> std::io::Result<usize> {
     stream.read_exact(&mut head).await?;
     let session = SessionHandle(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
     let message = read("aDint", 1).to_bytes().expect("a short path");
-    let ask = Frame::request(
+    let ask = EncapFrame::request(
         Command::SEND_RR_DATA,
         session,
         [0; 8],
@@ -330,7 +330,7 @@ async fn every_listener_serves_over_ipv4_and_ipv6() {
             .expect("in time");
         assert_eq!(length.expect("an answer"), 24 + 16 + 4 + 6, "{address}");
         let udp = UdpSocket::bind((address.ip(), 0)).await.expect("a free port");
-        let ask = Frame::request(Command::LIST_SERVICES, SessionHandle(0), [0; 8], Bytes::new());
+        let ask = EncapFrame::request(Command::LIST_SERVICES, SessionHandle(0), [0; 8], Bytes::new());
         udp.send_to(&ask.to_bytes(), address).await.expect("loopback");
         let mut answer = [0; 128];
         let received = tokio::time::timeout(PATIENCE, udp.recv(&mut answer))
@@ -371,7 +371,7 @@ async fn sessions_of_one_address_are_limited_and_the_one_too_many_is_closed() {
     let mut held = Vec::new();
     for _ in 0..2 {
         let mut stream = TcpStream::connect(address).await.expect("room");
-        let register = Frame::request(
+        let register = EncapFrame::request(
             Command::REGISTER_SESSION,
             SessionHandle(0),
             [0; 8],
@@ -429,12 +429,12 @@ async fn connections_are_limited_in_all_and_of_one_address() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn who_reads_nothing_is_closed_and_nobody_waits_for_it() {
+async fn a_client_that_reads_nothing_is_closed_and_delays_no_other() {
     let bench = Bench::with(|settings| settings.write_timeout = Duration::from_secs(5));
     let mut slow = bench.client().await;
     let mut other = bench.client().await;
     let message = read("Dints", 100).to_bytes().expect("a short path");
-    let ask = Frame::request(
+    let ask = EncapFrame::request(
         Command::SEND_RR_DATA,
         slow.session,
         [0; 8],

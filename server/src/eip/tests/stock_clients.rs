@@ -24,7 +24,7 @@ async fn gologix_writes_a_structure_by_the_handle_that_it_computed() {
 }
 
 #[tokio::test]
-async fn libplctag_asks_again_for_what_a_full_packet_has_no_room_for() {
+async fn libplctag_repeats_requests_that_a_full_packet_leaves_out() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let mut connected = client.open(4002, 1).await;

@@ -20,7 +20,7 @@ fn string(length: i32, text: &[u8]) -> Vec<u8> {
 }
 
 #[tokio::test]
-async fn every_type_reads_back_what_was_written() {
+async fn every_type_reads_back_its_written_value() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     #[rustfmt::skip]

@@ -51,7 +51,7 @@ fn instance(reply: &Reply) -> u32 {
 }
 
 #[tokio::test]
-async fn a_created_tag_is_there_for_everybody_and_a_deleted_one_for_nobody() {
+async fn a_created_tag_exists_for_all_clients_and_a_deleted_one_for_none() {
     let bench = Bench::new();
     let (mut one, mut other) = (bench.client().await, bench.client().await);
     let before = changes(&mut other).await;
@@ -155,7 +155,7 @@ members = [{ name = "In", type = "Inner[2]" }, { name = "B", type = "REAL" }]
 "#;
 
 #[tokio::test]
-async fn what_cannot_be_created_or_deleted_has_its_status_and_changes_nothing() {
+async fn tags_that_cannot_be_created_or_deleted_have_their_status_and_change_nothing() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let long = "x".repeat(41);
@@ -189,7 +189,7 @@ async fn what_cannot_be_created_or_deleted_has_its_status_and_changes_nothing() 
     );
     assert_eq!(codes(delete(&mut client, None, 0).await.status), (0x08, 0));
     assert_eq!(codes(delete(&mut client, None, u32::MAX).await.status), (0x05, 0));
-    // Cut at every byte, and with something behind it.
+    // Cut at every byte, and with a byte behind it.
     let whole = CreateSymbol {
         name: "New".to_owned(),
         data_type: "DINT".to_owned(),
@@ -292,7 +292,7 @@ target = "XY"
 "#;
 
 #[tokio::test]
-async fn another_configuration_changes_what_is_other_and_nothing_else() {
+async fn another_configuration_changes_its_differences_and_nothing_else() {
     let (before, after) = (load(BEFORE), load(AFTER));
     let bench = Bench::of(
         crate::plant::Plant::start(&before).expect("a thread"),
@@ -352,7 +352,7 @@ async fn another_configuration_changes_what_is_other_and_nothing_else() {
 }
 
 #[tokio::test]
-async fn what_needs_a_restart_is_named_and_changes_nothing() {
+async fn keys_that_need_a_restart_are_named_and_change_nothing() {
     let before = load(BEFORE);
     let bench = Bench::of(
         crate::plant::Plant::start(&before).expect("a thread"),
@@ -372,7 +372,7 @@ async fn what_needs_a_restart_is_named_and_changes_nothing() {
         "Reload refused: [server], [motion_group], axis Y, coordinate system CS1 changed, which needs a restart"
     );
     assert!(matches!(refused, ReloadError::NeedsRestart { .. }));
-    // A name that something else has.
+    // A name that another object has.
     let taken = load("[[tag]]\nname = \"M1\"\ntype = \"DINT\"\n");
     let call = Call {
         mnemonic: Mnemonic::Mcs,

@@ -252,7 +252,7 @@ async fn attributes_and_services_are_those_of_the_page() {
 }
 
 #[tokio::test]
-async fn what_is_wrong_is_said() {
+async fn invalid_trace_requests_have_their_status() {
     let bench = Bench::new();
     let mut client = bench.client().await;
     let good = config(0, 1, 1, &[0], &["X.ActualPosition"]);

@@ -89,7 +89,7 @@ fn page(listing: &Arc<Listing>, from: usize) -> (Monitor, MonitorUpdates) {
     (monitor, updates)
 }
 
-/// What one sample of all monitored rungs costs.
+/// The cost of one sample of all monitored rungs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 struct Cost {
     /// Digits of power flow and values.
@@ -184,7 +184,7 @@ fn a_thousand_rungs_that_are_monitored() {
 
 /// A page of 100 rungs costs the same, however long their routine is.
 #[test]
-fn the_rungs_that_nobody_looks_at_cost_nothing() {
+fn rungs_without_a_viewer_cost_nothing() {
     let costs = [MONITORED, RUNGS].map(|rungs| {
         let (mut cell, listing) = cell(rungs);
         cell.trace([0]);

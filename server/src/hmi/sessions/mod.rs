@@ -21,7 +21,7 @@ use tokio::time::Instant;
 use tracing::{error, warn};
 
 pub(super) use self::session::{End, State};
-use self::session::{Session, Subject};
+use self::session::{PageSession, Subject};
 use super::protocol::SessionRow;
 use crate::audit::{EventKind, sha256};
 use crate::limits::Lockouts;
@@ -49,7 +49,7 @@ pub(crate) struct Sessions {
     /// One password is checked at a time: a check takes 19 MiB.
     turn: Semaphore,
     waiting: AtomicUsize,
-    known: Mutex<BTreeMap<Key, Session>>,
+    known: Mutex<BTreeMap<Key, PageSession>>,
     /// Sessions that began since the start.
     begun: AtomicU64,
 }
@@ -208,13 +208,13 @@ impl Sessions {
     /// The session of a secret.
     pub(super) fn of_secret(&self, secret: &str) -> Option<Key> {
         let key = sha256(secret);
-        let is_users = |session: &Session| matches!(session.subject, Subject::User(_));
+        let is_users = |session: &PageSession| matches!(session.subject, Subject::User(_));
         self.known().get(&key).is_some_and(is_users).then_some(key)
     }
 
     fn begin(&self, plant: &Plant, peer: IpAddr, key: Key, subject: Subject, role: Role, credential: String) {
         let mut known = self.known();
-        let is_own = |session: &Session| session.subject == subject;
+        let is_own = |session: &PageSession| session.subject == subject;
         while known.values().filter(|session| is_own(session)).count() >= MOST_OF_ONE {
             end_oldest(plant, &mut known, is_own);
         }
@@ -224,7 +224,7 @@ impl Sessions {
         let now = Instant::now();
         let from = format!("{peer} {}", subject.name());
         plant.record_session(from.clone(), role, EventKind::Login, String::new(), "done");
-        let session = Session {
+        let session = PageSession {
             number: self.begun.fetch_add(1, Ordering::Relaxed) + 1,
             subject,
             role,
@@ -406,13 +406,13 @@ impl Sessions {
         }
     }
 
-    fn known(&self) -> MutexGuard<'_, BTreeMap<Key, Session>> {
+    fn known(&self) -> MutexGuard<'_, BTreeMap<Key, PageSession>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Ends the session with the longest idle time among those that meet a condition.
-fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, Session>, is_one: impl Fn(&Session) -> bool) {
+fn end_oldest(plant: &Plant, known: &mut BTreeMap<Key, PageSession>, is_one: impl Fn(&PageSession) -> bool) {
     let sessions = known.iter().filter(|(_, session)| is_one(session));
     let oldest = sessions
         .min_by_key(|(_, session)| session.active)

@@ -85,7 +85,7 @@ impl Subject {
 
 /// A session.
 #[derive(Debug)]
-pub(super) struct Session {
+pub(super) struct PageSession {
     /// Its number since the start of the server, which is no secret.
     pub(super) number: u64,
     pub(super) subject: Subject,
@@ -103,7 +103,7 @@ pub(super) struct Session {
     pub(super) viewers: BTreeMap<ViewerId, Role>,
 }
 
-impl Session {
+impl PageSession {
     pub(super) fn is_locked(&self) -> bool {
         *self.state.borrow() == State::Locked
     }

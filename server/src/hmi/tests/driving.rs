@@ -84,7 +84,7 @@ async fn one_viewer_drives_and_everybody_stops() {
 }
 
 #[tokio::test]
-async fn an_error_has_its_cause_and_what_to_do() {
+async fn an_error_has_its_cause_and_its_remedy() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
     viewer.take("CS1").await;
@@ -293,7 +293,7 @@ async fn the_dead_man_stops_at_full_deceleration_whatever_anybody_programmed() {
 }
 
 #[tokio::test]
-async fn what_was_asked_before_stop_is_not_begun_after_it() {
+async fn requests_from_before_stop_begin_no_motion_after_it() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
     viewer.take("CS1").await;

@@ -64,7 +64,7 @@ async fn a_login_raises_the_role_and_a_logout_closes_the_socket() {
 }
 
 #[tokio::test]
-async fn answers_to_a_login_do_not_say_what_was_wrong() {
+async fn answers_to_a_login_do_not_name_the_wrong_part() {
     let page = Secured::start().await;
     let mut answers = Vec::new();
     for (user, password) in [("anna", "wrong"), ("nobody at all", ANNA), ("anna", BERT)] {

@@ -99,7 +99,7 @@ async fn tags_are_listed_read_watched_and_written() {
 }
 
 #[tokio::test]
-async fn what_is_written_fits_its_type_exactly() {
+async fn written_values_fit_their_type_exactly() {
     let tags = ["SINT", "LINT", "ULINT", "REAL", "STRING", "TIMER"];
     let tags = tags.map(|kind| format!("\n[[tag]]\nname = \"A{kind}\"\ntype = \"{kind}\"\n"));
     let bench = Bench::with(&(arcline_config::DEFAULT.to_owned() + &tags.concat())).await;

@@ -21,7 +21,7 @@ use crate::plant::Plant;
 
 /// A delta `PICKER`, and the system `CART` that can lead it.
 const ROBOT: &str = include_str!("../../../../docs/images/tool-path.toml");
-/// Longest wait for something that must come.
+/// Longest wait for a message that must come.
 const SOON: Duration = Duration::from_secs(10);
 
 /// A machine that runs, and its HMI.
@@ -341,7 +341,7 @@ async fn only_pages_of_the_server_become_viewers() {
 }
 
 #[tokio::test]
-async fn what_is_no_message_is_an_error_and_no_end() {
+async fn bytes_that_are_no_message_are_an_error_and_no_end() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
     #[rustfmt::skip]

@@ -30,7 +30,7 @@ n := n + 1;
 ";
 
 #[tokio::test]
-async fn what_is_wrong_is_told_at_its_place() {
+async fn errors_are_reported_at_their_line() {
     let bench = Bench::start().await;
     let mut viewer = bench.viewer().await;
     let checked = viewer.ask(json!({"do": "check", "text": MOVES})).await;

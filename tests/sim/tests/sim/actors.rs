@@ -258,7 +258,7 @@ impl Environment {
         }
     }
 
-    /// Asks for something that the audit is to have an event of (U1).
+    /// Sends a request that the audit is to have an event of (U1).
     pub(crate) fn asks(&self, kind: Kind) {
         self.common.ledger.asks(self.address.into(), kind);
     }

@@ -12,7 +12,7 @@ use arcline_proto::connection::{
     ConnectionKey, ForwardClose, ForwardOpen, ForwardOpenReply, NetworkParameters, TRANSPORT_CLASS_3, TickTime,
 };
 use arcline_proto::cpf::{ConnectionId, Item, Packet};
-use arcline_proto::encap::{Command, EncapStatus, Frame, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
+use arcline_proto::encap::{Command, EncapFrame, EncapStatus, FrameDecoder, MAX_DATA, RegisterSession, SessionHandle};
 use arcline_proto::epath::Epath;
 use arcline_proto::logix::{ReadReply, ReadTag, Typed, WireType, WriteTag, encode_operands};
 use arcline_tag::{Elementary, TagPath, Value};
@@ -106,7 +106,7 @@ impl Client {
     }
 
     /// The next frame.
-    pub(crate) async fn frame(&mut self) -> Answer<Frame> {
+    pub(crate) async fn frame(&mut self) -> Answer<EncapFrame> {
         let read = async {
             loop {
                 match FrameDecoder::new(MAX_DATA).decode(&mut self.buf) {
@@ -125,9 +125,9 @@ impl Client {
             .unwrap_or(Err(NoAnswer::Late))
     }
 
-    fn request(&mut self, command: Command, data: Bytes) -> Frame {
+    fn request(&mut self, command: Command, data: Bytes) -> EncapFrame {
         self.context += 1;
-        Frame::request(command, self.session, self.context.to_le_bytes(), data)
+        EncapFrame::request(command, self.session, self.context.to_le_bytes(), data)
     }
 
     /// Sends a request and does not wait for its answer.
@@ -137,7 +137,7 @@ impl Client {
         self.send(&frame.to_bytes()).await
     }
 
-    async fn exchange(&mut self, command: Command, data: Bytes) -> Answer<Frame> {
+    async fn exchange(&mut self, command: Command, data: Bytes) -> Answer<EncapFrame> {
         let frame = self.request(command, data);
         self.send(&frame.to_bytes()).await?;
         let reply = self.frame().await?;

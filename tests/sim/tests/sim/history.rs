@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn registers_are_judged_by_what_their_clients_saw() {
+    fn registers_are_judged_by_the_answers_to_their_clients() {
         let write = |asked, answered| Write {
             asked,
             answered,

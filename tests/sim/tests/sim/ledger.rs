@@ -34,7 +34,7 @@ struct Count {
 }
 
 impl Ledger {
-    /// A client asks for something.
+    /// A client sends a request.
     pub(crate) fn asks(&self, client: IpAddr, kind: Kind) {
         self.count(client.to_string(), kind, |count| count.asked += 1);
     }

@@ -23,7 +23,7 @@ pub(crate) struct Scenario {
 /// Length of a scenario, ms.
 pub(crate) const TICKS: u64 = 20_000;
 
-/// Something that breaks.
+/// A fault.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Fault {
     /// The tick, ms: the ticks are caught up then.
@@ -46,7 +46,7 @@ pub(crate) enum Fault {
     Reload,
     /// The system refuses to accept a client.
     NoSockets,
-    /// Whatever runs beside the tick stands still, ms: the rings from and to the tick fill up.
+    /// All threads beside the tick stand still, ms: the rings from and to the tick fill up.
     Stall(u64),
     /// The clock on the wall is set, by ms.
     Wall(i64),

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use arcline_state::recording::{Crashes, Recording, Rules};
-use arcline_state::{State, parse};
+use arcline_state::{RetainedState, parse};
 use arcline_tests::random::Random;
 
 use crate::actors::tags::{PAIR, TAGS};
@@ -48,7 +48,7 @@ impl Probe {
 fn judge(content: Option<&[u8]>, rules: Rules, history: &History, durable: u64, record: &Record) {
     // Without a file the machine starts from its configuration.
     let state = match content.map(parse) {
-        None => State::default(),
+        None => RetainedState::default(),
         Some(Ok(kept)) => kept.state,
         Some(Err(damage)) => {
             let why = format!("a loss of power ({rules:?}) would set the file aside: {damage}");
@@ -70,7 +70,7 @@ pub(crate) fn judge_pair(values: &Values, record: &Record) {
     }
 }
 
-fn values_of(state: &State) -> Values {
+fn values_of(state: &RetainedState) -> Values {
     let value = |name: &'static str| {
         let tag = state.tags.iter().find(|tag| tag.name == name);
         let bytes = tag.and_then(|tag| tag.bytes.first_chunk().copied());

@@ -126,7 +126,7 @@ struct World<'s> {
     failing_until: u64,
     sync_takes: u64,
     pace: Pace,
-    /// Writes that were answered by then are on the disk, whatever becomes of the power.
+    /// Writes that were answered by then are on the disk, even after a loss of power.
     durable: u64,
     beside: Option<u64>,
     late_until: u64,
@@ -405,7 +405,7 @@ impl World<'_> {
                 return;
             }
         };
-        // Whatever a crash leaves behind the horizon, the file is never set aside.
+        // With any bytes of a crash behind the horizon, the file is never set aside.
         if self.disk.has(|name| name.to_string_lossy().contains("set-aside")) {
             self.common.record.violated("W2", "the file was set aside");
         }

@@ -107,6 +107,6 @@ fn names_and_values_are_text() {
 }
 
 #[test]
-fn what_strangers_tell_is_text() {
-    case_among_strangers("what_strangers_tell_is_text");
+fn texts_of_strangers_are_shown_as_text() {
+    case_among_strangers("texts_of_strangers_are_shown_as_text");
 }

@@ -12,7 +12,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use arcline_client::{Client, ClientError, WriteValue};
-use arcline_state::{State, parse};
+use arcline_state::{RetainedState, parse};
 use arcline_system_tests::server::{NotReady, Server};
 use arcline_system_tests::{not_granted, not_run, programs};
 
@@ -73,7 +73,7 @@ impl Files {
     }
 
     /// The state in the file; `None`: there is none.
-    fn read(&self, why: &str) -> Option<State> {
+    fn read(&self, why: &str) -> Option<RetainedState> {
         let bytes = std::fs::read(self.path("machine.state")).ok()?;
         Some(parse(&bytes).unwrap_or_else(|damage| panic!("{why}: {damage}")).state)
     }

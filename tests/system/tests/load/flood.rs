@@ -1,4 +1,4 @@
-//! Strangers who only take places: thousands of connections that say nothing, and hundreds that send a byte a second, on EtherNet/IP, on TLS
+//! Strangers that only take places: thousands of connections that send no bytes, and hundreds that send a byte a second, on EtherNet/IP, on TLS
 //! and on the page at once. A client that works is not disturbed, a new one gets in, and the tick does not notice.
 //!
 //! 1,600 connections for three seconds, unless `ARCLINE_FLOOD` says how many; only then, and with `--release`, times mean something and are held
@@ -30,7 +30,7 @@ const SILENT_PER_SLOW: usize = 8;
 const ADDRESSES: u8 = 8;
 
 #[test]
-fn silent_and_slow_strangers_disturb_nobody() {
+fn silent_and_slow_strangers_disturb_no_client() {
     let _machine = crate::take_machine();
     let asked = std::env::var("ARCLINE_FLOOD").ok().and_then(|text| text.parse().ok());
     let silent: usize = asked.unwrap_or(1600);

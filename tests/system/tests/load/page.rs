@@ -1,4 +1,4 @@
-//! What the page costs a browser while it shows much. The scripts in `tests/browser` have the expectations.
+//! The cost of the page in a browser while it shows much. The scripts in `tests/browser` have the expectations.
 
 use arcline_system_tests::browser::{case_of_rungs, case_on};
 

@@ -101,7 +101,7 @@ fn a_batch_that_was_ended_goes_on() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
+fn options_that_exclude_each_other_are_refused() {
     let folder = folder();
     #[rustfmt::skip]
     let cases: [(&[&str], &str); 6] = [

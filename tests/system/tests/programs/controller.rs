@@ -22,7 +22,7 @@ fn start(file: &Path) -> Server {
 }
 
 #[test]
-fn clients_see_and_write_what_the_program_works_on() {
+fn clients_read_and_write_the_tags_of_the_program() {
     let server = start(&fixture("config/Cell.L5X"));
     let at = server.address();
     let list = arcline(at, &["tags", "*"]).expect(0).stdout;

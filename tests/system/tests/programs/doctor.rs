@@ -14,7 +14,7 @@ fn server(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn doctor_tells_what_is_amiss_and_how_bad_it_is() {
+fn doctor_reports_findings_with_their_severity() {
     let folder = tempfile::tempdir().expect("a folder");
     let config = folder.path().join("machine.toml");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
@@ -82,7 +82,7 @@ fn doctor_tells_what_is_amiss_and_how_bad_it_is() {
 }
 
 #[test]
-fn health_is_that_a_server_says_who_it_is() {
+fn health_is_an_answer_to_list_identity() {
     let running = Server::start();
     let at = running.address().to_string();
     let output = server(&["health", "--server", &at]);
@@ -94,7 +94,7 @@ fn health_is_that_a_server_says_who_it_is() {
     drop(running);
     let output = server(&["health", "--server", &at]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
-    // Something listens and says nothing.
+    // A listener that sends no bytes.
     let silent = TcpListener::bind("127.0.0.1:0").expect("a port");
     let at = silent.local_addr().expect("its address").to_string();
     let output = server(&["health", "--server", &at, "--within", "0.2"]);

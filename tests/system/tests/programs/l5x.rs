@@ -64,7 +64,7 @@ fn a_file_becomes_a_configuration_that_the_server_takes() {
 }
 
 #[test]
-fn an_export_imports_as_what_it_was() {
+fn an_export_imports_as_the_same_project() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (first, second, toml) = (path("First.L5X"), path("Second.L5X"), path("again.toml"));

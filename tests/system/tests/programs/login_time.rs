@@ -43,7 +43,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn a_wrong_log_in_takes_as_long_for_a_user_who_does_not_exist() {
+fn a_wrong_log_in_takes_as_long_for_an_unknown_user() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let mut add = Command::new(arcline_system_tests::programs::arcline_server())

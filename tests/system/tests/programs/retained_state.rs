@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use arcline_client::{Client, ClientError, Flag, Mnemonic, Operands, TagValue, WriteValue};
-use arcline_state::{Axis, AxisState, LockedFile, Pace, State, Writer, parse};
+use arcline_state::{Axis, AxisState, LockedFile, Pace, RetainedState, Writer, parse};
 use arcline_system_tests::programs;
 use arcline_system_tests::server::Server;
 use arcline_tests::random::Random;
@@ -68,7 +68,7 @@ impl Files {
     }
 
     /// The state in the file, which must be undamaged.
-    fn read(&self) -> State {
+    fn read(&self) -> RetainedState {
         let bytes = std::fs::read(&self.state).expect("the file is there");
         parse(&bytes)
             .unwrap_or_else(|damage| panic!("{damage}, after {} bytes", bytes.len()))
@@ -243,13 +243,13 @@ fn home_again(file: &Path) {
 }
 
 /// Puts a state in the place of the stored one.
-fn write_state(place: LockedFile, state: State) {
+fn write_state(place: LockedFile, state: RetainedState) {
     let mut writer = Writer::<_, ()>::start(place, state, Pace::default(), Duration::ZERO);
     assert_eq!(writer.actions().count(), 0, "the folder is writable");
 }
 
 /// Checks that a server shows the state on which it has just started.
-async fn shows(server: &Server, kept: &State, why: &str) {
+async fn shows(server: &Server, kept: &RetainedState, why: &str) {
     let client = connect(server).await;
     for axis in &kept.axes {
         holds(&client, axis, why).await;
@@ -267,7 +267,7 @@ fn elements(bytes: &[u8]) -> impl Iterator<Item = i32> {
 }
 
 /// The axes of a coordinate system in a state, and where they are.
-fn of_system<'s>(state: &'s State, axes: [&str; 3]) -> ([&'s AxisState; 3], Vec<Axis>) {
+fn of_system<'s>(state: &'s RetainedState, axes: [&str; 3]) -> ([&'s AxisState; 3], Vec<Axis>) {
     let find = |name: &str| state.axes.iter().find(|axis| axis.name == name);
     let found = axes.map(|name| find(name).expect("an axis of the machine"));
     (found.map(|axis| &axis.state), found.map(Clone::clone).to_vec())
@@ -513,7 +513,7 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
     let whole = std::fs::read(&files.state).expect("it is there");
     let mut damaged = whole.clone();
     damaged[(12_288 + whole.len()) / 2] ^= 0x10;
-    let mut other = State::default();
+    let mut other = RetainedState::default();
     other.axes.push(Axis {
         name: "Arm".to_owned(),
         kind: "servo, deg".to_owned(),
@@ -550,7 +550,7 @@ async fn a_file_that_cannot_be_used_is_set_aside_with_a_message() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_full_disk_refuses_what_it_cannot_keep_and_nothing_else() {
+async fn a_full_disk_refuses_only_the_writes_that_it_cannot_keep() {
     let files = Files::new(&[("Table", "DINT[16]")]);
     let server = Server::start_short_of_space(64, &files.arguments());
     let client = connect(&server).await;
@@ -599,7 +599,7 @@ async fn a_full_disk_refuses_what_it_cannot_keep_and_nothing_else() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_changed_configuration_takes_over_what_it_still_has() {
+async fn a_changed_configuration_takes_over_the_axes_and_tags_that_it_still_has() {
     let files = Files::new(&[("Count", "DINT"), ("Old", "DINT"), ("Wider", "INT")]);
     let server = files.start();
     let client = connect(&server).await;

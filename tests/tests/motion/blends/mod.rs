@@ -47,7 +47,7 @@ fn peak_acceleration(points: &[[f64; 2]], period: f64) -> f64 {
 }
 
 #[test]
-fn the_corner_is_missed_by_what_matched_ramps_leave() {
+fn matched_ramps_miss_the_corner_by_half_the_blend_distance_at_a_right_angle() {
     // Matched trapezoids at a right angle miss the corner by Db/2 sin 45°, Db = v²/2d = 10 (spec/motion-core.md §6.1).
     for (termination, db) in [
         ("3", 10.0),
@@ -462,7 +462,7 @@ fn every_update_period_gives_one_trajectory_through_a_sequence() {
 }
 
 #[test]
-fn a_deep_queue_takes_what_it_is_configured_for() {
+fn a_deep_queue_takes_its_configured_number_of_moves() {
     let mut bench = Bench::replacing("name = \"XY\"", "name = \"XY\"\nqueue_depth = 20");
     for place in 0..21 {
         let tag = format!("M{place}");

@@ -7,7 +7,7 @@ use arcline_tests::bench::{Bench, OK};
 const STOP: &str = "MCS(XY, S1, CoordinatedMove, Yes, 900, Unitspersec2, Yes, 9000, Unitspersec3)";
 const PERIOD: f64 = 0.001;
 
-/// Prevent S-Curve Velocity Reversals is off: the jerk of a stop is its own whatever it does.
+/// Prevent S-Curve Velocity Reversals is off: a stop keeps its own jerk.
 fn reversing() -> Bench {
     Bench::replacing("name = \"XY\"", "name = \"XY\"\ndynamics_configuration_bits = 5")
 }
@@ -135,7 +135,7 @@ fn a_stop_in_a_deep_queue_rests_on_the_path_and_cancels_all_of_it() {
 }
 
 #[test]
-fn a_gentle_stop_of_what_already_brakes_does_not_reverse() {
+fn a_gentle_stop_of_a_braking_move_does_not_reverse() {
     // 200²/v of jerk cannot take 1720 units/s² away before rest: without bit 1 the stop drives backwards.
     for (bits, reverses) in [(7, false), (5, true)] {
         let system = format!("name = \"XY\"\ndynamics_configuration_bits = {bits}");

@@ -177,7 +177,7 @@ fn a_stopped_move_is_shown_by_its_link_until_it_stands() {
 }
 
 #[test]
-fn what_breaks_one_link_of_a_slave_breaks_all_and_so_for_all_slaves_of_a_master() {
+fn breaking_one_link_of_a_slave_breaks_all_and_so_for_all_slaves_of_a_master() {
     // X has two kinds of links, CS1 and CS2 both have X; A is master of CS1 and of C.
     for (why, call, left) in [
         ("of the slave", "MASD(X, T);", [false, false, false, false, true]),

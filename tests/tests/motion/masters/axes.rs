@@ -187,7 +187,7 @@ fn a_change_of_dynamics_is_one_of_the_same_mode_and_calculated_anew() {
 }
 
 #[test]
-fn what_cannot_be_driven_is_refused() {
+fn master_driven_motion_without_its_link_is_refused() {
     let driven = |more: &str| format!("MAM(X, M1, 0, 100, {DRIVEN}, Disabled, Programmed, {more});");
     let merged = |more: &str| format!("MAM(X, M2, 0, 100, {DRIVEN}, Enabled, Programmed, {more});");
     let jogged = |more: &str| format!("MAJ(X, M2, 0, {DRIVEN}, Enabled, Programmed, {more});");

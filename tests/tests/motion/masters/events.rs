@@ -285,7 +285,7 @@ fn a_change_of_dynamics_is_calculated_from_the_start_of_the_move() {
 }
 
 #[test]
-fn a_change_of_dynamics_of_what_waits_is_calculated_when_that_is_active() {
+fn a_change_of_dynamics_of_a_pending_move_is_calculated_when_it_is_active() {
     for (scope, second) in [("ActiveMotion", 52.0), ("ActiveAndPendingMotion", 101.0)] {
         for mode in [Time, Master] {
             let mut bench = bench();
@@ -306,7 +306,7 @@ fn a_change_of_dynamics_of_what_waits_is_calculated_when_that_is_active() {
 }
 
 #[test]
-fn a_successor_that_comes_later_changes_what_was_calculated() {
+fn a_later_successor_changes_the_calculated_data() {
     for mode in [Time, Master] {
         let mut bench = bench();
         execute(

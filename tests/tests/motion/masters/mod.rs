@@ -157,7 +157,7 @@ fn a_master_that_turns_round_is_followed_again_from_where_it_was() {
 }
 
 #[test]
-fn links_show_what_uses_them() {
+fn links_show_ac_while_a_motion_uses_them() {
     let mut bench = Bench::new();
     assert_eq!(bench.call(&line("M1", 100.0, AT_ONCE)), (93, 0));
     assert_eq!(bench.call("MDCC(CS1, A, D1, Command, 0);"), OK);

@@ -138,7 +138,7 @@ fn nothing_ends_a_move_that_waits_for_a_master_that_stands() {
 }
 
 #[test]
-fn what_is_behind_a_move_that_cannot_begin_is_cancelled() {
+fn moves_behind_a_move_that_cannot_begin_are_cancelled() {
     for (ending, err) in [(1, 93), (3, 105)] {
         let mut bench = linked();
         let timed = |tag: &str, x: f64, ending: u8| {
@@ -170,7 +170,7 @@ fn what_is_behind_a_move_that_cannot_begin_is_cancelled() {
 }
 
 #[test]
-fn what_waits_for_its_link_is_replaced_or_taken_up() {
+fn a_link_that_waits_is_replaced_or_taken_up() {
     let mut bench = linked();
     let ip = |bench: &Bench| ["D1", "D2", "D3", "D4"].map(|tag| bench.control(tag).has(Flag::Ip));
     execute(&mut bench, "MDCC(CS1, B, D2, Command, 0);");

@@ -142,7 +142,7 @@ fn send(bench: &mut Bench, moves: &[Programmed], sent: &mut usize) {
 }
 
 #[test]
-fn blended_sequences_are_complete_at_what_was_calculated() {
+fn blended_sequences_are_complete_at_the_calculated_distance() {
     for case in 0..cases() {
         let mut random = Random(case);
         let period = *random.one_of(&PERIODS);

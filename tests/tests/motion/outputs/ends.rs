@@ -281,7 +281,7 @@ fn edges_come_where_they_lie_whatever_ends_their_cam() {
 }
 
 #[test]
-fn what_lags_is_in_transition_and_ends_where_the_axis_comes_back() {
+fn a_lagging_bit_is_in_transition_and_ends_where_the_axis_comes_back() {
     let start = || {
         let mut bench = machine(1.0);
         element(&mut bench, "Cam[0]", window(0, 90.0, 100.0));

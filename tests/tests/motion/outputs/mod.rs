@@ -126,7 +126,7 @@ type Edges = (&'static str, Box<dyn Fn(&mut Bench)>, Vec<(f64, i64)>);
 
 #[test]
 fn edges_lie_between_ticks_and_show_at_the_next() {
-    // Duration counts from the edge at 10.05 units, 100.5 ms, whatever the period.
+    // Duration counts from the edge at 10.05 units, 100.5 ms, at any update period.
     let duration = |bench: &mut Bench| {
         element(bench, "Cam[0]", [1.0, 1.0, 2.0, 10.05, 90.0, 0.0257, 0.0, 0.0]);
     };
@@ -438,7 +438,7 @@ fn disarming_leaves_the_bits() {
 }
 
 #[test]
-fn what_is_followed_is_the_axis_and_not_its_scale() {
+fn output_cams_follow_the_axis_across_unwinds_and_redefinitions() {
     // A turn after the other.
     let mut bench = machine(1.0);
     element(&mut bench, "Cam[0]", window(0, 350.0, 360.0));
@@ -486,7 +486,7 @@ fn what_is_followed_is_the_axis_and_not_its_scale() {
 }
 
 #[test]
-fn what_is_refused() {
+fn invalid_output_cams_are_refused() {
     type Case<'a> = (&'a str, &'a str, (i16, i8));
     #[rustfmt::skip]
     let cases: &[Case<'_>] = &[

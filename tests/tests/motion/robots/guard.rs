@@ -42,7 +42,7 @@ struct Seen {
     joints: Vec<f64>,
 }
 
-/// Runs until the source and the joints stand after T has ended, or `ticks` are over; something is done at some of them.
+/// Runs until the source and the joints stand after T has ended, or `ticks` are over, with actions at some of them.
 fn watch(bench: &mut Bench, machine: &RobotMachine, ticks: u64, mut at: impl FnMut(&mut Bench, u64)) -> Seen {
     let joints: Vec<String> = (1..=machine.joints.len()).map(|joint| format!("J{joint}")).collect();
     let commands = |bench: &Bench| -> Vec<[f64; 3]> { joints.iter().map(|joint| bench.axis(joint).command).collect() };

@@ -164,7 +164,7 @@ fn a_path_move_takes_the_tool_along_and_round() {
         );
     }
     // Turned as the robot cannot be, at the end or on the way (a turn about one axis, of a tool that only tilts and turns): refused
-    // before anything moves.
+    // before any axis moves.
     let machine = RobotMachine {
         cart: paths::MACHINE.cart,
         ..DELTA_J1J2J3J4J5
@@ -235,7 +235,7 @@ fn both_sides_lead() {
 }
 
 #[test]
-fn what_systems_show_of_frames_turns_and_solutions() {
+fn systems_show_frames_turns_and_solutions() {
     let mut bench = bench(&SIX_AXES, 10.0);
     let shown = |bench: &Bench, name: &str| {
         let system = bench.system(name);
@@ -379,7 +379,7 @@ fn where_the_robot_cannot_go() {
         assert_eq!(bench.call(LINK), OK);
         bench
     };
-    // Known before anything moves.
+    // Known before any axis moves.
     let mut robot = begun(&DELTA_J1J2J3J6);
     let call = format!("MCLM(CART, M, 1, [900, 0, 0], {RATES}, 1)");
     assert_eq!(robot.call(&call).0, 67);
@@ -548,7 +548,7 @@ fn turns_counters_choose_the_joint() {
 }
 
 #[test]
-fn what_mctpo_refuses() {
+fn mctpo_refuses_invalid_calls() {
     #[rustfmt::skip]
     let cases: [(&str, Values<'_>, &str, (i16, i8)); 13] = [
         ("onto itself",               &[],                  "MCTPO(CART, CART, C, Work, Tool, 0, [0, 0, 0, 0, 0, 0], Place, Bits, Turns)",    (61, 2)),

@@ -404,7 +404,7 @@ fn near_a_singularity_it_stops_on_the_path() {
 }
 
 #[test]
-fn what_cannot_be_known_ahead_stops_as_well() {
+fn motion_without_a_known_end_stops_at_the_end_of_reach() {
     // A jog of the source out of the workspace.
     for (machine, axis, expected) in [(DELTA, "Z", (67, 0)), (SCARA, "X", (67, 1))] {
         let robot = geometry(&machine);
@@ -578,7 +578,7 @@ fn robots_lead_cartesian_systems_too() {
 }
 
 #[test]
-fn what_mct_refuses_of_robots() {
+fn mct_refuses_invalid_robots() {
     let keys = |keys: &'static str| RobotMachine { keys, ..SCARA };
     #[rustfmt::skip]
     let cases = [

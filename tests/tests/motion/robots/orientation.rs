@@ -48,7 +48,7 @@ fn a_move_of_a_robots_first_joints_keeps_the_others() {
 }
 
 #[test]
-fn what_a_system_with_orientation_refuses() {
+fn instructions_refused_by_a_system_with_orientation() {
     #[rustfmt::skip]
     let cases = [
         // why,                               call,                                                        status

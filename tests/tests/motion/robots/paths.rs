@@ -81,7 +81,7 @@ fn turning(bench: &Bench) -> f64 {
 }
 
 #[test]
-fn what_is_refused_in_which_order() {
+fn path_moves_are_refused_in_the_order_of_verification() {
     type Prepare = fn(&mut Bench);
     #[rustfmt::skip]
     let cases: &[(&str, Prepare, &str, (i16, i8))] = &[
@@ -404,7 +404,7 @@ fn both_parts_stop_pause_and_change_together() {
 }
 
 #[test]
-fn what_only_turns_brakes_as_a_turn_does() {
+fn a_stop_of_a_rotation_alone_brakes_in_degrees() {
     let mut bench = bench();
     position(&mut bench, "P", [0.0, 0.0, 0.0, 0.0, 0.0, 90.0]);
     assert_eq!(bench.call(MOVE), OK);

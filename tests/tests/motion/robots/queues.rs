@@ -146,7 +146,7 @@ fn longer_sequences_of_all_termination_types() {
 }
 
 #[test]
-fn a_waiting_path_move_takes_along_what_turned_meanwhile() {
+fn a_pending_path_move_includes_rotation_that_other_motion_adds() {
     #[rustfmt::skip]
     let cases = [
         // why,                       earlier call,                             turn,                              Rz at the end

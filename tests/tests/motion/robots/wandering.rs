@@ -1,4 +1,4 @@
-//! Random programs near the ends of robots' reach and their singularities: whatever leads the source, and however weakly it is
+//! Random programs near the ends of robots' reach and their singularities: with any motion of the source, and however weakly it is
 //! stopped, the joints stay together with it, within their speeds and their travel, and nothing steps.
 //!
 //! `ARCLINE_CASES` sets how many programs are run, `ARCLINE_SEED` the first ([`seeds`]). A program that fails is printed as
@@ -423,7 +423,7 @@ fn wander(wanderer: &mut Wanderer) {
 }
 
 #[test]
-fn joints_stay_within_what_they_can_do_whatever_leads_them() {
+fn joints_stay_within_their_limits_with_any_motion_of_the_source() {
     let cases = seeds(400);
     let mut failed = Vec::new();
     for seed in cases.clone() {

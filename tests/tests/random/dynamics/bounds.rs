@@ -2,7 +2,7 @@
 //!
 //! Units and seconds.
 
-use arcline_profile::{Bounds, Jerk, KinematicState, Limits, Profile, jerk_from_percent_of_time};
+use arcline_profile::{DynamicsBits, Jerk, KinematicState, Limits, Profile, jerk_from_percent_of_time};
 
 /// Dynamics as programmed, the jerks in percent of time.
 #[derive(Clone, Copy, Debug, Default)]
@@ -61,7 +61,7 @@ impl Dynamics {
             speed: self.speed.max(most),
             ..before
         };
-        Profile::stop_within(from, &limits, Some(&before), Bounds::ALL).reach()
+        Profile::stop_within(from, &limits, Some(&before), DynamicsBits::ALL).reach()
     }
 }
 

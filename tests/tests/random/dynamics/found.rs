@@ -122,7 +122,7 @@ const FOUND: [Found; 6] = [
 ];
 
 #[test]
-fn what_stepped_once_does_so_no_more() {
+fn programs_with_a_former_velocity_step_have_none() {
     for Found { calls, hardest } in &FOUND {
         let mut bench = Bench::new();
         for (call, ticks) in *calls {
@@ -142,7 +142,7 @@ fn what_stepped_once_does_so_no_more() {
 /// A move that was merged onto blends with its successor while the residual of the merge still ramps out: the successor's ramp ended with the
 /// move's own, and its full speed came on top of the residual's (spec/coordinated-instructions.md §7.4).
 #[test]
-fn a_blend_waits_for_what_ramps_out_beside_the_move() {
+fn a_blend_waits_for_the_residual_beside_the_move() {
     let dynamics = "101.298, 0, 471.359, 0, 127.712, 0, 0, 100, 100, 2";
     let mut bench = Bench::new();
     let calls = [

@@ -3,7 +3,7 @@
 use crate::extend::gentle::speed_curve::SpeedCurve;
 use crate::section::Section;
 use crate::tuning::TUNING;
-use crate::{Point, State};
+use crate::{AxesState, Point};
 use arcline_profile::Profile;
 
 /// An offset that fades out: the polynomial of degree 5 from its state to 0.
@@ -16,7 +16,7 @@ pub(super) struct Fade {
 impl Fade {
     /// From the state of a motion to the speed curve, on which a profile runs: in the shortest time that leaves most of the limits unused and
     /// stays inside the tolerance, otherwise in the time that comes closest to both. Returns also the share of the allowed values that it needs.
-    pub(super) fn new(speed_curve: &SpeedCurve<'_>, from: &State, profile: &Profile) -> (Fade, f64) {
+    pub(super) fn new(speed_curve: &SpeedCurve<'_>, from: &AxesState, profile: &Profile) -> (Fade, f64) {
         let to = speed_curve.moving(&profile.at(0.0));
         let offset = [
             from.position - to.position,
@@ -96,12 +96,12 @@ impl Fade {
         })
     }
 
-    pub(super) fn added_to(&self, moving: &State, time: f64) -> State {
+    pub(super) fn added_to(&self, moving: &AxesState, time: f64) -> AxesState {
         if time >= self.duration {
             return *moving;
         }
         let [p, v, a, _] = self.at(time / self.duration);
-        State {
+        AxesState {
             position: moving.position + p,
             velocity: moving.velocity + v,
             acceleration: moving.acceleration + a,

@@ -9,7 +9,7 @@ mod fade;
 mod smoothed;
 mod speed_curve;
 
-use crate::State;
+use crate::AxesState;
 use crate::extend::warm_start::{Running, followed, knots};
 use crate::section::Section;
 use crate::timing::control_points::{ControlPoints, blossom};
@@ -85,9 +85,9 @@ pub(crate) fn gentle_and_smooth(
 /// with their progress.
 fn control(
     section: &Section<'_>,
-    (initial, mut grid, followed): (State, Vec<f64>, usize),
-    mut before: impl FnMut(f64) -> (State, f64),
-    behind: impl Fn(f64) -> (State, f64),
+    (initial, mut grid, followed): (AxesState, Vec<f64>, usize),
+    mut before: impl FnMut(f64) -> (AxesState, f64),
+    behind: impl Fn(f64) -> (AxesState, f64),
 ) -> Option<ControlPoints> {
     // Without the last span, in which the motion comes to rest.
     let whole = grid.pop()?;

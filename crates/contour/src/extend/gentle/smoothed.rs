@@ -5,7 +5,7 @@ use crate::path::margin::ToleranceMargin;
 use crate::path::smooth::smooth;
 use crate::section::Section;
 use crate::timing::resample::project;
-use crate::{Point, State, Trajectory};
+use crate::{AxesState, Point, Trajectory};
 use arcline_profile::KinematicState;
 
 /// Its timing is that of a warm start, and only places its nodes.
@@ -63,7 +63,7 @@ impl Smoothed {
         }
     }
 
-    pub(crate) fn motion(&self, time: f64) -> State {
+    pub(crate) fn motion(&self, time: f64) -> AxesState {
         self.motion.at(time)
     }
 
@@ -101,7 +101,7 @@ impl Smoothed {
             let tangent = (end - from.position) / (self.length() - self.straight);
             return [from.position + tangent * (s - self.straight), tangent, Point::zeros()];
         }
-        let State {
+        let AxesState {
             position,
             velocity,
             acceleration,

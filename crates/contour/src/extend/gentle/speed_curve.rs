@@ -3,13 +3,13 @@
 use crate::extend::gentle::fade::Fade;
 use crate::extend::gentle::smoothed::Smoothed;
 use crate::extend::warm_start::{Running, followed};
-use crate::limits::Bounds;
+use crate::limits::MoveLimits;
 use crate::path::reference::along;
-use crate::path::rounding::{Corners, Shape, Stretch, round};
+use crate::path::rounding::{Corners, Stretch, StretchShape, round};
 use crate::section::Section;
 use crate::tolerance::RATE_SHARE;
 use crate::tuning::TUNING;
-use crate::{Point, State};
+use crate::{AxesState, Point};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile, entry_speed, exit_speed};
 
 /// A curve with the speeds that it permits.
@@ -81,7 +81,7 @@ impl<'a> SpeedCurve<'a> {
             .map(|stretch| {
                 let piece = reference.piece_at(0.5 * (stretch.from + stretch.to));
                 let keeps_close = section.allowance.keeps_close_at(reference, piece, stretch.from);
-                let is_rounding = matches!(stretch.shape, Shape::Bezier(..));
+                let is_rounding = matches!(stretch.shape, StretchShape::Bezier(..));
                 let measured = if is_rounding { TUNING.gentle.rounding_samples } else { 1 };
                 let step = (stretch.to - stretch.from) / f64::from(measured);
                 let sites = (0..=measured).map(|k| stretch.derivatives(reference, stretch.from + step * f64::from(k)));
@@ -268,7 +268,7 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// The progress of a motion near the path, with its first two derivatives by time.
-    pub(super) fn state(&self, from: &State, at: f64) -> KinematicState {
+    pub(super) fn state(&self, from: &AxesState, at: f64) -> KinematicState {
         let reference = &self.section.reference;
         let (_, piece) = reference.foot(&from.position, reference.piece_at(at));
         let position = reference.starts[piece] + along(&reference.pieces[piece], &from.position);
@@ -284,9 +284,9 @@ impl<'a> SpeedCurve<'a> {
     }
 
     /// The motion on the path at a state along it.
-    pub(super) fn moving(&self, along: &KinematicState) -> State {
+    pub(super) fn moving(&self, along: &KinematicState) -> AxesState {
         let [position, tangent, curvature] = self.at(along.position);
-        State {
+        AxesState {
             position,
             velocity: tangent * along.velocity,
             acceleration: curvature * (along.velocity * along.velocity) + tangent * along.acceleration,
@@ -326,7 +326,7 @@ impl<'a> SpeedCurve<'a> {
 }
 
 /// The constant speed at which a curve is within all limits, from samples one step apart.
-fn most_speed(bound: &Bounds, sites: impl Iterator<Item = [Point; 3]>, step: f64) -> f64 {
+fn most_speed(bound: &MoveLimits, sites: impl Iterator<Item = [Point; 3]>, step: f64) -> f64 {
     let mut before: Option<Point> = None;
     let mut most = f64::INFINITY;
     for [_, tangent, curvature] in sites {

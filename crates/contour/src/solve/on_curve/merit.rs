@@ -2,7 +2,7 @@
 
 use super::Here;
 use crate::Point;
-use crate::solve::problem::{Limits, Problem};
+use crate::solve::problem::{NodeLimits, Problem};
 use crate::tuning::TUNING;
 
 /// The logarithm of a product of many factors, calculated as rarely as the range of numbers permits.
@@ -56,7 +56,7 @@ impl Slacks {
     }
 
     #[inline(always)]
-    fn along(&mut self, value: &Point, tangent: &Point, limits: &Limits, share: f64) {
+    fn along(&mut self, value: &Point, tangent: &Point, limits: &NodeLimits, share: f64) {
         if limits.speeding_up > 0.0 {
             let along = tangent.dot(value) * share;
             self.take(1.0 - along * limits.speeding_up);
@@ -109,7 +109,7 @@ impl Problem<'_> {
     }
 
     #[inline(always)]
-    fn slacks_of(&self, kind: usize, i: isize, here: &Here, limits: &Limits, share: f64) -> Option<Slacks> {
+    fn slacks_of(&self, kind: usize, i: isize, here: &Here, limits: &NodeLimits, share: f64) -> Option<Slacks> {
         let mut slacks = Slacks {
             least: f64::INFINITY,
             product: 1.0,

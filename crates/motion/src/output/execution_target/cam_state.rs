@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::super::element::State;
+use super::super::element::ElementState;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OutputCam};
 use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
@@ -39,7 +39,7 @@ pub(super) enum Phase {
 #[derive(Clone, Debug)]
 pub(super) struct CamState {
     pub(super) program: Option<ArmedCam>,
-    pub(super) states: Vec<State>,
+    pub(super) states: Vec<ElementState>,
 }
 
 impl CamState {
@@ -52,7 +52,7 @@ impl CamState {
 
     pub(super) fn load(&mut self, program: ArmedCam) {
         self.states.clear();
-        self.states.resize(program.cam.elements.len(), State::default());
+        self.states.resize(program.cam.elements.len(), ElementState::default());
         self.program = Some(program);
     }
 

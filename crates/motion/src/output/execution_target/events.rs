@@ -4,11 +4,11 @@
 
 use arcline_planner::{Clock, Instant};
 
-use super::super::element::{Effect, ElementEvent, State};
+use super::super::element::{Effect, ElementEvent, ElementState};
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, Element, MAX_OUTPUT_ELEMENTS, OUTPUT_BITS};
 use super::super::windows::{Turns, Window};
-use super::Target;
+use super::ExecutionTarget;
 use super::cam_state::{ACTIVE, CamState, PENDING, Phase, TAIL};
 use super::piece::{Piece, instant};
 
@@ -26,7 +26,7 @@ pub(in crate::output) struct Edge {
 /// Events of one update: each element of three cams enters and leaves two ranges.
 pub(in crate::output) const MOST_EDGES: usize = 3 * 4 * MAX_OUTPUT_ELEMENTS;
 
-impl Target {
+impl ExecutionTarget {
     /// Handles the events between two shares of an update.
     pub(super) fn run(&mut self, piece: &Piece, from: f64, until: f64, clock: &Clock, edges: &mut Vec<Edge>) {
         edges.clear();
@@ -231,7 +231,7 @@ impl Target {
         }
     }
 
-    /// The same for one cam.
+    /// Updates the enable conditions of one cam.
     pub(super) fn enable(&mut self, cam_index: usize, at: Instant) {
         let own = self.written;
         let output = (self.output.bits & !own.mask) | (own.bits & own.mask);
@@ -252,7 +252,7 @@ impl Target {
         }
     }
 
-    pub(super) fn state(&self, cam_index: usize, element_index: usize) -> State {
+    pub(super) fn state(&self, cam_index: usize, element_index: usize) -> ElementState {
         self.cams[cam_index]
             .states
             .get(element_index)

@@ -10,7 +10,7 @@ use arcline_profile::KinematicState;
 use super::super::interpolation::Interpolation;
 use super::super::program::{Compensation, OUTPUT_BITS};
 use super::super::windows::Turns;
-use super::Target;
+use super::ExecutionTarget;
 use super::cam_state::{ACTIVE, PENDING, Phase};
 use super::events::Edge;
 use super::piece::{Piece, instant};
@@ -20,7 +20,7 @@ use crate::tolerance::OUTPUT_CAM_SHARE;
 /// Most cuts of an update: at the arm position and at ends of cams.
 const MOST_CUTS: usize = 4;
 
-impl Target {
+impl ExecutionTarget {
     /// Moves the axis from its last motion to its present one. `ended`: the instructions of cams that end meanwhile.
     pub(super) fn go(
         &mut self,
@@ -112,7 +112,7 @@ impl Target {
                     self.run(piece, share, until, clock, edges);
                     share = until;
                     let at = instant(piece, share, clock);
-                    let over = self.leave(position, at);
+                    let over = self.end_active(position, at);
                     if let Some(free) = ended.iter_mut().find(|ended| ended.is_none()) {
                         *free = over;
                     }
@@ -162,7 +162,7 @@ impl Target {
         let now = clock.now();
         self.expire(now, clock);
         self.let_pass(now);
-        (self.locked, self.leads, self.in_transition) = (false, false, false);
+        (self.locked, self.pending_sets_bits, self.in_transition) = (false, false, false);
         let Some(program) = self.cams[ACTIVE].program.as_ref() else {
             return;
         };
@@ -199,9 +199,9 @@ impl Target {
                 }
             })
         };
-        self.leads = self.cams[PENDING].cam().is_some_and(|cam| {
+        self.pending_sets_bits = self.cams[PENDING].cam().is_some_and(|cam| {
             (0..OUTPUT_BITS).any(|bit| cam.mask & (1 << bit) != 0 && beyond(&cam.compensation[bit]))
         });
-        self.in_transition = self.leads || self.lags();
+        self.in_transition = self.pending_sets_bits || self.lags();
     }
 }

@@ -9,7 +9,7 @@ use arcline_planner::Instant;
 use super::super::element::ElementEvent;
 use super::super::program::OUTPUT_BITS;
 use super::super::windows::Turns;
-use super::Target;
+use super::ExecutionTarget;
 use super::cam_state::{ACTIVE, PENDING, Phase, TAIL};
 use crate::execution::Execution;
 
@@ -25,9 +25,9 @@ pub(super) struct CamExit {
     position: f64,
 }
 
-impl Target {
+impl ExecutionTarget {
     /// Ends the active cam at a position; the pending one takes over. Returns the instruction of the ended cam.
-    pub(super) fn leave(&mut self, position: f64, at: Instant) -> Option<Execution> {
+    pub(super) fn end_active(&mut self, position: f64, at: Instant) -> Option<Execution> {
         let zero = self.zero();
         let middle = |start: f64, end: f64| 0.5 * (start + end);
         let forward = self.cams[ACTIVE]

@@ -72,7 +72,7 @@ async fn attack(env: &mut Environment, client: &mut Client) -> Answer<()> {
             1 => {
                 let data: Vec<u8> = (0..env.random.below(60)).map(|_| env.random.bits() as u8).collect();
                 let class = *env.random.one_of(&[0x01, 0x02, 0x06, 0x6B, 0x301, 0x302, 0x303, 0x304]);
-                // No service that changes anything can be hit with such data but by its whole layout.
+                // Such data reaches a service that changes the machine only in the whole layout of its request.
                 let request = Request::new(env.random.below(0x30) as u8, Epath::object(class, 1), data);
                 client.ask(&request).await?;
             }

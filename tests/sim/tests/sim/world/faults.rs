@@ -79,7 +79,7 @@ impl World<'_> {
         match power {
             None => {
                 self.common.record.sometimes("a kill");
-                // All that was answered, whatever the disk has.
+                // All answered writes, also those that the disk does not have.
                 self.durable = u64::MAX;
             }
             Some(rules) => {

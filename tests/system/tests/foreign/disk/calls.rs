@@ -29,7 +29,7 @@ async fn write_to_the_end(server: &Server, from: i64) -> (i64, i64) {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_kill_at_any_call_keeps_what_was_answered() {
+async fn a_kill_at_any_call_keeps_all_answered_writes() {
     if strace_is_missing("kill at any call") {
         return;
     }

@@ -172,7 +172,7 @@ fn exit_codes_and_messages() {
 }
 
 #[test]
-fn control_c_stops_what_was_begun() {
+fn control_c_stops_the_motion_of_the_command() {
     let server = Server::start();
     let at = server.address();
     let mut waiting = command(at, &["move", "CS1", "100000,0,0", "--speed", "100"])

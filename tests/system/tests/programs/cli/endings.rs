@@ -42,7 +42,7 @@ fn stands(at: std::net::SocketAddr, axis: &str) {
 const ENDLESS: &str = "MCLM(CS1, Down, 0, [100000, 0, 0], 100, 0, 2000, 0, 2000, 0, 0, 0, 0, 0);\n";
 
 #[test]
-fn motion_says_what_ended_it() {
+fn a_motion_command_prints_the_cause_of_its_end() {
     let server = Server::start();
     let at = server.address();
     let moving = ["move", "CS1", "100000,0,0", "--speed", "100", "--tag", "Long"];
@@ -82,7 +82,7 @@ fn motion_says_what_ended_it() {
 }
 
 #[test]
-fn a_jog_says_what_stopped_it() {
+fn a_jog_prints_the_cause_of_its_stop() {
     let server = Server::start();
     let at = server.address();
     let ended = begin(at, &["jog", "S", "50"]);

@@ -103,7 +103,7 @@ fn an_error_is_explained() {
 }
 
 #[test]
-fn a_slip_is_answered_with_what_was_meant() {
+fn a_misspelt_name_is_answered_with_the_likely_one() {
     let server = Server::start();
     let at = server.address();
     let folder = tempfile::tempdir().expect("a folder");
@@ -294,7 +294,7 @@ fn watching_on_a_terminal_fills_the_screen_and_leaves_it() {
 }
 
 #[test]
-fn the_shell_runs_what_is_piped_in() {
+fn the_shell_runs_piped_commands() {
     let server = Server::start();
     let at = server.address();
     let lines = "# a comment\nmove CS1 10,0,0\nMCLM(CS1, Line, Absolute, [20, 5, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2)\n\

@@ -90,7 +90,7 @@ fn every_tick_is_in_the_file() {
 }
 
 #[test]
-fn a_trigger_begins_it_and_what_was_before_belongs_to_it() {
+fn a_trigger_begins_a_trace_that_includes_the_ticks_before_it() {
     let server = Server::start();
     let at = server.address();
     let folder = tempfile::tempdir().expect("a folder");
