@@ -35,6 +35,8 @@ pub(crate) struct Index {
     pub(crate) size: u32,
     /// Bytes from one element to the next.
     pub(crate) stride: u32,
+    /// The dimension of a parameter by reference: the operand of the call gives its size, and `stride` is that of the last dimension.
+    pub(crate) of_operand: Option<u8>,
     /// The subscript as it is written.
     pub(crate) text: TextId,
 }
@@ -58,6 +60,19 @@ pub(crate) struct Bit {
 pub(crate) struct Referenced {
     pub(crate) place: Place,
     pub(crate) bit: Option<Select>,
+    /// Its sizes; `None`: it is an array that the caller has by reference itself, with the sizes of that operand.
+    pub(crate) sizes: Option<Sizes>,
+}
+
+/// The sizes of the operand of a parameter by reference. An array may be longer than the definition says.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sizes {
+    /// Elements of each dimension; 0: there is no such dimension.
+    pub(crate) dimensions: [u32; 3],
+    /// Bits of an array of BOOLs.
+    pub(crate) bits: u32,
+    /// Bytes of the whole operand.
+    pub(crate) bytes: u32,
 }
 
 /// Which bit behind a place.
@@ -70,7 +85,8 @@ pub(crate) enum Select {
     /// A number below the count of bits; outside it is that fault of type 4.
     Number {
         value: Ex,
-        bits: u32,
+        /// `None`: those of the operand of a parameter by reference.
+        bits: Option<u32>,
         text: TextId,
         fault: u16,
     },
@@ -88,6 +104,8 @@ pub(crate) struct Area {
     pub(crate) length: u32,
     /// Dimensions of that array.
     pub(crate) dimensions: [u32; 3],
+    /// Whether the array is a parameter by reference: the operand of the call gives length and dimensions.
+    pub(crate) is_of_operand: bool,
     /// Whether the operand names the whole array, without subscript.
     pub(crate) is_whole: bool,
     /// Bytes from the array's beginning that constant subscripts skip.

@@ -22,7 +22,7 @@ pub use fault::Fault;
 pub(crate) use fault::{FaultAt, MAX_FAULTS};
 pub(crate) use value::Number;
 
-use crate::code::{Code, TextId, Transfer};
+use crate::code::{Code, Sizes, TextId, Transfer};
 
 /// The machine and the controller around routines.
 pub trait Host {
@@ -79,9 +79,7 @@ pub(crate) type Run<T> = Result<T, Exit>;
 pub(crate) struct ExecutionState {
     pub(crate) memory: Vec<u8>,
     /// Bases of add-on instructions that run, and the first one of the innermost.
-    bases: Vec<u32>,
-    /// The bit of each base that is a BOOL.
-    masks: Vec<u8>,
+    bases: Vec<Base>,
     frame: usize,
     overflow: bool,
     zero: bool,
@@ -139,6 +137,25 @@ pub(crate) struct ExecutionState {
     trace: Cursor,
 }
 
+/// The first byte of an instance of an add-on instruction, or the operand of a parameter by reference.
+#[derive(Clone, Copy, Debug)]
+struct Base {
+    at: u32,
+    /// The bit of a BOOL.
+    mask: u8,
+    sizes: Sizes,
+}
+
+impl Base {
+    fn instance(at: u32) -> Self {
+        Base {
+            at,
+            mask: 1,
+            sizes: Sizes::default(),
+        }
+    }
+}
+
 /// A message on its way.
 #[derive(Clone, Copy, Debug)]
 struct Sent {
@@ -174,7 +191,6 @@ impl ExecutionState {
         ExecutionState {
             memory,
             bases: Vec::with_capacity(MAX_BASES),
-            masks: Vec::with_capacity(MAX_BASES),
             path: Vec::with_capacity(MAX_CALLS + 1),
             faults: Vec::with_capacity(MAX_FAULTS),
             records: vec![[0; 11]; code.programs.len()],
@@ -207,25 +223,20 @@ impl ExecutionState {
         (self.overflow, self.zero, self.negative, self.carry, self.minor) = (false, false, false, false, false);
         self.zone = false;
         (self.depth, self.add_ons, self.frame) = (0, 0, 0);
-        self.truncate_bases(0);
+        self.bases.clear();
         self.path.clear();
-    }
-
-    fn push_base(&mut self, at: u32, mask: u8) {
-        self.bases.push(at);
-        self.masks.push(mask);
     }
 
     /// Prepares the evaluation of operands between two scans; returns the flag that it may change.
     pub(crate) fn begin_sample(&mut self) -> bool {
         self.frame = 0;
-        self.truncate_bases(0);
+        self.bases.clear();
         self.overflow
     }
 
     /// Ends the evaluation of operands.
     pub(crate) fn end_sample(&mut self, overflow: bool) {
-        self.truncate_bases(0);
+        self.bases.clear();
         self.overflow = overflow;
     }
 
@@ -251,11 +262,6 @@ impl ExecutionState {
         }
         self.trace.bit += 1;
     }
-
-    fn truncate_bases(&mut self, count: usize) {
-        self.bases.truncate(count);
-        self.masks.truncate(count);
-    }
 }
 
 fn set_bit(bits: &mut [u8], bit: usize, on: bool) {
@@ -268,7 +274,7 @@ fn set_bit(bits: &mut [u8], bit: usize, on: bool) {
 impl Scan<'_> {
     /// Places of an add-on instruction are from now on those of the instance at a byte.
     pub(crate) fn enter_instance(&mut self, at: u32) {
-        self.s.push_base(at, 1);
+        self.s.bases.push(Base::instance(at));
     }
 }
 

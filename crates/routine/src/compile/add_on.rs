@@ -3,8 +3,9 @@
 use arcline_tag::DataType;
 
 use super::operand::parse;
+use super::reference::Found;
 use super::{Compiler, Owner, Wrong};
-use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Referenced, Select};
+use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Referenced, Select, Sizes};
 use crate::expression::Expression;
 use crate::source::{MemberSource, Usage};
 
@@ -132,27 +133,28 @@ impl Compiler<'_> {
             return Ok(Referenced {
                 place,
                 bit: Some(bit.select),
+                sizes: Some(Sizes {
+                    bytes: 1,
+                    ..Sizes::default()
+                }),
             });
         }
-        self.check_reference(&parameter.data_type, &found.data_type)?;
+        check_type(&parameter.data_type, &found)?;
+        check_size(parameter, &found)?;
         if place.base == 0 && matches!(found.data_type, DataType::Structure(_)) && place.index.is_empty() {
             self.share_if_motion(&found.data_type, place.at);
         }
-        Ok(Referenced { place, bit: None })
-    }
-
-    /// A parameter by reference takes data of its own type; any axis for any type of axis.
-    fn check_reference(&self, expected: &str, found: &DataType) -> Result<(), Wrong> {
-        let is_axis = |name: &str| name.to_ascii_uppercase().starts_with("AXIS_");
-        let name = found.name();
-        let same = name.eq_ignore_ascii_case(expected)
-            || (is_axis(name) && is_axis(expected))
-            || (name == "DWORD" && expected.eq_ignore_ascii_case("BOOL"));
-        if same {
-            Ok(())
-        } else {
-            Err(format!("is {name}, expected {expected}"))
-        }
+        let elements: u32 = found.dimensions.iter().filter(|size| **size > 0).product();
+        let sizes = Sizes {
+            dimensions: found.dimensions,
+            bits: found.bits.unwrap_or_default(),
+            bytes: elements * found.data_type.size() as u32,
+        };
+        Ok(Referenced {
+            place,
+            bit: None,
+            sizes: (!found.is_of_operand).then_some(sizes),
+        })
     }
 
     fn share_if_motion(&mut self, data_type: &DataType, at: u32) {
@@ -162,5 +164,42 @@ impl Compiler<'_> {
         ) {
             self.share_at(at);
         }
+    }
+}
+
+/// A parameter by reference takes data of its own type; any axis for any type of axis.
+fn check_type(expected: &str, found: &Found) -> Result<(), Wrong> {
+    let is_axis = |name: &str| name.to_ascii_uppercase().starts_with("AXIS_");
+    let name = found.data_type.name();
+    let same = name.eq_ignore_ascii_case(expected)
+        || (is_axis(name) && is_axis(expected))
+        || (name == "DWORD" && expected.eq_ignore_ascii_case("BOOL"));
+    if found.bit.is_some() {
+        Err(format!("is a bit, expected {expected}"))
+    } else if same {
+        Ok(())
+    } else {
+        Err(format!("is {name}, expected {expected}"))
+    }
+}
+
+/// An array by reference takes an array of as many dimensions that is as long as its definition or longer (spec/programs.md §13).
+fn check_size(parameter: &MemberSource, found: &Found) -> Result<(), Wrong> {
+    let (expected, name) = (&parameter.dimensions, &parameter.data_type);
+    let rank = found.dimensions.iter().take_while(|size| **size > 0).count();
+    match (expected.len(), rank) {
+        (0, 0) => return Ok(()),
+        (0, _) => return Err(format!("is an array, expected one {name}")),
+        (_, 0) => return Err(format!("is one {name}, expected an array")),
+        (expected, rank) if expected != rank => return Err(format!("has {rank} dimensions, expected {expected}")),
+        _ => {}
+    }
+    let given = match found.bits {
+        Some(bits) => [bits, 0, 0],
+        None => found.dimensions,
+    };
+    match expected.iter().zip(given).find(|(expected, given)| *given < **expected) {
+        Some((expected, given)) => Err(format!("has {given} elements, expected {expected} or more")),
+        None => Ok(()),
     }
 }

@@ -24,7 +24,9 @@ pub(crate) struct Found {
     inner: usize,
     end: u32,
     /// Bits of an array of BOOLs.
-    bits: Option<u32>,
+    pub(crate) bits: Option<u32>,
+    /// Whether the array is a parameter by reference, of whose operand the sizes are.
+    pub(crate) is_of_operand: bool,
 }
 
 impl Found {
@@ -47,6 +49,7 @@ impl Found {
             data_type: self.data_type.clone(),
             length: self.length,
             dimensions: self.array,
+            is_of_operand: self.is_of_operand,
             is_whole: self.is_array(),
             skipped: self.skipped,
             inner: self.inner,
@@ -134,6 +137,7 @@ impl Compiler<'_> {
                 let is_bool = member.data_type.eq_ignore_ascii_case("BOOL") && !member.dimensions.is_empty();
                 let bits = is_bool.then(|| member.dimensions.iter().product());
                 let mut found = start(base, 0, &tag_type, bits);
+                found.is_of_operand = found.is_array();
                 if tag_type == TagType::scalar(Elementary::Bool) {
                     found.bit = Some(Select::Referenced);
                 }
@@ -203,6 +207,7 @@ impl Compiler<'_> {
                     found.array = found.dimensions;
                     found.length = u32::from(member.dimension).max(1);
                     (found.skipped, found.inner) = (0, 0);
+                    found.is_of_operand = false;
                     let is_word = member.data_type == DataType::Elementary(Elementary::Dword);
                     found.bits = (is_word && member.dimension > 0).then(|| 32 * u32::from(member.dimension));
                 }
@@ -220,7 +225,7 @@ impl Compiler<'_> {
                     let value = self.whole(value)?;
                     found.bit = Some(Select::Number {
                         value,
-                        bits,
+                        bits: Some(bits),
                         text,
                         fault: 83,
                     });
@@ -260,7 +265,7 @@ impl Compiler<'_> {
                 let value = self.whole(value)?;
                 found.bit = Some(Select::Number {
                     value,
-                    bits,
+                    bits: (!found.is_of_operand).then_some(bits),
                     text,
                     fault: 20,
                 });
@@ -274,23 +279,27 @@ impl Compiler<'_> {
             strides[place] = stride;
             stride = stride.saturating_mul(*dimension);
         }
-        for ((value, dimension), stride) in values.iter().zip(found.dimensions).zip(strides) {
+        for (place, ((value, dimension), stride)) in values.iter().zip(found.dimensions).zip(strides).enumerate() {
             if let Expression::Integer(number) = value {
                 let number = u32::try_from(*number).ok().filter(|number| *number < dimension);
                 let number = number.ok_or_else(|| format!("subscript {value}, the array has {dimension} elements"))?;
-                found.at += number * stride;
-                found.skipped += number * stride;
-            } else {
-                let text = self.text(&value.to_string());
-                let value = self.whole(value)?;
-                found.index.push(Index {
-                    value,
-                    size: dimension,
-                    stride,
-                    text,
-                });
-                found.inner += 1;
+                // Only the last dimension has the same stride in every operand.
+                if !found.is_of_operand || place + 1 == rank {
+                    found.at += number * stride;
+                    found.skipped += number * stride;
+                    continue;
+                }
             }
+            let text = self.text(&value.to_string());
+            let value = self.whole(value)?;
+            found.index.push(Index {
+                value,
+                size: dimension,
+                stride: if found.is_of_operand { size } else { stride },
+                of_operand: found.is_of_operand.then_some(place as u8),
+                text,
+            });
+            found.inner += 1;
         }
         found.dimensions = [0; 3];
         Ok(())
@@ -318,6 +327,7 @@ fn start(base: u8, at: u32, tag_type: &TagType, bits: Option<u32>) -> Found {
         inner: 0,
         end: at + tag_type.size() as u32,
         bits,
+        is_of_operand: false,
     }
 }
 

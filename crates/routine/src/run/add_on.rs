@@ -1,6 +1,6 @@
 //! Calls of add-on instructions (spec/programs.md §13).
 
-use super::{MAX_ADD_ONS, MAX_BASES, Run, Scan};
+use super::{Base, MAX_ADD_ONS, MAX_BASES, Run, Scan};
 use crate::code::{AddOnCall, Referenced};
 
 impl<'s> Scan<'s> {
@@ -15,12 +15,12 @@ impl<'s> Scan<'s> {
             return Err(self.fault(4, 84, None));
         }
         // Operands of the caller are evaluated with the caller's bases.
-        self.s.push_base(instance, 1);
+        self.s.bases.push(Base::instance(instance));
         for reference in &call.references {
             match self.reference(reference) {
-                Ok((at, mask)) => self.s.push_base(at, mask),
+                Ok(base) => self.s.bases.push(base),
                 Err(exit) => {
-                    self.s.truncate_bases(frame);
+                    self.s.bases.truncate(frame);
                     return Err(exit);
                 }
             }
@@ -28,17 +28,20 @@ impl<'s> Scan<'s> {
         let outer = self.s.frame;
         let ran = self.add_on_body(call, definition, power, frame);
         self.s.frame = outer;
-        self.s.truncate_bases(frame);
+        self.s.bases.truncate(frame);
         ran
     }
 
-    /// The address of a parameter by reference, and the mask of its bit.
-    fn reference(&mut self, reference: &Referenced) -> Run<(u32, u8)> {
+    /// The operand of a parameter by reference.
+    fn reference(&mut self, reference: &Referenced) -> Run<Base> {
+        let base = reference.place.base;
         let at = self.address(&reference.place)?;
-        match &reference.bit {
-            Some(select) => self.bit_behind(at, reference.place.base, select),
-            None => Ok((at, 1)),
-        }
+        let (at, mask) = match &reference.bit {
+            Some(select) => self.bit_behind(at, base, select)?,
+            None => (at, 1),
+        };
+        let sizes = reference.sizes.unwrap_or_else(|| self.sizes(base));
+        Ok(Base { at, mask, sizes })
     }
 
     fn add_on_body(
@@ -49,7 +52,7 @@ impl<'s> Scan<'s> {
         frame: usize,
     ) -> Run<bool> {
         let (outer, prescan) = (self.s.frame, self.s.prescan);
-        let instance = self.s.bases.get(frame).copied().unwrap_or_default();
+        let instance = self.s.bases.get(frame).map_or(0, |base| base.at);
         for copy in &call.inputs {
             let value = self.argument(&copy.from)?;
             self.s.frame = frame;

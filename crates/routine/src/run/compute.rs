@@ -73,11 +73,12 @@ impl Scan<'_> {
             }
             (Op::Size, [Argument::Area(area), dimension, target]) => {
                 let dimension = self.argument_whole(dimension)?;
+                let (_, dimensions) = self.shape(area);
                 let size = match crate::types::text_layout(&area.data_type) {
-                    Some((_, capacity)) if area.dimensions[0] == 0 => capacity,
+                    Some((_, capacity)) if dimensions[0] == 0 => capacity,
                     _ => usize::try_from(dimension)
                         .ok()
-                        .and_then(|at| area.dimensions.get(at))
+                        .and_then(|at| dimensions.get(at))
                         .copied()
                         .unwrap_or(0),
                 };
@@ -148,7 +149,11 @@ impl Scan<'_> {
             Argument::Area(area) => {
                 let range = self.range(area)?;
                 // A structure in a structure is written on into the members behind it.
-                let end = if area.length > 1 { range.array_end } else { range.end };
+                let end = if self.shape(area).0 > 1 {
+                    range.array_end
+                } else {
+                    range.end
+                };
                 (range.at, end, area.size)
             }
             _ => return Ok(()),
@@ -182,7 +187,11 @@ impl Scan<'_> {
 
     fn fill(&mut self, value: &Argument, to: &Area, length: i64) -> Run<()> {
         let range = self.range(to)?;
-        let end = if to.length > 1 { range.array_end } else { range.end };
+        let end = if self.shape(to).0 > 1 {
+            range.array_end
+        } else {
+            range.end
+        };
         let size = to.size.max(1);
         let count = u32::try_from(length).unwrap_or(0).min((end - range.at) / size);
         match (&to.data_type, value) {

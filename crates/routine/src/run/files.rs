@@ -152,7 +152,7 @@ impl Scan<'_> {
             return Ok(());
         };
         let dimension = usize::try_from(self.argument_whole(dimension)?).unwrap_or(0);
-        let stride = stride_of(array, dimension);
+        let stride = self.stride_of(array, dimension);
         let count = (length as u32).min((range.array_end - range.at).div_ceil(stride.max(1)));
         if count < length as u32 {
             return Err(self.fault(4, 20, Some((LEN, length.into()))));
@@ -221,6 +221,13 @@ impl Scan<'_> {
         Ok(())
     }
 
+    /// Bytes from one element to the next along a dimension.
+    fn stride_of(&self, area: &Area, dimension: usize) -> u32 {
+        let (_, dimensions) = self.shape(area);
+        let inner = dimensions.iter().skip(dimension + 1).filter(|size| **size > 0);
+        area.size * inner.product::<u32>()
+    }
+
     fn exchange(&mut self, a: u32, b: u32, kind: Elementary) {
         for (a, b) in (a..).zip(b..).take(kind.size()) {
             let ([left], [right]) = (self.bytes(a), self.bytes(b));
@@ -228,10 +235,4 @@ impl Scan<'_> {
             self.put(b, [left]);
         }
     }
-}
-
-/// Bytes from one element to the next along a dimension.
-fn stride_of(area: &Area, dimension: usize) -> u32 {
-    let inner = area.dimensions.iter().skip(dimension + 1).filter(|size| **size > 0);
-    area.size * inner.product::<u32>()
 }

@@ -4,7 +4,7 @@ use arcline_tag::Elementary;
 
 use super::{Exit, Run, Scan};
 use crate::code::{
-    Area, Argument, Bit, Cellular, Compare, Ex, Float, Function, Place, Select, Status, TextPart, Whole, Width,
+    Area, Argument, Bit, Cellular, Compare, Ex, Float, Function, Place, Select, Sizes, Status, TextPart, Whole, Width,
 };
 
 /// An area at run time: its first byte, the end of its array, and the end of its tag.
@@ -26,8 +26,23 @@ impl Scan<'_> {
     pub(crate) fn base(&self, base: u8) -> u32 {
         match usize::from(base).checked_sub(1) {
             None => 0,
-            Some(place) => self.s.bases.get(self.s.frame + place).copied().unwrap_or_default(),
+            Some(place) => self.s.bases.get(self.s.frame + place).map_or(0, |base| base.at),
         }
+    }
+
+    /// The sizes of the operand of a parameter by reference.
+    pub(crate) fn sizes(&self, base: u8) -> Sizes {
+        let place = self.s.frame + usize::from(base).saturating_sub(1);
+        self.s.bases.get(place).map_or_else(Sizes::default, |base| base.sizes)
+    }
+
+    /// The elements of an area's array, and its dimensions.
+    pub(crate) fn shape(&self, area: &Area) -> (u32, [u32; 3]) {
+        if !area.is_of_operand {
+            return (area.length, area.dimensions);
+        }
+        let dimensions = self.sizes(area.place.base).dimensions;
+        (dimensions.iter().filter(|size| **size > 0).product(), dimensions)
     }
 
     /// The address of a place; a subscript out of range is a fault.
@@ -41,13 +56,23 @@ impl Scan<'_> {
         let mut inner = 0;
         for (number, index) in place.index.iter().enumerate() {
             let value = self.whole(&index.value)?;
+            let (size, stride) = match index.of_operand {
+                None => (index.size, index.stride),
+                Some(dimension) => {
+                    let sizes = self.sizes(place.base).dimensions;
+                    let mut behind = sizes.iter().skip(usize::from(dimension));
+                    let size = behind.next().copied().unwrap_or_default();
+                    let stride = behind.filter(|size| **size > 0).product::<u32>() * index.stride;
+                    (size, stride)
+                }
+            };
             let element = match u32::try_from(value) {
-                Ok(element) if element < index.size => element,
+                Ok(element) if element < size => element,
                 _ => return Err(self.fault(4, 20, Some((index.text, value)))),
             };
-            at += element * index.stride;
+            at += element * stride;
             if number >= outer {
-                inner += element * index.stride;
+                inner += element * stride;
             }
         }
         Ok((at, inner))
@@ -57,11 +82,16 @@ impl Scan<'_> {
         let outer = area.place.index.len() - area.inner;
         let (at, inner) = self.address_behind(&area.place, outer)?;
         let skipped = area.skipped + inner;
-        let array_end = at - skipped + area.length * area.size;
+        let array_end = at - skipped + self.shape(area).0 * area.size;
+        let base = area.place.base;
+        let end = match base {
+            0 | 1 => area.end,
+            _ => self.sizes(base).bytes,
+        };
         Ok(Range {
             at,
             array_end,
-            end: self.base(area.place.base) + area.end,
+            end: self.base(base) + end,
         })
     }
 
@@ -106,7 +136,7 @@ impl Scan<'_> {
             Select::Mask(mask) => Ok((at, *mask)),
             Select::Referenced => {
                 let place = self.s.frame + usize::from(base).saturating_sub(1);
-                Ok((at, self.s.masks.get(place).copied().unwrap_or(1)))
+                Ok((at, self.s.bases.get(place).map_or(1, |base| base.mask)))
             }
             Select::Number {
                 value,
@@ -115,8 +145,9 @@ impl Scan<'_> {
                 fault,
             } => {
                 let number = self.whole(value)?;
+                let bits = bits.unwrap_or_else(|| self.sizes(base).bits);
                 match u32::try_from(number) {
-                    Ok(number) if number < *bits => Ok((at + number / 8, 1 << (number % 8))),
+                    Ok(number) if number < bits => Ok((at + number / 8, 1 << (number % 8))),
                     _ => Err(self.fault(4, *fault, Some((*text, number)))),
                 }
             }
