@@ -3,6 +3,7 @@
 mod add_on;
 mod call;
 mod expression;
+mod fit;
 mod message;
 mod motion;
 mod operand;

@@ -113,6 +113,8 @@ pub(crate) enum Kind {
     Unsigned,
     /// A number or a text.
     Compared,
+    /// A number or data that fill other data.
+    Filling,
     /// A condition or a number.
     Expression,
     /// A number that is written.

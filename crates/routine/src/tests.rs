@@ -11,6 +11,7 @@ mod motion;
 mod projects;
 mod refused;
 mod texts;
+mod unfit;
 mod wires;
 
 use crate::source::{

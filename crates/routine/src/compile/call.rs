@@ -1,6 +1,7 @@
 //! Rungs and instructions: the table's row, the operands by their kinds.
 
 use super::expression::{Sort, arithmetic, cast, compared};
+use super::fit::transfers;
 use super::{Compiler, Wrong};
 use crate::code::{Argument, Compare, Ex, Instruction, Node, Place, Select, Transfer};
 use crate::error::FindingKind;
@@ -114,6 +115,7 @@ impl Compiler<'_> {
                     arguments.push(argument);
                 }
                 self.promote(row.op, operands, &mut arguments)?;
+                super::fit::check(row.op, &arguments)?;
                 if row.operands.iter().any(|(_, kind)| *kind == table::Kind::Unsigned) {
                     fill_with_zeros(&mut arguments);
                 }
@@ -289,17 +291,25 @@ impl Compiler<'_> {
             return Err(format!("{count} inputs, but {} operands follow", rest.len()));
         }
         let (inputs, returns) = rest.split_at(count);
-        let inputs = inputs
+        let inputs: Box<[Argument]> = inputs
             .iter()
             .map(|text| self.data_or_number(text))
             .collect::<Result<_, _>>()?;
-        let returns = returns
+        let returns: Box<[Argument]> = returns
             .iter()
             .map(|text| self.written(text))
             .collect::<Result<_, _>>()?;
         let parameters = self.operands_of(routine, "SBR").unwrap_or_default();
         let parameters = parameters.iter().filter(|text| !text.is_empty());
-        let parameters = parameters.map(|text| self.written(text)).collect::<Result<_, _>>()?;
+        let parameters: Box<[Argument]> = parameters.map(|text| self.written(text)).collect::<Result<_, _>>()?;
+        for (number, (from, to)) in inputs.iter().zip(&parameters).enumerate() {
+            transfers(from, to).map_err(|reason| format!("input {}: {reason}", number + 1))?;
+        }
+        let values = self.operands_of(routine, "RET").unwrap_or_default();
+        for (number, (text, to)) in values.iter().filter(|text| !text.is_empty()).zip(&returns).enumerate() {
+            let from = self.data_or_number(text)?;
+            transfers(&from, to).map_err(|reason| format!("return {}: {reason}", number + 1))?;
+        }
         Ok(Transfer {
             routine,
             inputs,

@@ -145,7 +145,7 @@ impl Compiler<'_> {
             Kind::Array(_) | Kind::ArrayOrNone => match parse(text)? {
                 Expression::Reference(_) => {
                     let area = self.area_of(text)?;
-                    if !matches!(area.data_type, DataType::Elementary(_)) {
+                    if !matches!(area.data_type, DataType::Elementary(kind) if kind != Elementary::Bool) {
                         return Err(format!("is {}, expected an array of REAL", area.data_type.name()));
                     }
                     Ok(Operand::Read(MotionOperand::Array(area)))
@@ -191,7 +191,10 @@ impl Compiler<'_> {
 
     pub(crate) fn area_of(&mut self, text: &str) -> Result<Area, Wrong> {
         match parse(text)? {
-            Expression::Reference(reference) => Ok(self.resolve(&reference)?.area()),
+            Expression::Reference(reference) => match self.resolve(&reference)? {
+                found if found.bit.is_some() => Err("is a bit, expected data".to_owned()),
+                found => Ok(found.area()),
+            },
             _ => Err("expected a tag".to_owned()),
         }
     }

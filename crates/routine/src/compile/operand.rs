@@ -1,6 +1,6 @@
 //! Operands by the kinds of the table.
 
-use arcline_tag::DataType;
+use arcline_tag::{DataType, Elementary};
 
 use super::call::unsigned;
 use super::expression::{Sort, status_of};
@@ -54,12 +54,9 @@ impl Compiler<'_> {
             Kind::Unsigned => Ok(Argument::Integer(unsigned(self.whole(&expression)?))),
             Kind::Compared => match self.text_part(&expression) {
                 Some(part) => Ok(Argument::Text(part)),
-                None => match self.value(&expression) {
-                    Ok(value) => Ok(value),
-                    // FLL takes a structure too.
-                    Err(wrong) => self.data(&expression).map_err(|_| wrong),
-                },
+                None => self.value(&expression),
             },
+            Kind::Filling => self.filling(&expression),
             Kind::Target => self.target(&expression),
             Kind::MoveTarget => match self.text_part(&expression) {
                 Some(part @ TextPart::Tag { .. }) => Ok(Argument::Text(part)),
@@ -135,13 +132,28 @@ impl Compiler<'_> {
         match expression {
             Expression::Reference(reference) => {
                 let found = self.resolve(reference)?;
-                if found.bit.is_some() {
-                    return found.as_bit().map(Argument::Bit).ok_or("unexpected".to_owned());
+                match (found.as_bit(), found.bits) {
+                    // An element of an array of BOOLs begins a word.
+                    (Some(_), Some(_)) => Ok(Argument::Area(found.words()?)),
+                    (Some(bit), None) => Ok(Argument::Bit(bit)),
+                    (None, _) => Ok(Argument::Area(found.area())),
                 }
-                Ok(Argument::Area(found.area()))
             }
             Expression::Text(bytes) => Ok(Argument::Text(TextPart::Literal(bytes.clone().into()))),
             _ => self.value(expression),
+        }
+    }
+
+    /// The source of FLL: a number, or data that fills element by element.
+    fn filling(&mut self, expression: &Expression) -> Result<Argument, Wrong> {
+        let data = self.data(expression)?;
+        match &data {
+            Argument::Area(area) if matches!(area.data_type, DataType::Elementary(_)) && !area.is_whole => Ok(self
+                .value(expression)
+                .ok()
+                .filter(|_| area.data_type != Elementary::Dword.into())
+                .unwrap_or(data)),
+            _ => Ok(data),
         }
     }
 

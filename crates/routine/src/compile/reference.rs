@@ -57,6 +57,21 @@ impl Found {
         }
     }
 
+    /// The words of an array of BOOLs from an element on that begins one.
+    pub(crate) fn words(&self) -> Result<Area, Wrong> {
+        match &self.bit {
+            Some(Select::Mask(1)) if self.skipped.is_multiple_of(4) => Ok(Area {
+                data_type: Elementary::Dword.into(),
+                size: 4,
+                ..self.area()
+            }),
+            Some(Select::Mask(_)) => Err("begins no word of 32 BOOLs".to_owned()),
+            _ => Err(
+                "is a BOOL by a subscript that is calculated, expected one that begins a word of 32 BOOLs".to_owned(),
+            ),
+        }
+    }
+
     pub(crate) fn as_bit(&self) -> Option<Bit> {
         let select = match (&self.bit, &self.data_type) {
             (Some(select), _) => select.clone(),
@@ -259,6 +274,7 @@ impl Compiler<'_> {
                 let bit = u32::try_from(*bit).ok().filter(|bit| *bit < bits);
                 let bit = bit.ok_or_else(|| format!("subscript {value}, the array has {bits} bits"))?;
                 found.at += bit / 8;
+                found.skipped += bit / 8;
                 found.bit = Some(Select::Mask(1 << (bit % 8)));
             } else {
                 let text = self.text(&value.to_string());

@@ -151,8 +151,9 @@ impl Compiler<'_> {
             }
         }
         if matches!(found.data_type, DataType::Structure(_)) || found.is_array() {
-            let from = self.data(value)?;
-            return Ok((Argument::Area(found.area()), from));
+            let (from, to) = (self.data(value)?, Argument::Area(found.area()));
+            super::fit::transfers(&from, &to)?;
+            return Ok((to, from));
         }
         let to = self.target(target)?;
         let from = self.value(value)?;

@@ -4,8 +4,9 @@ use arcline_tag::{DataType, Elementary};
 
 use super::Number;
 use super::counters::member;
+use super::value::Range;
 use super::{Run, Scan};
-use crate::code::{Area, Argument, Cellular, TextPart};
+use crate::code::{Area, Argument, Cellular, Ex, TextPart};
 use crate::table::Op;
 
 impl Scan<'_> {
@@ -88,7 +89,7 @@ impl Scan<'_> {
                 self.assign(target, Number::Whole(i64::from(size)))
             }
             (Op::Mvmt | Op::Btdt, [Argument::Area(area)]) => self.move_with_target(op, area),
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 
@@ -124,7 +125,7 @@ impl Scan<'_> {
     fn swap(&mut self, source: &Argument, mode: i32, target: &Argument) -> Run<()> {
         let value = self.argument_whole(source)?;
         let Argument::Target(Cellular { kind, .. }) = target else {
-            return Ok(());
+            return Err(self.unknown());
         };
         let swapped = if kind.size() == 2 {
             i64::from((value as i16).swap_bytes())
@@ -145,21 +146,16 @@ impl Scan<'_> {
 
     /// COP: elements of the destination, straight from the bytes of the source.
     fn copy_file(&mut self, from: &Argument, to: &Argument, length: i64) -> Run<()> {
-        let target = match to {
-            Argument::Area(area) => {
-                let range = self.range(area)?;
-                // A structure in a structure is written on into the members behind it.
-                let end = if self.shape(area).0 > 1 {
-                    range.array_end
-                } else {
-                    range.end
-                };
-                (range.at, end, area.size)
-            }
-            _ => return Ok(()),
+        let Argument::Area(area) = to else {
+            return Err(self.unknown());
         };
-        let (at, end, size) = target;
-        let wanted = u32::try_from(length).unwrap_or(0).saturating_mul(size).min(end - at);
+        let Range { at, array_end, end } = self.range(area)?;
+        // A structure in a structure is written on into the members behind it.
+        let end = if self.shape(area).0 > 1 { array_end } else { end };
+        let wanted = u32::try_from(length)
+            .unwrap_or(0)
+            .saturating_mul(area.size)
+            .min(end - at);
         match from {
             Argument::Area(area) => {
                 let source = self.range(area)?;
@@ -203,6 +199,18 @@ impl Scan<'_> {
                 self.begin_arithmetic();
                 Ok(())
             }
+            (DataType::Elementary(kind), Argument::Area(from)) => {
+                let source = self.range(from)?;
+                let DataType::Elementary(of) = from.data_type else {
+                    return Err(self.unknown());
+                };
+                let value = self.read(source.at, of);
+                for element in 0..count {
+                    self.write(range.at + element * size, *kind, value);
+                }
+                self.begin_arithmetic();
+                Ok(())
+            }
             (_, Argument::Area(from)) => {
                 let source = self.range(from)?;
                 let bytes = size.min(from.size);
@@ -212,15 +220,24 @@ impl Scan<'_> {
                 Ok(())
             }
             (DataType::Structure(_), value) => {
-                // Bytes of a number again and again.
-                let byte = self.argument_whole(value)? as u8;
+                // The bytes of a number, in its type, again and again.
+                let width = match value {
+                    Argument::Integer(Ex::Load(cell)) | Argument::Real(Ex::Load(cell)) => cell.kind.size(),
+                    _ => 4,
+                };
+                let bytes = match self.argument(value)? {
+                    Number::Whole(value) => value.to_le_bytes(),
+                    Number::Real(value) if width == 8 => value.to_le_bytes(),
+                    Number::Real(value) => u64::from((value as f32).to_bits()).to_le_bytes(),
+                };
                 let to = (range.at + count * size) as usize;
-                if let Some(bytes) = self.s.memory.get_mut(range.at as usize..to) {
-                    bytes.fill(byte);
+                let target = self.s.memory.get_mut(range.at as usize..to).unwrap_or_default();
+                for (byte, of) in target.iter_mut().zip(bytes.iter().take(width).cycle()) {
+                    *byte = *of;
                 }
                 Ok(())
             }
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 }

@@ -41,13 +41,15 @@ impl Scan<'_> {
                 self.set(last.0, last.1, if prescan { rising } else { now });
                 Ok(power)
             }
-            _ => Ok(power),
+            _ => Err(self.unknown()),
         }
     }
 
     /// LIM and MEQ.
     pub(crate) fn limit(&mut self, op: Op, arguments: &[Argument]) -> Run<bool> {
-        let [a, b, c] = arguments else { return Ok(false) };
+        let [a, b, c] = arguments else {
+            return Err(self.unknown());
+        };
         if op == Op::Meq {
             let (source, mask, compare) = (
                 self.argument_whole(a)?,

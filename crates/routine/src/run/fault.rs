@@ -121,6 +121,11 @@ impl Scan<'_> {
         Exit::Fault
     }
 
+    /// The fault of operands that an instruction does not take, which loading refuses.
+    pub(crate) fn unknown(&mut self) -> Exit {
+        self.fault(4, 16, None)
+    }
+
     /// A minor fault of type 4: its bit, and S:MINOR.
     pub(crate) fn minor(&mut self) {
         self.s.minor = true;

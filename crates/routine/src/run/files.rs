@@ -21,7 +21,7 @@ impl Scan<'_> {
     /// FAL and FSC.
     pub(crate) fn file(&mut self, op: Op, arguments: &[Argument], power: bool) -> Run<()> {
         let [Argument::Area(control), _, _, mode, rest @ ..] = arguments else {
-            return Ok(());
+            return Err(self.unknown());
         };
         let at = self.address(&control.place)?;
         let bits = at + 3;
@@ -105,7 +105,7 @@ impl Scan<'_> {
                         return Ok(());
                     }
                 }
-                _ => return Ok(()),
+                _ => return Err(self.unknown()),
             }
             let next = self.dint(at + 8).wrapping_add(1);
             self.put_dint(at + 8, next);
@@ -126,7 +126,7 @@ impl Scan<'_> {
             [Argument::Area(array), dimension, target, Argument::Area(control), _, _] => {
                 (array, dimension, Some(target), control)
             }
-            _ => return Ok(()),
+            _ => return Err(self.unknown()),
         };
         let at = self.address(&control.place)?;
         let bits = at + 3;
@@ -149,7 +149,7 @@ impl Scan<'_> {
         self.set(bits, EN, true);
         let range = self.range(array)?;
         let DataType::Elementary(kind) = array.data_type else {
-            return Ok(());
+            return Err(self.unknown());
         };
         let dimension = usize::try_from(self.argument_whole(dimension)?).unwrap_or(0);
         let stride = self.stride_of(array, dimension);
@@ -180,7 +180,7 @@ impl Scan<'_> {
                 self.assign(target, Number::Real(result))?;
                 self.flags(Number::Real(result));
             }
-            _ => {}
+            _ => return Err(self.unknown()),
         }
         self.put_dint(at + 8, length);
         self.set(bits, DN, true);

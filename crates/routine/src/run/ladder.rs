@@ -248,7 +248,10 @@ impl<'s> Scan<'s> {
             (Op::Almd, [Argument::Area(alarm), operands @ ..]) => self.alarm(alarm, operands, power).map(|()| power),
             (Op::Motion, [Argument::Motion(call)]) => self.motion(call, power).map(|()| power),
             (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call, power),
-            _ => Ok(power),
+            (Op::Nop | Op::Sbr | Op::Lbl | Op::Uid | Op::Missing, _) => Ok(power),
+            // The others with a false rung.
+            _ if !power => Ok(false),
+            _ => Err(self.unknown()),
         }
     }
 

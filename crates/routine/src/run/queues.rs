@@ -12,7 +12,7 @@ impl Scan<'_> {
     /// BSL and BSR.
     pub(crate) fn shift(&mut self, op: Op, arguments: &[Argument], power: bool) -> Run<()> {
         let [Argument::Area(array), Argument::Area(control), source, _] = arguments else {
-            return Ok(());
+            return Err(self.unknown());
         };
         let at = self.address(&control.place)?;
         let bits = at + 3;
@@ -53,10 +53,12 @@ impl Scan<'_> {
     pub(crate) fn queue(&mut self, op: Op, arguments: &[Argument], power: bool) -> Run<()> {
         let loads = matches!(op, Op::Ffl | Op::Lfl);
         let [first, second, Argument::Area(control), ..] = arguments else {
-            return Ok(());
+            return Err(self.unknown());
         };
         let (array, value) = if loads { (second, first) } else { (first, second) };
-        let Argument::Area(array) = array else { return Ok(()) };
+        let Argument::Area(array) = array else {
+            return Err(self.unknown());
+        };
         let at = self.address(&control.place)?;
         let bits = at + 3;
         let edge = if loads { EN } else { EU };
@@ -111,10 +113,11 @@ impl Scan<'_> {
         match (value, &array.data_type) {
             (Argument::Area(from), DataType::Elementary(kind)) => {
                 let source = self.address(&from.place)?;
-                if let DataType::Elementary(of) = from.data_type {
-                    let value = self.read(source, of);
-                    self.write(at, *kind, value);
-                }
+                let DataType::Elementary(of) = from.data_type else {
+                    return Err(self.unknown());
+                };
+                let value = self.read(source, of);
+                self.write(at, *kind, value);
                 Ok(())
             }
             (Argument::Area(from), _) => {
@@ -126,7 +129,7 @@ impl Scan<'_> {
                 self.write(at, *kind, value);
                 Ok(())
             }
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 
@@ -135,26 +138,28 @@ impl Scan<'_> {
         match (target, &array.data_type) {
             (Argument::Area(to), DataType::Elementary(kind)) => {
                 let address = self.address(&to.place)?;
-                if let DataType::Elementary(of) = to.data_type {
-                    let value = self.read(at, *kind);
-                    self.write(address, of, value);
-                }
+                let DataType::Elementary(of) = to.data_type else {
+                    return Err(self.unknown());
+                };
+                let value = self.read(at, *kind);
+                self.write(address, of, value);
                 Ok(())
             }
             (Argument::Area(to), _) => {
                 let address = self.address(&to.place)?;
                 self.copy_bytes(at, address, array.size.min(to.size))
             }
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 
     fn clear_target(&mut self, target: &Argument) -> Run<()> {
-        if let Argument::Area(to) = target {
-            let from = self.address(&to.place)? as usize;
-            if let Some(bytes) = self.s.memory.get_mut(from..from + to.size as usize) {
-                bytes.fill(0);
-            }
+        let Argument::Area(to) = target else {
+            return Err(self.unknown());
+        };
+        let from = self.address(&to.place)? as usize;
+        if let Some(bytes) = self.s.memory.get_mut(from..from + to.size as usize) {
+            bytes.fill(0);
         }
         Ok(())
     }
@@ -162,7 +167,7 @@ impl Scan<'_> {
     /// SQI
     pub(crate) fn sequencer_input(&mut self, arguments: &[Argument]) -> Run<bool> {
         let [Argument::Area(array), mask, source, Argument::Area(control), ..] = arguments else {
-            return Ok(false);
+            return Err(self.unknown());
         };
         let at = self.address(&control.place)?;
         let (length, position) = (self.dint(at + 4), self.dint(at + 8));
@@ -183,7 +188,7 @@ impl Scan<'_> {
                 (array, Some(mask), value, control)
             }
             (_, [Argument::Area(array), value, Argument::Area(control), ..]) => (array, None, value, control),
-            _ => return Ok(()),
+            _ => return Err(self.unknown()),
         };
         let at = self.address(&control.place)?;
         let bits = at + 3;
@@ -218,9 +223,10 @@ impl Scan<'_> {
                 let Some(to) = element_at(array, range, next) else {
                     return Err(self.fault(4, 20, Some((LEN, length.into()))));
                 };
-                if let DataType::Elementary(kind) = array.data_type {
-                    self.write(to, kind, value);
-                }
+                let DataType::Elementary(kind) = array.data_type else {
+                    return Err(self.unknown());
+                };
+                self.write(to, kind, value);
                 Ok(())
             }
         }
@@ -231,10 +237,10 @@ impl Scan<'_> {
         let Some(at) = element_at(array, range, position) else {
             return Err(self.fault(4, 20, Some((POS, position.into()))));
         };
-        Ok(match array.data_type {
-            DataType::Elementary(kind) => self.read_whole(at, kind),
-            DataType::Structure(_) => 0,
-        })
+        match array.data_type {
+            DataType::Elementary(kind) => Ok(self.read_whole(at, kind)),
+            DataType::Structure(_) => Err(self.unknown()),
+        }
     }
 }
 

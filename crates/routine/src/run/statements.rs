@@ -2,7 +2,7 @@
 
 use super::Number;
 use super::{Exit, Run, Scan};
-use crate::code::{Action, Argument, Instruction, Loop, Statement};
+use crate::code::{Action, Argument, Instruction, Loop, Statement, TextPart};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -104,6 +104,30 @@ impl<'s> Scan<'s> {
         }
     }
 
+    /// A tag that is not retentive becomes 0, and a text empty.
+    fn clear(&mut self, to: &Argument) -> Run<()> {
+        match to {
+            Argument::Text(TextPart::Tag { place, .. }) => {
+                let at = self.address(place)?;
+                self.put_dint(at, 0);
+                Ok(())
+            }
+            Argument::Area(area) => {
+                let range = self.range(area)?;
+                let end = if area.is_whole {
+                    range.array_end
+                } else {
+                    range.at + area.size
+                };
+                if let Some(bytes) = self.s.memory.get_mut(range.at as usize..end as usize) {
+                    bytes.fill(0);
+                }
+                Ok(())
+            }
+            to => self.assign(to, Number::Whole(0)),
+        }
+    }
+
     fn call_instruction(&mut self, instruction: &'s Instruction) -> Run<()> {
         // Instructions of edges see a false rung before the true one.
         if instruction.is_edge && instruction.op != Op::Motion {
@@ -115,7 +139,7 @@ impl<'s> Scan<'s> {
     /// Instructions in their form for prescan; tags that are not retentive become 0.
     fn prescan_statement(&mut self, statement: &'s Statement) -> Run<()> {
         match &statement.action {
-            Action::Assign(to, _, false) => self.assign(to, Number::Whole(0)),
+            Action::Assign(to, _, false) => self.clear(to),
             Action::Assign(..) | Action::Exit | Action::Return => Ok(()),
             Action::If(branches, otherwise) => {
                 for (_, body) in branches {

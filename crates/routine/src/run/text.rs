@@ -131,7 +131,7 @@ impl Scan<'_> {
                 });
                 self.put_text(to, &buffer)
             }
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 

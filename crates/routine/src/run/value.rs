@@ -251,7 +251,7 @@ impl Scan<'_> {
             }
             Argument::Bit(bit) => Ok(Number::Whole(i64::from(self.bit(bit)?))),
             Argument::Word(value) => Ok(Number::Whole(i64::from(*value))),
-            _ => Ok(Number::Whole(0)),
+            _ => Err(self.unknown()),
         }
     }
 
@@ -275,7 +275,7 @@ impl Scan<'_> {
                 self.set(at, mask, on);
                 Ok(())
             }
-            _ => Ok(()),
+            _ => Err(self.unknown()),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::Form::{self, Control, Edge, Input, Output, Text};
 use super::Kind::{
-    self, Bit, Compared, Data, Expression, Label, Mode, MoveTarget, Name, Number, OutBit, Routine, Shown, Structure,
-    Target, Task, TextTarget, Unsigned, Word,
+    self, Bit, Compared, Data, Expression, Filling, Label, Mode, MoveTarget, Name, Number, OutBit, Routine, Shown,
+    Structure, Target, Task, TextTarget, Unsigned, Word,
 };
 use super::{Op, Row};
 use crate::code::Compare;
@@ -157,8 +157,8 @@ pub(crate) const ROWS: &[Row] = &[
     row(&["MVMT"], "Masked Move with Target", Op::Mvmt, &[("MVMT tag", Structure(&["FBD_MASKED_MOVE"]))], Text, ["", "", "Dest := (Source AND Mask) OR (Target AND NOT Mask)"]),
     row(&["BTDT"], "Bit Field Distribute with Target", Op::Btdt, &[("BTDT tag", Structure(&["FBD_BIT_FIELD_DISTRIBUTE"]))], Text, ["", "", "Dest := Target with the field of Source"]),
     row(&["SWPB"], "Swap Byte", Op::Swpb, &[("Source", Number), ("Order Mode", Word(&["REVERSE", "WORD", "HIGH/LOW"])), ("Dest", Target)], Output, ["", "", "dest := source with other order of bytes"]),
-    row(&["COP", "CPS"], "Copy File", Op::Cop, &[("Source", Data), ("Dest", Data), ("Length", Number)], Output, ["", "", "length elements of dest := bytes of source; ends at the end of either"]),
-    row(&["FLL"], "Fill File", Op::Fll, &[("Source", Compared), ("Dest", Data), ("Length", Number)], Output, ["", "", "length elements of dest := source"]),
+    row(&["COP", "CPS"], "Copy File", Op::Cop, &[("Source", Data), ("Dest", Data), ("Length", Number)], Output, ["", "", "length elements of dest := bytes of source; ends at the end of either; of BOOLs words of 32"]),
+    row(&["FLL"], "Fill File", Op::Fll, &[("Source", Filling), ("Dest", Data), ("Length", Number)], Output, ["", "", "length elements of dest := source"]),
     // Program control.
     row(&["JSR"], "Jump to Subroutine", Op::Jsr, &[("Routine", Routine)], Control, ["prescans the routine", "", "runs the routine with parameters by value; too few: 4/31; too deep: 4/84"]),
     row(&["SBR"], "Subroutine", Op::Sbr, &[], Control, ["", "", "takes the parameters of the call"]),

@@ -1,0 +1,125 @@
+//! Operands that do not go together: what the scan would have to pass over in silence is refused when the project is loaded.
+
+use arcline_tag::{DataType, Elementary};
+
+use super::Wrong;
+use crate::code::{Area, Argument, TextPart};
+use crate::table::Op;
+
+/// Whether the scan has an effect for these operands of an instruction.
+pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
+    match (op, arguments) {
+        (Op::Cop, [from, to, _]) => {
+            area("Dest", to)?;
+            match from {
+                Argument::Bit(_) => Err(format!("Source is {}", described(from))),
+                _ => Ok(()),
+            }
+        }
+        (Op::Fll, [from, to, _]) => fill(from, area("Dest", to)?),
+        (Op::Size, [of, ..]) => area("Source", of).map(|_| ()),
+        (Op::Mov, [from, to]) => match (from, to) {
+            (Argument::Text(_), Argument::Text(TextPart::Tag { .. })) => Ok(()),
+            (Argument::Text(_), _) | (_, Argument::Text(_)) => {
+                Err(format!("Source is {}, Dest is {}", described(from), described(to)))
+            }
+            _ => Ok(()),
+        },
+        (Op::Swpb, [.., to]) => match to {
+            Argument::Target(_) => Ok(()),
+            _ => Err(format!("Dest is {}, expected a whole number", described(to))),
+        },
+        (Op::Bsl | Op::Bsr | Op::Ave | Op::Std | Op::Srt | Op::Sqi | Op::Sqo | Op::Sql, [of, ..]) => {
+            numbers(area("Array", of)?).map(|_| ())
+        }
+        (Op::Ffl | Op::Lfl, [value, of, ..]) => queue(area("Array", of)?, "Source", value, true),
+        (Op::Ffu | Op::Lfu, [of, value, ..]) => queue(area("Array", of)?, "Dest", value, false),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a value that a call gives has a place in a tag that takes it.
+pub(crate) fn transfers(from: &Argument, to: &Argument) -> Result<(), Wrong> {
+    let fits = match (from, to) {
+        (Argument::Area(from), Argument::Area(to)) => match (&from.data_type, &to.data_type) {
+            (DataType::Elementary(_), DataType::Elementary(_)) => true,
+            (from, to) => from.name().eq_ignore_ascii_case(to.name()),
+        },
+        (Argument::Area(_) | Argument::Text(_), _) | (_, Argument::Area(_) | Argument::Text(_)) => false,
+        _ => true,
+    };
+    if fits {
+        Ok(())
+    } else {
+        Err(format!("{} does not fit into {}", described(from), described(to)))
+    }
+}
+
+fn fill(from: &Argument, to: &Area) -> Result<(), Wrong> {
+    let fits = match from {
+        Argument::Bit(_) | Argument::Text(_) => false,
+        Argument::Area(from) => match (&from.data_type, &to.data_type) {
+            (DataType::Elementary(_), DataType::Elementary(_)) => true,
+            (from, to) => from.name().eq_ignore_ascii_case(to.name()),
+        },
+        _ => true,
+    };
+    if fits {
+        Ok(())
+    } else {
+        Err(format!(
+            "Source is {}, Dest is {}",
+            described(from),
+            to.data_type.name()
+        ))
+    }
+}
+
+/// An element of a queue is a number, or a structure of the type of its array.
+fn queue(array: &Area, name: &str, value: &Argument, loads: bool) -> Result<(), Wrong> {
+    let fits = match (value, &array.data_type) {
+        (Argument::Area(one), _) if is_word_of_bits(one) => false,
+        (Argument::Area(one), DataType::Elementary(_)) => matches!(one.data_type, DataType::Elementary(_)),
+        (Argument::Area(one), of) => one.data_type.name().eq_ignore_ascii_case(of.name()),
+        (Argument::Integer(_) | Argument::Real(_), DataType::Elementary(_)) => loads,
+        _ => false,
+    };
+    if fits {
+        Ok(())
+    } else {
+        Err(format!(
+            "{name} is {}, expected {}",
+            described(value),
+            array.data_type.name()
+        ))
+    }
+}
+
+fn is_word_of_bits(area: &Area) -> bool {
+    area.data_type == DataType::Elementary(Elementary::Dword) && !area.is_whole
+}
+
+fn area<'a>(name: &str, argument: &'a Argument) -> Result<&'a Area, Wrong> {
+    match argument {
+        Argument::Area(area) => Ok(area),
+        other => Err(format!("{name} is {}, expected data", described(other))),
+    }
+}
+
+fn numbers(area: &Area) -> Result<&Area, Wrong> {
+    match &area.data_type {
+        DataType::Elementary(_) => Ok(area),
+        DataType::Structure(template) => Err(format!("Array is {}, expected numbers", template.name)),
+    }
+}
+
+fn described(argument: &Argument) -> String {
+    match argument {
+        Argument::Bit(_) => "a BOOL".to_owned(),
+        Argument::Area(area) if is_word_of_bits(area) => "a BOOL".to_owned(),
+        Argument::Area(area) if area.is_whole => format!("an array of {}", area.data_type.name()),
+        Argument::Area(area) => area.data_type.name().to_owned(),
+        Argument::Text(_) => "a text".to_owned(),
+        _ => "a number".to_owned(),
+    }
+}
