@@ -1,5 +1,6 @@
 //! Routines on a machine that has no motion: a row a behaviour.
 
+mod aliases;
 mod by_reference;
 mod effects;
 mod events;

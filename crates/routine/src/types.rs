@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use arcline_instruction_set::predefined;
-use arcline_tag::{DataType, Elementary, TagType, Template, TemplateBuilder};
+use arcline_tag::{DataType, Elementary, Member, TagType, Template, TemplateBuilder};
 
+use crate::expression::{Expression, Step};
 use crate::source::{MemberSource, Project, Usage};
 
 /// The types by name in lower case.
@@ -21,6 +22,8 @@ pub(crate) struct Types {
 struct Pending<'p> {
     name: &'p str,
     members: Vec<&'p MemberSource>,
+    /// Parameters that are aliases, and their targets.
+    aliases: Vec<(&'p str, &'p str)>,
 }
 
 impl Types {
@@ -42,6 +45,7 @@ impl Types {
                 Pending {
                     name: &source.name,
                     members,
+                    aliases: Vec::new(),
                 },
             );
         }
@@ -54,11 +58,15 @@ impl Types {
                 .map(|one| &one.member)
                 .chain(source.locals.iter().map(|(local, _)| local));
             let members = members.collect();
+            // Encoded content has no local tags that a parameter could stand for.
+            let aliases = source.parameters.iter().filter(|_| !source.is_encoded);
+            let aliases = aliases.filter_map(|one| Some((one.member.name.as_str(), one.alias.as_deref()?)));
             pending.insert(
                 source.name.to_ascii_lowercase(),
                 Pending {
                     name: &source.name,
                     members,
+                    aliases: aliases.collect(),
                 },
             );
         }
@@ -114,7 +122,47 @@ impl Types {
             };
         }
         self.next = self.next.saturating_add(1);
-        self.known.insert(name.to_owned(), DataType::Structure(builder.build()));
+        let template = self.with_aliases(builder.build(), &source);
+        self.known.insert(name.to_owned(), DataType::Structure(template));
+    }
+
+    /// The type of an instance with the parameters that are aliases: each stands where its target is.
+    fn with_aliases(&mut self, template: Arc<Template>, source: &Pending<'_>) -> Arc<Template> {
+        let mut all = Template::clone(&template);
+        let mut left = source.aliases.clone();
+        // An alias may stand for another one.
+        loop {
+            let before = left.len();
+            left.retain(|(name, target)| match target_of(&all, &source.members, target) {
+                Some(found) => {
+                    all.members.push(Member {
+                        name: (*name).to_owned(),
+                        ..found
+                    });
+                    false
+                }
+                None => true,
+            });
+            if left.is_empty() || left.len() == before {
+                break;
+            }
+        }
+        for (name, target) in left {
+            let reason = format!("its parameter {name} is an alias of {target}, which it does not have");
+            self.wrong.push((source.name.to_owned(), reason));
+        }
+        if all.members.len() == template.members.len() {
+            return template;
+        }
+        let builder = TemplateBuilder::new(all.name, all.instance).size(all.size);
+        let add = |builder: TemplateBuilder, member: Member| {
+            let builder = match member.bit {
+                Some(bit) => builder.bit_at(member.name, member.offset, bit),
+                None => builder.member_at(member.name, member.data_type, member.dimension, member.offset),
+            };
+            if member.hidden { builder.hide() } else { builder }
+        };
+        all.members.into_iter().fold(builder, add).build()
     }
 
     /// A type by its name.
@@ -153,6 +201,83 @@ impl Types {
     /// An instance for a type that is added.
     pub(crate) fn instance(&self) -> u16 {
         self.next
+    }
+}
+
+/// The part of an instance that an alias stands for; `None`: there is none, or one of its subscripts is calculated.
+fn target_of(template: &Template, sources: &[&MemberSource], target: &str) -> Option<Member> {
+    let reference = Expression::parse_reference(target).ok()?;
+    let mut found = template
+        .member(&reference.name)
+        .filter(|_| reference.program.is_none())?
+        .clone();
+    // The template knows one dimension, an array of BOOLs by its words.
+    let is_words = |found: &Member| found.dimension > 0 && found.data_type == Elementary::Dword.into();
+    let source = sources
+        .iter()
+        .find(|one| one.name.eq_ignore_ascii_case(&reference.name));
+    let mut dimensions = match source {
+        Some(source) if !is_words(&found) => source.dimensions.clone(),
+        _ => vec![u32::from(found.dimension); usize::from(found.dimension > 0)],
+    };
+    for step in &reference.steps {
+        match step {
+            Step::Member(name) => {
+                let DataType::Structure(inner) = &found.data_type else {
+                    return None;
+                };
+                let inner = inner.member(name).filter(|_| dimensions.is_empty())?;
+                let offset = found.offset + inner.offset;
+                found = Member {
+                    offset,
+                    ..inner.clone()
+                };
+                dimensions = vec![u32::from(found.dimension); usize::from(found.dimension > 0)];
+            }
+            Step::Index(values) => {
+                let is_words = is_words(&found);
+                let mut element = 0;
+                for (value, size) in values.iter().zip(&dimensions) {
+                    let Expression::Integer(value) = value else { return None };
+                    let size = if is_words { 32 * size } else { *size };
+                    element = element * size + u32::try_from(*value).ok().filter(|value| *value < size)?;
+                }
+                if values.len() != dimensions.len() {
+                    return None;
+                }
+                dimensions.clear();
+                found.dimension = 0;
+                if is_words {
+                    found = bit_of(found, element);
+                } else {
+                    found.offset += element * found.data_type.size() as u32;
+                }
+            }
+            Step::Bit(bit) => {
+                let DataType::Elementary(kind) = found.data_type else {
+                    return None;
+                };
+                let is_number = dimensions.is_empty() && found.bit.is_none() && !kind.is_real();
+                let bit = u32::try_from(*bit)
+                    .ok()
+                    .filter(|bit| is_number && *bit < 8 * kind.size() as u32)?;
+                found = bit_of(found, bit);
+            }
+            Step::BitAt(_) => return None,
+        }
+    }
+    found.hidden = false;
+    Some(found)
+}
+
+/// A bit behind the first byte of a member.
+fn bit_of(member: Member, bit: u32) -> Member {
+    Member {
+        data_type: Elementary::Bool.into(),
+        offset: member.offset + bit / 8,
+        dimension: 0,
+        bit: Some((bit % 8) as u8),
+        ..member
     }
 }
 

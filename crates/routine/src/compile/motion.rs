@@ -249,7 +249,10 @@ fn controls_in(of: &DataType, at: u32, name: &str, control: &DataType, elements:
             name.to_owned()
         };
         if of == control {
-            places.push((at, name));
+            // A parameter that is an alias stands where its target does.
+            if places.iter().all(|(known, _)| *known != at) {
+                places.push((at, name));
+            }
             continue;
         }
         for member in &template.members {
